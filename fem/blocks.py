@@ -1,18 +1,18 @@
 """One pass over the stresses of a long modal history, block by block, for any result of them.
 
-Nodes go outside and times inside: each block of nodes is seen over the whole history, in order of time,
-before the next one begins. Memory holds the history of the modal coordinates and one block of stresses,
-however long the history is and however many nodes the mesh has.
+A segment of the history is in memory at a time. In it each block of nodes is seen in order of time before the
+next one begins. Memory holds the segment's modal coordinates and one block of stresses, however long the
+history is and however many nodes the mesh has.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from fem.mesh import Floats, Integers
-from fem.rank import TIME_BLOCK, StressHistory, full_rank, node_blocks, reduced_rank
+from fem.rank import ModalHistory, StressHistory, full_rank, node_blocks, reduced_rank
 from fem.shapes import Columns
 
 Result = TypeVar("Result", covariant=True)
@@ -27,6 +27,8 @@ class StressBlock(NamedTuple):
         Positions of the nodes among those that are looked at.
     times : slice
         Rows of the history.
+    segment : slice
+        Rows that are in memory together; the last block of these nodes in them ends where they do.
     stress : array (k, c, t)
         The fold's components in Pa; overwritten by the next block.
     bound : array (k,)
@@ -35,6 +37,7 @@ class StressBlock(NamedTuple):
 
     nodes: slice
     times: slice
+    segment: slice
     stress: Floats
     bound: Floats
 
@@ -42,8 +45,8 @@ class StressBlock(NamedTuple):
 class Fold(Protocol[Result]):
     """A result that is gathered from a history of stresses.
 
-    A fold that needs whole histories of single nodes, as counts of cycles do, gathers the blocks of the same
-    nodes until `times.stop` is the number of times, and is done with these nodes then.
+    A fold that looks at long parts of the history of single nodes, as counts of cycles do, gathers the blocks
+    of the same nodes until `times.stop` is that of the segment.
 
     Attributes
     ----------
@@ -57,7 +60,7 @@ class Fold(Protocol[Result]):
         """Begin with the numbers (n,) of the nodes to come and the number of times."""
 
     def add(self, block: StressBlock) -> None:
-        """Take the next block: times in order for the same nodes, then the next nodes."""
+        """Take the next block: times of a segment in order, then the next nodes, then the next segment."""
 
     def finish(self) -> Result:
         """Return the result."""
@@ -65,7 +68,7 @@ class Fold(Protocol[Result]):
 
 def fold_stresses(
     stress_modes: Columns,
-    q: Floats | Iterable[Floats],
+    q: ModalHistory,
     fold: Fold[Result],
     nodes: Integers | None = None,
     tolerance: float | None = None,
@@ -77,7 +80,7 @@ def fold_stresses(
     stress_modes : columns (n, 6, m)
         In Pa per unit of a coordinate: of modes, or of modes and static fields side by side.
     q : array (t, m), or iterable of arrays
-        Coordinates, or blocks of them in order of time.
+        Coordinates, or parts of them in order of time: of a `StoredHistory` one segment is in memory.
     fold : Fold
     nodes : int array, optional
         Numbers of the nodes to look at, in any order; all if left out.
@@ -95,49 +98,28 @@ def fold_stresses(
     ValueError
         If the history is empty or not finite, or has another number of modes.
     """
-    history = list(_checked_blocks(q, stress_modes.shape[2]))
+    parts = np.atleast_2d(q) if isinstance(q, np.ndarray) else list(q) if isinstance(q, Iterator) else q
+    times = parts.shape[0] if hasattr(parts, "shape") else sum(len(np.atleast_2d(part)) for part in parts)
+    if times == 0:
+        raise ValueError("the history must have at least one row, got none")
     chosen = np.arange(len(stress_modes)) if nodes is None else np.asarray(nodes, dtype=np.int64)
-    fold.start(chosen, sum(columns.shape[1] for columns in history))
+    fold.start(chosen, times)
     # products of this size gain nothing by threads, which would wait for each other thousands of times
     with threadpool_limits(1, user_api="blas"):
-        source = full_rank(stress_modes if nodes is None else stress_modes[chosen], history, fold.components)
+        source = full_rank(stress_modes if nodes is None else stress_modes[chosen], parts, fold.components)
         for block in _stress_blocks(source if tolerance is None else reduced_rank(source, tolerance)):
             fold.add(block)
     return fold.finish()
 
 
 def _stress_blocks(source: StressHistory) -> Iterator[StressBlock]:
-    """Stresses of blocks of nodes over a history; times run fastest."""
-    for places in node_blocks(len(source.bound)):
-        shapes = source.shapes(places)
-        k, c, r = shapes.shape
-        start = 0
-        for number, columns in enumerate(source.history):
-            times = slice(start, start + columns.shape[1])
-            stress = shapes.reshape(k * c, r) @ columns
-            yield StressBlock(places, times, stress.reshape(k, c, -1), source.bound[places, number])
-            start = times.stop
-
-
-def _checked_blocks(q: Floats | Iterable[Floats], modes: int) -> Iterator[Floats]:
-    """Blocks (m, t) of a history; `ValueError` if one does not fit or is not finite, or if there is none."""
-    start = 0
-    for block in _row_blocks(q):
-        if block.shape[1] != modes:
-            raise ValueError(f"the history must have {modes} modal coordinates, got {block.shape[1]}")
-        if not np.isfinite(block).all():
-            raise ValueError(
-                f"the history must be finite, got others in rows {start} to {start + len(block) - 1}"
-            )
-        yield np.asfortranarray(block.T)
-        start += len(block)
-    if start == 0:
-        raise ValueError("the history must have at least one row, got none")
-
-
-def _row_blocks(q: Floats | Iterable[Floats]) -> Iterator[Floats]:
-    parts = [q] if isinstance(q, np.ndarray) else q
-    for part in parts:
-        part = np.atleast_2d(part)
-        for start in range(0, len(part), TIME_BLOCK):
-            yield part[start : start + TIME_BLOCK]
+    """Stresses of blocks of nodes over the segments of a history; times run fastest."""
+    for start, columns, bound in source.segments():
+        ends = np.cumsum([start, *(block.shape[1] for block in columns)]).tolist()
+        for of in node_blocks(source.nodes):
+            shapes = source.shapes(of)
+            k, c, r = shapes.shape
+            for number, block in enumerate(columns):
+                at, whole = slice(ends[number], ends[number + 1]), slice(start, ends[-1])
+                stress = (shapes.reshape(k * c, r) @ block).reshape(k, c, -1)
+                yield StressBlock(of, at, whole, stress, bound[of, number])

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.blocks import Fold, StressBlock, fold_stresses
-from fem.damage import TOLERANCE, Counting, check_history
+from fem.damage import TOLERANCE, CountedDamage, Counting, check_history
 from fem.mesh import Floats, Integers, Mesh
-from fem.rank import NODE_BLOCK
+from fem.rank import NODE_BLOCK, SEGMENT, StoredHistory
 from fem.shapes import Columns
 
 APART, FINE = np.radians(10.0), np.radians(1.0)
@@ -60,25 +60,30 @@ class _OnPlanes(Fold[Floats]):
 
     def start(self, nodes: Integers, times: int) -> None:
         """Begin with no damage."""
-        self._stress = np.empty((min(len(nodes), NODE_BLOCK), 6, times))
-        self._damage = np.zeros((*self._rows.shape[:2], len(self._counting.survivals)))
+        n, planes = self._rows.shape[:2]
+        self._stress = np.empty((min(n, NODE_BLOCK), 6, min(times, SEGMENT)), dtype=np.float32)
+        self._counted = CountedDamage(self._counting, n * planes)
 
     def add(self, block: StressBlock) -> None:
-        """Gather the stresses of a block of nodes, and count them when they are whole."""
-        of, at = block.nodes, block.times
-        self._stress[: of.stop - of.start, :, at] = block.stress
-        for node in range(of.start, of.stop) if at.stop == self._stress.shape[2] else ():
-            signals = self._rows[node] @ self._stress[node - of.start]
-            self._damage[node] = self._counting.damage(signals).sum(axis=2)
+        """Gather the stresses of a block of nodes, and count those of a segment."""
+        of, at, whole, planes = block.nodes, block.times, block.segment, self._rows.shape[1]
+        if self._stress.dtype != block.stress.dtype:
+            self._stress = np.empty(self._stress.shape, block.stress.dtype)
+        gathered = self._stress[: of.stop - of.start, :, : whole.stop - whole.start]
+        gathered[:, :, at.start - whole.start : at.stop - whole.start] = block.stress
+        for node in range(of.start, of.stop) if at.stop == whole.stop else ():
+            signals = self._rows[node] @ gathered[node - of.start]
+            self._counted.add(slice(node * planes, (node + 1) * planes), signals, whole.start)
 
     def finish(self) -> Floats:
         """Damage of all nodes."""
-        return self._damage
+        damage = self._counted.damage.sum(axis=2)
+        return damage.reshape(*self._rows.shape[:2], -1)
 
 
 def damage_on_planes(
     stress_modes: Columns,
-    q: Floats,
+    q: Floats | StoredHistory,
     normals: Floats,
     angles: Floats,
     counting: Counting,

@@ -16,8 +16,8 @@ from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.compiling import compiler
 from fem.fatigue import SNCurve, check_survivals
 from fem.mesh import Floats, Integers
-from fem.rainflow import Cycles, repeated_cycles
-from fem.rank import NODE_BLOCK
+from fem.rainflow import CycleCounter, joined_cycles
+from fem.rank import NODE_BLOCK, SEGMENT, StoredHistory
 from fem.shapes import Columns
 from fem.sources import FEM
 
@@ -74,25 +74,38 @@ class Counting:
         """Numbers of survivals and phases."""
         return len(self.survivals), int(self.phase.max()) + 1
 
-    def cycles(self, signal: Floats) -> Cycles:
-        """Cycles of a signal (t,) that are not left out."""
-        return repeated_cycles(signal).larger_than(self.cut)
 
-    def damage(self, signals: Floats) -> Floats:
-        """Damage (k, s, p) per pass of signals (k, t) in Pa, by survival and phase."""
-        count, (survivals, phases) = len(signals), self.shape
-        above = np.flatnonzero(0.5 * np.ptp(signals, axis=1) > self.cut)
-        found = [self.cycles(signals[row]) for row in above]
-        if not found:
-            return np.zeros((count, survivals, phases))
-        row = np.repeat(above, [len(one.begin) for one in found])
-        cycles = Cycles(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
-        each = self.curve.damage(cycles.amplitude, cycles.mean, self.survivals)
-        places = [row * phases + self.phase[end] for end in (cycles.begin_row, cycles.end_row)]
-        summed = [
-            sum(np.bincount(place, 0.5 * one, minlength=count * phases) for place in places) for one in each
-        ]
-        return np.stack(summed).reshape(survivals, count, phases).transpose(1, 0, 2)
+class CountedDamage:
+    """Damage of n histories by their cycles, whose values come in parts.
+
+    Attributes
+    ----------
+    damage : array (n, s, p)
+        Per pass, by survival and phase.
+    """
+
+    def __init__(self, counting: Counting, count: int) -> None:
+        self._counting, self._cycles = counting, CycleCounter(count, counting.cut)
+        self.damage = np.zeros((count, *counting.shape))
+
+    def add(self, of: slice, signals: Floats, start: int) -> None:
+        """Add what the next values (k, t) in Pa of some histories close; `start` is the row of the first."""
+        counting, closed = self._counting, []
+        is_last = start + signals.shape[1] == len(counting.phase)
+        for number, signal in enumerate(signals, of.start):
+            closed.append((number, self._cycles.add(number, signal, start)))
+            if is_last:
+                closed.append((number, self._cycles.close(number)))
+        there = [(number, one) for number, one in closed if len(one.begin)]
+        if not there:
+            return
+        numbers = np.repeat([number for number, _ in there], [len(one.begin) for _, one in there])
+        cycles = joined_cycles([one for _, one in there])
+        for survival, each in enumerate(
+            counting.curve.damage(cycles.amplitude, cycles.mean, counting.survivals)
+        ):
+            for end in (cycles.begin_row, cycles.end_row):
+                np.add.at(self.damage[:, survival], (numbers, counting.phase[end]), 0.5 * each)
 
 
 @dataclass(frozen=True)
@@ -191,28 +204,31 @@ class DamageOf(Fold[Damage]):
     def start(self, nodes: Integers, times: int) -> None:
         """Begin with no damage."""
         n = len(nodes)
-        self._nodes, self._signals = nodes, np.empty((min(n, NODE_BLOCK), times))
-        self._damage = np.zeros((n, *self._counting.shape))
-        self._highest, self._lowest, self._bound = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._nodes, self._signals = nodes, np.empty((min(n, NODE_BLOCK), min(times, SEGMENT)))
+        self._counted, self._bound = CountedDamage(self._counting, n), np.zeros(n)
+        self._highest, self._lowest = np.full(n, -np.inf), np.full(n, np.inf)
 
     def add(self, block: StressBlock) -> None:
-        """Gather the signals of a block of nodes, and count them when they are whole."""
-        of, at = block.nodes, block.times
-        signals = self._signals[: of.stop - of.start]
-        signals[:, at] = signed_signals(self._criterion, block.stress)
+        """Gather the signals of a block of nodes, and count those of a segment."""
+        of, at, whole = block.nodes, block.times, block.segment
+        signals = self._signals[: of.stop - of.start, : whole.stop - whole.start]
+        signals[:, at.start - whole.start : at.stop - whole.start] = signed_signals(
+            self._criterion, block.stress
+        )
         self._bound[of] = np.maximum(self._bound[of], block.bound)
-        if at.stop == self._signals.shape[1]:
-            self._damage[of] = self._counting.damage(signals)
-            self._highest[of], self._lowest[of] = signals.max(axis=1), signals.min(axis=1)
+        if at.stop == whole.stop:
+            self._counted.add(of, signals, whole.start)
+            self._highest[of] = np.maximum(self._highest[of], signals.max(axis=1))
+            self._lowest[of] = np.minimum(self._lowest[of], signals.min(axis=1))
 
     def finish(self) -> Damage:
         """Damage and extremes of all nodes."""
-        return Damage(self._nodes, self._damage, self._highest, self._lowest, self._bound)
+        return Damage(self._nodes, self._counted.damage, self._highest, self._lowest, self._bound)
 
 
 def recover_damage(
     stress_modes: Columns,
-    q: Floats,
+    q: Floats | StoredHistory,
     criterion: SignedCriterion,
     counting: Counting,
     nodes: Integers | None = None,
@@ -242,15 +258,15 @@ def recover_damage(
     return fold_stresses(stress_modes, q, DamageOf(criterion, counting), nodes, tolerance)
 
 
-def check_history(q: Floats, counting: Counting) -> None:
+def check_history(q: Floats | StoredHistory, counting: Counting) -> None:
     """Check that the phases have as many times as a history (t, m).
 
     Raises
     ------
     ValueError
     """
-    if len(q) != len(counting.phase):
-        raise ValueError(f"phase must be of {len(q)} times as the history, got {len(counting.phase)}")
+    if q.shape[0] != len(counting.phase):
+        raise ValueError(f"phase must be of {q.shape[0]} times as the history, got {len(counting.phase)}")
 
 
 def damage_between(curve: SNCurve, highest: Floats, lowest: Floats, survivals: Sequence[float]) -> Floats:

@@ -1,12 +1,11 @@
 """Extremes of the von Mises stress over a history: of each node over time, and over the nodes at each time.
 
-The whole history is searched at a reduced rank in single precision. If its bound leaves several times or
-nodes as candidates, all of them are recovered again at full rank in double precision: the result is that of a
-search at full rank.
+Each segment of the history is searched at a reduced rank in single precision. If its bound leaves several
+times or nodes as candidates, all of them are recovered again at full rank in double precision: the result is
+that of a search at full rank.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.compiling import compiler
 from fem.mesh import Floats, Integers
-from fem.rank import TIME_BLOCK, node_blocks
+from fem.rank import SEGMENT, TIME_BLOCK, ModalHistory, node_blocks, segments
 from fem.recovery import Peaks
 from fem.shapes import Columns
 from fem.sources import FEM
@@ -29,6 +28,9 @@ CELL = 32
 """Successive times, or nodes, that are recovered again together; a divisor of the blocks' sizes."""
 MOST = 0.25
 """Part of all cells beyond which the whole search at full rank is faster."""
+
+HIGHEST = ("highest", "highest_nodes")
+"""What `Extremes` has of each time."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Extremes:
 
 def recover_extremes(
     stress_modes: Columns,
-    q: Floats | Iterable[Floats],
+    q: ModalHistory,
     *,
     ranked: Integers | None = None,
     tolerance: float | None = TOLERANCE,
@@ -80,20 +82,40 @@ def recover_extremes(
     tolerance : float, optional
         Of the search; None searches at full rank.
     """
-    parts = [np.atleast_2d(part) for part in ([q] if isinstance(q, np.ndarray) else q)]
-    rows = np.concatenate(parts) if parts else np.zeros((0, stress_modes.shape[2]))
     chosen = np.ones(len(stress_modes), dtype=bool)
     if ranked is not None:
         chosen[:] = False
         chosen[ranked] = True
     if not chosen.any():
         raise ValueError("ranked must be at least one node, got none")
+    parts = [_of_segment(stress_modes, rows, chosen, tolerance) for rows in segments(q)]
+    if not parts:
+        raise ValueError("the history must have at least one row, got none")
+    whole, start = parts[0], 0
+    for part in parts[1:]:
+        start += SEGMENT
+        better = part.greatest > whole.greatest
+        whole = replace(
+            whole,
+            greatest=np.where(better, part.greatest, whole.greatest),
+            greatest_at=np.where(better, part.greatest_at + start, whole.greatest_at),
+            least=np.minimum(whole.least, part.least),
+            bound=np.maximum(whole.bound, part.bound),
+        )
+    highest, nodes = (np.concatenate([getattr(part, name) for part in parts]) for name in HIGHEST)
+    return replace(whole, highest=highest, highest_nodes=nodes)
+
+
+def _of_segment(
+    stress_modes: Columns, rows: Floats, ranked: NDArray[np.bool_], tolerance: float | None
+) -> Extremes:
+    """Extremes over some rows (t, m) of a history."""
     if tolerance is not None and len(rows) > TIME_BLOCK:
-        likely = fold_stresses(stress_modes, rows, _LikelyExtremes(chosen), tolerance=tolerance)
+        likely = fold_stresses(stress_modes, rows, _LikelyExtremes(ranked), tolerance=tolerance)
         open_times, open_nodes = likely.open_cells()
         if open_times.mean() < MOST and open_nodes.mean() < MOST:
-            return _recovered(stress_modes, rows, likely, chosen)
-    return fold_stresses(stress_modes, rows, VonMisesExtremes(chosen))
+            return _recovered(stress_modes, rows, likely, ranked)
+    return fold_stresses(stress_modes, rows, VonMisesExtremes(ranked))
 
 
 @compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})

@@ -5,12 +5,15 @@ Standardization of the rainflow counting method for fatigue analysis, Int. J. Fa
 has all cycles of every later one, and a history of n passes has n times as many.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from pylife.stress.rainflow import FourPointDetector, FullRecorder
 
+from fem.compiling import compiler
 from fem.mesh import Floats, Integers
+from fem.sources import FEM
 
 
 class Cycles(NamedTuple):
@@ -45,6 +48,105 @@ class Cycles(NamedTuple):
         return Cycles(self.begin[large], self.end[large], self.begin_row[large], self.end_row[large])
 
 
+def joined_cycles(parts: Sequence[Cycles]) -> Cycles:
+    """Cycles of all parts, at least one, in order."""
+    return Cycles(*map(np.concatenate, zip(*parts, strict=True)))
+
+
+NO_CYCLES = Cycles(np.empty(0), np.empty(0), *2 * (np.empty(0, dtype=np.int64),))
+
+
+class CycleCounter:
+    """Cycles of n repeated histories whose values come in parts; memory holds what is open of each.
+
+    Only reversals by more than a range can be ends of cycles beyond it: the others are left out at once.
+
+    Parameters
+    ----------
+    count : int
+        Number n of histories.
+    amplitude : float
+        Of cycles that are left out, at most.
+    """
+
+    def __init__(self, count: int, amplitude: float = 0.0) -> None:
+        self._amplitude, self._sense = amplitude, np.zeros(count, dtype=np.int8)
+        self._values, self._rows = np.zeros((count, 2)), np.zeros((count, 2), dtype=np.int64)
+        self._open = [(np.empty(0), np.empty(0, dtype=np.int64))] * count
+
+    def add(self, number: int, signal: Floats, start: int) -> Cycles:
+        """Cycles that the next values (t,) of a history close, of which `start` is the first's row."""
+        values, rows = np.empty(len(signal)), np.empty(len(signal), dtype=np.int64)
+        count, self._sense[number] = _reversals(
+            signal,
+            start,
+            2.0 * self._amplitude,
+            self._sense[number],
+            self._values[number],
+            self._rows[number],
+            values,
+            rows,
+        )
+        return self._closed(number, values[:count], rows[:count]) if count else NO_CYCLES
+
+    def close(self, number: int) -> Cycles:
+        """Cycles that a history closes by its end and its repetition."""
+        sense = self._sense[number]
+        if sense == 0:
+            return NO_CYCLES
+        last = [int(sense > 0)]
+        ended = self._closed(number, self._values[number, last], self._rows[number, last])
+        again = self._closed(number, *self._open[number])
+        return joined_cycles((ended, again))
+
+    def _closed(self, number: int, values: Floats, rows: Integers) -> Cycles:
+        """Cycles that further reversals of a history close."""
+        values, rows = (np.concatenate(both) for both in zip(self._open[number], (values, rows), strict=True))
+        if len(values) < 4:
+            self._open[number] = values, rows
+            return NO_CYCLES
+        counted = FourPointDetector(FullRecorder()).process(values)
+        found, left = counted.recorder, counted.residual_index.astype(np.int64)
+        self._open[number] = values[left], rows[left]
+        begin, end = found.index_from.astype(np.int64), found.index_to.astype(np.int64)
+        return Cycles(found.values_from, found.values_to, rows[begin], rows[end]).larger_than(self._amplitude)
+
+
+@compiler(FEM, nogil=True)
+def _reversals(signal, start, least, sense, extremes, places, values, rows):
+    """Reversals of a signal (t,) by more than `least` into values and rows; their number, and the sense.
+
+    `sense` is 1 while the signal rises, -1 while it falls, 0 before its first reversal; `extremes` are the
+    lowest and highest value since the last one, `places` their rows.
+    """
+    count, first = 0, start == 0
+    for t in range(len(signal)):
+        value = np.float64(signal[t])
+        if first:
+            extremes[0] = extremes[1] = value
+            places[0] = places[1] = start
+            first = False
+        if value > extremes[1] and sense >= 0:
+            extremes[1], places[1] = value, start + t
+        elif value < extremes[0] and sense <= 0:
+            extremes[0], places[0] = value, start + t
+        turned = 0
+        if sense == 0 and extremes[1] - extremes[0] > least:
+            turned = 1 if places[0] < places[1] else -1
+        elif sense == 1 and extremes[1] - value > least:
+            turned = -1
+        elif sense == -1 and value - extremes[0] > least:
+            turned = 1
+        if turned != 0:
+            past = 0 if turned == 1 else 1
+            values[count], rows[count] = extremes[past], places[past]
+            count += 1
+            if sense != 0:
+                extremes[1 - past], places[1 - past] = value, start + t
+            sense = turned
+    return count, sense
+
+
 def repeated_cycles(signal: Floats) -> Cycles:
     """Cycles of one pass of a history (t,) that is repeated.
 
@@ -55,13 +157,5 @@ def repeated_cycles(signal: Floats) -> Cycles:
     """
     if len(signal) < 3:
         raise ValueError(f"a history must have at least 3 times to hold a cycle, got {len(signal)}")
-    first = FourPointDetector(FullRecorder()).process(signal)
-    rows = np.tile(first.residual_index, 2).astype(np.int64)
-    again = FourPointDetector(FullRecorder()).process(signal[rows])
-    one, two = first.recorder, again.recorder
-    return Cycles(
-        np.concatenate((one.values_from, two.values_from)),
-        np.concatenate((one.values_to, two.values_to)),
-        np.concatenate((one.index_from, rows[two.index_from])).astype(np.int64),
-        np.concatenate((one.index_to, rows[two.index_to])).astype(np.int64),
-    )
+    counter = CycleCounter(1)
+    return joined_cycles((counter.add(0, signal, 0), counter.close(0)))

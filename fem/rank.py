@@ -8,8 +8,8 @@ amplitude. The other directions are in single precision, whose rounding the boun
 Accuracy and Stability of Numerical Algorithms, 2nd ed., section 3.1).
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,10 +18,44 @@ from fem.shapes import Columns
 
 NODE_BLOCK, TIME_BLOCK = 256, 256
 """Nodes and times of one product; its result stays in the processor's cache."""
+SEGMENT = 2**14
+"""Successive times whose coordinates are in memory together."""
 HALF_ULP = 2.0**-24
 """Relative rounding error of single precision."""
 SCAN = 16
 """Roundings beyond those of a product: conversion of both factors, squares, their sum, root, bounds."""
+
+
+class StoredHistory(Protocol):
+    """History (t, m) that is read in parts, and may be read again."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of times and of coordinates."""
+
+    def __iter__(self) -> Iterator[Floats]:
+        """Rows, in order of time, of some times each."""
+
+
+ModalHistory = Floats | StoredHistory | Iterable[Floats]
+
+
+class Segment(NamedTuple):
+    """Successive times of a history of stress.
+
+    Attributes
+    ----------
+    start : int
+        Row of the first.
+    blocks : list of array (r, t)
+        Coordinates of r directions, in order of time.
+    bound : array (n, blocks)
+        Greatest error of the components at each node in each block, as a length in Pa.
+    """
+
+    start: int
+    blocks: list[Floats]
+    bound: Floats
 
 
 class StressHistory(NamedTuple):
@@ -29,17 +63,34 @@ class StressHistory(NamedTuple):
 
     Attributes
     ----------
+    nodes : int
+        Their number.
     shapes : callable
         Shapes (k, c, r) of a block of nodes, given as a slice.
-    history : list of array (r, t)
-        Coordinates, blocks in order of time.
-    bound : array (n, blocks)
-        Greatest error of the components at each node in each block of times, as a length in Pa.
+    segments : callable
+        Gives the history anew, a segment in memory.
     """
 
+    nodes: int
     shapes: Callable[[slice], Floats]
-    history: list[Floats]
-    bound: Floats
+    segments: Callable[[], Iterator[Segment]]
+
+
+def segments(q: ModalHistory) -> Iterator[Floats]:
+    """Rows (t, m) of a history, `SEGMENT` of them and the rest, however it comes in parts."""
+    waiting: list[Floats] = []
+    for part in [q] if isinstance(q, np.ndarray) else q:
+        waiting.append(np.atleast_2d(part))
+        while sum(map(len, waiting)) >= SEGMENT:
+            joined = _joined(waiting)
+            yield joined[:SEGMENT]
+            waiting = [joined[SEGMENT:]]
+    if sum(map(len, waiting)):
+        yield _joined(waiting)
+
+
+def _joined(parts: list[Floats]) -> Floats:
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def node_blocks(count: int) -> list[slice]:
@@ -47,11 +98,13 @@ def node_blocks(count: int) -> list[slice]:
     return [slice(first, min(first + NODE_BLOCK, count)) for first in range(0, count, NODE_BLOCK)]
 
 
-def full_rank(stress_modes: Columns, history: list[Floats], components: Floats | None) -> StressHistory:
-    """Stress of modes (n, 6, m) over a history of blocks (m, t), in double precision.
+def full_rank(stress_modes: Columns, q: ModalHistory, components: Floats | None) -> StressHistory:
+    """Stress of modes (n, 6, m) over a history, in double precision.
 
     Parameters
     ----------
+    q : history (t, m)
+        Its segments raise a `ValueError` if they are not finite or have another number of modes.
     components : array (c, 6), or None
         Combinations of the stress components; the six themselves if None.
     """
@@ -62,7 +115,22 @@ def full_rank(stress_modes: Columns, history: list[Floats], components: Floats |
         combined = np.einsum("ck,nkm->ncm", components, stress_modes[nodes], optimize=True)
         return np.ascontiguousarray(combined)
 
-    return StressHistory(shapes, history, np.broadcast_to(0.0, (len(stress_modes), len(history))))
+    def checked() -> Iterator[Segment]:
+        start, modes = 0, stress_modes.shape[2]
+        for rows in segments(q):
+            if rows.shape[1] != modes:
+                raise ValueError(f"the history must have {modes} modal coordinates, got {rows.shape[1]}")
+            blocks = [rows[first : first + TIME_BLOCK] for first in range(0, len(rows), TIME_BLOCK)]
+            for number, block in enumerate(blocks):
+                if not np.isfinite(block).all():
+                    first = start + number * TIME_BLOCK
+                    said = f"got others in rows {first} to {first + len(block) - 1}"
+                    raise ValueError(f"the history must be finite, {said}")
+            exact = np.broadcast_to(0.0, (len(stress_modes), len(blocks)))
+            yield Segment(start, [np.asfortranarray(block.T) for block in blocks], exact)
+            start += len(rows)
+
+    return StressHistory(len(stress_modes), shapes, checked)
 
 
 def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
@@ -71,36 +139,40 @@ def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
     Parameters
     ----------
     exact : StressHistory
-        At full rank.
+        At full rank; it is read twice.
     tolerance : float
         Greatest bound that dropping directions may cause anywhere, over the highest stress at the time of the
         greatest amplitude.
     """
-    blocks = node_blocks(len(exact.bound))
-    q = np.concatenate(exact.history, axis=1)
-    weights = np.sqrt(sum(np.einsum("ncm,ncm->m", *2 * (exact.shapes(nodes),)) for nodes in blocks))
+    groups = node_blocks(exact.nodes)
+    weights = np.sqrt(sum(np.einsum("ncm,ncm->m", *2 * (exact.shapes(of),)) for of in groups))
     weights[weights == 0.0] = 1.0  # modes without stress
-    weighted = weights[:, None] * q
-    directions = np.linalg.svd(weighted, full_matrices=False)[0]
-    amplitudes = directions.T @ weighted
-    turn = directions / weights[:, None]
-    shapes = [exact.shapes(nodes) @ turn for nodes in blocks]
+    squares = sum(block @ block.T for segment in exact.segments() for block in segment.blocks)
+    directions = np.linalg.eigh(squares * np.outer(weights, weights))[1][:, ::-1]
+    into, turn = directions.T * weights, directions / weights[:, None]
+    greatest, instant, length = np.zeros(len(weights)), np.zeros(len(weights)), 0.0
+    for amplitudes in (into @ block for segment in exact.segments() for block in segment.blocks):
+        greatest = np.maximum(greatest, np.abs(amplitudes).max(axis=1))
+        lengths = np.linalg.norm(amplitudes, axis=0)
+        if lengths.max() > length:
+            instant, length = amplitudes[:, lengths.argmax()], lengths.max()
+    shapes = [exact.shapes(of) @ turn for of in groups]
     lengths = np.concatenate([np.linalg.norm(part, axis=1) for part in shapes])
-    instant = amplitudes[:, np.linalg.norm(amplitudes, axis=0).argmax()]
     highest = max(np.linalg.norm(part @ instant, axis=1).max() for part in shapes)
-    left_out = _tails(lengths * np.abs(amplitudes).max(axis=1)).max(axis=0)
+    left_out = _tails(lengths * greatest).max(axis=0)
     rank = int(np.flatnonzero(left_out <= tolerance * highest)[0])
     steps = (rank + SCAN) * HALF_ULP
-    certainty = np.where(np.arange(len(amplitudes)) < rank, steps / (1.0 - steps), 1.0 + steps)
-    starts = np.cumsum([0, *(block.shape[1] for block in exact.history[:-1])])
-    greatest = np.maximum.reduceat(np.abs(amplitudes), starts, axis=1)
+    certainty = np.where(np.arange(len(weights)) < rank, steps / (1.0 - steps), 1.0 + steps)
     single = np.concatenate([part[:, :, :rank].astype(np.float32) for part in shapes])
-    columns = np.split(amplitudes[:rank].astype(np.float32), starts[1:], axis=1)
-    return StressHistory(
-        lambda nodes: single[nodes],
-        [np.asfortranarray(block) for block in columns],
-        lengths @ (certainty[:, None] * greatest),
-    )
+
+    def along() -> Iterator[Segment]:
+        for segment in exact.segments():
+            amplitudes = [into @ block for block in segment.blocks]
+            most = np.stack([np.abs(one).max(axis=1) for one in amplitudes], axis=1)
+            blocks = [np.asfortranarray(one[:rank].astype(np.float32)) for one in amplitudes]
+            yield Segment(segment.start, blocks, lengths @ (certainty[:, None] * most))
+
+    return StressHistory(exact.nodes, lambda of: single[of], along)
 
 
 def _tails(values: Floats) -> Floats:

@@ -4,7 +4,6 @@ The von Mises stress is the Euclidean length of five linear combinations of the 
 so that it takes five products per node and time where the tensor would take six.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.compiling import compiler
 from fem.mesh import Floats, Integers
+from fem.rank import ModalHistory
 from fem.shapes import Columns
 from fem.sources import FEM
 from fem.stress import CRITERIA, DEVIATOR, Criterion, evaluate
@@ -125,7 +125,7 @@ class GreatestOf(Fold[Peaks]):
 
 def recover_peaks(
     stress_modes: Columns,
-    q: Floats | Iterable[Floats],
+    q: ModalHistory,
     criterion: Criterion = "von mises",
     nodes: Integers | None = None,
 ) -> Peaks:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem.elasticity import Material
 from fem.mesh import Floats, Mesh
+from fem.rank import ModalHistory, segments
 from fem.shapes import Columns, Shapes, lengths
 from fem.stress import DEVIATOR, element_stress
 
@@ -105,25 +106,29 @@ def resolution(mesh: Mesh, material: Material, displacement: Floats) -> Resoluti
     return Resolution(squares[0], squares[1], jump, (averaged**2).sum(axis=1))
 
 
-def resolution_over(body: Shapes, q: Floats) -> Resolution:
+def resolution_over(body: Shapes, q: ModalHistory) -> Resolution:
     """How far a body's mesh resolves the stress of a history (t, m), in the mean square over its times.
 
     The squares are those of the few fields that make nearly all of the history's stress.
     """
-    fields = _main_directions(body.stress_modes, q) / np.sqrt(len(q))
+    squares, times = np.zeros(2 * body.stress_modes.shape[2:]), 0
+    for rows in segments(q):
+        squares, times = squares + rows.T @ rows, times + len(rows)
+    fields = _main_directions(body.stress_modes, squares / times)
     return reduce(
         operator.add, (resolution(body.mesh, body.material, one) for one in body.displacement(fields))
     )
 
 
-def _main_directions(stress_modes: Columns, q: Floats) -> Floats:
-    """Coordinates (r, m) of few fields whose stress has the sums of squares of that of a history (t, m)."""
+def _main_directions(stress_modes: Columns, squares: Floats) -> Floats:
+    """Coordinates (r, m) of few fields with the mean squares of a history, whose products are (m, m)."""
     weights = lengths(stress_modes)
     weights[weights == 0.0] = 1.0  # modes without stress
-    _, sizes, directions = np.linalg.svd(q * weights, full_matrices=False)
+    values, directions = np.linalg.eigh(squares * np.outer(weights, weights))
+    sizes = np.sqrt(np.maximum(values[::-1], 0.0))
     beyond = np.append(np.cumsum(sizes[::-1] ** 2)[::-1], 0.0)
     rank = max(1, int(np.flatnonzero(beyond <= LEFT_OUT**2 * beyond[0])[0]))
-    return sizes[:rank, None] * directions[:rank] / weights
+    return sizes[:rank, None] * directions[:, ::-1][:, :rank].T / weights
 
 
 def mesh_error(mesh: Mesh, material: Material, displacement: Floats) -> Floats:

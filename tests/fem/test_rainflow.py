@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import rainflow
 
-from fem.rainflow import repeated_cycles
+from fem.rainflow import CycleCounter, Cycles, joined_cycles, repeated_cycles
 
 
 def ranges_and_means(signal: list[float]) -> list[tuple[float, float]]:
@@ -64,3 +64,35 @@ def test_constant_and_rising_histories():
     assert ranges_and_means([0, 1, 2]) == [(2.0, 1.0)]
     with pytest.raises(ValueError, match="at least 3 times to hold a cycle, got 2"):
         repeated_cycles(np.array([0.0, 1.0]))
+
+
+def in_parts(signal: np.ndarray, size: int, amplitude: float = 0.0) -> Cycles:
+    counter = CycleCounter(1, amplitude)
+    closed = [counter.add(0, signal[k : k + size], k) for k in range(0, len(signal), size)]
+    return joined_cycles([*closed, counter.close(0)])
+
+
+def listed(cycles: Cycles) -> list[tuple[float, ...]]:
+    return sorted(zip(*(one.tolist() for one in cycles), strict=True))
+
+
+@pytest.mark.parametrize("size", [1, 2, 7, 64, 399, 400])
+@pytest.mark.parametrize("seed", range(3))
+def test_cycles_of_a_history_in_parts_are_those_of_the_whole(size, seed):
+    """To the last bit, with rows, also where values stay as they are for a while."""
+    signal = np.round(np.random.default_rng(seed).standard_normal(400).cumsum(), 0 if seed == 0 else 9)
+    assert listed(in_parts(signal, size)) == listed(repeated_cycles(signal))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_small_cycles_that_are_left_out_at_once_change_no_larger_one(seed):
+    rng = np.random.default_rng(seed)
+    signal = rng.standard_normal(300).cumsum() + rng.standard_normal(300)
+    whole = repeated_cycles(signal)
+    for amplitude in np.quantile(whole.amplitude, [0.2, 0.5, 0.9, 1.0]):
+        larger = ranges_of(whole.larger_than(amplitude))
+        assert ranges_of(in_parts(signal, 50, amplitude)) == larger
+
+
+def ranges_of(cycles: Cycles) -> list[tuple[float, float]]:
+    return sorted(zip(cycles.amplitude.tolist(), cycles.mean.tolist(), strict=True))

@@ -11,11 +11,13 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
-from exudyn_crawler.results.stress.basis import StressBasis, segments, stress_basis
+from exudyn_crawler.results.stress.basis import StressBasis, parts_of, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
 from fem import Shapes
 from fem.damage import SIGNED_CRITERIA, Counting, SignedCriterion, signed_signals
 from fem.fatigue import SNCurve
+from fem.rainflow import CycleCounter, Cycles, joined_cycles
+from fem.rank import segments
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
 LEAST_TIMES = 3  # stored times that can hold a cycle
@@ -189,79 +191,92 @@ class NodeLife:
 
 def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve]) -> dict[int, NodeLife]:
     """Cycles and causes at some nodes with their S-N curves, with stresses at full rank."""
-    nodes = list(curves)
-    cycles: dict[int, list[pd.DataFrame]] = {node: [] for node in nodes}
-    by_criterion = {node: dict.fromkeys(map(str, SIGNED_CRITERIA), 0.0) for node in nodes}
+    cycles: dict[int, list[pd.DataFrame]] = {node: [] for node in curves}
+    by_criterion = {node: dict.fromkeys(map(str, SIGNED_CRITERIA), 0.0) for node in curves}
     for one in runs:
         often = one.times_an_hour / len(one.basis.coordinates)
         for shoe in one.basis.coordinates:
-            for node, (signals, of_loads) in _signals(duty, one.basis, shoe, nodes).items():
-                counting = one.counting(curves[node], duty.survivals[-1:])
-                signal = signals[duty.criterion]
-                cycles[node].append(_cycles(duty, curves[node], one, shoe, often, signal, of_loads))
-                for criterion in SIGNED_CRITERIA:
-                    found = counting.damage(signals[criterion][None]).sum()
-                    by_criterion[node][criterion] += often * float(found)
-    return {node: NodeLife(pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in nodes}
+            counted = _counted(one, shoe, list(curves))
+            of_loads = _of_loads(
+                duty, one.basis, shoe, {node: of[duty.criterion] for node, of in counted.items()}
+            )
+            for node, of in counted.items():
+                damage = {
+                    name: often * curves[node].damage(found.amplitude, found.mean, duty.survivals[-1:])[0]
+                    for name, found in of.items()
+                }
+                for name, each in damage.items():
+                    by_criterion[node][name] += float(each.sum())
+                table = _table(one, shoe, often, of[duty.criterion], of_loads[node])
+                cycles[node].append(table.assign(**{"damage an hour": damage[duty.criterion]}))
+    return {node: NodeLife(pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in curves}
 
 
 def node_signals(criterion: SignedCriterion, basis: StressBasis, shoe: int, nodes: np.ndarray) -> np.ndarray:
     """Signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
     modes, q, found = basis.shapes.stress_modes[nodes], basis.coordinates[shoe], []
-    for rows in segments(len(q)):
+    for rows in parts_of(len(q)):
         stress = modes.reshape(-1, modes.shape[2]) @ q[rows].T
         found.append(signed_signals(criterion, stress.reshape(len(nodes), 6, -1)))
     return np.concatenate(found, axis=1)
 
 
-def _signals(
-    duty: Duty, basis: StressBasis, shoe: int, nodes: Sequence[int]
-) -> dict[int, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]]:
-    """Signals (t,) of all criteria at nodes of a shoe, and what each load makes of the duty's: in Pa."""
+def _counted(one: UsedRun, shoe: int, nodes: Sequence[int]) -> dict[int, dict[str, Cycles]]:
+    """Cycles of the signals of all criteria at nodes of a shoe over a run."""
+    counters = {node: {criterion: CycleCounter(1) for criterion in SIGNED_CRITERIA} for node in nodes}
+    closed: dict[int, dict[str, list[Cycles]]] = {
+        node: {name: [] for name in SIGNED_CRITERIA} for node in nodes
+    }
+    start = 0
+    for rows in segments(one.basis.coordinates[shoe]):
+        for node, own in counters.items():
+            stress = rows @ one.basis.shapes.stress_modes[node].T
+            for criterion, counter in own.items():
+                signal = signed_signals(criterion, stress.T[None])[0]
+                closed[node][criterion].append(counter.add(0, signal, start))
+        start += len(rows)
+    return {
+        node: {name: joined_cycles([*closed[node][name], counter.close(0)]) for name, counter in own.items()}
+        for node, own in counters.items()
+    }
+
+
+def _of_loads(
+    duty: Duty, basis: StressBasis, shoe: int, cycles: Mapping[int, Cycles]
+) -> dict[int, dict[str, np.ndarray]]:
+    """What each load makes of the duty's signal at nodes of a shoe between the ends of cycles (n,), in Pa."""
     q = basis.coordinates[shoe]
-    found: dict[int, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
-    for rows in segments(len(q)):
+    found: dict[int, dict[str, np.ndarray]] = {node: {} for node in cycles}
+    for rows in parts_of(len(q)):
         loads, own = basis.by_load(shoe, rows), q[rows]
-        for node in nodes:
+        for node, of in cycles.items():
             modes = basis.shapes.stress_modes[node]
-            stress = own @ modes.T
-            signals, of_loads = found.setdefault(node, ({}, {}))
-            for criterion in SIGNED_CRITERIA:
-                signal = signals.setdefault(criterion, np.empty(len(q)))
-                signal[rows] = signed_signals(criterion, stress.T[None])[0]
-            along = stress_directions(duty.criterion, stress)
-            for load, part in loads.items():
-                of_load = of_loads.setdefault(load, np.zeros(len(q)))
-                of_load[rows] = np.einsum("tk,tk->t", along, part @ modes.T)
+            for end, sense in ((of.end_row, 1.0), (of.begin_row, -1.0)):
+                here = np.flatnonzero((end >= rows.start) & (end < rows.stop))
+                at = end[here] - rows.start
+                along = stress_directions(duty.criterion, own[at] @ modes.T)
+                for load, part in loads.items():
+                    of_load = found[node].setdefault(load, np.zeros(len(end)))
+                    of_load[here] += sense * np.einsum("tk,tk->t", along, part[at] @ modes.T)
     return found
 
 
-def _cycles(
-    duty: Duty,
-    curve: SNCurve,
-    one: UsedRun,
-    shoe: int,
-    often: float,
-    signal: np.ndarray,
-    of_loads: Mapping[str, np.ndarray],
+def _table(
+    one: UsedRun, shoe: int, often: float, cycles: Cycles, of_loads: Mapping[str, np.ndarray]
 ) -> pd.DataFrame:
-    """Cycles of a node's signal (t,) over a run, the part of single loads in it beside it."""
-    found = one.counting(curve, duty.survivals[-1:]).cycles(signal)
+    """Cycles of a node over a run but for their damage, the part of single loads in each beside it."""
     phase, time = np.array(one.phases, dtype=object)[one.phase], one.time
-    begin, end = found.begin_row, found.end_row
     columns = {
         "run": one.run.name,
         "shoe": shoe,
-        "begin phase": phase[begin],
-        "end phase": phase[end],
-        "begin time in s": time[begin],
-        "end time in s": time[end],
-        "begin in Pa": found.begin,
-        "end in Pa": found.end,
+        "begin phase": phase[cycles.begin_row],
+        "end phase": phase[cycles.end_row],
+        "begin time in s": time[cycles.begin_row],
+        "end time in s": time[cycles.end_row],
+        "begin in Pa": cycles.begin,
+        "end in Pa": cycles.end,
         "times an hour": often,
-        "damage an hour": often * curve.damage(found.amplitude, found.mean, duty.survivals[-1:])[0],
+        "damage an hour": 0.0,
     }
-    table = pd.DataFrame(columns, index=range(len(begin)))
-    for load, of_load in of_loads.items():
-        table[SHARE + load] = (of_load[end] - of_load[begin]) / (found.end - found.begin)
-    return table
+    columns |= {SHARE + load: part / (cycles.end - cycles.begin) for load, part in of_loads.items()}
+    return pd.DataFrame(columns, index=range(len(cycles.begin)))

@@ -6,7 +6,7 @@ often as the duty says. Stages of wear add up by Miner's rule.
 """
 
 import operator
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import product
@@ -23,15 +23,14 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_cases, used_runs
 from exudyn_crawler.results.stress import hot_spots
-from exudyn_crawler.results.stress.basis import same_squares
 from fem import Shapes, SNCurve, critical_plane, trust
 from fem.damage import damage_between, recover_damage
 from fem.defects import CycleStage
+from fem.rank import segments
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
 MEGA, MILLI = 1e6, 1e-3
-TENSORS = 10**7  # stresses of a node at a time that are in memory together, 0.5 GB
 LIFE = "life in h"  # what the columns of lives begin with
 
 
@@ -320,12 +319,10 @@ def _on_critical_planes(
             own = np.flatnonzero(np.isin(nodes, group.nodes))
             counting = one.counting(group.curve, duty.survivals, 1.0 / BEYOND / len(runs))
             modes, coordinates = one.basis.shapes.stress_modes, one.basis.coordinates
-            together = max(1, TENSORS // len(counting.phase))
-            chunks = [own[first : first + together] for first in range(0, len(own), together)]
-            for q, some in product(coordinates.values(), chunks):
-                of_some = modes, q, normals, angles[some], counting, nodes[some]
-                each = critical_plane.damage_on_planes(*of_some)
-                found[some] += one.times_an_hour / len(coordinates) * each
+            for q in coordinates.values() if len(own) else ():
+                of_own = modes, q, normals, angles[own], counting, nodes[own]
+                each = critical_plane.damage_on_planes(*of_own)
+                found[own] += one.times_an_hour / len(coordinates) * each
         return found
 
     planes = critical_plane.critical_planes(damage_on, nodes)
@@ -371,12 +368,11 @@ def _life_trust(
     }
 
 
-def _changes(coordinates: Collection[Any]) -> np.ndarray:
-    """Coordinates of a run's shoes less their means, or few rows with the same squares of a long run's."""
-    if all(isinstance(q, np.ndarray) for q in coordinates):
-        return np.concatenate([q - q.mean(axis=0) for q in coordinates])
-    means = [sum(part.sum(axis=0) for part in q) / len(q) for q in coordinates]
-    return same_squares(part - mean for q, mean in zip(coordinates, means, strict=True) for part in q)
+def _changes(coordinates: Collection[Any]) -> Iterator[np.ndarray]:
+    """Coordinates of a run's shoes less their means, in segments."""
+    for q in coordinates:
+        mean = sum(rows.sum(axis=0) for rows in segments(q)) / len(q)
+        yield from (rows - mean for rows in segments(q))
 
 
 def life_hours(damage: np.ndarray | float) -> np.ndarray:

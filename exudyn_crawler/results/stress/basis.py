@@ -12,7 +12,7 @@ import itertools
 import os
 import tempfile
 import weakref
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -29,11 +29,12 @@ from exudyn_crawler.results.history.files import RATES, SHAPES
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import load_map
 from fem.patches import Underside
+from fem.rank import SEGMENT
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
 MOST_FIELDS = 0.4  # greatest number of fields over that of modes
-LONG = 2**14
+LONG = SEGMENT
 """Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms."""
 LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
 LOADS |= {"carrier": "carriers", "slide": "slides"}
@@ -137,7 +138,7 @@ class StoredRows:
 
     def __iter__(self) -> Iterator[np.ndarray]:
         """Blocks of rows, in order."""
-        return (self[rows] for rows in segments(len(self)))
+        return (self[rows] for rows in parts_of(len(self)))
 
     def __getitem__(self, rows: slice | np.ndarray) -> np.ndarray:
         """Rows of a slice without steps, or of numbers."""
@@ -156,18 +157,9 @@ class StoredRows:
 Rows = np.ndarray | StoredRows
 
 
-def segments(times: int) -> list[slice]:
+def parts_of(times: int) -> list[slice]:
     """Slices of successive stored times whose loads are in memory together."""
     return [slice(start, min(start + LONG, times)) for start in range(0, times, LONG)]
-
-
-def same_squares(parts: Iterable[np.ndarray]) -> np.ndarray:
-    """Few rows (m, m) whose mean square along any direction is that of many (t, m), which come in parts."""
-    squares, count = 0.0, 0
-    for part in parts:
-        squares, count = squares + part.T @ part, count + len(part)
-    values, vectors = np.linalg.eigh(squares)
-    return np.sqrt(np.maximum(values, 0.0) * len(values) / count)[:, None] * vectors.T
 
 
 @dataclass(frozen=True)
@@ -219,12 +211,12 @@ class _Histories(Sequence[np.ndarray]):
 
     def loads(self) -> Iterator[tuple[int, csr_array]]:
         """Loads of all segments with their shoe."""
-        for rows in segments(self.history.time.size):
+        for rows in parts_of(self.history.time.size):
             part = _in_memory(self.history, rows)
             yield from ((shoe, sum(load_map.loads_by_kind(part, shoe).values())) for shoe in self.shoes)
 
     def __len__(self) -> int:
-        return len(self.shoes) * len(segments(self.history.time.size))
+        return len(self.shoes) * len(parts_of(self.history.time.size))
 
     def __iter__(self) -> Iterator[np.ndarray]:
         return ((load @ self.shares).toarray() for _, load in self.loads())

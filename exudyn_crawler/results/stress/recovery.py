@@ -1,7 +1,7 @@
 """Stresses of the flexible shoes over a run, of all nodes as one dataset or of one node."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +15,12 @@ from exudyn_crawler.results.history import catalogue, files
 from exudyn_crawler.results.history.history import History, as_history, phases
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress import hot_spots
-from exudyn_crawler.results.stress.basis import Rows, same_squares, segments, stress_basis, unit_stress
+from exudyn_crawler.results.stress.basis import Rows, stress_basis, unit_stress
 from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes, trust
 from fem.stress import principal, von_mises
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 AT_ONCE = 50  # instants whose fields are in memory together
-HIGHEST = ("highest", "highest_nodes")  # what `Extremes` has of each time
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,10 @@ def recover_stresses(
     whole, coordinates = basis.shapes, basis.coordinates
     regions = hot_spots.shoe_regions(whole, history.case.track)
     pulled = {shoe: hot_spots.near_pull(history, whole, shoe) for shoe in coordinates}
-    reached = {shoe: extremes_of(whole, q, np.flatnonzero(~pulled[shoe])) for shoe, q in coordinates.items()}
+    reached = {
+        shoe: recover_extremes(whole.stress_modes, q, ranked=np.flatnonzero(~pulled[shoe]))
+        for shoe, q in coordinates.items()
+    }
     if peak:
         highest = np.max([one.highest for one in reached.values()], axis=0)
         named.append((float(history.time[int(highest.argmax())]), "peak"))
@@ -94,28 +96,6 @@ def recover_stresses(
     )
     dataset = dataset.assign(peak_verdict=verdicts(dataset)).assign_coords(mesh.coords)
     return StressResults(dataset, tables, by_region, whole)
-
-
-def extremes_of(whole: Shapes, q: Rows, ranked: np.ndarray | None = None) -> Extremes:
-    """Extremes of the stress of columns with coordinates (times, columns), as of `fem.recover_extremes`.
-
-    Those of a long run are of its segments, one after the other.
-    """
-    if isinstance(q, np.ndarray):
-        return recover_extremes(whole.stress_modes, q, ranked=ranked)
-    parts = [recover_extremes(whole.stress_modes, block, ranked=ranked) for block in q]
-    first = parts[0]
-    for block, part in zip(segments(len(q)), parts, strict=True):
-        better = part.greatest > first.greatest
-        first = replace(
-            first,
-            greatest=np.where(better, part.greatest, first.greatest),
-            greatest_at=np.where(better, part.greatest_at + block.start, first.greatest_at),
-            least=np.minimum(first.least, part.least),
-            bound=np.maximum(first.bound, part.bound),
-        )
-    highest, nodes = (np.concatenate([getattr(part, name) for part in parts]) for name in HIGHEST)
-    return replace(first, highest=highest, highest_nodes=nodes)
 
 
 def _named_times(history: History, times: Sequence[float] | None) -> list[tuple[float, str]]:
@@ -153,7 +133,7 @@ def _of_shoe(
     """Stress of one shoe with coordinates q (times, columns)."""
     time, displacements = history.time.values, whole.displacement(q[frames])
     errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
-    resolved = trust.resolution_over(whole, q if isinstance(q, np.ndarray) else same_squares(q))
+    resolved = trust.resolution_over(whole, q)
     named = {
         "highest_von_mises": found.highest,
         "highest_node": found.highest_nodes,
@@ -192,7 +172,7 @@ def verdicts(stress: xr.Dataset, more: ArrayLike = 0.0) -> catalogue.Variable:
 def peak_time(history: History, shoe: int) -> float:
     """Time (s) of the highest von Mises stress of a flexible shoe; ValueError if the history has no such."""
     basis = stress_basis(history, [shoe])
-    found = extremes_of(basis.shapes, basis.coordinates[shoe])
+    found = recover_extremes(basis.shapes.stress_modes, basis.coordinates[shoe])
     return float(history.time[int(found.highest.argmax())])
 
 
