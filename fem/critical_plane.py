@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.blocks import Fold, StressBlock, fold_stresses
-from fem.damage import TOLERANCE, CountedDamage, Counting, check_history
+from fem.damage import TOLERANCE, CountedDamage, Counting
 from fem.mesh import Floats, Integers, Mesh
-from fem.rank import NODE_BLOCK, SEGMENT, StoredHistory
+from fem.rank import NODE_BLOCK, SEGMENT, ModalHistory
 from fem.shapes import Columns
 
 APART, FINE = np.radians(10.0), np.radians(1.0)
@@ -60,6 +60,7 @@ class _OnPlanes(Fold[Floats]):
 
     def start(self, nodes: Integers, times: int) -> None:
         """Begin with no damage."""
+        self._counting.check(times)
         n, planes = self._rows.shape[:2]
         self._stress = np.empty((min(n, NODE_BLOCK), 6, min(times, SEGMENT)), dtype=np.float32)
         self._counted = CountedDamage(self._counting, n * planes)
@@ -83,7 +84,7 @@ class _OnPlanes(Fold[Floats]):
 
 def damage_on_planes(
     stress_modes: Columns,
-    q: Floats | StoredHistory,
+    q: ModalHistory,
     normals: Floats,
     angles: Floats,
     counting: Counting,
@@ -108,7 +109,6 @@ def damage_on_planes(
     ValueError
         As of `damage.recover_damage`; or if a node is not of the surface.
     """
-    check_history(q, counting)
     inside = nodes[~normals[nodes].any(axis=1)]
     if len(inside):
         raise ValueError(f"nodes must be of the surface, got {inside[:5].tolist()}")

@@ -17,7 +17,7 @@ from fem.compiling import compiler
 from fem.fatigue import SNCurve, check_survivals
 from fem.mesh import Floats, Integers
 from fem.rainflow import CycleCounter, joined_cycles
-from fem.rank import NODE_BLOCK, SEGMENT, StoredHistory
+from fem.rank import NODE_BLOCK, SEGMENT, ModalHistory
 from fem.shapes import Columns
 from fem.sources import FEM
 
@@ -61,6 +61,11 @@ class Counting:
         if not self.negligible >= 0.0:
             raise ValueError(f"negligible must not be negative, got {self.negligible}")
 
+    def check(self, times: int) -> None:
+        """Refuse a history of another number of times by a `ValueError`."""
+        if times != len(self.phase):
+            raise ValueError(f"phase must be of {times} times as the history, got {len(self.phase)}")
+
     @cached_property
     def cut(self) -> float:
         """Amplitude in Pa up to which cycles are left out: as many as there can be are negligible."""
@@ -76,13 +81,7 @@ class Counting:
 
 
 class CountedDamage:
-    """Damage of n histories by their cycles, whose values come in parts.
-
-    Attributes
-    ----------
-    damage : array (n, s, p)
-        Per pass, by survival and phase.
-    """
+    """Damage (n, s, p) per pass of n histories whose values come in parts, by survival and phase."""
 
     def __init__(self, counting: Counting, count: int) -> None:
         self._counting, self._cycles = counting, CycleCounter(count, counting.cut)
@@ -90,22 +89,17 @@ class CountedDamage:
 
     def add(self, of: slice, signals: Floats, start: int) -> None:
         """Add what the next values (k, t) in Pa of some histories close; `start` is the row of the first."""
-        counting, closed = self._counting, []
-        is_last = start + signals.shape[1] == len(counting.phase)
-        for number, signal in enumerate(signals, of.start):
-            closed.append((number, self._cycles.add(number, signal, start)))
-            if is_last:
-                closed.append((number, self._cycles.close(number)))
-        there = [(number, one) for number, one in closed if len(one.begin)]
-        if not there:
-            return
-        numbers = np.repeat([number for number, _ in there], [len(one.begin) for _, one in there])
-        cycles = joined_cycles([one for _, one in there])
-        for survival, each in enumerate(
-            counting.curve.damage(cycles.amplitude, cycles.mean, counting.survivals)
-        ):
+        counting, counter = self._counting, self._cycles
+        found = [(number, counter.add(number, one, start)) for number, one in enumerate(signals, of.start)]
+        if start + signals.shape[1] == len(counting.phase):
+            found += [(number, counter.close(number)) for number in range(of.start, of.stop)]
+        closed = [(number, one) for number, one in found if len(one.begin)]
+        if closed:
+            numbers = np.repeat([number for number, _ in closed], [len(one.begin) for _, one in closed])
+            cycles = joined_cycles([one for _, one in closed])
+            each = counting.curve.damage(cycles.amplitude, cycles.mean, counting.survivals)
             for end in (cycles.begin_row, cycles.end_row):
-                np.add.at(self.damage[:, survival], (numbers, counting.phase[end]), 0.5 * each)
+                np.add.at(self.damage.transpose(0, 2, 1), (numbers, counting.phase[end]), 0.5 * each.T)
 
 
 @dataclass(frozen=True)
@@ -204,6 +198,7 @@ class DamageOf(Fold[Damage]):
     def start(self, nodes: Integers, times: int) -> None:
         """Begin with no damage."""
         n = len(nodes)
+        self._counting.check(times)
         self._nodes, self._signals = nodes, np.empty((min(n, NODE_BLOCK), min(times, SEGMENT)))
         self._counted, self._bound = CountedDamage(self._counting, n), np.zeros(n)
         self._highest, self._lowest = np.full(n, -np.inf), np.full(n, np.inf)
@@ -228,7 +223,7 @@ class DamageOf(Fold[Damage]):
 
 def recover_damage(
     stress_modes: Columns,
-    q: Floats | StoredHistory,
+    q: ModalHistory,
     criterion: SignedCriterion,
     counting: Counting,
     nodes: Integers | None = None,
@@ -252,21 +247,9 @@ def recover_damage(
     ValueError
         If the criterion is not known or the phases are of another number of times.
     """
-    check_history(q, counting)
     if criterion not in SIGNED_CRITERIA:
         raise ValueError(f"criterion must be one of {SIGNED_CRITERIA}, got {criterion!r}")
     return fold_stresses(stress_modes, q, DamageOf(criterion, counting), nodes, tolerance)
-
-
-def check_history(q: Floats | StoredHistory, counting: Counting) -> None:
-    """Check that the phases have as many times as a history (t, m).
-
-    Raises
-    ------
-    ValueError
-    """
-    if q.shape[0] != len(counting.phase):
-        raise ValueError(f"phase must be of {q.shape[0]} times as the history, got {len(counting.phase)}")
 
 
 def damage_between(curve: SNCurve, highest: Floats, lowest: Floats, survivals: Sequence[float]) -> Floats:

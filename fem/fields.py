@@ -226,15 +226,16 @@ def field_columns(
         If there is no history, or one is not finite or has another number of loads.
     """
     count = len(fields.energy)
+    if not histories:
+        raise ValueError("histories must be at least one, got none")
+    moved = np.zeros((count, count))
     for history in histories:
         if history.ndim != 2 or history.shape[1] != count:
             raise ValueError(f"histories must be (times, {count}), got {history.shape}")
         if not np.isfinite(history).all():
             raise ValueError("histories must be finite, got other numbers")
-    if not histories:
-        raise ValueError("histories must be at least one, got none")
+        moved += history.T @ history
     into, out = _energy_root(fields.energy)
-    moved = sum(history.T @ history for history in histories)
     values, directions = np.linalg.eigh(into @ moved @ into.T)
     directions = directions[:, ::-1][:, values[::-1] > NOISE * values[-1]]
     turn, back = into.T @ directions, out @ directions

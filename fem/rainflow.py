@@ -59,42 +59,27 @@ NO_CYCLES = Cycles(np.empty(0), np.empty(0), *2 * (np.empty(0, dtype=np.int64),)
 class CycleCounter:
     """Cycles of n repeated histories whose values come in parts; memory holds what is open of each.
 
-    Only reversals by more than a range can be ends of cycles beyond it: the others are left out at once.
-
-    Parameters
-    ----------
-    count : int
-        Number n of histories.
-    amplitude : float
-        Of cycles that are left out, at most.
+    Those up to an amplitude are left out, and with them all reversals by less, which are ends of no others.
     """
 
     def __init__(self, count: int, amplitude: float = 0.0) -> None:
-        self._amplitude, self._sense = amplitude, np.zeros(count, dtype=np.int8)
+        self._amplitude, self._sense = amplitude, np.zeros((count, 1), dtype=np.int8)
         self._values, self._rows = np.zeros((count, 2)), np.zeros((count, 2), dtype=np.int64)
         self._open = [(np.empty(0), np.empty(0, dtype=np.int64))] * count
 
     def add(self, number: int, signal: Floats, start: int) -> Cycles:
         """Cycles that the next values (t,) of a history close, of which `start` is the first's row."""
         values, rows = np.empty(len(signal)), np.empty(len(signal), dtype=np.int64)
-        count, self._sense[number] = _reversals(
-            signal,
-            start,
-            2.0 * self._amplitude,
-            self._sense[number],
-            self._values[number],
-            self._rows[number],
-            values,
-            rows,
-        )
+        state = self._sense[number], self._values[number], self._rows[number]
+        count = _reversals(signal, start, 2.0 * self._amplitude, *state, values, rows)
         return self._closed(number, values[:count], rows[:count]) if count else NO_CYCLES
 
     def close(self, number: int) -> Cycles:
         """Cycles that a history closes by its end and its repetition."""
-        sense = self._sense[number]
-        if sense == 0:
+        if self._sense[number] == 0:
             return NO_CYCLES
-        last = [int(sense > 0)]
+        last = self._sense[number] > 0
+        last = np.append(~last, last)
         ended = self._closed(number, self._values[number, last], self._rows[number, last])
         again = self._closed(number, *self._open[number])
         return joined_cycles((ended, again))
@@ -114,37 +99,23 @@ class CycleCounter:
 
 @compiler(FEM, nogil=True)
 def _reversals(signal, start, least, sense, extremes, places, values, rows):
-    """Reversals of a signal (t,) by more than `least` into values and rows; their number, and the sense.
+    """Reversals of a signal (t,) by more than `least` into values and rows; gives their number.
 
-    `sense` is 1 while the signal rises, -1 while it falls, 0 before its first reversal; `extremes` are the
-    lowest and highest value since the last one, `places` their rows.
+    `sense` (1,) is 1 while the signal rises, -1 while it falls, 0 before its first reversal. `extremes` (low,
+    high), in the rows `places`, are the one that may be the next reversal and the last value; both at first.
     """
-    count, first = 0, start == 0
-    for t in range(len(signal)):
-        value = np.float64(signal[t])
-        if first:
-            extremes[0] = extremes[1] = value
-            places[0] = places[1] = start
-            first = False
-        if value > extremes[1] and sense >= 0:
-            extremes[1], places[1] = value, start + t
-        elif value < extremes[0] and sense <= 0:
-            extremes[0], places[0] = value, start + t
-        turned = 0
-        if sense == 0 and extremes[1] - extremes[0] > least:
-            turned = 1 if places[0] < places[1] else -1
-        elif sense == 1 and extremes[1] - value > least:
-            turned = -1
-        elif sense == -1 and value - extremes[0] > least:
-            turned = 1
-        if turned != 0:
-            past = 0 if turned == 1 else 1
+    count = 0
+    for row in range(start, start + len(signal)):
+        value = np.float64(signal[row - start])
+        if row == 0 or value < extremes[0] or sense[0] > 0:
+            extremes[0], places[0] = value, row
+        if row == 0 or value > extremes[1] or sense[0] < 0:
+            extremes[1], places[1] = value, row
+        if extremes[1] - extremes[0] > least:
+            past = 0 if places[0] < places[1] else 1
             values[count], rows[count] = extremes[past], places[past]
-            count += 1
-            if sense != 0:
-                extremes[1 - past], places[1 - past] = value, start + t
-            sense = turned
-    return count, sense
+            count, sense[0] = count + 1, 1 - 2 * past
+    return count
 
 
 def repeated_cycles(signal: Floats) -> Cycles:

@@ -9,7 +9,7 @@ Accuracy and Stability of Numerical Algorithms, 2nd ed., section 3.1).
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,49 +26,19 @@ SCAN = 16
 """Roundings beyond those of a product: conversion of both factors, squares, their sum, root, bounds."""
 
 
-class StoredHistory(Protocol):
-    """History (t, m) that is read in parts, and may be read again."""
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Numbers of times and of coordinates."""
-
-    def __iter__(self) -> Iterator[Floats]:
-        """Rows, in order of time, of some times each."""
+ModalHistory = Floats | Iterable[Floats]
+"""Coordinates (t, m), or parts of them in order of time that can be read again."""
 
 
-ModalHistory = Floats | StoredHistory | Iterable[Floats]
-
-
-class Segment(NamedTuple):
-    """Successive times of a history of stress.
-
-    Attributes
-    ----------
-    start : int
-        Row of the first.
-    blocks : list of array (r, t)
-        Coordinates of r directions, in order of time.
-    bound : array (n, blocks)
-        Greatest error of the components at each node in each block, as a length in Pa.
-    """
-
-    start: int
-    blocks: list[Floats]
-    bound: Floats
+Segment = tuple[int, list[Floats], Floats]
+"""Successive times: row of the first, blocks (r, t) of coordinates, greatest error (n, blocks) of each in Pa."""
 
 
 class StressHistory(NamedTuple):
     """Stress of n nodes over a history as shapes times coordinates, of r directions.
 
-    Attributes
-    ----------
-    nodes : int
-        Their number.
-    shapes : callable
-        Shapes (k, c, r) of a block of nodes, given as a slice.
-    segments : callable
-        Gives the history anew, a segment in memory.
+    `shapes` gives those of a block of nodes (k, c, r), `segments` the history anew. Errors are those of the
+    components at each node, as a length.
     """
 
     nodes: int
@@ -78,19 +48,14 @@ class StressHistory(NamedTuple):
 
 def segments(q: ModalHistory) -> Iterator[Floats]:
     """Rows (t, m) of a history, `SEGMENT` of them and the rest, however it comes in parts."""
-    waiting: list[Floats] = []
+    waiting = np.empty((0, 0))
     for part in [q] if isinstance(q, np.ndarray) else q:
-        waiting.append(np.atleast_2d(part))
-        while sum(map(len, waiting)) >= SEGMENT:
-            joined = _joined(waiting)
-            yield joined[:SEGMENT]
-            waiting = [joined[SEGMENT:]]
-    if sum(map(len, waiting)):
-        yield _joined(waiting)
-
-
-def _joined(parts: list[Floats]) -> Floats:
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        waiting = np.concatenate((waiting, part)) if len(waiting) else np.atleast_2d(part)
+        while len(waiting) >= SEGMENT:
+            yield waiting[:SEGMENT]
+            waiting = waiting[SEGMENT:]
+    if len(waiting):
+        yield waiting
 
 
 def node_blocks(count: int) -> list[slice]:
@@ -101,12 +66,8 @@ def node_blocks(count: int) -> list[slice]:
 def full_rank(stress_modes: Columns, q: ModalHistory, components: Floats | None) -> StressHistory:
     """Stress of modes (n, 6, m) over a history, in double precision.
 
-    Parameters
-    ----------
-    q : history (t, m)
-        Its segments raise a `ValueError` if they are not finite or have another number of modes.
-    components : array (c, 6), or None
-        Combinations of the stress components; the six themselves if None.
+    `components` (c, 6) combine those of the stress, the six themselves if None. The segments raise a
+    `ValueError` if they are not finite or have another number of modes.
     """
 
     def shapes(nodes: slice) -> Floats:
@@ -120,15 +81,14 @@ def full_rank(stress_modes: Columns, q: ModalHistory, components: Floats | None)
         for rows in segments(q):
             if rows.shape[1] != modes:
                 raise ValueError(f"the history must have {modes} modal coordinates, got {rows.shape[1]}")
-            blocks = [rows[first : first + TIME_BLOCK] for first in range(0, len(rows), TIME_BLOCK)]
-            for number, block in enumerate(blocks):
+            blocks = [rows[first : first + TIME_BLOCK].T for first in range(0, len(rows), TIME_BLOCK)]
+            for block in blocks:
                 if not np.isfinite(block).all():
-                    first = start + number * TIME_BLOCK
-                    said = f"got others in rows {first} to {first + len(block) - 1}"
-                    raise ValueError(f"the history must be finite, {said}")
+                    last = start + block.shape[1] - 1
+                    raise ValueError(f"the history must be finite, got others in rows {start} to {last}")
+                start += block.shape[1]
             exact = np.broadcast_to(0.0, (len(stress_modes), len(blocks)))
-            yield Segment(start, [np.asfortranarray(block.T) for block in blocks], exact)
-            start += len(rows)
+            yield start - len(rows), [np.asfortranarray(block) for block in blocks], exact
 
     return StressHistory(len(stress_modes), shapes, checked)
 
@@ -147,11 +107,11 @@ def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
     groups = node_blocks(exact.nodes)
     weights = np.sqrt(sum(np.einsum("ncm,ncm->m", *2 * (exact.shapes(of),)) for of in groups))
     weights[weights == 0.0] = 1.0  # modes without stress
-    squares = sum(block @ block.T for segment in exact.segments() for block in segment.blocks)
+    squares = sum(block @ block.T for _, blocks, _ in exact.segments() for block in blocks)
     directions = np.linalg.eigh(squares * np.outer(weights, weights))[1][:, ::-1]
     into, turn = directions.T * weights, directions / weights[:, None]
     greatest, instant, length = np.zeros(len(weights)), np.zeros(len(weights)), 0.0
-    for amplitudes in (into @ block for segment in exact.segments() for block in segment.blocks):
+    for amplitudes in (into @ block for _, blocks, _ in exact.segments() for block in blocks):
         greatest = np.maximum(greatest, np.abs(amplitudes).max(axis=1))
         lengths = np.linalg.norm(amplitudes, axis=0)
         if lengths.max() > length:
@@ -166,11 +126,11 @@ def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
     single = np.concatenate([part[:, :, :rank].astype(np.float32) for part in shapes])
 
     def along() -> Iterator[Segment]:
-        for segment in exact.segments():
-            amplitudes = [into @ block for block in segment.blocks]
+        for start, blocks, _ in exact.segments():
+            amplitudes = [into @ block for block in blocks]
             most = np.stack([np.abs(one).max(axis=1) for one in amplitudes], axis=1)
-            blocks = [np.asfortranarray(one[:rank].astype(np.float32)) for one in amplitudes]
-            yield Segment(segment.start, blocks, lengths @ (certainty[:, None] * most))
+            few = [np.asfortranarray(one[:rank].astype(np.float32)) for one in amplitudes]
+            yield start, few, lengths @ (certainty[:, None] * most)
 
     return StressHistory(exact.nodes, lambda of: single[of], along)
 

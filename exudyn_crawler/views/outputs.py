@@ -53,17 +53,14 @@ def write_tables(history: History, stresses: StressResults | None, folder: Path,
 def write_forces(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """What derives from the forces of the history, which has them themselves."""
     names = {name: one for name, one in select(files="forces").items() if history.has(name)}
-    # those of pairs may be larger than memory, and change nothing from one time to another
-    whole = {name: history.quantity(name) for name, one in names.items() if one.per != "pair"}
 
-    def chunk(part: xr.Dataset) -> xr.Dataset:
-        own = History(history.case, part)
-        values = {name: own.quantity(name) for name in names if name not in whole}
-        values |= {name: one.sel(time=part.time) for name, one in whole.items()}
-        stored = {name: values[name].astype(one.dtype, keep_attrs=True) for name, one in names.items()}
-        return xr.Dataset(stored, attrs=part.attrs)
+    def chunk(part: History) -> xr.Dataset:
+        values = (
+            (name, part.quantity(name).astype(one.dtype, keep_attrs=True)) for name, one in names.items()
+        )
+        return xr.Dataset(dict(values), attrs=part.dataset.attrs)
 
-    chunks = (chunk(part) for part in files.blocks(history.dataset))
+    chunks = (chunk(part) for part, _ in history.parts())
     files.write_netcdf_along("time", history.time.size, chunks, folder / "forces.nc", overwrite=True)
 
 
@@ -77,13 +74,13 @@ def write_figures(history: History, stresses: StressResults | None, folder: Path
             drawn[f"ground at {time:g} s"] = pictures.map_figure(history, ground, time)
     elif not terrain.is_even:
         drawn["ground"] = pictures.ground_figure(history, history.duration)
+    # curves of a long run would not fit into memory, and no figure shows them at every step
+    thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
     if stresses is not None:
-        found = figures.stress_figures(history, stresses)
+        found = figures.stress_figures(thinned, stresses)
         drawn |= {f"flexible {name}": one for name, one in found.items()}
     if (path := folder / f"{figures.ROLLER_PATH}.csv").is_file():
         drawn[figures.ROLLER_PATH] = figures.roller_path_figure(pd.read_csv(path), history.case.name)
-    # curves of a long run would not fit into memory, and no figure shows them at every step
-    thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
     drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count))
     for name, figure in drawn.items():
         file = f"{name.replace(' ', '_')}.{outputs.figure_format}"

@@ -1,11 +1,13 @@
 """Damage over histories of stress: closed forms, criteria against each other, what must not change it."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import fem
+from fem import critical_plane, damage, extremes, rank
 from fem.critical_plane import (
     critical_planes,
     damage_on_planes,
@@ -129,6 +131,62 @@ def test_order_of_nodes_and_size_of_blocks_do_not_matter(spread):
     few = recover_damage(modes, q, "signed von mises", counting, np.array([299, 3]), None)
     np.testing.assert_allclose(few.damage, whole.damage[[299, 3]], rtol=1e-9)
     assert (whole.damage.sum(axis=0) > 0.0).all()
+
+
+def in_segments(monkeypatch, size):
+    for module in (rank, damage, critical_plane, extremes):
+        monkeypatch.setattr(module, "SEGMENT", size)
+
+
+@pytest.mark.parametrize(("size", "tolerance"), [(256, 1e-4), (512, 1e-4), (64, None), (101, None)])
+@pytest.mark.parametrize("negligible", [0.0, 1e-6])
+def test_damage_and_extremes_in_segments_are_those_of_the_whole(
+    spread, monkeypatch, size, tolerance, negligible
+):
+    modes, q, counting = spread
+    counting = replace(counting, negligible=negligible)
+    angles, nodes = np.radians([[0.0, 40.0, 80.0]] * 4), np.arange(4)
+    normals = np.tile([0.0, 0.0, 1.0], (len(modes), 1))
+
+    def found():
+        of_scalar = recover_damage(modes, q, "signed von mises", counting, tolerance=tolerance)
+        on_planes = damage_on_planes(modes, q, normals, angles, counting, nodes, tolerance)
+        return of_scalar, on_planes, fem.recover_extremes(modes, q, tolerance=None)
+
+    (whole, planes, most), _ = found(), in_segments(monkeypatch, size)
+    parts, planes_in_parts, most_in_parts = found()
+    np.testing.assert_allclose(parts.damage, whole.damage, rtol=1e-12, atol=0.0)
+    np.testing.assert_allclose(planes_in_parts, planes, rtol=1e-12, atol=0.0)
+    exact = {"rtol": 0.0 if size % 256 == 0 else 1e-12}
+    for name in ("highest", "lowest"):
+        np.testing.assert_allclose(getattr(parts, name), getattr(whole, name), **exact)
+    for name in ("greatest", "least", "highest", "greatest_at", "highest_nodes"):
+        np.testing.assert_allclose(getattr(most_in_parts, name), getattr(most, name), **exact)
+
+
+class Repeated:
+    """History that is never whole: blocks of random numbers, the same ones each time."""
+
+    def __init__(self, blocks):
+        self.blocks, self.shape = blocks, (500 * blocks, 4)
+
+    def __iter__(self):
+        return (np.random.default_rng(k).standard_normal((500, 4)) for k in range(self.blocks))
+
+
+def test_a_longer_history_takes_no_more_memory(spread, monkeypatch):
+    """Turning points, cycles and stresses of four times the time are not in memory together."""
+    in_segments(monkeypatch, 512)
+    modes, peaks = spread[0], []
+    for blocks in (4, 16):
+        q = Repeated(blocks)
+        counting = Counting(CURVE, (0.9,), np.zeros(q.shape[0], dtype=np.int64))
+        tracemalloc.start()
+        found = recover_damage(modes, q, "signed principal", counting)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert found.damage.sum() > 0.0
+    assert peaks[1] < 1.1 * peaks[0]
 
 
 def test_phases_share_what_the_whole_history_does(spread):

@@ -10,17 +10,21 @@ from exudyn_crawler import Duty, FatigueMaterial, History
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress import basis as stress_basis_module
-from exudyn_crawler.results.stress.basis import StoredRows, same_squares, stress_basis
+from exudyn_crawler.results.stress.basis import StoredRows, stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
+from fem import critical_plane, damage, extremes, rank
 
 SEGMENT = 40
+FOLDED = tuple((module, "SEGMENT") for module in (rank, damage, critical_plane, extremes))
+"""Where the length of a segment stands in what folds stresses."""
 NEAR = {"rtol": 1e-6, "atol": 1.0}
 """Sums over segments round otherwise, and so do the static fields that are chosen by them."""
 
 
 @pytest.fixture
 def in_segments(monkeypatch):
-    monkeypatch.setattr(stress_basis_module, "LONG", SEGMENT)
+    for module, name in ((stress_basis_module, "LONG"), (stress_basis_module, "PART"), *FOLDED):
+        monkeypatch.setattr(module, name, SEGMENT)
 
 
 def duty():
@@ -40,14 +44,6 @@ def test_stored_rows_are_those_that_were_written(tmp_path):
     assert np.array_equal(np.concatenate(list(stored)), rows)
 
 
-def test_few_rows_have_the_squares_of_many():
-    rows = np.random.default_rng(1).standard_normal((500, 6)) * 10.0 ** np.arange(6)
-    few = same_squares([rows[:200], rows[200:]])
-    assert few.shape == (6, 6)
-    along = np.random.default_rng(2).standard_normal((6, 4))
-    assert ((few @ along) ** 2).mean(axis=0) == pytest.approx(((rows @ along) ** 2).mean(axis=0), rel=1e-9)
-
-
 def test_stresses_from_segments_are_those_of_the_whole_run(flexible_run, in_segments):
     history, stress, _ = flexible_run
     found = recover_stresses(history)
@@ -57,10 +53,10 @@ def test_stresses_from_segments_are_those_of_the_whole_run(flexible_run, in_segm
 
 
 @pytest.mark.slow
-def test_lives_from_segments_are_those_of_the_whole_run(flexible_run, monkeypatch):
+def test_lives_from_segments_are_those_of_the_whole_run(flexible_run, request):
     history = flexible_run[0]
     whole = life_of(duty(), [history])
-    monkeypatch.setattr(stress_basis_module, "LONG", SEGMENT)
+    request.getfixturevalue("in_segments")
     found = life_of(duty(), [history])
     known = whole.dataset.damage_an_hour.values > 0.0
     np.testing.assert_allclose(

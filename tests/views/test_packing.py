@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.views.pages.packing import SceneArrays, thinned
+from exudyn_crawler.views.pages.packing import SceneArrays, bin_width, thinned
 from exudyn_crawler.views.pages.report import INSTANTS, packed_shoes, packed_track, report_page
 from exudyn_crawler.views.scenes.track import acting, roller_forces, shoe_forces
 
@@ -44,7 +44,7 @@ def moving(translation):
 
 @given(arrays(np.float64, st.integers(1, 500), elements=st.floats(-1e6, 1e6)), st.integers(10, 300))
 def test_a_thinned_series_keeps_ends_and_extremes(values, points):
-    kept = thinned(values, points)
+    kept = thinned(values, bin_width(len(values), points))
     assert np.all(np.diff(kept) > 0)
     assert {0, len(values) - 1} <= set(kept.tolist())
     assert values[kept].min() == values.min()
@@ -58,7 +58,7 @@ def test_a_short_spike_survives_anywhere():
     for place in range(0, 20_000, 611):
         values = np.sin(np.arange(20_000) * 1e-3)
         values[place] = 7.0
-        assert place in thinned(values, 900)
+        assert place in thinned(values, bin_width(len(values), 900))
 
 
 def test_shoes_and_forces_are_where_the_history_has_them(moving):

@@ -1,8 +1,8 @@
 """Catalogue of quantities: what results are called and measure, where they are and what they need.
 
 `quantities.csv` holds them, a row each, stored and derived ones alike. A new quantity is a row there and what
-computes it: a variable of `states`, or a function in `DERIVED`, which takes the case and the dataset of a
-history, or a part of it along time, and gives values with the quantity's dimensions.
+computes it: a variable of `states`, or a function in `DERIVED`. That takes the case, the dataset of a history
+or of a part of it, and one that begins as the history does; it gives values with the quantity's dimensions.
 """
 
 import csv
@@ -159,7 +159,7 @@ def check_dimensions(dataset: xr.Dataset) -> None:
             raise ValueError(f"{name} has dimensions {one.dims}, not {quantity.dimensions}")
 
 
-def axes(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
+def axes(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
     """Rotation matrices of the shoes: (time, shoe, axis, body_axis), for each body axis its direction."""
     # who asks for names alone does not wait until it is compiled
     from exudyn_crawler.ground.rotations import rotation_matrices
@@ -173,15 +173,15 @@ def axes(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
     )
 
 
-def terrain_deformation(case: Case, dataset: xr.Dataset) -> xr.DataArray:
+def terrain_deformation(case: Case, dataset: xr.Dataset, begin: xr.Dataset) -> xr.DataArray:
     """Sum of the springs' deformations since the start, upward, (time,), m; those by tilts cancel out."""
     # of a history that does not fit into memory, the motion of all units does not either
     parts = [part.unit_heave.sum("unit") for part in blocks(dataset[["unit_heave"]])]
-    total = case.unit_terrain().springs_per_unit * xr.concat(parts, "time")
-    return total - total.isel(time=0)
+    springs = case.unit_terrain().springs_per_unit
+    return springs * xr.concat(parts, "time") - springs * begin.unit_heave.isel(time=0).sum("unit")
 
 
-def rail_force(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
+def rail_force(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
     """Sum of the rollers' forces on both rails of every shoe: dimensions (time, shoe, axis), N, global."""
     summed = dataset.tread_force.sum(("rail", "strip"))
     force = summed.transpose("time", "roller", "neighbour", "axis").values
@@ -195,7 +195,7 @@ def rail_force(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(total, {name: dataset[name] for name in dims}, dims)
 
 
-def link_tension(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
+def link_tension(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
     """Force of every link without its part along the rear shoe's pins: (time, joint), N."""
     from exudyn_crawler.ground.rotations import rotation_matrices
 
@@ -207,12 +207,14 @@ def link_tension(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(np.linalg.norm(along, axis=-1), {name: dataset[name] for name in dims}, dims)
 
 
-DERIVED: dict[str, Callable[[Case, xr.Dataset], xr.DataArray]] = {
-    "displacement": lambda _, data: data.position - data.position.isel(time=0),
+DERIVED: dict[str, Callable[[Case, xr.Dataset, xr.Dataset], xr.DataArray]] = {
+    "displacement": lambda _, data, begin: data.position - begin.position.isel(time=0),
     "axes": axes,
-    "contact_force": lambda _, data: data.normal_force + data.friction_force,
+    "contact_force": lambda _, data, _begin: data.normal_force + data.friction_force,
     "terrain_deformation": terrain_deformation,
-    "side_frame_way": lambda _, data: data.side_frame_position - data.side_frame_position.isel(time=0),
+    "side_frame_way": lambda _, data, begin: (
+        data.side_frame_position - begin.side_frame_position.isel(time=0)
+    ),
     "rail_force": rail_force,
     "link_tension": link_tension,
 }
@@ -247,7 +249,9 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
             parts = [none if one is None else part.isel(contact=one) for part, one in pairs]
         columns[name] = xr.concat(parts, dim="shoe", coords="minimal", compat="override")
     result = xr.Dataset(columns).assign_coords(shoe=shoes).drop_vars(CONTACT_KEYS, errors="ignore")
-    result = result.assign({name: with_meaning(name, DERIVED[name](case, result)) for name in derived})
+    result = result.assign(
+        {name: with_meaning(name, DERIVED[name](case, result, result)) for name in derived}
+    )
     return result[wanted]
 
 

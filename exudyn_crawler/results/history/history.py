@@ -1,7 +1,7 @@
 """Results of a run: named arrays over time that know their units and where they come from, and its phases."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from html import escape
 from itertools import pairwise
@@ -16,6 +16,7 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.results.history import catalogue, files
 from fem.interrupts import interrupts_wait
 
+TIMES_IN_PART = 2**13  # of a long run, of which all quantities that are drawn are in memory: 0.2 GB
 MOST_IN_MEMORY = 25 * 10**7  # bytes of a history that are read at once: 70 s of 13 rigid shoes, every 2 ms
 
 
@@ -32,10 +33,13 @@ class History:
         What was run.
     dataset : xarray.Dataset
         Dimensions time (s), shoe, joint, unit, contact and axis (x, y, z of the global frame).
+    begin : xarray.Dataset, optional
+        Of a later part of a run: the run's first instant, from which displacements count.
     """
 
     case: Case
     dataset: xr.Dataset
+    begin: xr.Dataset | None = None
 
     def __getattr__(self, name: str) -> xr.DataArray:
         """Variable or coordinate of the dataset, or a quantity that derives from them."""
@@ -90,7 +94,8 @@ class History:
             lacking = catalogue.QUANTITIES[name].lacking(self.case) or "more than a history: stresses, say"
             raise ValueError(f"{name} needs {lacking}")
         if catalogue.QUANTITIES[name].is_derived:
-            return catalogue.with_meaning(name, catalogue.DERIVED[name](self.case, self.dataset))
+            begin = self.dataset if self.begin is None else self.begin
+            return catalogue.with_meaning(name, catalogue.DERIVED[name](self.case, self.dataset, begin))
         return self.dataset[name] if stress is None or name not in stress else stress[name]
 
     def over_time(self, names: Iterable[str], stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
@@ -159,6 +164,14 @@ class History:
         if step == 1:
             return self
         return type(self)(self.case, self.dataset.isel(time=slice(None, None, step)).load())
+
+    def parts(self, stress: xr.Dataset | None = None) -> Iterator[tuple[Self, xr.Dataset | None]]:
+        """Consecutive parts with their `stress`: all quantities of one fit into memory together."""
+        begin = self.dataset.isel(time=[0]) if self.begin is None else self.begin
+        for start in range(0, self.time.size, TIMES_IN_PART):
+            part = self.dataset.isel(time=slice(start, start + TIMES_IN_PART))
+            own = None if stress is None else stress.sel(time=slice(*part.time.values[[0, -1]]))
+            yield type(self)(self.case, part, begin), own
 
     @classmethod
     @interrupts_wait()

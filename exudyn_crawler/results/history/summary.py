@@ -25,16 +25,19 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     """
     ranked = sorted(select(key_result=True).values(), key=lambda one: one.key_result)
     named = {one.name: one for one in ranked if history.has(one.name, stress)}
-    rows: list[dict[str, object]] = []
-    for name, values in history.over_time(named, stress).items():
-        unit, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
-        result = named[name].key_result.partition(" ")[2]
-        sizes = _size(values) * factor
-        at, of, time = _extreme(sizes)
-        rows.append({"result": result, "value": float(sizes.isel(at)), "of": of, "at": time, "unit": unit})
+    found: dict[str, dict[str, Any]] = {}
+    for part, own in history.parts(stress):
+        for name, values in part.over_time(named, own).items():
+            unit, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
+            sizes = _size(values) * factor
+            at, of, time = _extreme(sizes)
+            if name not in found or float(sizes.isel(at)) > found[name]["value"]:
+                result, value = named[name].key_result.partition(" ")[2], float(sizes.isel(at))
+                found[name] = {"result": result, "value": value, "of": of, "at": time, "unit": unit}
+    rows = list(found.values())
     # of the front shoe, or of the side frame that rolls over the shoes
     rolled = history.case.running_gear is not None
-    way = history.side_frame_way if rolled else history.displacement.isel(shoe=-1)
+    way = part.side_frame_way if rolled else part.displacement.isel(shoe=-1)
     of, value = "side frame" if rolled else f"shoe {int(history.shoe[-1])}", float(_size(way.isel(time=-1)))
     rows.append({"result": "way", "value": value, "of": of, "at": history.duration, "unit": "m"})
     of, force = unbalanced(history)
@@ -245,18 +248,18 @@ def bouncing(history: History) -> Bouncing | None:
     The vertical contact force of every shoe is taken at equal times; spectra by Welch's method. Runs shorter
     than `WINDOW` say nothing.
     """
-    force = (
-        history.over_time(["contact_force"])["contact_force"].sel(axis="z").transpose("shoe", "time").values
-    )
+    parts = (part.over_time(["contact_force"])["contact_force"].sel(axis="z") for part, _ in history.parts())
+    force = np.concatenate([part.transpose("shoe", "time").values for part in parts], axis=1)
     time = history.time.values
     if time[-1] - time[0] < WINDOW:
         return None
     step = float(np.median(np.diff(time)))
     even = np.arange(time[0], time[-1], step)
-    sampled = np.stack([np.interp(even, time, one) for one in force])
     length = min(len(even), round(WINDOW / step))
-    frequency, density = welch(sampled, 1.0 / step, nperseg=length, detrend="linear")
-    spectrum = density.mean(axis=0)
+    # a shoe at a time: spectra of all segments are in memory together
+    sampled = (np.interp(even, time, one) for one in force)
+    spectra = [welch(one, 1.0 / step, nperseg=length, detrend="linear") for one in sampled]
+    frequency, spectrum = spectra[0][0], np.mean([density for _, density in spectra], axis=0)
     inside = (frequency >= BAND[0]) & (frequency <= BAND[1])
     if not inside.any():
         return None

@@ -34,8 +34,9 @@ from fem.rank import SEGMENT
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
 MOST_FIELDS = 0.4  # greatest number of fields over that of modes
-LONG = SEGMENT
-"""Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms."""
+LONG, PART = SEGMENT, 2**12
+"""Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms; and of a
+longer one, of whose contacts with units there are 30 kB a time."""
 LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
 LOADS |= {"carrier": "carriers", "slide": "slides"}
 """Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
@@ -159,7 +160,7 @@ Rows = np.ndarray | StoredRows
 
 def parts_of(times: int) -> list[slice]:
     """Slices of successive stored times whose loads are in memory together."""
-    return [slice(start, min(start + LONG, times)) for start in range(0, times, LONG)]
+    return [slice(start, min(start + PART, times)) for start in range(0, times, PART)]
 
 
 @dataclass(frozen=True)

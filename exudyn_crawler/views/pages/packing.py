@@ -114,15 +114,21 @@ def packed_curves(
     histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
 ) -> tuple[dict[str, Any], str]:
     """Time histories of runs by name for the page, and what a reader has to know about left-out times."""
-    offered = {name: figures.history_series(one, stresses.get(name)) for name, one in histories.items()}
-    found = {name: list(series.values()) for name, series in offered.items()}
-    count = sum(series.values.isel(time=0).size for own in found.values() for series in own)
+    at_first = {
+        name: next(one.every(one.time.size).parts(stresses.get(name))) for name, one in histories.items()
+    }
+    offered = {name: figures.history_series(*one) for name, one in at_first.items()}
+    count = sum(one.values.size for series in offered.values() for one in series.values())
     points = int(np.clip(SERIES_BYTES / BYTES_A_POINT / max(count, 1), LEAST_POINTS, MOST_POINTS))
     cases = {}
-    for name, own in found.items():
+    for name, history in histories.items():
         times: list[np.ndarray] = []
-        quantities = [_packed_series(series, points, times) for series in own]
-        phases = common_phases(histories[name])
+        kept = {label: _Kept() for label in offered[name]}
+        for part, own in history.parts(stresses.get(name)):
+            for label, series in figures.history_series(part, own).items():
+                kept[label].add(series.values, bin_width(history.time.size, points))
+        quantities = [_packed_series(one, kept[label], times) for label, one in offered[name].items()]
+        phases = common_phases(history)
         cases[name] = {
             "times": [packed(time, "f4") for time in times],
             "quantities": quantities,
@@ -142,37 +148,55 @@ def packed_curves(
     elif figures.TENSION in labels:
         moving, carried = figures.DRIVE_MOMENT, figures.TENSION
     first = [figures.HIGHEST_STRESS if figures.HIGHEST_STRESS in labels else moving, carried]
-    curves = {"cases": cases, "first": first if found else []}
+    curves = {"cases": cases, "first": first if cases else []}
     return curves, said if most > points else "Every stored time is drawn."
 
 
-def thinned(values: np.ndarray, points: int) -> np.ndarray:
-    """Indices to keep of a series (n,): ends, and the least and greatest of bins; at most about `points`."""
+def bin_width(times: int, points: int) -> int:
+    """Successive times of which a series of at most about so many points keeps the least and the greatest."""
+    return 1 if times <= points else -(-times // max(1, points // 2 - 1))
+
+
+def thinned(values: np.ndarray, width: int) -> np.ndarray:
+    """Indices to keep of a series (n,): ends, and the least and greatest of bins of so many values."""
     n = len(values)
-    if n <= points:
-        return np.arange(n)
-    bins = max(1, points // 2 - 1)
-    width = -(-n // bins)
     padded = np.concatenate((values, np.full(-n % width, values[-1]))).reshape(-1, width)
     starts = width * np.arange(len(padded))
     kept = np.concatenate(([0, n - 1], starts + padded.argmin(axis=1), starts + padded.argmax(axis=1)))
     return np.unique(np.minimum(kept, n - 1))
 
 
-def _packed_series(series: figures.Series, points: int, times: list[np.ndarray]) -> dict[str, Any]:
+class _Kept:
+    """What stays of a quantity's series: times of all, and indices and values of every item and axis."""
+
+    def __init__(self) -> None:
+        self.times: list[np.ndarray] = []
+        self.series: dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray]]] = {}
+
+    def add(self, values: xr.DataArray, width: int) -> None:
+        """Add those of the next part of the run."""
+        start = sum(map(len, self.times))
+        self.times.append(values.time.values)
+        whole = values.transpose("item", "axis", "time").values
+        for at in np.ndindex(whole.shape[:2]):
+            few = thinned(whole[at], width)
+            self.series.setdefault(at, []).append((start + few, whole[at][few]))
+
+
+def _packed_series(series: figures.Series, kept: _Kept, times: list[np.ndarray]) -> dict[str, Any]:
     """Quantity for the page: names, and for every item and axis packed indices of time and values.
 
     Its stored times are those of the same number in `times`, to which they are added where they are new.
     """
-    time = series.values.time.values
+    time = np.concatenate(kept.times)
     same = next((k for k, one in enumerate(times) if np.array_equal(one, time)), len(times))
     if same == len(times):
         times.append(time)
     kind = "u2" if len(time) < 2**16 else "u4"
-    rows = []
-    for item in series.values.transpose("item", "axis", "time").values:
-        kept = [(thinned(values, points), values) for values in item]
-        rows.append([[packed(k, kind), packed(values[k], "f4")] for k, values in kept])
+    rows: list[list[list[str]]] = [[[] for _ in series.values.axis] for _ in series.items]
+    for (item, axis), parts in kept.series.items():
+        few, values = (np.concatenate(one) for one in zip(*parts, strict=True))
+        rows[item][axis] = [packed(few, kind), packed(values, "f4")]
     return {
         **_as_they_are(series, "group", "label", "unit", "items"),
         "floor": negligible(series.unit),

@@ -125,7 +125,8 @@ def _centers(moments: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def greatest_shoe_force(history: History) -> float:
     """Greatest force of the ground on a shoe over the run, in a closed track also of wheels or teeth, N."""
     names = ["contact_force", *(["wheel_load", "tooth_force"] if history.case.is_closed else [])]
-    return max(float(np.sqrt((one**2).sum("axis")).max()) for one in history.over_time(names).values())
+    values = (one for part, _ in history.parts() for one in part.over_time(names).values())
+    return max(float(np.sqrt((one**2).sum("axis")).max()) for one in values)
 
 
 def unloaded_level(case: Case) -> float:
