@@ -31,7 +31,7 @@ ModalHistory = Floats | Iterable[Floats]
 
 
 Segment = tuple[int, list[Floats], Floats]
-"""Successive times: row of the first, blocks (r, t) of coordinates, greatest error (n, blocks) of each in Pa."""
+"""Successive times: row of the first, blocks (r, t) of coordinates, and greatest error (n, blocks) in Pa."""
 
 
 class StressHistory(NamedTuple):
