@@ -16,7 +16,7 @@ from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.compiling import compiler
 from fem.fatigue import SNCurve, check_survivals
 from fem.mesh import Floats, Integers
-from fem.rainflow import CycleCounter, joined_cycles
+from fem.rainflow import CycleCounter, Cycles, joined_cycles, repeated_cycles
 from fem.rank import NODE_BLOCK, SEGMENT, ModalHistory
 from fem.shapes import Columns
 from fem.sources import FEM
@@ -78,6 +78,10 @@ class Counting:
     def shape(self) -> tuple[int, int]:
         """Numbers of survivals and phases."""
         return len(self.survivals), int(self.phase.max()) + 1
+
+    def cycles(self, signal: Floats) -> Cycles:
+        """Cycles of a signal (t,) that are not left out."""
+        return repeated_cycles(signal).larger_than(self.cut)
 
 
 class CountedDamage:
