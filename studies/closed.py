@@ -49,8 +49,7 @@ def revolution(case: Case) -> float:
 def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
     """Rolled open track with rollers, ground and contact of the closed one; tension of its ends in N."""
     closed, case = closed_case(), Case.rolled()
-    assert closed.closed_track is not None
-    frame = Undercarriage.ph4100c().with_(rollers=closed.closed_track.rollers, end_tension=tension)
+    frame = Undercarriage.ph4100c().with_(rollers=closed.closed_gear().rollers, end_tension=tension)
     return case.with_(
         track=case.track.with_(shoe_count=OPEN_SHOES),
         loads=LoadCycle.constant([0.0] * OPEN_SHOES),
@@ -176,8 +175,7 @@ def torque_by_tension(history: History) -> pd.DataFrame:
     the cut bear the moments of both links about the axis and that of their weight, which the torque balances.
     By means of tension each link acts at n p / (2 pi), and so does the weight a metre times the cut's height.
     """
-    case, data, closed = history.case, history.dataset, history.case.closed_track
-    assert closed is not None
+    case, data, closed = history.case, history.dataset, history.case.closed_gear()
     track, weight, rows = case.track, case.shoe.mass * case.gravity, np.arange(history.time.size)
     lever = closed.travel_per_angle(track)
     pitches = data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)

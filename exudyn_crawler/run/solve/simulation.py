@@ -137,8 +137,7 @@ class ChainWatch:
     """Says what has happened to the chains of closed tracks, from rows of the states as they come."""
 
     def __init__(self, case: Case, layout: StateLayout) -> None:
-        assert case.closed_track is not None
-        self.case, self.layout, self.closed = case, layout, case.closed_track
+        self.case, self.layout, self.closed = case, layout, case.closed_gear()
         self._teeth, _, _, self._addendum, _ = self.closed.tumbler.profile(case.track)
         _, self._lug = self.closed.lugs(case.track)[0]
         self._gaps = np.full(case.track.shoe_count, -1)

@@ -187,9 +187,7 @@ def tooth_outline(frame: ClosedTrack, case: Case) -> np.ndarray:
 
 def tumbler_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
     """Toothed wheels of the drive tumbler on its shaft, and the lugs of the shoes that run into them."""
-    frame = case.closed_track
-    if frame is None:
-        raise ValueError(f"the case {case.name!r} must have a closed track to show its tumbler")
+    frame = case.closed_gear()
     tumbler, centers = frame.tumbler, case.track.joint_centers
     planes = np.array([[0.0, centers[f"rear {side}"][1], 0.0] for side in SIDES])
     _, turn = frame_poses(dataset)
