@@ -15,6 +15,7 @@ import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, History, LoadCycle, StepProfile
 from exudyn_crawler.case import Drive, Undercarriage, ph4100c
+from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.summary import tension_along_chain
@@ -148,24 +149,15 @@ def loads_across(history: History) -> dict[str, float]:
     link, torque = across(data.joint_force), np.linalg.norm(data.joint_torque.transpose(..., "axis"), axis=-1)
     tooth = np.linalg.norm(data.tooth_force.transpose(..., "axis").values, axis=-1)
     found = {"least tension in kN": tension.min(), "greatest tension in kN": tension.max()}
-    found |= {
-        "link across, greatest in kN": abs(link).max(),
-        "link across, rms in kN": np.sqrt(np.mean(link**2)),
-    }
-    found |= {"yaw and roll moment of a link in kN m": torque.max()}
-    found |= {
-        "flange on a shoe in kN": abs(data.guide_force.values).max(),
-        "teeth on a shoe in kN": tooth.max(),
-    }
-    for side, moment in zip(
-        ("right", "left"), np.atleast_2d(data.drive_moment.mean("time").values.T).T, strict=False
-    ):
-        found[f"mean torque, {side} tumbler, in kN m"] = moment.item()
-    rubbed = abs(across(ground.friction_force))[stands].mean()
-    return {
-        name: float(value) / KILO
-        for name, value in (found | {"ground across a shoe, mean in kN": rubbed}).items()
-    }
+    greatest, rms = abs(link).max(), np.sqrt(np.mean(link**2))
+    found |= {"link across, greatest in kN": greatest, "link across, rms in kN": rms}
+    flange = abs(data.guide_force.values).max()
+    found |= {"yaw and roll moment of a link in kN m": torque.max(), "flange on a shoe in kN": flange}
+    found["teeth on a shoe in kN"] = tooth.max()
+    moments = np.atleast_1d(data.drive_moment.mean("time").values)
+    found |= {f"mean torque, {side} tumbler, in kN m": one for side, one in zip(SIDES, moments, strict=False)}
+    found["ground across a shoe, mean in kN"] = abs(across(ground.friction_force))[stands].mean()
+    return {name: float(value) / KILO for name, value in found.items()}
 
 
 def torque_by_tension(history: History) -> pd.DataFrame:

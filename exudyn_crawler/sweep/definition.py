@@ -150,10 +150,7 @@ class Variation(Parameters):
 
 
 class Sweep(Variation):
-    """A case, what of it varies, by which design, and the answers that are wanted of every run.
-
-    Unknown paths, other units and answers that the runs cannot give are refused when it is made.
-    """
+    """A case, what of it varies, by which design, and answers; what runs cannot give is refused at once."""
 
     case: CaseFile
     answers: tuple[Answers, ...] = option("what is wanted of every run", min_length=1)

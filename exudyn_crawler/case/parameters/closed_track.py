@@ -141,10 +141,7 @@ class ClosedTrack(RunningGear):
         "m", "of the lines across a slide on which rails rub, so round as carriers", (0.1, 2.0), default=0.45
     )
     slide_friction: base.Coefficient = quantity(
-        "1",
-        "of rails on slides, 0 at rest as rolling resistance",
-        (0.05, 0.8),
-        default=ph4100c.SLIDE_FRICTION,
+        "1", "of rails on slides, 0 at rest as rolling is", (0.05, 0.8), default=ph4100c.SLIDE_FRICTION
     )
     guide_play: base.Extent = quantity("m", "a shoe's way to each side of a flange", (0.0, 0.1))
     guide_height: base.Depth = quantity("m", "of the flanges above a tread", (0.005, 0.3))
