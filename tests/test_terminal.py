@@ -64,6 +64,15 @@ RESULTS = pd.DataFrame(
     columns=["result", "value", "unit", "of", "at"],
 )
 
+CYCLES = pd.DataFrame(
+    [("rest", "stones below the edge, rock", "roller path", 412_345.6, 16.4938)],
+    columns=["from", "to", "region", "cycles to a crack", "an hour"],
+)
+QUANTILES = pd.DataFrame(
+    [("greatest joint force", "N", 0.99, 1.2345678e6, 1.1e6, 1.4e6, 1.2e6, 1.25e6)],
+    columns=["answer", "unit", "quantile", "value", "least", "most", "of a quarter", "of half"],
+)
+
 
 def compared(study):
     reported = reported_values(study)
@@ -102,6 +111,20 @@ FAKES = {
         "exudyn_crawler.life_run.life": result(SimpleNamespace(table=LIFE)),
         "exudyn_crawler.views.pages.life.life_lines": result(["90 % of the shoes see no crack"]),
     },
+    "check shoe.toml": {
+        "exudyn_crawler.check_run.check_cases": result(
+            SimpleNamespace(
+                worst_cycles=CYCLES,
+                check=SimpleNamespace(name="ready", hours=25_000.0, material=SimpleNamespace(name="A36")),
+            )
+        )
+    },
+    "scatter sample.toml": {
+        "exudyn_crawler.sweep.running.run_sweep": result(
+            SimpleNamespace(table=SWEPT, sweep=None, folder=Path("results/sample"))
+        ),
+        "exudyn_crawler.sweep.results.scatter_tables": result({"quantiles": QUANTILES}),
+    },
     "spread .": {"exudyn_crawler.spread_run.spread": result(SimpleNamespace(by_shoe=lambda: SPREAD))},
     "run case.toml": {
         "exudyn_crawler.case_run.run_case": result(
@@ -128,6 +151,8 @@ NUMBERS = {
     "shovel-life": ["300 900", "0.04392"],
     "rollers": ["133.9", "33.53"],
     "life duty.toml": ["300 900", "0.04392"],
+    "check shoe.toml": ["412 300", "16.49"],
+    "scatter sample.toml": ["1235", "kN"],
     "spread .": ["133.9", "12.35"],
     "verify": ["-2 146 000", "3e-09"],
     "run case.toml": ["655.1", "33.53"],
@@ -148,6 +173,8 @@ def terminal(monkeypatch, capsys, tmp_path):
         '[case]\nbase = "translation"\nduration = 0.02\n[[answers]]\nquantity = "joint_force"\n'
         '[[vary]]\nkey = "terrain.spring_stiffness"\nlow = 1e7\nhigh = 3e7\ncount = 3\n'
     )
+    sample = (tmp_path / "sweep.toml").read_text().replace("count = 3\n", "")
+    (tmp_path / "sample.toml").write_text(f'design = "sobol"\nruns = 16\n{sample}')
 
     def call(words, width):
         for name, value in {"COLUMNS": width, "TTY_COMPATIBLE": 1, "NO_COLOR": 1}.items():
