@@ -9,8 +9,9 @@ import xarray as xr
 
 from exudyn_crawler.case.parameters.checks import out_of_range, warn_of
 from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
-from exudyn_crawler.results.checks.cases import ShoeCheck, read_check
-from exudyn_crawler.results.checks.solve import case_shapes
+from exudyn_crawler.results.checks.cases import ShoeCheck, ShoeOutline, read_check
+from exudyn_crawler.results.checks.roller_path import hertz_table, roller_path
+from exudyn_crawler.results.checks.solve import all_cases, case_shapes
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty, read_duty
 from exudyn_crawler.results.life.duty_runs import check_cases_of
@@ -75,10 +76,30 @@ def _life_of(duty: Duty, histories: Sequence[History], say: Callable[[str], None
     """Life over a duty without stages."""
     shapes = None
     if duty.cases:
-        is_file = Path(duty.check).suffix == ".toml"
-        check = read_check(duty.check) if is_file else ShoeCheck(name=duty.check, mesh=duty.check)
-        shapes = case_shapes(check, check_cases_of(duty), say)
+        shapes = case_shapes(_check_of(duty), check_cases_of(duty), say)
     return life_of(duty, histories, say, _spreads(duty, histories), shapes)
+
+
+def _check_of(duty: Duty) -> ShoeCheck:
+    """Check whose cases a duty has, with its material."""
+    is_file = Path(duty.check).suffix == ".toml"
+    check = read_check(duty.check) if is_file else ShoeCheck(name=duty.check, mesh=duty.check)
+    return check.with_(material=duty.material)
+
+
+def roller_paths(found: LifeResults) -> dict[str, pd.DataFrame]:
+    """Line contact of the treads of rolled runs by their names, and of check cases, in the last stage."""
+    duty = found.duty.by_stage()[-1]
+    tables = {
+        one.run.name: roller_path(one.history, [duty.material])
+        for one in found.runs
+        if one.history is not None and one.history.case.is_rolled
+    }
+    if duty.cases:
+        check, names = _check_of(duty), set(check_cases_of(duty))
+        pressed = [one for one in all_cases(check, ShoeOutline.of(found.whole.mesh)) if one.name in names]
+        tables["check cases"] = hertz_table(check, pressed)
+    return {name: table for name, table in tables.items() if len(table)}
 
 
 def _histories(duty: Duty) -> list[History]:
@@ -125,4 +146,4 @@ def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> Non
     fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}
     with whole_file(folder / FIELDS, overwrite) as temporary:
         write_vtu(temporary, found.whole.mesh, {name: np.asarray(one) for name, one in fields.items()})
-    write_life_page(found, folder / PAGE, overwrite)
+    write_life_page(found, folder / PAGE, overwrite, roller_paths(found))

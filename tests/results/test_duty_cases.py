@@ -9,6 +9,7 @@ import pytest
 import meshes
 from exudyn_crawler import Duty, FatigueMaterial, life, read_duty
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.life_run import roller_paths
 from exudyn_crawler.results.checks.cases import ShoeCheck
 from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, case_shapes, cycle_table
 from exudyn_crawler.results.life.duty import DutyCase, DutyRun, DutyStage
@@ -231,6 +232,11 @@ def test_life_by_one_check_case_is_that_of_the_checks_cycles(tmp_path):
     assert (found.causes() < BEYOND).any(axis=None)
     page = (tmp_path / "life" / "life.html").read_text()
     assert "What cracks which region" in page
+    # two treads of 574 kN on 0.18 m (docs/check-cases.md)
+    assert "Contact below the treads" in page
+    level = roller_paths(found)["check cases"].set_index("tilt in mrad").loc[0.0]
+    assert level["pressure in MPa"] == pytest.approx(528.0, rel=1e-3)
+    assert level["path"] == "elastic"
     assert "Damage as it grows" not in page
     assert pd.read_csv(tmp_path / "life" / "causes.csv")["part"].tolist() == ["ridges"]
     with pytest.raises(ValueError, match=r"shoe: no check case \['rigde'\]; there are \['even, sand, pass'"):

@@ -1,13 +1,17 @@
 """Roller path of check cases and of runs: numbers by hand, every pass counted, stress of the structure."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from exudyn_crawler import History
+from exudyn_crawler import Duty, FatigueMaterial, History
 from exudyn_crawler.case import Outputs
+from exudyn_crawler.life_run import roller_paths
 from exudyn_crawler.results.checks.cases import CheckCase, ShoeCheck, TreadForce
 from exudyn_crawler.results.checks.roller_path import MIDDLE, PRESSURE, TYPICAL, hertz_table, roller_path
+from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.stress.recovery import node_stress
 from exudyn_crawler.views.figures import roller_path_figure
 from exudyn_crawler.views.outputs import write_tables
@@ -50,6 +54,15 @@ def test_every_tread_of_a_run_is_counted_by_its_place(rolled):
     assert worst["cast NiCrMo to yield"] == pytest.approx(3.106 * k / worst[PRESSURE] / 1e6, rel=5e-3)
     assert worst["cast NiCrMo to shakedown"] == pytest.approx(4.0 * k / worst[PRESSURE] / 1e6, rel=5e-3)
     assert table.filter(like="structure").empty
+
+
+@pytest.mark.simulation
+def test_a_life_shows_the_roller_path_of_its_rolled_runs(rolled):
+    run = SimpleNamespace(history=rolled, run=SimpleNamespace(name="propel"))
+    duty = Duty(runs=(DutyRun(name="propel", folder=".", share=0.1),), material=FatigueMaterial.a36())
+    found = roller_paths(SimpleNamespace(duty=duty, runs=[run]))
+    pd.testing.assert_frame_equal(found["propel"], roller_path(rolled, [duty.material]))
+    assert "A36 to shakedown" in found["propel"]
 
 
 @pytest.mark.simulation

@@ -223,12 +223,12 @@ class CheckResults:
         return self.table.to_html(index=False)
 
 
-def all_cases(check: ShoeCheck, shoe: CheckedShoe) -> tuple[CheckCase, ...]:
+def all_cases(check: ShoeCheck, outline: ready.ShoeOutline) -> tuple[CheckCase, ...]:
     """Ready cases at every level of the force, by "case, level", and the check's own."""
     found = [
         one.with_(name=f"{one.name}, {level.name}")
         for level in check.levels
-        for one in ready.ready_cases(shoe.outline, level.force)
+        for one in ready.ready_cases(outline, level.force)
     ]
     return (*found, *check.cases)
 
@@ -240,7 +240,7 @@ def solve_cases(
 
     A ValueError names a case that is not in balance or that ground cannot carry.
     """
-    cases = all_cases(check, shoe)
+    cases = all_cases(check, shoe.outline)
     forces, centers, answers, blows = _solved(shoe, cases, say)
     say("stresses, peaks and cycles")
     surface = shoe.mesh.surface_nodes
@@ -274,7 +274,7 @@ def case_shapes(
     A ValueError names a case that there is not, and what there is; or is as of `solve_cases`.
     """
     shoe = CheckedShoe.of(check)
-    known = {case.name: case for case in all_cases(check, shoe)}
+    known = {case.name: case for case in all_cases(check, shoe.outline)}
     if wrong := sorted(set(names) - set(known)):
         raise ValueError(f"{check.name}: no check case {wrong}; there are {[*known]}")
     _, _, answers, _ = _solved(shoe, [known[name] for name in names], say)

@@ -1,5 +1,6 @@
 """Page of a life: the shoe in 3D with its life at every node, shortest lives, growing damage, material."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -32,20 +33,36 @@ CAUSES = (
     "sooner. With stages of wear it is what a thing does in all of them until the crack."
 )
 
+CONTACT = (
+    "Contact below the treads, in the last stage: to yield and to shakedown are the factors by which stresses "
+    "may grow until the steel flows, and until it flows in every pass. No life above counts it."
+)
 
-def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> Path:
-    """Write one self-contained page of a life, to be read offline in a browser; raises as `write_page`."""
+
+def write_life_page(
+    found: LifeResults,
+    path: Path,
+    overwrite: bool = False,
+    roller_paths: Mapping[str, pd.DataFrame] | None = None,
+) -> Path:
+    """Write one self-contained page of a life, to be read offline in a browser; raises as `write_page`.
+
+    `roller_paths` are tables of the treads' contact by what happens.
+    """
     arrays = SceneArrays()
     scene = packed_scene(Scene(("",), (life_solid(found),)), arrays)
     shortest, parts = (page.table(one, digits=5) for one in (in_words(found.table), damage_parts(found)))
     said, titled = page.paragraph(SHARES), page.part("titled", "Parts of the damage at these nodes", parts)
     causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(found)))
     runs = found.duty.by_stage()[-1].runs
+    paths = [page.part("titled", name, page.table(table)) for name, table in (roller_paths or {}).items()]
+    contact = [page.Section("roller-path", "Roller path", page.together(page.paragraph(CONTACT), *paths))]
     sections = [
         page.Section("life", "Life in 3D", page.part("coloured", "life", UNKNOWN)),
         page.Section("causes", "What cracks which region", causes),
         page.Section("shortest", "Shortest lives by region", page.together(said, shortest, titled)),
         *([page.Section("damage", "Damage as it grows", page.plot(damage_curves(found)))] if runs else []),
+        *(contact if paths else []),
         page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(found.duty)))),
     ]
     data = {"scenes": {"life": {"": scene}}, "arrays": arrays.packed, "first": []}
