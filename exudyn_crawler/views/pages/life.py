@@ -34,8 +34,8 @@ CAUSES = (
 )
 
 CONTACT = (
-    "Contact below the treads, in the last stage: to yield and to shakedown are the factors by which stresses "
-    "may grow until the steel flows, and until it flows in every pass. No life above counts it."
+    "Contact below the treads, in the last stage: to yield and to shakedown are the factors by which "
+    "stresses may grow until the steel flows, and until it flows in every pass. No life above counts it."
 )
 
 
