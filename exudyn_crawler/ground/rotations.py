@@ -34,9 +34,14 @@ def attitude(roll: float, pitch: float, yaw: float) -> Attitude:
 
     Yaw turns about the global z, roll about x as yaw has turned it, pitch about the body's own y.
     """
-    ca, sa = math.cos(roll), math.sin(roll)
-    cb, sb = math.cos(pitch), math.sin(pitch)
-    cc, sc = math.cos(yaw), math.sin(yaw)
+    cosines = math.cos(roll), math.cos(pitch), math.cos(yaw)
+    return attitude_by(cosines, (math.sin(roll), math.sin(pitch), math.sin(yaw)))
+
+
+@compiled
+def attitude_by(cosines: Vector, sines: Vector) -> Attitude:
+    """Attitude by the cosines and the sines of its angles."""
+    (ca, cb, cc), (sa, sb, sc) = cosines, sines
     R = (
         (cb * cc - sb * sc * sa, -sc * ca, sb * cc + cb * sc * sa),
         (cb * sc + sb * cc * sa, cc * ca, sb * sc - cb * cc * sa),

@@ -7,13 +7,22 @@ times Psi, it gives force, moment and modal forces. The integrals do not change;
 Dynamics of Multibody Systems, chapter 5). A rigid body is one without modes.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross, dot, turned, turned_back
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray, Weights, attitude, spin, spin_rate
-from exudyn_crawler.model.elimination import solving_within
+from exudyn_crawler.ground.rotations import (
+    Attitude,
+    FloatArray,
+    IntArray,
+    Weights,
+    attitude_by,
+    spin,
+    spin_rate,
+)
+from exudyn_crawler.model.elimination import solving_inside, solving_within
 
 
 class Bodies(NamedTuple):
@@ -25,6 +34,8 @@ class Bodies(NamedTuple):
     mass: FloatArray  # (b,): kg
     first: FloatArray  # (b, 3): integral over the mass of the places x in the body's frame, kg m
     second: FloatArray  # (b, 3, 3): of x_a x_b, kg m2
+    # (b, 2, 3): cosines and sines of the angles, as of `write_angles`; all that reads attitudes reads these
+    of_angles: FloatArray
 
 
 class Modes(NamedTuple):
@@ -234,7 +245,7 @@ def add_body_matrix(
         matrix[x + 6 + k, x + 6 + k] += factor + elastic
 
 
-@solving_within
+@solving_inside
 def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> None:
     """Write the coordinates of a body and its modes, or zeros, into one row (6 + m,)."""
     first, modal = bodies.coordinate[b], bodies.modal[b]
@@ -244,7 +255,7 @@ def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> No
         out[k] = values[modal + k - 6] if modal >= 0 else 0.0
 
 
-@solving_within
+@solving_inside
 def add_body(bodies: Bodies, b: int, row: FloatArray, factor: float, residual: FloatArray) -> None:
     """Add a row (6 + m,) of a body's coordinates and modes, times a factor."""
     first, modal = bodies.coordinate[b], bodies.modal[b]
@@ -256,13 +267,22 @@ def add_body(bodies: Bodies, b: int, row: FloatArray, factor: float, residual: F
 
 
 @solving_within
-def attitude_of(bodies: Bodies, b: int, q: FloatArray) -> Attitude:
-    """Attitude of a body at all coordinates."""
-    first, reference = bodies.coordinate[b], bodies.reference[b]
-    return attitude(q[first + 3] + reference[3], q[first + 4] + reference[4], q[first + 5] + reference[5])
+def write_angles(bodies: Bodies, q: FloatArray) -> None:
+    """Write the cosines and sines of all bodies' angles at all coordinates, which take long to compute."""
+    for b in range(bodies.mass.shape[0]):
+        for k in range(3):
+            angle = q[bodies.coordinate[b] + 3 + k] + bodies.reference[b, 3 + k]
+            bodies.of_angles[b, 0, k], bodies.of_angles[b, 1, k] = math.cos(angle), math.sin(angle)
 
 
-@solving_within
+@solving_inside
+def attitude_of(bodies: Bodies, b: int) -> Attitude:
+    """Attitude of a body at the coordinates of `write_angles`."""
+    c, s = bodies.of_angles[b, 0], bodies.of_angles[b, 1]
+    return attitude_by((c[0], c[1], c[2]), (s[0], s[1], s[2]))
+
+
+@solving_inside
 def frame_of(bodies: Bodies, b: int, state: FloatArray, at: Attitude) -> Frame:
     """Place and motion of a body at all coordinates and rates (2 or more, coordinates)."""
     k, reference = bodies.coordinate[b], bodies.reference[b]
@@ -289,5 +309,5 @@ def add_bodies(
             read_body(bodies, b, state[rate], rows[rate])
         forces.fill(0.0)
         inertia = Inertia(inertias[0][b], inertias[1][b], inertias[2][b])
-        body_residual(bodies, b, modes, attitude_of(bodies, b, state[0]), rows, gravity, forces, inertia)
+        body_residual(bodies, b, modes, attitude_of(bodies, b), rows, gravity, forces, inertia)
         add_body(bodies, b, forces, 1.0, residual)

@@ -150,7 +150,7 @@ class _Builder:
         modal[chosen] = self.first_modal + self.modes * np.arange(len(chosen))
         others = self.first_other + 6 * np.arange(self.count - n)
         coordinate = np.concatenate((6 * np.arange(n), others))
-        return Bodies(coordinate, modal, reference, mass, first, second), modes
+        return Bodies(coordinate, modal, reference, mass, first, second, np.zeros((self.count, 2, 3))), modes
 
     def _pin(self, shoe: int, name: str, place: np.ndarray | None = None) -> int:
         """Marker of a joint centre of a shoe, or of a place (3,), m, that goes with its bore."""
@@ -361,10 +361,16 @@ class _Builder:
         )
 
 
+SMALL = 16
+"""Unknowns of a group of a closed track that is eliminated by plain loops: more than a link of two pins has.
+Open tracks keep to LAPACK, and so to the last digits of what was run before."""
+
+
 def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fronts, FrontRows]:
     """Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers.
 
-    `links` names the link of every pin.
+    `links` names the link of every pin. Of a closed chain every second one of those that are left goes in
+    turn, so that what touches one part of the loop is not carried round the whole of it.
     """
     bodies, joints, m = tables.bodies, tables.joints, len(tables.modes.stiffness)
     size = tables.terrain.heave.shape[1]
@@ -403,7 +409,11 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
         couplings += [[*coordinates[shoe], *coordinates[tumbler]] for shoe, tumbler in met]
     if tables.pull is not None:
         couplings += [[*shoe, others[0]] for shoe in coordinates[:shoes]]
-    fronts = fronts_of([*coordinates[:shoes], *chain.values(), [*terrain, *frames, *others]], couplings)
+    order, small = sorted(chain), 0
+    if tables.closed is not None:
+        order, small = sorted(order, key=lambda link: link & -link), SMALL
+    groups = [*coordinates[:shoes], *(chain[link] for link in order), [*terrain, *frames, *others]]
+    fronts = fronts_of(groups, couplings, small)
     places = [{unknown: k for k, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.own))]
     last = len(fronts.own) - 1
     return fronts, FrontRows(
@@ -468,7 +478,7 @@ def _tables_of(
         ),
         flexible=np.array([builder.first_modal, int(builder.flexible.sum())]),
         contact=contact.geometry if isinstance(contact, PairGroundContact) else None,
-        fronts=Fronts(*[nothing] * len(Fronts._fields)),
+        fronts=fronts_of([], []),
         rows=FrontRows(*[nothing] * len(FrontRows._fields)),
         rollers=builder.rollers(),
         pull=pull,

@@ -15,12 +15,12 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pairs import RESULTS
-from exudyn_crawler.ground.rotations import Weights, moments_on_angles, rotation_matrices
+from exudyn_crawler.ground.rotations import Weights, moments_on_angles
 from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
 from exudyn_crawler.model.engine import coordinates_only, exu, predict
-from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
+from exudyn_crawler.model.equations import STIFFNESS, gear_contacts, matrix, residual
 from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
 from exudyn_crawler.model.forces.teeth import TeethWorkspace
@@ -157,7 +157,8 @@ class CompiledSystem(TrackSystem):
         return None if self.tables.closed is None else self._closed_forces
 
     def _closed_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
-        self.residual(np.stack((q, q_t, np.zeros_like(q))), self.inputs(time))
+        arguments, factors = tuple(self.inputs(time)), tuple(AT_REST)
+        gear_contacts(self._plain, np.stack((q, q_t)), arguments, factors, self._workspace)
         work, n, bending = Workspace(*self._workspace), self.layout.shoes, self._bending
         wheels, teeth = WheelWorkspace(*(work.wheels or ())), TeethWorkspace(*(work.teeth or ()))
         forces = {
@@ -166,28 +167,11 @@ class CompiledSystem(TrackSystem):
             "tooth": np.hstack((teeth.force, teeth.moment)).reshape(n, -1, 6).sum(axis=1),
             "guide": wheels.guide.sum(axis=(1, 2)) + teeth.guide.reshape(n, -1).sum(axis=1),
         }
-        forces["energy"] = self._stored(q, wheels, teeth)
+        forces["energy"] = np.concatenate((wheels.energy, teeth.energy))
         if bending.size:
             forces |= {f"strip_{name}": getattr(wheels, name)[bending] for name in STRIPS}
             forces |= {f"lug_{name}": getattr(teeth, name)[self._lugs] for name in LUGS}
         return forces
-
-    def _stored(self, q: np.ndarray, wheels: WheelWorkspace, teeth: TeethWorkspace) -> np.ndarray:
-        """Energy in the contacts of all wheels and of all teeth that touch: array (2,), J."""
-        table, bodies, lugs = self.tables.wheels, self.tables.bodies, self.tables.teeth
-        assert table is not None
-        assert lugs is not None
-        pose = bodies.reference[table.frames] + q[bodies.coordinate[table.frames][:, None] + np.arange(6)]
-        axes = np.einsum("wij,wsj->wsi", rotation_matrices(pose[:, 3:]), table.places) + pose[:, None, :3]
-        apart = np.linalg.norm(axes[wheels.wheel] - wheels.foot, axis=-1)
-        touches = (wheels.wheel >= 0)[..., None] & wheels.foot.any(axis=-1)
-        depth = np.where(touches, table.radii[wheels.wheel][..., None] - apart, 0.0).clip(0.0)
-        return np.array(
-            [
-                law[0] / (law[1] + 1.0) * np.sum(deep ** (law[1] + 1.0))
-                for law, deep in ((table.law, depth), (lugs.law, teeth.depth))
-            ]
-        )
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""
@@ -394,7 +378,10 @@ class CompiledSystem(TrackSystem):
         fronts = tuple(self.tables.fronts)
         both = self._plain, self._state
         return {
-            "residual": [(residual, (*both, self._multipliers, inputs, weights, self._workspace, out))],
+            "residual": [
+                (residual, (*both, self._multipliers, inputs, weights, self._workspace, out)),
+                (gear_contacts, (*both, inputs, weights, self._workspace)),
+            ][: 1 + self.case.is_closed],
             "matrix": [
                 (matrix, (*both, inputs, weights, self._workspace, values)),
                 (eliminate, (fronts, values)),

@@ -13,8 +13,16 @@ and not accuracy.
 import numpy as np
 
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, Weights
-from exudyn_crawler.model.bodies import Bodies, Inertia, add_bodies, add_body, add_body_matrix, attitude_of
-from exudyn_crawler.model.elimination import front, solving, solving_within
+from exudyn_crawler.model.bodies import (
+    Bodies,
+    Inertia,
+    add_bodies,
+    add_body,
+    add_body_matrix,
+    attitude_of,
+    write_angles,
+)
+from exudyn_crawler.model.elimination import clear, front, marks, solving, solving_within
 from exudyn_crawler.model.forces.cells import CellWorkspace, cell_forces
 from exudyn_crawler.model.forces.loads import add_loads
 from exudyn_crawler.model.forces.teeth import teeth_contacts
@@ -178,13 +186,13 @@ def residual(
     weights, work = Weights(*factors), Workspace(*workspace)
     units, bodies = UnitWorkspace(*work.units), tables.bodies
     out.fill(0.0)
+    write_angles(bodies, state[0])
     work.counts[0] = unit_contacts(
         bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units
     )
     work.counts[1] = tread_contacts(tables.rollers, bodies, state, inputs.drag[0], weights, work.treads)
     cell_forces(tables.cells, bodies, state, weights, work.cells)
-    work.counts[2] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
-    work.counts[3] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
+    _gear_contacts(tables, state, inputs, weights, work)
     contacts = ForceRows(*units.contacts[0])
     _add_rows(bodies, contacts, work.counts[0], out)
     _add_rows_of(bodies, work.treads, work.counts[1], out)
@@ -198,6 +206,26 @@ def residual(
     _write_joints(tables, state, inputs, work)
     _add_joints(tables, inputs, multipliers, work, weights.level, out)
     _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights, out)
+
+
+@solving_within
+def _gear_contacts(
+    tables: Tables, state: FloatArray, inputs: Inputs, weights: Weights, work: Workspace
+) -> None:
+    """Find the lugs and strips of closed tracks that touch."""
+    bodies = tables.bodies
+    work.counts[2] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
+    work.counts[3] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
+
+
+@solving
+def gear_contacts(
+    values: tuple, state: FloatArray, arguments: tuple, factors: tuple, workspace: tuple
+) -> None:
+    """Find the same alone, at coordinates and rates (2, coordinates); the tuples are those of `residual`."""
+    tables = named_tables(values)
+    write_angles(tables.bodies, state[0])
+    _gear_contacts(tables, state, Inputs(*arguments), Weights(*factors), Workspace(*workspace))
 
 
 @solving_within
@@ -278,10 +306,12 @@ def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArra
         for c in range(sizes[2]):
             into[sizes[0] + sizes[1] + c] = places.terrain[f] + c
         block = _block(rows, first, last, _block_motions(terrain, rows, first, last, sizes))
-        matrix = front(fronts, values, f)
+        matrix, met = front(fronts, values, f), marks(fronts, values, f)
         for r in range(block.shape[0]):
             for c in range(block.shape[1]):
-                matrix[into[r], into[c]] += block[r, c]
+                if block[r, c] != 0.0:
+                    matrix[into[r], into[c]] += block[r, c]
+                    met[into[r]] = met[into[c]] = 1.0
         first = last
 
 
@@ -323,6 +353,7 @@ def _add_joint_rows(
             if f != held:
                 matrix, held = front(fronts, values, f), f
             row, base, factor = places.multiplier[f, r], places.body[f, b], speed if is_speed else STIFFNESS
+            marks(fronts, values, f)[row] = 1.0
             for c in range(m if modal[b] >= 0 else 6):
                 matrix[row, base + c] += factor * work.jacobian[r, side, c]
                 if not (pulls and r == pins):
@@ -336,7 +367,9 @@ def _add_joint_rows(
         f = places.front[b]
         matrix, row, base = front(fronts, values, f), places.multiplier[f, pins], places.body[f, b]
         for c in range(m if modal[b] >= 0 else 6):
-            matrix[base + c, row] += work.pull[k, c]
+            if work.pull[k, c] != 0.0:
+                matrix[base + c, row] += work.pull[k, c]
+                marks(fronts, values, f)[row] = 1.0
 
 
 @solving_within
@@ -397,13 +430,13 @@ def matrix(
     """
     tables, inputs = named_tables(values), Inputs(*arguments)
     weights, work = Weights(*factors), Workspace(*workspace)
-    fronts.fill(0.0)
+    clear(tables.fronts, fronts)
     bodies, terrain = tables.bodies, tables.terrain
     places, modes, order = tables.rows, tables.modes, tables.fronts
     for b in range(bodies.mass.shape[0]):
         f = places.front[b]
         inertia = Inertia(work.first[b], work.second[b], work.turning[b])
-        at = attitude_of(bodies, b, state[0])
+        at = attitude_of(bodies, b)
         add_body_matrix(bodies, b, modes, at, inertia, weights, places.body[f, b], front(order, fronts, f))
     last = tables.fronts.own.shape[0] - 1
     whole, first = front(tables.fronts, fronts, last), tables.rows.terrain[last]

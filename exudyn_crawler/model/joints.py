@@ -17,7 +17,7 @@ import numpy as np
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back, upward
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
-from exudyn_crawler.model.elimination import solving_within
+from exudyn_crawler.model.elimination import solving_inside, solving_within
 
 ROWS = 5
 """Equations of a pin: its place, and its axis y across the axes x and z of the shoe in front."""
@@ -69,7 +69,7 @@ class End(NamedTuple):
     rotation: Vector  # vector to turn about, rad, the body's frame
 
 
-@solving_within
+@solving_inside
 def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
     """Marker k at the coordinates of its body and its modes (6 + m,)."""
     position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
@@ -89,7 +89,7 @@ def _factors(angle: float) -> tuple[float, float, float]:
     return s, (1.0 - math.cos(angle)) / angle**2, (1.0 - s) / angle**2
 
 
-@solving_within
+@solving_inside
 def axis_of(end: End, at: Attitude, k: int) -> Vector:
     """Axis k of an end, global: ``R exp(rotation) e_k``."""
     t = end.rotation
@@ -111,7 +111,7 @@ def _by_rotation(end: End, moment: Vector) -> Vector:
     return along(along(moment, -c, once), d, cross(t, once))
 
 
-@solving_within
+@solving_inside
 def direction(
     markers: Markers,
     k: int,
@@ -141,7 +141,7 @@ def direction(
         out[6 + m] = sign * work
 
 
-@solving_within
+@solving_inside
 def plane_axis(at: Attitude, k: int) -> Vector:
     """Axis k of a chain's plane, global: along the ground, across the chain, and normal to both."""
     if k == 2:
@@ -149,7 +149,7 @@ def plane_axis(at: Attitude, k: int) -> Vector:
     return at.axes[k]
 
 
-@solving_within
+@solving_inside
 def pin(
     markers: Markers,
     pair: tuple[int, int],
@@ -202,7 +202,7 @@ def add_pins(
         a, b = markers.body[rear], markers.body[front]
         read_body(bodies, a, state[0], rows[0])
         read_body(bodies, b, state[0], rows[1])
-        at_a, at_b = attitude_of(bodies, a, state[0]), attitude_of(bodies, b, state[0])
+        at_a, at_b = attitude_of(bodies, a), attitude_of(bodies, b)
         reference = bodies.reference
         apart = (
             reference[b, 0] + rows[1, 0] - reference[a, 0] - rows[0, 0],
@@ -231,7 +231,7 @@ def add_speeds(
         b = markers.body[joints.drive] if k == 0 else joints.turn
         read_body(bodies, b, state[0], row[0])
         read_body(bodies, b, state[1], row[1])
-        at = attitude_of(bodies, b, state[0])
+        at = attitude_of(bodies, b)
         if k == 0:
             end = end_of(markers, joints.drive, at, row[0])
             direction(markers, joints.drive, end, at, (1.0, 0.0, 0.0), nothing, 1.0, jacobian[k, 0])
@@ -273,7 +273,7 @@ def write_pull(
     pull: Pull, bodies: Bodies, markers: Markers, state: FloatArray, pulled: IntArray, directions: FloatArray
 ) -> None:
     """Write the bodies (PULLED,) and the generalized forces (PULLED, 6 + m) of a unit pull on each."""
-    at = attitude_of(bodies, pull.frame, state[0])
+    at = attitude_of(bodies, pull.frame)
     frame = frame_of(bodies, pull.frame, state, at)
     first = bodies.reference[0, 0] + state[0, bodies.coordinate[0]]
     behind = (frame.r[0] + pull.tumbler - first - pull.ahead) / pull.pitch
@@ -287,7 +287,7 @@ def write_pull(
         s, marker, row = link + k, pull.markers[link + k], directions[1 + k]
         share = 1.0 - part if k == 0 else part
         read_body(bodies, s, state[0], row)
-        shoe_at = attitude_of(bodies, s, state[0])
+        shoe_at = attitude_of(bodies, s)
         end, origin = end_of(markers, marker, shoe_at, row), frame_of(bodies, s, state, shoe_at).r
         moment = cross(along(along(origin, 1.0, end.lever), -1.0, frame.r), force)
         turning = turned(at.axes, moment)
@@ -312,14 +312,14 @@ def write_turned(
     slowly this is what holds the shoes in line, and no equation solver may leave it out.
     """
     row = np.empty(6 + markers.displacement.shape[2])
-    rear = attitude_of(bodies, markers.body[pair[0]], state[0])
+    rear = attitude_of(bodies, markers.body[pair[0]])
     force = (0.0, 0.0, 0.0)
     for r in range(3):
         force = along(force, multipliers[r], plane_axis(rear, r))
     for side in range(2):
         b = markers.body[pair[side]]
         read_body(bodies, b, state[0], row)
-        at = attitude_of(bodies, b, state[0])
+        at = attitude_of(bodies, b)
         lever = end_of(markers, pair[side], at, row).lever
         for j in range(3):
             moment = cross(cross(at.axes[j], lever), force)
@@ -334,11 +334,11 @@ def motor_speed(bodies: Bodies, motor: IntArray, state: FloatArray, axes: FloatA
     `axes` (2, 3) get by how much the rates of the angles of frame and tumbler change it: their parts along
     the tumbler's axis.
     """
-    at = attitude_of(bodies, motor[1], state[0])
+    at = attitude_of(bodies, motor[1])
     speed = 0.0
     for side in range(2):
         b, sign = motor[side], 2.0 * side - 1.0
-        own = attitude_of(bodies, b, state[0])
+        own = attitude_of(bodies, b)
         first = bodies.coordinate[b]
         for k in range(3):
             axes[side, k] = sign * dot(own.axes[k], at.axes[1])

@@ -48,6 +48,7 @@ def hinged(masses, inertias, pins, held=()):
             np.array(
                 [second_moment(m, np.diag(i), np.zeros(3)) for m, i in zip(masses, inertias, strict=True)]
             ),
+            np.zeros((count, 2, 3)),
         ),
         modes=Modes.none(),
         markers=Markers(np.array(bodies), places, zeros, zeros, np.zeros(len(bodies), dtype=np.int64)),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.model.elimination import eliminate, fronts_of, solve
+from exudyn_crawler.model.elimination import eliminate, fronts_of, marks, solve
 
 
 def chain(links, closed):
@@ -17,11 +17,11 @@ def chain(links, closed):
     return [*bodies, *joints, ground], couplings
 
 
-def equations(groups, couplings, seed=3, idle=()):
+def equations(groups, couplings, seed=3, idle=(), small=0):
     """Dense matrix of random terms, none in couplings of these numbers, the fronts and their values."""
     rng = np.random.default_rng(seed)
     size = sum(map(len, groups))
-    fronts, dense = fronts_of(groups, couplings), np.zeros((size, size))
+    fronts, dense = fronts_of(groups, couplings, small), np.zeros((size, size))
     values = np.zeros(fronts.size)
     for k, coupling in enumerate(couplings):
         if k in idle:
@@ -34,12 +34,14 @@ def equations(groups, couplings, seed=3, idle=()):
         matrix = values[fronts.place[first] : fronts.place[first + 1]].reshape(n, n)
         rows = [unknowns.index(unknown) for unknown in coupling]
         matrix[np.ix_(rows, rows)] += block
+        marks(fronts, values, first)[rows] = 1.0
     return dense, fronts, values
 
 
 @pytest.mark.parametrize(("links", "closed"), [(7, False), (8, True)])
-def test_solution_is_that_of_the_dense_equations(links, closed):
-    dense, fronts, values = equations(*chain(links, closed))
+@pytest.mark.parametrize("small", [0, 6, 16])
+def test_solution_is_that_of_the_dense_equations(links, closed, small):
+    dense, fronts, values = equations(*chain(links, closed), small=small)
     right = np.random.default_rng(5).normal(size=len(dense))
     x = right.copy()
     eliminate(tuple(fronts), values)
@@ -76,8 +78,9 @@ def test_a_closed_chain_is_more_data_and_no_other_code():
     assert [len(fronts.rows(k)) for k in range(8, 14)] == [5 + 5 + 5 + 7] * 6
 
 
-def test_singular_equations_are_told():
-    _, fronts, values = equations(*chain(7, closed=False))
+@pytest.mark.parametrize("small", [0, 16])
+def test_singular_equations_are_told(small):
+    _, fronts, values = equations(*chain(7, closed=False), small=small)
     values[:] = 0.0
     with pytest.raises(np.linalg.LinAlgError):
         eliminate(tuple(fronts), values)

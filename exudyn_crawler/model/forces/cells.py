@@ -25,7 +25,7 @@ from exudyn_crawler.ground.cells.kernel import (
 from exudyn_crawler.ground.frames import Vector, along, cross, turned
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
-from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of
+from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
 from exudyn_crawler.model.elimination import solving, solving_within
 
 WRENCH = 6
@@ -85,7 +85,7 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
     """Write the shoes' frames, and how the modes move the grid's nodes."""
     modes = table.rows.shape[3]
     for s in range(table.flexible.shape[0]):
-        frame = frame_of(bodies, s, state, attitude_of(bodies, s, state[0]))
+        frame = frame_of(bodies, s, state, attitude_of(bodies, s))
         row = work.frames[s]
         for c in range(3):
             row[c], row[12 + c], row[15 + c] = frame.r[c], frame.v[c], frame.omega[c]
@@ -105,7 +105,9 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
 @solving
 def place_shoes(bodies: tuple, cells: tuple, state: FloatArray, workspace: tuple) -> None:
     """Write the frames of shoes at a state, and how these are bent; arguments as plain tuples."""
-    write_frames(Bodies(*bodies), CellTable(*cells), state, CellWorkspace(*workspace))
+    named = Bodies(*bodies)
+    write_angles(named, state[0])
+    write_frames(named, CellTable(*cells), state, CellWorkspace(*workspace))
 
 
 @solving
@@ -174,7 +176,7 @@ def cell_forces(
         flexible.tangent.fill(0.0)
     count = 0
     for s in range(table.flexible.shape[0]):
-        at, f = attitude_of(bodies, s, state[0]), table.flexible[s]
+        at, f = attitude_of(bodies, s), table.flexible[s]
         if f >= 0:
             _write_nodal(table, shoes, s, at, work.bent[f, 0], derive, flexible, f)
             continue

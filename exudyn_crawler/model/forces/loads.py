@@ -88,7 +88,7 @@ def add_loads(
             continue
         b = markers.body[place]
         read_body(bodies, b, state[0], row[0])
-        at = attitude_of(bodies, b, state[0])
+        at = attitude_of(bodies, b)
         force = (wrenches[k, 0], wrenches[k, 1], wrenches[k, 2])
         moment = (wrenches[k, 3], wrenches[k, 4], wrenches[k, 5])
         direction(markers, place, end_of(markers, place, at, row[0]), at, force, moment, 1.0, row[1])

@@ -19,7 +19,7 @@ from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.elimination import solving, solving_within
-from exudyn_crawler.model.forces.treads import law_slopes, write_point
+from exudyn_crawler.model.forces.treads import law_slopes, stored_energy, write_point
 from exudyn_crawler.model.joints import Markers, end_of
 
 SLACK = 0.02
@@ -65,12 +65,15 @@ class TeethWorkspace(NamedTuple):
     force: FloatArray  # (l, 3): on the shoe, N, global
     moment: FloatArray  # (l, 3): of it about the shoe's COM, N m, global
     guide: FloatArray  # (l,): part of the force across the tumbler, N
+    energy: FloatArray  # (1,): in the teeth, J
 
     @classmethod
     def allocate(cls, lugs: int, modes: int) -> "TeethWorkspace":
         """Workspace for so many lugs."""
         rows = tuple(ForceRows.allocate(lugs, 3, modes))
-        return cls(rows, np.zeros(lugs), np.zeros((lugs, 3)), np.zeros((lugs, 3)), np.zeros(lugs))
+        return cls(
+            rows, np.zeros(lugs), np.zeros((lugs, 3)), np.zeros((lugs, 3)), np.zeros(lugs), np.zeros(1)
+        )
 
 
 @solving
@@ -137,6 +140,7 @@ def _teeth_contacts(
     rows, count, profile = ForceRows(*work.rows), 0, Profile(*teeth.profile)
     values = np.zeros((2, 6 + markers.displacement.shape[2]))
     derive = weights.position != 0.0 or weights.velocity != 0.0
+    work.energy[0] = 0.0
     for k in range(teeth.markers.shape[0]):
         work.depth[k], work.guide[k] = 0.0, 0.0
         for c in range(3):
@@ -150,7 +154,7 @@ def _teeth_contacts(
         lever = math.sqrt(markers.position[marker, 0] ** 2 + markers.position[marker, 2] ** 2) + SLACK
         if math.sqrt(dx * dx + dy * dy + dz * dz) > profile.addendum + profile.lug + lever + ASIDE:
             continue
-        at, own = attitude_of(bodies, t, state[0]), attitude_of(bodies, b, state[0])
+        at, own = attitude_of(bodies, t), attitude_of(bodies, b)
         tumbler, shoe = frame_of(bodies, t, state, at), frame_of(bodies, b, state, own)
         if markers.modes[marker] > 0:
             read_body(bodies, b, state[0], values[0])
@@ -178,6 +182,7 @@ def _teeth_contacts(
         tangential = cross(across, normal)
         whole = along(along((0.0, 0.0, 0.0), force, normal), sideways, across)
         work.depth[k], work.guide[k] = max(depth, 0.0), sideways
+        work.energy[0] += stored_energy(Impact(*teeth.law), depth)
         rows.bodies[count, 0], rows.bodies[count, 1], rows.unit[count] = b, t, -1
         _write_jacobian(markers, marker, own, arm, rows.jacobian[count, 0])
         write_point(at, from_axis, -1.0, rows.jacobian[count, 1])

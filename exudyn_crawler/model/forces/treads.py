@@ -20,7 +20,7 @@ from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, tu
 from exudyn_crawler.ground.laws import Impact, impact_force, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
-from exudyn_crawler.model.elimination import solving, solving_within
+from exudyn_crawler.model.elimination import solving, solving_inside, solving_within
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
@@ -77,6 +77,12 @@ def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, fl
     by_depth = law.exponent * law.stiffness * depth ** (law.exponent - 1.0)
     by_depth += law.damping * rate * 6.0 * part * (1.0 - part) / law.damping_depth
     return force, by_depth, law.damping * faded
+
+
+@solving_within
+def stored_energy(law: Impact, depth: float) -> float:
+    """Energy (J) in a contact of this law, none where nothing touches."""
+    return law.stiffness / (law.exponent + 1.0) * depth ** (law.exponent + 1.0) if depth > 0.0 else 0.0
 
 
 @solving
@@ -241,7 +247,7 @@ def _may_touch(rollers: Rollers, place: Vector, frame: Frame, shoe: Frame) -> bo
     return dx * dx + dz * dz < (rollers.radius + RISE) ** 2
 
 
-@solving_within
+@solving_inside
 def motion_against(frame: Frame, shoe: Frame, place: Vector) -> tuple[Vector, Vector]:
     """Place (m) and velocity (m/s) of a point of a frame, at `place` in its axes, in a shoe's axes."""
     arm = turned(frame.R, place)
@@ -267,7 +273,7 @@ def _touch(
     return tread_force(law, rail, disc, (center[0], center[2]), (rates[0], rates[2]), bent, derive)
 
 
-@solving_within
+@solving_inside
 def write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> None:
     """Write the weighted tangent (3, 3) of a tread by the motion of its centre against the rail."""
     for r in range(3):
@@ -282,7 +288,7 @@ def write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> 
                 out[r, c] -= change[r] * R[c][2 * k]
 
 
-@solving_within
+@solving_inside
 def write_point(at: Attitude, arm: Vector, sign: float, jacobian: FloatArray) -> None:
     """Write how a point of a rigid body moves, times a sign: `arm` leads there from its origin, m, global."""
     for c in range(3):
@@ -292,7 +298,7 @@ def write_point(at: Attitude, arm: Vector, sign: float, jacobian: FloatArray) ->
             jacobian[r, 3 + c] = sign * by_angle[r]
 
 
-@solving_within
+@solving_inside
 def write_rows(
     rows: ForceRows,
     p: int,
@@ -338,7 +344,7 @@ def _tread_contacts(
 ) -> int:
     rows, count = ForceRows(*work.rows), 0
     derive = weights.position != 0.0 or weights.velocity != 0.0
-    at = attitude_of(bodies, rollers.frame, state[0])
+    at = attitude_of(bodies, rollers.frame)
     frame = frame_of(bodies, rollers.frame, state, at)
     values = np.zeros((2, 6 + work.modes.shape[1]))
     strips, first = rollers.places.shape[1], bodies.reference[0, 0] + state[0, bodies.coordinate[0]]
@@ -348,7 +354,7 @@ def _tread_contacts(
         work.rear[r] = min(max(rear, 0), rollers.shoes - TOUCHED)
         for half in range(TOUCHED):
             s = work.rear[r] + half
-            shoe_at = attitude_of(bodies, s, state[0])
+            shoe_at = attitude_of(bodies, s)
             shoe = frame_of(bodies, s, state, shoe_at)
             for k in range(strips):
                 t = (r * strips + k) * TOUCHED + half

@@ -13,7 +13,7 @@ from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, tu
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
-from exudyn_crawler.model.elimination import solving_within
+from exudyn_crawler.model.elimination import solving_inside, solving_within
 from exudyn_crawler.model.forces.teeth import Flange, flange_force
 from exudyn_crawler.model.forces.treads import (
     Bending,
@@ -24,6 +24,7 @@ from exudyn_crawler.model.forces.treads import (
     bending,
     motion_against,
     rows_at,
+    stored_energy,
     tread_force,
     write_rows,
     write_tangent,
@@ -61,6 +62,7 @@ class WheelWorkspace(NamedTuple):
     guide: FloatArray  # (shoes, SLOTS, strips): part of the force along the shoe's y, N
     on_shoes: FloatArray  # (shoes, 6): force (N) and moment about the COM (N m) of all wheels, global
     on_wheels: FloatArray  # (wheels, 3): force of all shoes, N, global
+    energy: FloatArray  # (1,): in the treads, J
     modes: FloatArray  # (4, m): scratch, as of `rows_at`
 
     @classmethod
@@ -75,6 +77,7 @@ class WheelWorkspace(NamedTuple):
             np.zeros((shoes, SLOTS, strips)),
             np.zeros((shoes, 6)),
             np.zeros((len(wheels.frames), 3)),
+            np.zeros(1),
             np.zeros((4, modes)),
         )
 
@@ -122,9 +125,10 @@ def _wheel_contacts(
     work.guide.fill(0.0)
     work.on_shoes.fill(0.0)
     work.on_wheels.fill(0.0)
+    work.energy[0] = 0.0
     derive = weights.position != 0.0 or weights.velocity != 0.0
     for w in range(wheels.frames.shape[0]):
-        at = attitude_of(bodies, wheels.frames[w], state[0])
+        at = attitude_of(bodies, wheels.frames[w])
         frame = frame_of(bodies, wheels.frames[w], state, at)
         place = wheels.places[w]
         axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], wheels.middles[w], place[0, 2])))
@@ -139,7 +143,7 @@ def _wheel_contacts(
             slot = 0 if work.wheel[s, 0] < 0 else 1
             if apart > reach * reach + ASIDE**2 or work.wheel[s, slot] >= 0:
                 continue
-            shoe_at = attitude_of(bodies, s, state[0])
+            shoe_at = attitude_of(bodies, s)
             shoe = frame_of(bodies, s, state, shoe_at)
             center = turned_back(shoe.R, along(axis, -1.0, shoe.r))
             dx, dz = center[0] - min(max(center[0], rail[0]), rail[1]), center[2] - rail[2]
@@ -154,13 +158,14 @@ def _wheel_contacts(
                 if strip.tread.depth <= 0.0 and strip.side == 0.0:
                     continue
                 work.wheel[s, slot] = w
+                work.energy[0] += stored_energy(Impact(*wheels.law), strip.tread.depth)
                 numbers = w, s, slot, k, count
                 _keep(wheels, strip, (frame, shoe), (at, shoe_at), numbers, weights, work, flexible)
                 count += 1
     return count
 
 
-@solving_within
+@solving_inside
 def _touch(
     wheels: Wheels,
     numbers: tuple[int, int],
@@ -197,7 +202,7 @@ def _touch(
     return Strip(tread, side, stiffness, damping, foot)
 
 
-@solving_within
+@solving_inside
 def _keep(
     wheels: Wheels,
     strip: Strip,
