@@ -23,7 +23,7 @@ from exudyn_crawler.model.bodies import (
     write_angles,
 )
 from exudyn_crawler.model.elimination import clear, front, marks, solving, solving_within
-from exudyn_crawler.model.forces.cells import CellWorkspace, cell_forces
+from exudyn_crawler.model.forces.cells import cell_forces
 from exudyn_crawler.model.forces.loads import add_loads
 from exudyn_crawler.model.forces.teeth import teeth_contacts
 from exudyn_crawler.model.forces.treads import tread_contacts
@@ -193,14 +193,11 @@ def residual(
     work.counts[1] = tread_contacts(tables.rollers, bodies, state, inputs.drag[0], weights, work.treads)
     cell_forces(tables.cells, bodies, state, weights, work.cells)
     _gear_contacts(tables, state, inputs, weights, work)
-    contacts = ForceRows(*units.contacts[0])
-    _add_rows(bodies, contacts, work.counts[0], out)
-    _add_rows_of(bodies, work.treads, work.counts[1], out)
-    _add_rows_of(bodies, work.teeth, work.counts[2], out)
-    _add_rows_of(bodies, work.wheels, work.counts[3], out)
-    _add_cell_rows(bodies, work.cells, out)
+    for kind in range(len(work.elements)):
+        _add_rows(bodies, ForceRows(*work.elements[kind]), work.counts[kind], out)
     inertias = work.first, work.second, work.turning
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, out)
+    contacts = ForceRows(*work.elements[0])
     add_terrain(tables.terrain, contacts, work.counts[0], state, inputs.gravity[2], units, out)
     add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
     _write_joints(tables, state, inputs, work)
@@ -226,23 +223,6 @@ def gear_contacts(
     tables = named_tables(values)
     write_angles(tables.bodies, state[0])
     _gear_contacts(tables, state, Inputs(*arguments), Weights(*factors), Workspace(*workspace))
-
-
-@solving_within
-def _add_rows_of(bodies: Bodies, work: tuple | None, count: int, residual: FloatArray) -> None:
-    """Take the forces of elements whose workspace has their rows first off the residual."""
-    if work is None:
-        return
-    _add_rows(bodies, ForceRows(*work[0]), count, residual)
-
-
-@solving_within
-def _add_cell_rows(bodies: Bodies, cells: tuple | None, residual: FloatArray) -> None:
-    if cells is None:
-        return
-    work = CellWorkspace(*cells)
-    for rows in (ForceRows(*work.rigid), ForceRows(*work.flexible)):
-        _add_rows(bodies, rows, rows.unit.shape[0], residual)
 
 
 @solving_within
@@ -313,23 +293,6 @@ def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArra
                     matrix[into[r], into[c]] += block[r, c]
                     met[into[r]] = met[into[c]] = 1.0
         first = last
-
-
-@solving_within
-def _add_elements_of(tables: Tables, work: tuple | None, count: int, values: FloatArray) -> None:
-    """Add the tangents of elements whose workspace has their rows first."""
-    if work is None:
-        return
-    _add_elements(tables, ForceRows(*work[0]), count, values)
-
-
-@solving_within
-def _add_cell_elements(tables: Tables, cells: tuple | None, values: FloatArray) -> None:
-    if cells is None:
-        return
-    work = CellWorkspace(*cells)
-    for rows in (ForceRows(*work.rigid), ForceRows(*work.flexible)):
-        _add_elements(tables, rows, rows.unit.shape[0], values)
 
 
 @solving_within
@@ -445,10 +408,7 @@ def matrix(
         for k in range(terrain.heave.shape[1]):
             supports = weights.position * terrain.stiffness[i, k] + weights.velocity * terrain.damping[i, k]
             whole[first + i, first + k] += supports
-    _add_elements(tables, ForceRows(*work.units[3][0]), work.counts[0], fronts)
-    _add_elements_of(tables, work.treads, work.counts[1], fronts)
-    _add_elements_of(tables, work.teeth, work.counts[2], fronts)
-    _add_elements_of(tables, work.wheels, work.counts[3], fronts)
-    _add_cell_elements(tables, work.cells, fronts)
+    for kind in range(len(work.elements)):
+        _add_elements(tables, ForceRows(*work.elements[kind]), work.counts[kind], fronts)
     _add_joint_rows(tables, inputs, weights, work, fronts)
     _add_closed_rows(tables.closed, tables, state, inputs, weights, work, fronts)

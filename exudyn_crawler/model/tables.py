@@ -12,7 +12,7 @@ from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.frames import Vector, inlined, plain
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_stiffness import UnitContacts
-from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray
 from exudyn_crawler.model.bodies import Bodies, Modes
 from exudyn_crawler.model.elimination import Fronts
 from exudyn_crawler.model.forces.cells import CellTable, CellWorkspace
@@ -83,7 +83,10 @@ class Workspace(NamedTuple):
     jacobian: FloatArray  # (multipliers, 2, 6 + modes): of the gaps, by the coordinates of their bodies
     pulled: IntArray  # (PULLED,): bodies of the pull
     pull: FloatArray  # (PULLED, 6 + modes): its directions
-    counts: IntArray  # (4,): number of contacts with units, treads on rails, lugs in teeth, wheels on rails
+    elements: (
+        tuple  # `ForceRows` of contacts with units, treads, lugs, wheels, and of shoes on cells, two kinds
+    )
+    counts: IntArray  # (6,): how many there are of each
     units: tuple  # workspaces of these
     treads: tuple | None
     cells: tuple | None
@@ -98,7 +101,17 @@ class Workspace(NamedTuple):
         count, m = len(tables.bodies.mass), len(tables.modes.stiffness)
         reference, rollers, teeth = tables.terrain.reference, tables.rollers, tables.teeth
         wheels, motors = tables.wheels, 0 if tables.closed is None else len(tables.closed.motors)
-        treads = rollers and TreadWorkspace.allocate(len(rollers.places), rollers.places.shape[1], m)
+        touching, forces = UnitContacts.allocate(contacts, m), np.zeros((len(reference), 2))
+        rates, scratch = np.zeros_like(reference), overlap_workspace()
+        others = (
+            rollers and TreadWorkspace.allocate(len(rollers.places), rollers.places.shape[1], m),
+            teeth and TeethWorkspace.allocate(len(teeth.markers), m),
+            wheels and WheelWorkspace.allocate(wheels, m),
+        )
+        cells = tables.cells and shoes and CellWorkspace.allocate(tables.cells, shoes)
+        none = ForceRows.allocate(0, 1, m)
+        on_cells = (cells.rigid, cells.flexible) if cells else (none, none)
+        elements = touching.rows, *(one.rows if one else none for one in others), *on_cells
         return plain(
             cls(
                 np.zeros((count, 3)),
@@ -108,22 +121,14 @@ class Workspace(NamedTuple):
                 np.zeros((tables.multiplier_count, 2, 6 + m)),
                 np.zeros(PULLED, dtype=np.int64),
                 np.zeros((PULLED, 6 + m)),
-                np.zeros(4, dtype=np.int64),
-                UnitWorkspace(
-                    reference.copy(),
-                    np.zeros_like(reference),
-                    np.zeros((len(reference), 2)),
-                    UnitContacts.allocate(contacts, m),
-                    overlap_workspace(),
-                ),
-                treads,
-                None
-                if tables.cells is None or shoes is None
-                else CellWorkspace.allocate(tables.cells, shoes),
+                tuple(tuple(one) for one in elements),
+                np.array([0, 0, 0, 0, *(len(rows[1]) for rows in on_cells)]),
+                UnitWorkspace(reference.copy(), rates, forces, touching, scratch),
+                others[0],
+                cells,
                 np.zeros((motors, 2, 3)),
                 np.zeros((0 if tables.closed is None else len(tables.joints.pins), 2, 3, 3)),
-                teeth and TeethWorkspace.allocate(len(teeth.markers), m),
-                wheels and WheelWorkspace.allocate(wheels, m),
+                *others[1:],
             )
         )
 
