@@ -142,6 +142,12 @@ class ChainWatch:
         _, self._lug = self.closed.lugs(case.track)[0]
         self._gaps = np.full(case.track.shoe_count, -1)
         self._ahead = case.links[:, 1] - 1
+        self._shoes, self._frame, self._tumblers = (
+            case.shoe_reference,
+            case.frame_start,
+            case.tumbler_reference,
+        )
+        self._middles = np.repeat(case.track_middles, case.loop.shoe_count)
         self._pins = [
             (int(name.rpartition(" ")[2]), layout.first_multiplier(name))
             for name, _ in layout.multipliers
@@ -152,7 +158,7 @@ class ChainWatch:
     def fault(self, row: np.ndarray) -> str:
         """Shoe and likely cause of what is wrong; empty if nothing is."""
         self.next_look = float(self.layout.part(row, "time")) + LOOK
-        shoes = self.layout.part(row, "shoes") + self.case.shoe_reference
+        shoes = self.layout.part(row, "shoes") + self._shoes
         tension = self._tension(row)
         found = (
             self._broken(tension),
@@ -182,8 +188,7 @@ class ChainWatch:
     def _off(self, row: np.ndarray, shoes: np.ndarray) -> str:
         frame, limit = self.layout.part(row, SIDE_FRAME), self.closed.offset_limit
         turn = rotation_matrices(frame[3:])
-        aside = (shoes[:, :3] - frame[:3] - self.case.frame_start) @ turn[:, 1]
-        aside -= np.repeat(self.case.track_middles, self.case.loop.shoe_count)
+        aside = (shoes[:, :3] - frame[:3] - self._frame) @ turn[:, 1] - self._middles
         step = np.abs(aside - aside[self._ahead])
         shoe = int(np.maximum(np.abs(aside), step).argmax())
         if max(abs(aside[shoe]), step[shoe]) <= limit:
@@ -210,7 +215,7 @@ class ChainWatch:
     def _jumped(self, row: np.ndarray, shoes: np.ndarray, tension: np.ndarray) -> str:
         """A lug in another gap than before, or than its neighbours say, or none in any."""
         own = np.array([self.layout.part(row, name) for name in TUMBLERS[self.case.tracks]])
-        own = np.repeat(own + self.case.tumbler_reference, self.case.loop.shoe_count, axis=0)
+        own = np.repeat(own + self._tumblers, len(self._middles) // len(own), axis=0)
         lugs = shoes[:, :3] + rotation_matrices(shoes[:, 3:]) @ self._lug - own[:, :3]
         x, _, z = np.einsum("sji,sj->is", rotation_matrices(own[:, 3:]), lugs)
         radius, angle = np.hypot(x, z), np.arctan2(z, x)
