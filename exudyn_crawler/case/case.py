@@ -438,8 +438,6 @@ class Case(Parameters):
             track=Track.ph4100c().with_(shoe_count=shoe_count),
             loads=LoadCycle.constant([0.0] * shoe_count),
             closed_track=ClosedTrack.ph4100c(),
-            # beside MN of tension: 0.2 N gives the same links within 1e-5
-            solver=Solver(residual=1.0),
         )
 
     @classmethod
