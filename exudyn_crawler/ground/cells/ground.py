@@ -70,8 +70,6 @@ class CellGround:
         )
         self.arrays = tuple(self.shoes)
         self._held = np.zeros(0, dtype=np.int64)
-        # by turns; arrays of this size take page faults where they are allocated in every step
-        self._lists = tuple(np.zeros(shoes * most, dtype=np.int64) for _ in range(2))
         self._names = np.zeros((0, 2), dtype=np.int64)
         self.tiles = Tiles(
             cell,
@@ -119,9 +117,7 @@ class CellGround:
 
     def commit(self) -> None:
         """Let the cells remember the last `press`: once, where a step is accepted."""
-        now, before = self._lists
-        self._held = now[: commit(tuple(self.tiles), self.arrays, self._held, now)]
-        self._lists = before, now
+        self._held = commit(tuple(self.tiles), self.arrays, self._held)
 
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
         """Forces of the last `press` on a grid of each underside: ``(shoes, *COARSE, 3)``, N, shoes' axes."""

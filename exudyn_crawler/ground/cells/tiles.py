@@ -6,6 +6,8 @@ Cell (i, j) is the square from (i, j) to (i + 1, j + 1) times its side. A tile i
 
 from typing import NamedTuple
 
+import numpy as np
+
 from exudyn_crawler.ground.cells.kernel import AREA, DEEPEST, MOBILIZED, NORMAL, SHEAR, ShoePoints
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
@@ -81,8 +83,8 @@ def gather(ground: tuple, values: tuple) -> None:
 
 
 @compiled
-def commit(ground: tuple, values: tuple, held: IntArray, now: IntArray) -> int:
-    """Write the trial memory into the cells, and which are in contact now; return their number.
+def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
+    """Write the trial memory into the cells; return the cells in contact now.
 
     A cell under two shoes keeps the deeper sinkage and the mean shear by area, which loses energy and never
     makes it. A cell that all shoes have left, or without pressure, releases its shear.
@@ -91,8 +93,8 @@ def commit(ground: tuple, values: tuple, held: IntArray, now: IntArray) -> int:
     ----------
     ground, values : tuple
         `Tiles` and `ShoePoints` as plain tuples.
-    held, now : array (cells,)
-        Cells that were in contact when the last step was accepted, and those that are: overwritten.
+    held : array (cells,)
+        Cells that were in contact when the last step was accepted.
     """
     tiles, shoes = Tiles(*ground), ShoePoints(*values)
     memory, loaded, points, trial = tiles.memory, tiles.loaded, shoes.points, shoes.trial
@@ -100,7 +102,7 @@ def commit(ground: tuple, values: tuple, held: IntArray, now: IntArray) -> int:
         memory[cell, 2], memory[cell, 3], memory[cell, 4] = 0.0, 0.0, tiles.fresh
         if tiles.forgets:
             memory[cell, 0], memory[cell, 1] = 0.0, 0.0
-    count = 0
+    now, count = np.empty(shoes.counts.sum(), dtype=np.int64), 0
     for s in range(shoes.counts.shape[0]):
         for a in range(shoes.counts[s]):
             cell, area = shoes.cells[s, a], points[s, a, AREA]
@@ -123,4 +125,4 @@ def commit(ground: tuple, values: tuple, held: IntArray, now: IntArray) -> int:
     for cell in now[:count]:
         memory[cell, 5] = max(memory[cell, 5], loaded[cell])
         loaded[cell] = 0.0
-    return count
+    return now[:count].copy()
