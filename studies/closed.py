@@ -223,3 +223,9 @@ def study(
         )
         save(out, loads=loads, torque=torque, peaks=peaks, turns=turns)
         return runs, loads, torque, peaks, turns
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("closed")

@@ -164,3 +164,9 @@ def study(
         table["highest stress in MPa"] = highest[table["ground"]].values
         save(out, grounds=table, regions=regions, lives=lives)
         return runs, table, regions, lives
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("grounds")

@@ -89,3 +89,9 @@ def study(
     )
     write_table(summary, out / "summary.csv", overwrite)
     return lives, summary
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("shovel-life")

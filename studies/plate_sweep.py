@@ -123,3 +123,9 @@ def study(
     run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
     save_figure(lives_figure(run.dataset), out / PICTURE, overwrite=True)
     return run
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("plate-sweep")

@@ -187,3 +187,9 @@ def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("rollers")

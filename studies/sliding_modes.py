@@ -316,3 +316,9 @@ def _tables(modes: xr.Dataset, runs: bool) -> Iterator[tuple[str, pd.DataFrame]]
     if runs:
         rows = [trial(ground, *one) for ground, some in TRIALS.items() for one in some]
         yield "runs", pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("sliding-modes")

@@ -158,3 +158,9 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
         columns[choice] = table["computed"]
     rows = table[["case", "quantity", "statistic", "unit", "paper"]].assign(**columns)
     return rows.dropna().reset_index(drop=True)
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("stress")

@@ -221,3 +221,9 @@ def compare_with_paper(engine: TwoBodySolution) -> pd.DataFrame:
     }
     reported = reported_values("verification")
     return comparison_table(reported, [z[name.removesuffix(" at t=0.5 s")] for name in reported["quantity"]])
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("verify")

@@ -30,3 +30,9 @@ def study(
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
     with study_runs(out, files, **how) as runs:
         return runs
+
+
+if __name__ == "__main__":
+    from studies.__main__ import run
+
+    run("uneven")

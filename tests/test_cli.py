@@ -3,6 +3,7 @@
 import importlib
 import importlib.metadata
 import json
+import runpy
 import subprocess
 import sys
 import tomllib
@@ -22,6 +23,7 @@ from exudyn_crawler.cli import commands, sweeps
 from exudyn_crawler.cli.application import COMMANDS as GROUP
 from exudyn_crawler.cli.application import registered
 from exudyn_crawler.results.checks.cases import read_check
+from studies import __main__ as studies_main
 from studies.__main__ import STUDIES
 
 COMMANDS = (
@@ -346,11 +348,35 @@ def test_a_stressed_shoe_is_animated_without_ground(call):
     assert_one_line(err, "--scale must go without --stress, whose picture shows no ground")
 
 
-def test_scripts_and_commands_are_one():
-    studies = {one.__name__.replace("_", "-"): one for one in STUDIES}
+def test_studies_and_commands_are_one():
     ours = {name: one for name, one in registered(GROUP).items() if one.value.startswith("studies.")}
     assert {"kinematics", "forces", "stress", "uneven", "verify"} <= set(ours)
-    assert all(studies[name] is one.load() for name, one in ours.items())
+    assert all(STUDIES[name] is one.load() for name, one in ours.items())
+
+
+@pytest.mark.parametrize(
+    ("script", "command"),
+    [
+        ("kinematics", "kinematics"),
+        ("forces", "forces"),
+        ("stress", "stress"),
+        ("uneven_ground", "uneven"),
+        ("two_bodies", "verify"),
+        ("rollers", "rollers"),
+        ("closed", "closed"),
+        ("ground", "grounds"),
+        ("life", "shovel-life"),
+        ("plate_sweep", "plate-sweep"),
+        ("sliding_modes", "sliding-modes"),
+    ],
+)
+def test_every_study_is_a_script(script, command, monkeypatch):
+    called = []
+    monkeypatch.setattr(studies_main, "run", called.append)
+    monkeypatch.delitem(sys.modules, f"studies.{script}", raising=False)  # runpy warns of one that is loaded
+    runpy.run_module(f"studies.{script}", run_name="__main__")
+    assert called == [command]
+    assert command in STUDIES
 
 
 @pytest.fixture
