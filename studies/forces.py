@@ -264,6 +264,6 @@ def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("forces")
+    run_script("studies.commands:forces")

@@ -167,6 +167,6 @@ def study(
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("grounds")
+    run_script("studies.commands:grounds")

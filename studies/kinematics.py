@@ -60,6 +60,6 @@ def write_figures(histories: Mapping[str, History], out: Path) -> None:
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("kinematics")
+    run_script("studies.commands:kinematics")

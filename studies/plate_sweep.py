@@ -126,6 +126,6 @@ def study(
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("plate-sweep")
+    run_script("studies.commands:plate_sweep")

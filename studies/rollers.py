@@ -190,6 +190,6 @@ def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("rollers")
+    run_script("studies.commands:rollers")

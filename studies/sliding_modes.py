@@ -319,6 +319,6 @@ def _tables(modes: xr.Dataset, runs: bool) -> Iterator[tuple[str, pd.DataFrame]]
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("sliding-modes")
+    run_script("studies.commands:sliding_modes")

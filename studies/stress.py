@@ -161,6 +161,6 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("stress")
+    run_script("studies.commands:stress")

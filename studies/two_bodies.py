@@ -224,6 +224,6 @@ def compare_with_paper(engine: TwoBodySolution) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("verify")
+    run_script("studies.commands:verify")

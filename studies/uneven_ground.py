@@ -33,6 +33,6 @@ def study(
 
 
 if __name__ == "__main__":
-    from studies.__main__ import run
+    from exudyn_crawler.cli import run_script
 
-    run("uneven")
+    run_script("studies.commands:uneven")

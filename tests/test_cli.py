@@ -23,7 +23,6 @@ from exudyn_crawler.cli import commands, sweeps
 from exudyn_crawler.cli.application import COMMANDS as GROUP
 from exudyn_crawler.cli.application import registered
 from exudyn_crawler.results.checks.cases import read_check
-from studies import __main__ as studies_main
 from studies.__main__ import STUDIES
 
 COMMANDS = (
@@ -349,9 +348,10 @@ def test_a_stressed_shoe_is_animated_without_ground(call):
 
 
 def test_studies_and_commands_are_one():
+    studies = {one.__name__.replace("_", "-"): one for one in STUDIES}
     ours = {name: one for name, one in registered(GROUP).items() if one.value.startswith("studies.")}
     assert {"kinematics", "forces", "stress", "uneven", "verify"} <= set(ours)
-    assert all(STUDIES[name] is one.load() for name, one in ours.items())
+    assert all(studies[name] is one.load() for name, one in ours.items())
 
 
 @pytest.mark.parametrize(
@@ -365,18 +365,18 @@ def test_studies_and_commands_are_one():
         ("rollers", "rollers"),
         ("closed", "closed"),
         ("ground", "grounds"),
-        ("life", "shovel-life"),
-        ("plate_sweep", "plate-sweep"),
-        ("sliding_modes", "sliding-modes"),
+        ("life", "shovel_life"),
+        ("plate_sweep", "plate_sweep"),
+        ("sliding_modes", "sliding_modes"),
     ],
 )
 def test_every_study_is_a_script(script, command, monkeypatch):
     called = []
-    monkeypatch.setattr(studies_main, "run", called.append)
+    monkeypatch.setattr(cli, "run_script", called.append)
     monkeypatch.delitem(sys.modules, f"studies.{script}", raising=False)  # runpy warns of one that is loaded
     runpy.run_module(f"studies.{script}", run_name="__main__")
-    assert called == [command]
-    assert command in STUDIES
+    assert called == [f"studies.commands:{command}"]
+    assert command in {one.__name__ for one in STUDIES}
 
 
 @pytest.fixture

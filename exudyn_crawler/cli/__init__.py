@@ -1,7 +1,7 @@
 """The command `exudyn-crawler`: it writes, shows and runs cases and looks at runs; studies add to it."""
 
 from exudyn_crawler.cli import looking, sweeps  # noqa: F401 - which add their commands
-from exudyn_crawler.cli.application import RESULTS, Out, Overwrite
+from exudyn_crawler.cli.application import RESULTS, Out, Overwrite, run_script
 from exudyn_crawler.cli.commands import app, main
 
-__all__ = ["RESULTS", "Out", "Overwrite", "app", "main"]
+__all__ = ["RESULTS", "Out", "Overwrite", "app", "main", "run_script"]

@@ -213,6 +213,11 @@ def _single(
     return single
 
 
+def run_script(reference: str) -> None:
+    """Run a command, referred to as packages register it (``studies.commands:stress``), as a script."""
+    call(_single(EntryPoint(reference, reference, COMMANDS).load()))
+
+
 def call(commands: typer.Typer) -> None:
     """Call a command line; wrong words are reported in a line, a request to terminate ends it as Ctrl-C."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)

@@ -128,7 +128,7 @@ def test_only_a_drive_beside_the_middle_starts_with_a_jolt_on_an_incline():
         ),
         (
             {"relief": Heights(parts=(Stone(x=14.0, y=9.0, height=0.1, flank=1.0),))},
-            "relief must be the same across y where units lie in rows, .* 0.0882 m; terrain.model 'cells'",
+            "relief must be the same across y where units lie in rows, .* 0.0882 m; model 'cells' takes any",
         ),
         ({"relief": HILLS, "tilt": "roll"}, "tilt must be 'pitch' on a relief, along which units pitch"),
     ],
