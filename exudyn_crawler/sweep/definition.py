@@ -96,6 +96,12 @@ class Variation(Parameters):
         if self.design == "grid" and self.runs is None and (count := math.prod(sizes)) > MOST_RUNS:
             yield f"runs must be at most {MOST_RUNS}, got a grid of at least {count}"
 
+    def _check_rows(self) -> None:
+        """Refuse paths that what is varied does not have, then numbers of runs that do not fit the design."""
+        for one in self.vary:
+            one.check(self._varied)
+        self.rows  # noqa: B018 - which are made here
+
     @property
     def is_sampled(self) -> bool:
         """Whether its design draws points, whose answers scatter as what varies does."""
@@ -161,11 +167,9 @@ class Sweep(Variation):
         if isinstance(self._varied, Varied) and self._varied.life is None:
             yield "vary: paths of life need an answer of model 'life'"
             return
-        for one in self.vary:
-            one.check(self._varied)
+        self._check_rows()
         for answer in self.answers:
             answer.check(self.case)
-        self.rows  # noqa: B018 - refuses numbers of runs that do not fit the design
 
     @property
     def named(self) -> str:

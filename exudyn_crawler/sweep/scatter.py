@@ -41,9 +41,7 @@ class DutyScatter(Variation):
             names = fields.names_of(fields.parse_path(path))
             if not {names[0], names[-1]} & set(DRAWN):
                 yield f"{path} cannot be drawn; what can begins or ends with {', '.join(DRAWN)}"
-        for one in self.vary:
-            one.check(self.duty)
-        self.rows  # noqa: B018 - refuses numbers of runs that do not fit the design
+        self._check_rows()
 
     @property
     def named(self) -> str:
