@@ -121,6 +121,8 @@ class CompiledSystem(TrackSystem):
         self._loads = plain(profiles_of([case.loads.profile(number) for number in case.track.shoes]))
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
         self._speeds = plain(profiles_of([case.drive.speed, turn, case.loads.side_shift]))
+        machine = [StepProfile.constant(0.0)] * 6 if case.machine is None else case.machine.components
+        self._machine = plain(profiles_of(machine))
         self._resistances = np.zeros(1) if case.running_gear is None else case.running_gear.resistances
         self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
         self._limits = (0.0, 0)
@@ -439,13 +441,13 @@ class CompiledSystem(TrackSystem):
 
     def inputs(self, time: float) -> Inputs:
         """Loads and drive at a time, s."""
-        shoes, speeds = np.zeros(self.layout.shoes), np.zeros(3)
+        shoes, speeds, machine = np.zeros(self.layout.shoes), np.zeros(3), np.zeros(6)
         values_at(self._loads, time, shoes)
         values_at(self._speeds, time, speeds)
+        values_at(self._machine, time, machine)
         loads = np.zeros((len(self.tables.loads.marker), 6))
         loads[: len(shoes), :3] = np.outer(shoes, self._down)
         frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, np.zeros(1), np.zeros(0)
-        machine = np.concatenate(self.case.machine_wrench(time), axis=1)[0]
         if self.commands is not None:
             speeds[:2], machine = self.commands(time)
         # a turn makes the right track faster than the left one

@@ -24,6 +24,12 @@ class PhaseEnd(Parameters):
     end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
 
 
+def values_of(profiles: Iterable[StepProfile], time: ArrayLike) -> np.ndarray:
+    """Values of profiles at each time: array (times, profiles)."""
+    t = np.atleast_1d(np.asarray(time, dtype=float))
+    return np.column_stack([one.value(t) for one in profiles])
+
+
 class Cycle(Parameters):
     """Phases whose ends are joined by cubic STEPs."""
 
@@ -38,10 +44,9 @@ class Cycle(Parameters):
         """Quantity over time of its values at the ends of the phases."""
         return StepProfile(times=tuple(phase.end for phase in self.phases), values=tuple(values))
 
-    def columns(self, time: ArrayLike, rows: Iterable[Iterable[float]]) -> np.ndarray:
-        """Quantities at each time of their values at the ends of the phases, a row each: (times, columns)."""
-        t = np.atleast_1d(np.asarray(time, dtype=float))
-        return np.column_stack([self.over_time(values).value(t) for values in zip(*rows, strict=True)])
+    def profiles(self, rows: Iterable[Iterable[float]]) -> list[StepProfile]:
+        """Quantities over time of their values at the ends of the phases, a row each."""
+        return [self.over_time(values) for values in zip(*rows, strict=True)]
 
 
 class Phase(PhaseEnd):
@@ -149,7 +154,7 @@ class LoadCycle(Cycle):
 
     def loads(self, time: ArrayLike) -> np.ndarray:
         """Loads at each time: array (times, shoes), N downward."""
-        return self.columns(time, [phase.loads for phase in self.phases])
+        return values_of(self.profiles(phase.loads for phase in self.phases), time)
 
 
 def cycle_content(path: str | Path) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from pydantic import Field
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, track
 from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, quantity
-from exudyn_crawler.case.parameters.drive import Drive
-from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd
+from exudyn_crawler.case.parameters.drive import Drive, StepProfile
+from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd, values_of
 from exudyn_crawler.case.parameters.terrain import Terrain
 
 MARGIN = 4.0  # m of ground ahead of the track
@@ -303,9 +303,14 @@ class MachineCycle(Cycle):
             phases.append(MachinePhase(name=pose.name, end=pose.end, **named))
         return cls(phases=tuple(phases))
 
+    @property
+    def components(self) -> list[StepProfile]:
+        """Force (N) and moment (N m) over time (s), global: x, y and z of each."""
+        return self.profiles((*phase.force, *phase.moment) for phase in self.phases)
+
     def wrench(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
-        both = self.columns(time, [(*phase.force, *phase.moment) for phase in self.phases])
+        both = values_of(self.components, time)
         return both[:, :3], both[:, 3:]
 
     def balance_errors(
