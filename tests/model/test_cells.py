@@ -7,9 +7,9 @@ from exudyn_crawler import Case, Drive, LoadCycle, StepProfile, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
-from exudyn_crawler.results.loads.balance import shoe_imbalance, track_imbalance
 from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies.balance import shoe_imbalance, track_imbalance
 from tests.model.both import compiled_matrix, residual_of
 
 pytestmark = pytest.mark.simulation

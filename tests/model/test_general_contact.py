@@ -11,8 +11,8 @@ from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.model.exudyn.system import ExudynSystem
-from exudyn_crawler.results.loads.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import RESIDUAL, static_equilibrium
+from studies.balance import powers, shoe_imbalance, track_imbalance
 from studies.comparison import compare_kinematics
 from studies.forces import compare_forces
 from studies.forces import study as forces_study

@@ -7,8 +7,8 @@ import pytest
 
 from exudyn_crawler import Case, Drive, LoadCycle, SphereContact, simulate
 from exudyn_crawler.ground.contact import ground_contact
-from exudyn_crawler.results.loads.balance import energy_balance, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies.balance import energy_balance, shoe_imbalance, track_imbalance
 from studies.grounds import plain
 from studies.sliding import check_sliding, steady_sliding
 

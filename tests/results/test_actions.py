@@ -12,14 +12,14 @@ from exudyn_crawler.results.loads.actions import (
     OverSurface,
     actions,
 )
-from exudyn_crawler.results.loads.balance import (
+from exudyn_crawler.results.loads.load_map import unit_loads
+from studies.balance import (
     energies,
     powers,
     shoe_actions,
     shoe_imbalance,
     track_imbalance,
 )
-from exudyn_crawler.results.loads.load_map import unit_loads
 from tests.modal_loads import modal_loads
 
 WEIGHT = 13 * 432.3e3  # N, of the loaded track

@@ -6,12 +6,12 @@ import pytest
 from exudyn_crawler import History
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.loads.actions import actions
-from exudyn_crawler.results.loads.balance import shoe_momentum_rates
 from exudyn_crawler.results.loads.exports import action_table, pin_forces, pin_table, shoe_loads
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.recovery import peak_time
 from fem import Partition
 from fem.stress import von_mises
+from studies.balance import shoe_momentum_rates
 from tests.modal_loads import whole_coordinates
 
 TIME = 0.05

@@ -13,8 +13,8 @@ import exudyn_crawler.results
 from exudyn_crawler import simulate
 from exudyn_crawler.results.history.catalogue import CATALOGUE, DERIVED, NEEDS, QUANTITIES, select
 from exudyn_crawler.results.history.files import packed
-from exudyn_crawler.results.loads.balance import track_imbalance
 from exudyn_crawler.results.loads.exports import roller_loads
+from studies.balance import track_imbalance
 from studies.comparison import time_mean
 from studies.grounds import plain
 

@@ -15,14 +15,14 @@ from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.results.history.catalogue import link_name
 from exudyn_crawler.results.history.states import system_history
-from exudyn_crawler.results.loads.balance import (
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies.balance import (
     energy_balance,
     frame_imbalance,
     shoe_actions,
     shoe_imbalance,
     tumbler_imbalance,
 )
-from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import compiled_matrix, residual_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]

@@ -21,11 +21,11 @@ from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.loads.actions import actions
-from exudyn_crawler.results.loads.balance import energy_balance, shoe_actions, shoe_imbalance
 from exudyn_crawler.results.loads.exports import shoe_loads
 from exudyn_crawler.results.loads.load_map import coordinates, unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem.elasticity import Material
+from studies.balance import energy_balance, shoe_actions, shoe_imbalance
 from tests.model.both import residual_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]

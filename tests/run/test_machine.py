@@ -9,14 +9,14 @@ from exudyn_crawler.case.parameters.undercarriage import Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.catalogue import link_name
-from exudyn_crawler.results.loads.balance import (
+from exudyn_crawler.views.figures import history_series, run_figures
+from exudyn_crawler.views.scenes.gear import gear_solids
+from studies.balance import (
     energy_balance,
     frame_imbalance,
     shoe_imbalance,
     tumbler_imbalance,
 )
-from exudyn_crawler.views.figures import history_series, run_figures
-from exudyn_crawler.views.scenes.gear import gear_solids
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 

@@ -9,15 +9,15 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.actions import OnRail, actions
-from exudyn_crawler.results.loads.balance import (
+from exudyn_crawler.results.loads.exports import roller_loads, shoe_loads
+from exudyn_crawler.results.loads.load_map import coordinates, unit_loads
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies.balance import (
     energy_balance,
     frame_imbalance,
     shoe_imbalance,
     track_imbalance,
 )
-from exudyn_crawler.results.loads.exports import roller_loads, shoe_loads
-from exudyn_crawler.results.loads.load_map import coordinates, unit_loads
-from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import residual_of
 from tests.rolled import ROLLERS, small_case, small_flexible_case
 

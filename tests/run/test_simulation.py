@@ -15,8 +15,8 @@ from threadpoolctl import threadpool_limits
 from exudyn_crawler import Case, simulate
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.loads.balance import shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve import simulation
+from studies.balance import shoe_imbalance, track_imbalance
 from studies.grounds import plain
 
 pytestmark = pytest.mark.simulation

@@ -10,8 +10,8 @@ import pytest
 from exudyn_crawler import Case, History
 from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.results.loads.balance import shoe_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies.balance import shoe_imbalance
 from studies.comparison import time_mean
 from studies.grounds import (
     RAMP_END,

@@ -5,7 +5,7 @@ load is one force element in `model` and one record here. All vectors are global
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -136,11 +136,11 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
         yield from _strips(history, shoe, position, frames)
         yield from _lugs(history, shoe, position, frames)
     elif history.case.is_closed:
-        yield from _wheels_and_teeth(history, shoe, position)
+        yield from wheels_and_teeth(history, shoe, position)
     elif shoe == history.case.track.shoe_count:
         yield from _drive(history, shoe, position, frames)
     if history.case.undercarriage is not None:
-        yield from _rollers(history, shoe, position, frames)
+        yield from rollers_on(history, shoe, position, frames)
         yield from _chain(history, history.case.undercarriage, shoe, position, frames)
 
 
@@ -233,7 +233,7 @@ def _drive(history: History, shoe: int, position: np.ndarray, frames: np.ndarray
     yield Action("drive", shoe, "frame", position, zero, moment)
 
 
-def _wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Iterator[Action]:
+def wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Iterator[Action]:
     """Wrenches about the COM of all wheels of a closed track on the shoe, and of its tumbler."""
     on_shoe = history.dataset.sel(shoe=shoe)
     yield Action("wheel", shoe, "COM", position, on_shoe.wheel_load.values, on_shoe.wheel_moment.values)
@@ -281,7 +281,7 @@ def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray)
                 yield Action(kind, shoe, where, point, force, moment, AtInterface(where))
 
 
-def _rollers(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
+def rollers_on(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Every strip of a roller that was ever on the shoe."""
     behind, zero = history.roller_shoe.values, np.zeros_like(position)
     # read once: a history larger than memory reads a variable from its file whenever it is asked for
@@ -328,13 +328,6 @@ def drive_pulls(history: History, frame: Undercarriage) -> np.ndarray:
     return history.drive_pull.values[:, None] * np.column_stack((shares, np.zeros(len(shares))))
 
 
-def middle_pins(history: History, end: str) -> np.ndarray:
-    """Middle between the pins at an end, "front" or "rear", of every shoe: array (times, shoes, 3), m."""
-    centers = history.case.track.joint_centers
-    place = np.mean([center for name, center in centers.items() if name.startswith(end)], axis=0)
-    return history.position.values + rotation_matrices(history.angles.values) @ place
-
-
 def frame_of(history: History) -> Undercarriage:
     """Undercarriage of the history's case; ValueError if it has none."""
     frame = history.case.undercarriage
@@ -342,31 +335,3 @@ def frame_of(history: History) -> Undercarriage:
         name = history.case.name
         raise ValueError(f"the history must be of a case with an undercarriage, {name!r} has none")
     return frame
-
-
-def frame_actions(history: History) -> Iterator[Action]:
-    """All that acts on a history's side frame, but for what holds its y and its yaw; ValueError without one.
-
-    In closed tracks with what acts on tumblers and on idlers that slide, but for the weight of these.
-    """
-    case, gear = history.case, history.case.running_gear
-    if gear is None or (case.closed_track is not None and case.closed_track.support == "posts"):
-        raise ValueError(f"{case.name!r} must have a side frame that no posts hold")
-    origin, turn = history.side_frame_position.values, rotation_matrices(history.side_frame_angles.values)
-    zero = np.zeros_like(origin)
-    for part in case.frame_parts:
-        weight = zero + part.mass * case.gravity_vector()
-        yield Action("weight", 0, "COM", origin + turn @ part.com, weight, zero)
-    yield Action("machine", 0, "origin", origin, *case.machine_wrench(history.time.values))
-    if case.is_closed:
-        for shoe in case.track.shoes.tolist():
-            for one in _wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
-                yield replace(one, shoe=0, force=-one.force, moment=-one.moment)
-        return
-    frame = frame_of(history)
-    pulls, pins = drive_pulls(history, frame), middle_pins(history, "front")
-    for shoe in case.track.shoes.tolist():
-        for one in _rollers(history, shoe, *shoe_frames(history, shoe)):
-            yield replace(one, shoe=0, force=-one.force)
-        pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
-        yield Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero)

@@ -6,6 +6,7 @@ All vectors are global, all units SI.
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from copy import copy
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -218,7 +219,7 @@ def frame_imbalance(history: History) -> xr.Dataset:
         rate, spin = body.momentum_rates()
         rate = rate - body.mass * case.gravity_vector()
         force, moment = force + rate, moment + spin + np.cross(body.origin - frame.origin, rate)
-    for action in acting.frame_actions(history):
+    for action in frame_actions(history):
         force, moment = force - action.force, moment - action.moment_about(frame.origin)
     angles = moments_on_angles(history.side_frame_angles.values, moment)
     forces = _over_time(history, "N", travel=force[:, 0], sway=force[:, 1], heave=force[:, 2])
@@ -332,8 +333,8 @@ def _rolled_powers(
 ) -> dict[str, np.ndarray]:
     """Powers about a side frame over rigid shoes, on whose pins the chain has a power (times,)."""
     motion = _side_frame(history)
-    on_frame = motion.powers(acting.frame_actions(history))
-    last, pins = history.case.track.shoe_count, acting.middle_pins
+    on_frame = motion.powers(frame_actions(history))
+    last, pins = history.case.track.shoe_count, middle_pins
     front = shoes.velocity_at(pins(history, "front")[:, -1], last)
     tension = frame.end_tension * (front - shoes.velocity_at(pins(history, "rear")[:, 0], 1))[:, 0]
     _, resisted, damped = _treads(history, frame, motion, shoes)
@@ -422,6 +423,41 @@ def energy_balance(history: History) -> xr.Dataset:
     for values in balance.data_vars.values():
         values.attrs = {"units": "J"}
     return balance
+
+
+def middle_pins(history: History, end: str) -> np.ndarray:
+    """Middle between the pins at an end, "front" or "rear", of every shoe: array (times, shoes, 3), m."""
+    centers = history.case.track.joint_centers
+    place = np.mean([center for name, center in centers.items() if name.startswith(end)], axis=0)
+    return history.position.values + rotation_matrices(history.angles.values) @ place
+
+
+def frame_actions(history: History) -> Iterator[acting.Action]:
+    """All that acts on a history's side frame, but for what holds its y and its yaw; ValueError without one.
+
+    In closed tracks with what acts on tumblers and on idlers that slide, but for the weight of these.
+    """
+    case, gear = history.case, history.case.running_gear
+    if gear is None or (case.closed_track is not None and case.closed_track.support == "posts"):
+        raise ValueError(f"{case.name!r} must have a side frame that no posts hold")
+    origin, turn = history.side_frame_position.values, rotation_matrices(history.side_frame_angles.values)
+    zero = np.zeros_like(origin)
+    for part in case.frame_parts:
+        weight = zero + part.mass * case.gravity_vector()
+        yield acting.Action("weight", 0, "COM", origin + turn @ part.com, weight, zero)
+    yield acting.Action("machine", 0, "origin", origin, *case.machine_wrench(history.time.values))
+    if case.is_closed:
+        for shoe in case.track.shoes.tolist():
+            for one in acting.wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
+                yield replace(one, shoe=0, force=-one.force, moment=-one.moment)
+        return
+    frame = acting.frame_of(history)
+    pulls, pins = acting.drive_pulls(history, frame), middle_pins(history, "front")
+    for shoe in case.track.shoes.tolist():
+        for one in acting.rollers_on(history, shoe, *acting.shoe_frames(history, shoe)):
+            yield replace(one, shoe=0, force=-one.force)
+        pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
+        yield acting.Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero)
 
 
 def _only_known(history: History) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import simulate
-from exudyn_crawler.results.loads.balance import energies, energy_balance, powers
+from studies.balance import energies, energy_balance, powers
 from studies.grounds import plain
 
 
