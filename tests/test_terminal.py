@@ -2,6 +2,7 @@
 
 import re
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,10 +10,15 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, cli
+from exudyn_crawler.cli import application
 from exudyn_crawler.cli.commands import show_answers
-from exudyn_crawler.results.stress.recovery import StressResults
+from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
 from exudyn_crawler.views.pages.sweep import Best
+from exudyn_crawler.views.tables import cell_text
+from studies.__main__ import app as studies
 from studies.comparison import comparison_table, reported_values
+from studies.ground import PAPERS, row
+from studies.sliding_modes import COORDINATES
 
 WIDTHS = [80, 120]
 LIFE = pd.DataFrame(
@@ -72,6 +78,63 @@ QUANTILES = pd.DataFrame(
     [("greatest joint force", "N", 0.99, 1.2345678e6, 1.1e6, 1.4e6, 1.2e6, 1.25e6)],
     columns=["answer", "unit", "quantile", "value", "least", "most", "of a quarter", "of half"],
 )
+# 0.1 s of the closed tracks
+LOOP = pd.DataFrame(
+    [
+        ("tension, upper run", 792.3111593, 798.7858901, 803.0139462),
+        ("teeth on a shoe", 0.0, 457.7414457, 526.4),
+    ],
+    columns=["of", *(f"{size} in kN" for size in ("least", "mean", "greatest"))],
+)
+TORQUE = pd.DataFrame(
+    [(0.3, 86.1357474, 86.1325946, 54.6769849)],
+    columns=["cut ahead of the axis in m"]
+    + [f"{name} in kN m" for name in ("torque", "by moments", "by means of tension")],
+)
+PEAKS = pd.DataFrame(
+    [
+        {"case": "rolled at the closed tension"}
+        | {
+            f"{size} {of} in kN": value
+            for of, value in (
+                ("ground on a shoe", 993.9217),
+                ("wheels on a shoe", 1196.3726),
+                ("link", 989.0346),
+            )
+            for size in ("greatest", "mean")
+        }
+    ]
+)
+TURNS = pd.DataFrame(
+    [
+        ("closed", 629.90385, 805.02955, 1.9251287, 1.0533892, 42.3964246, 0.0, 526.41676, 86.2105, 0.491876),
+        (
+            "turn about the left track",
+            685.97988,
+            910.01603,
+            2.6135,
+            1.1145,
+            116.25968,
+            0.0,
+            546.1,
+            94.56,
+            2.3,
+        ),
+    ],
+    columns=[
+        *("case", "least tension in kN", "greatest tension in kN", "link across, greatest in kN"),
+        *("link across, rms in kN", "yaw and roll moment of a link in kN m", "flange on a shoe in kN"),
+        *("teeth on a shoe in kN", "mean torque, right tumbler, in kN m", "ground across a shoe, mean in kN"),
+    ],
+).assign(**{"mean torque, left tumbler, in kN m": [float("nan"), 88.6904646]})
+PLATES = pd.DataFrame(
+    [{"run": 9, "top_plate": 0.054, "spring_stiffness": 4e7, "life_of_roller_path": 7.9123456e7}]
+).assign(life_of_shoe=8.5e5, highest_stress=7.61234e7, peak_pin_force=5.284567e5)
+PLATES = PLATES.assign(folder="1a2b", status="done", reason="", wall_time_s=35.1234567)
+GROWTH = dict.fromkeys(("even", "7 m units", "1 m units"), "+12.34 at 20.5 Hz (11)")
+MODES = pd.DataFrame([{"mode": 1, "frequency, Hz": 20.512345, "growth rate, 1/s": 1.84212345}]).assign(
+    **{"damping ratio": -0.0142934, "shoe": 13}, **dict.fromkeys(COORDINATES, 0.98765432)
+)
 
 
 def compared(study):
@@ -103,6 +166,15 @@ FAKES = {
     },
     "shovel-life": {"studies.life.study": result({}, LIFE.assign(propel_and_material="dragged_a36"))},
     "rollers": {"studies.rollers.study": result({}, SPOTS.assign(case="rolled", shoe=7))},
+    "closed": {"studies.closed.study": result({}, LOOP, TORQUE, PEAKS, TURNS)},
+    "studies plate-sweep": {"studies.plate_sweep.study": result(SimpleNamespace(table=PLATES))},
+    "studies sliding-modes": {
+        "studies.sliding_modes.study": result(
+            ("modes", MODES), ("growth over friction", pd.DataFrame([{"friction": 0.15} | GROWTH]))
+        )
+    },
+    "rollers --choices": {"studies.rollers.open_choices": result(compared("stress"))},
+    "stress --choices": {"studies.stress.open_choices": result(compared("stress"))},
     "verify": {"studies.two_bodies.study": result(HAND, compared("kinematics"))},
     "info": {},
     "info stress": {},
@@ -148,6 +220,9 @@ FAKES = {
 PAGE = Path("results/case/report.html")
 FAKES["run case.toml --no-page"] = FAKES["run case.toml"]
 NUMBERS = {
+    "closed": ["803", "54.68", "1196", "116.3"],
+    "studies plate-sweep": ["79 120 000", "40 000 000"],
+    "studies sliding-modes": ["1.842", "-0.01429"],
     "shovel-life": ["300 900", "0.04392"],
     "rollers": ["133.9", "33.53"],
     "life duty.toml": ["300 900", "0.04392"],
@@ -179,9 +254,10 @@ def terminal(monkeypatch, capsys, tmp_path):
     def call(words, width):
         for name, value in {"COLUMNS": width, "TTY_COMPATIBLE": 1, "NO_COLOR": 1}.items():
             monkeypatch.setenv(name, str(value))
-        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", *words.split()])
+        program, *rest = words.split() if words.startswith("studies ") else ("exudyn-crawler", *words.split())
+        monkeypatch.setattr(sys, "argv", [program, *rest])
         with pytest.raises(SystemExit) as end:
-            cli.main()
+            application.call(studies) if program == "studies" else cli.main()
         told = capsys.readouterr()
         assert (end.value.code, told.err) == (0, "")
         return re.sub(r"\x1b\[[0-9;]*m", "", told.out).splitlines()
@@ -189,20 +265,23 @@ def terminal(monkeypatch, capsys, tmp_path):
     return call
 
 
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("words", FAKES)
-def test_no_number_is_cut_in_any_table(terminal, monkeypatch, words, width):
-    for name, fake in FAKES[words].items():
-        monkeypatch.setattr(name, fake)
-    lines = terminal(words, width)
+def check_tables(lines, width, numbers):
     rules = [line for line in lines if line[:1] in "┏┡└┌"]
     assert rules
     # tables have their right edge
     assert all(line[-1] in "┓┩┘┐" and len(line) <= width for line in rules)
     told = "\n".join(lines)
     assert "…" not in told
-    for number in NUMBERS.get(words, ()):
+    for number in numbers:
         assert re.search(rf"[│ ]{re.escape(number)}[ ,]", told)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("words", FAKES)
+def test_no_number_is_cut_in_any_table(terminal, monkeypatch, words, width):
+    for name, fake in FAKES[words].items():
+        monkeypatch.setattr(name, fake)
+    check_tables(terminal(words, width), width, NUMBERS.get(words, ()))
 
 
 @pytest.mark.parametrize(
@@ -250,3 +329,19 @@ def test_a_flexible_run_ends_with_its_greatest_values_and_the_place_of_its_peak(
     for name in ("contact force on a shoe", "force of a link", "force of the drive", "penetration", "way"):
         assert name in told
     assert hot_spots[13]["verdict"].iloc[0] in told
+
+
+@pytest.fixture(scope="module")
+def grounds(bent):
+    """Runs of two grounds, whose tables the study makes itself."""
+    stresses = recover_stresses(bent, [0.0, 0.06], peak=False)
+    run = SimpleNamespace(history=bent, folder=None, recovered=lambda: stresses)
+    return {PAPERS: run, "hard floor, stones under the edges": run}
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_tables_of_the_grounds_are_read_in_any_terminal(terminal, monkeypatch, grounds, width):
+    monkeypatch.setattr("studies.ground.study_runs", lambda *_, **__: nullcontext(grounds))
+    Path("results/ground").mkdir(parents=True)
+    pull = row(grounds[PAPERS])["mean pull in kN"]
+    check_tables(terminal("grounds", width), width, [cell_text(pull)])

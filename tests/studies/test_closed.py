@@ -1,7 +1,11 @@
 """Study of the closed track: its cases and a reduced run."""
 
+from pathlib import Path
+
 import pytest
 
+from exudyn_crawler.views.tables import cell_text
+from studies import commands
 from studies.closed import (
     ABOUT_LEFT,
     CLOSED,
@@ -15,6 +19,7 @@ from studies.closed import (
     study,
     study_cases,
 )
+from tests.test_terminal import check_tables
 
 
 def test_chain_goes_once_round_in_the_whole_run():
@@ -59,8 +64,14 @@ def test_a_shoe_may_be_flexible():
 
 @pytest.mark.slow
 @pytest.mark.simulation
-def test_reduced_study_has_loads_round_the_loop_and_in_mid_track():
-    runs, loads, torque, peaks, turns = study(None, duration=0.1, progress=False)
+def test_reduced_study_has_loads_round_the_loop_and_in_mid_track(monkeypatch, capsys):
+    made = runs, loads, torque, peaks, turns = study(None, duration=0.1, progress=False)
+    monkeypatch.setattr("studies.closed.study", lambda *_, **__: made)
+    for width in (80, 120):
+        for name, value in {"COLUMNS": width, "TTY_COMPATIBLE": 1, "NO_COLOR": 1}.items():
+            monkeypatch.setenv(name, str(value))
+        commands.closed(out=Path("closed"))
+        check_tables(capsys.readouterr().out.splitlines(), width, [cell_text(torque.iloc[0, 1])])
     assert list(runs) == [CLOSED, ROLLED, TRIAL, *TURNS]
     assert peaks["case"].tolist() == [CLOSED, ROLLED, TRIAL]
     assert turns["case"].tolist() == [CLOSED, *TURNS]
