@@ -31,6 +31,16 @@ def uneven() -> CaseFile:
     return CaseFile(case=uneven_case("rough"), duration=DURATION)
 
 
+def closed() -> CaseFile:
+    """Half a machine on a closed track, from its start to a speed of 0.3 m/s."""
+    return CaseFile(case=Case.closed(), duration=DURATION)
+
+
+def shovel() -> CaseFile:
+    """Machine on two closed tracks."""
+    return CaseFile(case=Case.shovel(), duration=DURATION)
+
+
 def demo() -> CaseFile:
     """Machine that rolls at 1 km/h over a track with one flexible shoe, on a coarse mesh."""
     case = Case.rolled()

@@ -459,6 +459,8 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
         ("uneven", 10.0),
         ("rollers", 10.0),
         ("demo", 3.5),
+        ("closed", 10.0),
+        ("shovel", 10.0),
     ],
 )
 def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):
@@ -471,6 +473,9 @@ def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):
     code, _, err = call("init", "own", "--study", study)
     assert code == 2
     assert_one_line(err, "own.toml exists")
+    # the name of a study alone means its case
+    assert call("init", study)[0] == 0
+    assert read_case(tmp_path / f"{study}.toml") == found.with_({"name": study})
 
 
 @pytest.mark.simulation
@@ -528,7 +533,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["info", "nowhere.toml"], "no case file nowhere.toml"),
         (["run", "."], ". is a folder, no case file; name a TOML file such as mine.toml"),
         (["life", "."], ". is a folder, no duty file; name a TOML file such as mine.toml"),
-        (["info", "stres"], "case must be a case file or a study of ['demo', 'forces', 'kinematics', "),
+        (["info", "stres"], "case must be a case file or a study of ['closed', 'demo', 'forces', "),
         (["kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
         (["kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
         (["kinematics", "--case", "sideways"], "'sideways'"),
@@ -544,7 +549,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["init"], "Missing argument 'NAME'"),
         (
             ["init", "own", "--study", "opera"],
-            "study must be of ['demo', 'forces', 'kinematics', ",
+            "study must be of ['closed', 'demo', 'forces', ",
         ),
         (["init", "nowhere/case"], "nowhere/case.toml"),
         (["run", "a.toml", "--out", ""], "no value may be empty, got --out ''"),

@@ -61,15 +61,18 @@ def common(
     """Options before the name of a command."""
 
 
-@command("init soft_ground --study kinematics")
+@command("init my_track --study closed")
 def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
-    study: Annotated[str, typer.Option(help="study whose case to start from, such as stress")] = START,
+    study: Annotated[
+        str | None, typer.Option(help=f"study whose case to start from; that of this name, or {START}")
+    ] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Write a case file with every value, its unit and its meaning, to be changed and run."""
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
-    case_file = application.study_case(study)
+    of_name = path.stem if path.stem in application.registered(CASES) else START
+    case_file = application.study_case(study or of_name)
     written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite, by_hand=True)
     typer.echo(f"{written}: change it, then: exudyn-crawler run {written}")
 
