@@ -1,31 +1,37 @@
-"""Casting defects against cycles of stress: fatigue limit of small ones, growth of larger ones to a crack.
+"""Casting defects against cycles of stress: growth of a defect of any size to a crack.
 
-A defect counts by sqrt(area), the root of its area seen along the stress. Up to about 1 mm its fatigue limit
-is Murakami's (Y. Murakami, Metal Fatigue, 2002, section 6). Beyond, it grows as a surface crack by the
-simplified law of BS 7910 for steels in air (yield up to 700 MPa; mean plus two standard deviations, 97.7 %
-survive), da/dN = 5.21e-13 mm (dK in N/mm^1.5)^3 above a threshold of 63 to 170 N/mm^1.5, which the IIW
-recommendations have too; dK is the whole range, also with negative stress ratios. Both as others quote them.
+A defect counts by sqrt(area), the root of its area seen along the stress, and is a crack from its first cycle
+on. It grows as a surface crack by the two-stage law of BS 7910 for steels in air (yield up to 700 MPa), whose
+scatter is that between its mean and mean plus two standard deviations. It sleeps up to a stress that falls
+with its size as in Kitagawa and Takahashi's diagram: Murakami's limit of small defects (Y. Murakami, Metal
+Fatigue, 2002, section 6), or that of the guideline's threshold of cracks, 63 to 170 N/mm^1.5, whichever is
+less. Ranges of stress intensity are whole, also with negative stress ratios. Values are as others quote them.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import norm
 
 from fem.fatigue import SNCurve
 from fem.mesh import Floats
 
-SMALL = 1e-3
-"""m, sqrt(area) up to which Murakami's limit holds."""
 GEOMETRY = 0.65
 """Of a surface defect: stress intensity over stress sqrt(pi sqrt(area)) (Murakami)."""
 DEPTHS = np.sqrt(0.5 * np.pi)
 """sqrt(area) of a half disc over its depth, of which the law is."""
 MM15 = 1e6 * 1e-3**0.5
 """Pa m^0.5 in 1 N/mm^1.5."""
-RATE, EXPONENT = 5.21e-13 * 1e-3 / MM15**3, 3.0
-"""m a cycle over (Pa m^0.5)^3."""
+STAGES = (
+    ((8.16, 1.21e-26, 4.37e-26), (2.88, 3.98e-13, 6.77e-13)),
+    ((5.10, 4.80e-18, 2.10e-17), (2.88, 5.86e-13, 1.29e-12)),
+)
+"""Exponent, and mm a cycle at 1 N/mm^1.5, mean and with two standard deviations; of both stages, of which the
+slower one holds; below R = 0.5 and from there on."""
+HIGH_RATIO = 0.5
+SIZES = 257  # between which a crack's growth is summed up at least
 
 
 class Defect(NamedTuple):
@@ -46,24 +52,33 @@ class Defect(NamedTuple):
     crack: float
 
 
-def murakami_limit(size: float, hardness: float, ratio: float | Floats = -1.0) -> float | Floats:
+def murakami_limit(size: float, hardness: float, ratio: float | Floats = -1.0) -> Floats:
     """Amplitude (Pa) that a surface defect of sqrt(area) `size` (m) bears for ever at a stress ratio."""
     alpha = 0.226 + 1e-4 * hardness
-    return 1.43e6 * (hardness + 120.0) / (1e6 * size) ** (1.0 / 6.0) * (0.5 * (1.0 - ratio)) ** alpha
-
-
-def equivalent_amplitude(hardness: float, amplitude: Floats, mean: Floats) -> Floats:
-    """Amplitudes at R = -1 that a defect bears like those with these means.
-
-    Means below zero count by the tangent at R = -1 down to R = -inf, which is on the safe side.
-    """
-    alpha, part = 0.226 + 1e-4 * hardness, np.maximum(mean / amplitude, -1.0)
-    return amplitude * np.where(part > 0.0, (1.0 + np.maximum(part, 0.0)) ** alpha, 1.0 + alpha * part)
+    part = 0.5 * (1.0 - np.asarray(ratio))
+    return 1.43e6 * (hardness + 120.0) / (1e6 * size) ** (1.0 / 6.0) * part**alpha
 
 
 def threshold(ratio: float | Floats) -> Floats:
     """Range of stress intensity (Pa m^0.5) up to which cracks do not grow at a stress ratio."""
     return MM15 * np.clip(170.0 - 214.0 * np.asarray(ratio), 63.0, 170.0)
+
+
+def growing_size(hardness: float, stress: Floats, ratio: Floats) -> Floats:
+    """sqrt(area) (m) from which a defect grows under cycles of ranges of stress (Pa) at stress ratios."""
+    crack = (threshold(ratio) / (GEOMETRY * stress)) ** 2 / np.pi
+    # Murakami's limit falls with the sixth root; ratios below -1 count as -1, on the safe side
+    small = 1e-6 * (2.0 * murakami_limit(1e-6, hardness, np.maximum(ratio, -1.0)) / stress) ** 6
+    return np.minimum(crack, small)
+
+
+@lru_cache(maxsize=64)
+def growth_law(of_high_ratio: bool, survival: float) -> tuple[tuple[float, float], ...]:
+    """Exponent, and m a cycle at 1 Pa m^0.5, of both stages, that a portion of the material survives."""
+    return tuple(
+        (exponent, 1e-3 * mean * (upper / mean) ** (0.5 * norm.ppf(survival)) / MM15**exponent)
+        for exponent, mean, upper in STAGES[of_high_ratio]
+    )
 
 
 class CycleStage(NamedTuple):
@@ -76,9 +91,9 @@ class CycleStage(NamedTuple):
 
 
 def growth(
-    low: Floats, high: Floats, rate: Floats, start: float, end: float, lasts: float = np.inf
+    defect: Defect, low: Floats, high: Floats, rate: Floats, survival: float, lasts: float = np.inf
 ) -> tuple[float, float]:
-    """Time that a crack takes to grow, at most `lasts`, and its sqrt(area) (m) then.
+    """Time that a defect takes to grow to a crack, at most `lasts`, and its sqrt(area) (m) then.
 
     Infinite if it never grows so far; in the unit of time of which `rate` are cycles.
 
@@ -88,52 +103,62 @@ def growth(
         Ends of the cycles, Pa; those that stay in compression do nothing.
     rate : array (n,)
         How often each happens.
-    start, end : float
-        sqrt(area), m.
+    survival : float
+        Portion of the material whose cracks grow more slowly.
     """
+    start, end = defect.size, defect.crack
     opens = (high > 0.0) & (high > low)
     low, high, rate = (np.broadcast_to(one, opens.shape)[opens] for one in (low, high, rate))
-    stress = high - low
-    grows_from = (threshold(low / high) / (GEOMETRY * stress)) ** 2 / np.pi
-    order = np.argsort(grows_from)
-    sizes, sums = grows_from[order], np.cumsum((rate * stress**EXPONENT)[order])
-    if not len(sizes) or sizes[0] > start or end <= start:
-        return (lasts, start) if end > start else (0.0, start)
-    edges = np.concatenate(([start], sizes[(sizes > start) & (sizes < end)], [end]))
-    each = DEPTHS * RATE * (GEOMETRY * np.sqrt(np.pi)) ** EXPONENT
-    speed = each * sums[sizes.searchsorted(edges[:-1], "right") - 1]
-    # of d size / dt = speed size^1.5, exactly
-    until = np.cumsum(2.0 / speed * (edges[:-1] ** -0.5 - edges[1:] ** -0.5))
+    stress, ratio = high - low, low / high
+    wakes = growing_size(defect.hardness, stress, ratio)
+    if end <= start:
+        return 0.0, start
+    if not (wakes <= start).any():
+        return lasts, start
+    stages = []  # exponent m, sizes at which cycles come or go, their speeds: d size / dt over size^(m / 2)
+    for of_high_ratio in set((ratio >= HIGH_RATIO).tolist()):
+        own = (ratio >= HIGH_RATIO) == of_high_ratio
+        (slow, at_slow), (fast, at_fast) = growth_law(of_high_ratio, survival)
+        intensity = GEOMETRY * np.sqrt(np.pi) * stress[own]  # at 1 m
+        turns = (at_fast / at_slow) ** (2.0 / (slow - fast)) / intensity**2
+        turns = np.maximum(turns, wakes[own])
+        each = DEPTHS * rate[own] * at_slow * intensity**slow
+        stages.append((slow, np.concatenate((wakes[own], turns)), np.concatenate((each, -each))))
+        stages.append((fast, turns, DEPTHS * rate[own] * at_fast * intensity**fast))
+    changes = np.concatenate([at for _, at, _ in stages])
+    inside = changes[(changes > start) & (changes < end)]
+    edges = np.unique(np.concatenate((np.geomspace(start, end, SIZES), inside)))
+    # two Gauss points of each part, in the logarithm of the size
+    middle, half = 0.5 * np.log(edges[1:] * edges[:-1]), 0.5 * np.log(edges[1:] / edges[:-1])
+    sizes = np.exp(middle + np.multiply.outer((-(3.0**-0.5), 3.0**-0.5), half))
+    speed = np.zeros_like(sizes)
+    for exponent, at, each in stages:
+        order = np.argsort(at, kind="stable")
+        sums = np.concatenate(([0.0], np.cumsum(each[order])))
+        speed += sums[at[order].searchsorted(sizes, "right")] * sizes ** (0.5 * exponent)
+    until = np.concatenate(([0.0], np.cumsum((sizes / speed).sum(axis=0) * half)))
     if until[-1] <= lasts:
         return float(until[-1]), end
-    k = int(until.searchsorted(lasts, "right"))
-    rest = lasts - (until[k - 1] if k else 0.0)
-    return lasts, float((edges[k] ** -0.5 - 0.5 * speed[k] * rest) ** -2)
+    return lasts, float(np.exp(np.interp(lasts, until, np.log(edges))))
 
 
 def defect_life(defect: Defect, curve: SNCurve, stages: Sequence[CycleStage], survival: float) -> float:
-    """Time until a defect is a crack under cycles of stages, one after the other; infinite if it never is.
+    """Time until a defect or the sound surface beside it cracks under stages of cycles, whichever is first.
 
-    Up to `SMALL` by Miner's rule with the curve, without a casting factor, whose strength is Murakami's limit
-    if that is less; beyond by growth, whatever the survival. The curve's residual stress adds to both.
+    The surface by Miner's rule with its curve, without a casting factor; the defect by growth. The curve's
+    residual stress adds to both. Infinite if nothing ever cracks.
     """
-    limit = float(murakami_limit(defect.size, defect.hardness))
-    own = replace(curve, strength=min(curve.strength, limit), residual_stress=0.0)
-    time, size, damage = 0.0, defect.size, 0.0
+    time, damage = 0.0, 0.0
     for begin, end, rate, lasts in stages:
-        low = np.minimum(begin, end) + curve.residual_stress
-        high = np.maximum(begin, end) + curve.residual_stress
-        if defect.size > SMALL:
-            spent, size = growth(low, high, rate, size, defect.crack, lasts)
-        else:
-            moves = high > low
-            amplitude, mean = 0.5 * (high - low)[moves], 0.5 * (high + low)[moves]
-            equal = equivalent_amplitude(defect.hardness, amplitude, mean)
-            each = own.damage(equal, np.zeros_like(equal), (survival,))[0]
-            speed = float(each @ np.broadcast_to(rate, moves.shape)[moves])
-            spent = min(lasts, (1.0 - damage) / speed) if speed > 0.0 else lasts
-            damage = 1.0 if spent < lasts else damage + speed * spent
+        low, high = np.minimum(begin, end), np.maximum(begin, end)
+        moves = high > low
+        low, high, rate = low[moves], high[moves], np.broadcast_to(rate, moves.shape)[moves]
+        speed = float(curve.damage(0.5 * (high - low), 0.5 * (high + low), (survival,))[0] @ rate)
+        sound = (1.0 - damage) / speed if speed > 0.0 else np.inf
+        low, high = low + curve.residual_stress, high + curve.residual_stress
+        spent, size = growth(defect, low, high, rate, survival, min(lasts, sound))
         time += spent
-        if size >= defect.crack or damage >= 1.0:
+        if size >= defect.crack or sound <= lasts:
             break
+        damage, defect = damage + speed * spent, defect._replace(size=size)
     return time

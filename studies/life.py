@@ -11,11 +11,11 @@ from pathlib import Path
 import pandas as pd
 
 from exudyn_crawler import Duty, FatigueMaterial, History, life
-from exudyn_crawler.results.life.duty import DutyRun, DutyStage
+from exudyn_crawler.results.life.duty import DutyRun, read_duty
 from exudyn_crawler.results.life.life import LifeResults, in_words
 from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.tables import write_table
-from studies.rollers import OVERHANG, STANDS, overhang_cases
+from studies.rollers import overhang_cases
 from studies.running import by_name
 from studies.stress import RUN
 from studies.stress import study as stress_study
@@ -25,7 +25,6 @@ PROPEL_SHARE = 0.07  # of machine hours, at most (makers' figures for rope shove
 CYCLES_AN_HOUR = 70.0  # dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within
 CHANGES_AN_HOUR = 4.0
 """Moves between digging positions, each of about a minute in which the run's 15 s repeat; assumed."""
-WEAR_HOURS = 12_500.0  # h for which rails that overhang count as new, and then as worn by 25 mm; assumed
 MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
 """First the usual material of shoes."""
 
@@ -45,17 +44,10 @@ def digging_duty(kind: str, propel: Path, dig: Path, material: FatigueMaterial) 
 
 
 def overhang_duty(rollers: Path, material: FatigueMaterial) -> Duty:
-    """The same over rails that overhang, new in a first stage and worn in a second one; it digs anywhere."""
-    runs: list[DutyRun] = []
-    for name in OVERHANG:
-        passing = str(rollers / f"pass {name}")
-        runs.append(DutyRun(name=f"rolled on {name}", folder=passing, share=PROPEL_SHARE, stage=name))
-        for part in STANDS:
-            folder, often = str(rollers / f"loading {name} {part}"), CYCLES_AN_HOUR / len(STANDS)
-            runs.append(DutyRun(name=f"dig, {name} {part}", folder=folder, an_hour=often, stage=name))
-    stages = tuple(DutyStage(name=name, hours=WEAR_HOURS) for name in OVERHANG)
-    name, changes = f"rails that overhang, {material.name}", CHANGES_AN_HOUR
-    return Duty(name=name, runs=tuple(runs), stages=stages, material=material, changes_an_hour=changes)
+    """Duty of `rolled_duty.toml`, of shoes whose rails overhang and wear, with runs in a folder."""
+    duty = read_duty(Path(__file__).with_name("rolled_duty.toml"))
+    runs = tuple(run.with_(folder=str(rollers / Path(run.folder).name)) for run in duty.runs)
+    return duty.with_(name=f"rails that overhang, {material.name}", runs=runs, material=material)
 
 
 def study(

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -96,7 +97,7 @@ def _with_all_cases(duties: Sequence[Duty]) -> Duty:
 
 
 def _key(case: DutyCase) -> str:
-    return f"case {hash((case.name, case.case, case.after))}"
+    return sha256("\n".join((case.name, case.case, case.after)).encode()).hexdigest()
 
 
 class CountedStage(NamedTuple):

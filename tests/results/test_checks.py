@@ -22,7 +22,7 @@ from exudyn_crawler.results.checks.cases import (
     ready_cases,
 )
 from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, cycle_table, solve_cases
-from fem.defects import growth
+from fem.defects import Defect, growth
 from fem.stress import von_mises
 from fem.supports import section, surface_points
 from meshes import ShoeDimensions
@@ -229,7 +229,8 @@ def test_a_defect_in_tension_counts_where_it_is_worst_in_its_region(found, shoe)
     wings = stress["ends"][shoe.regions == "wings"]
     mises, opens = von_mises(wings), wings[:, :3].sum(axis=1) >= 0.0
     highest = mises[opens].max()
-    expected = growth(np.zeros(1), np.array([highest]), np.ones(1), 3e-3, 0.06)[0]
+    defect = Defect(3e-3, 860.0 / 3.2, 0.06)
+    expected = growth(defect, np.zeros(1), np.array([highest]), np.ones(1), 0.975)[0]
     assert own.loc["wings", "cycles to a crack, defect"] == pytest.approx(expected, rel=1e-6)
 
 

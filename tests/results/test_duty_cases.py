@@ -15,7 +15,7 @@ from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, case_shap
 from exudyn_crawler.results.life.duty import DutyCase, DutyRun, DutyStage
 from exudyn_crawler.results.life.life import BETWEEN, BEYOND, hours_in_stages, life_of, life_of_stages
 from fem import Shapes
-from fem.defects import growth
+from fem.defects import Defect, growth
 from meshes.shoe import STEEL, joint_interfaces
 
 STRENGTH, SENSITIVITY, KNEE = 100e6, 0.3, 1e6
@@ -119,7 +119,7 @@ def test_damage_of_stages_adds_up_at_the_nearest_nodes(mesh):
 
 
 def test_a_defect_grows_over_the_stages_of_a_duty(mesh):
-    """1000 h at 150 MPa and then 200 MPa, 100 times an hour, by the growth law alone; 0.5 mm by Miner."""
+    """1000 h at 150 MPa and then 200 MPa, 100 times an hour, by the growth law; 0.5 mm sleeps, by Miner."""
     stages = (DutyStage(name="new", hours=1000.0), DutyStage(name="worn", hours=500.0))
     castings = ({"region": "web", "defect_size": 3e-3}, {"region": "lugs", "defect_size": 5e-4})
     strong = MATERIAL.with_(castings=castings, fatigue_strength=400e6)
@@ -131,8 +131,9 @@ def test_a_defect_grows_over_the_stages_of_a_duty(mesh):
     ]
     table = life_of_stages(whole, of_stages).table.set_index("region")
     zero, once = np.zeros(1), np.full(1, 100.0)
-    hours, size = growth(zero, np.array([150e6]), once, 3e-3, 0.06, 1000.0)
-    rest, _ = growth(zero, np.array([200e6]), once, size, 0.06)
+    defect = Defect(3e-3, 125.0, 0.06)
+    hours, size = growth(defect, zero, np.array([150e6]), once, 0.975, 1000.0)
+    rest, _ = growth(defect._replace(size=size), zero, np.array([200e6]), once, 0.975)
     assert hours == 1000.0
     assert table.loc["web", "life in h, defect"] == pytest.approx(1000.0 + rest, rel=1e-6)
     alone = [one.table.set_index("region")["life in h, defect"] for one in of_stages]

@@ -380,10 +380,10 @@ def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
     drawn_duty.write_text(text.replace("-50e6", "2e-3").replace("= 50e6", "= 8e-3"))
     scatter = read_scatter(drawn_duty)
     found, duty = scatter.lives(), scatter.duties[3].with_(changes_an_hour=0.0)
-    table = life(duty.with_(survivals=(0.5,))).table.set_index("region")
+    table = life(duty).table.set_index("region")
     assert found.loc[3, "life_web"] <= table.loc["web", "life in h, defect"] * 1.001
-    longer = table.loc["web", "life in h that 50 % survive"]
-    assert found.loc[3, "life_web"] < 0.9 * longer
+    longer = table.loc["web"].filter(like="life in h that")
+    assert found.loc[3, "life_web"] < 0.9 * longer.item()
 
 
 def test_a_scatter_over_a_duty_leaves_what_a_sweep_leaves(drawn_duty, tmp_path):
@@ -416,7 +416,7 @@ def test_faults_of_what_is_drawn_are_told(drawn_duty, old, new, told):
 def test_the_ready_scatter_over_a_duty_can_be_planned():
     scatter = read_scatter(Path(__file__).parents[2] / "studies" / "duty_scatter.toml")
     assert len(scatter.duties) == len(scatter.planned) == 1000
-    assert {one.cases[7].case for one in scatter.duties} == {
+    assert {one.cases[9].case for one in scatter.duties} == {
         "stone at the edge, sand, mean",
         "stone at the edge, rock, mean",
     }
