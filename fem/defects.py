@@ -107,7 +107,7 @@ def growth(
         Portion of the material whose cracks grow more slowly.
     """
     start, end = defect.size, defect.crack
-    opens = (high > 0.0) & (high > low)
+    opens = (high > 0.0) & (high > low) & (rate > 0.0)
     low, high, rate = (np.broadcast_to(one, opens.shape)[opens] for one in (low, high, rate))
     stress, ratio = high - low, low / high
     wakes = growing_size(defect.hardness, stress, ratio)

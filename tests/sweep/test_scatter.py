@@ -1,6 +1,7 @@
 """Values drawn from distributions against scipy, quantiles and their bounds, drawn lives, fleets."""
 
 import dataclasses
+import hashlib
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,9 @@ import pytest
 from scipy import stats
 
 import meshes
-from exudyn_crawler import Case, CaseFile, FatigueMaterial, life, life_run
+from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, life, life_run
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.results.life.duty import DutyCase
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import Fleet, Sweep, read_sweep
 from exudyn_crawler.sweep.results import (
@@ -23,7 +25,7 @@ from exudyn_crawler.sweep.results import (
     write_page,
 )
 from exudyn_crawler.sweep.running import run_duty_scatter
-from exudyn_crawler.sweep.scatter import read_scatter
+from exudyn_crawler.sweep.scatter import _with_all_cases, read_scatter
 from exudyn_crawler.sweep.vary import Vary
 from fem import Shapes
 from meshes.shoe import STEEL, joint_interfaces
@@ -411,6 +413,14 @@ def test_faults_of_what_is_drawn_are_told(drawn_duty, old, new, told):
     drawn_duty.write_text(drawn_duty.read_text().replace(old, new))
     with pytest.raises(CaseFileError, match=told):
         read_scatter(drawn_duty)
+
+
+def test_a_drawn_case_has_the_same_name_in_every_process():
+    """Which seeds of hashes, one a process, do not change."""
+    case = DutyCase(name="stones", case="sand", an_hour=2.0)
+    expected = hashlib.sha256(b"stones\nsand\nunloaded").hexdigest()
+    (named,) = _with_all_cases([Duty(cases=(case,), material=FatigueMaterial.cast_nicrmo())]).cases
+    assert named.name == expected
 
 
 def test_the_ready_scatter_over_a_duty_can_be_planned():

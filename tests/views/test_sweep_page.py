@@ -89,6 +89,22 @@ def test_effects_reach_from_the_least_to_the_greatest_over_axes_as_they_vary():
     assert (figure.layout.xaxis.type, figure.layout.xaxis2.type) == ("log", None)
 
 
+def test_lives_are_on_logarithmic_axes_and_many_panels_in_rows():
+    view, names = view_of(is_grid=False), [f"v{k}" for k in range(8)]
+    view.table["force"] = [1e4, 1e5, 2e6, np.nan]
+    view.table[names] = 1.0
+    view.table.attrs["units"] |= {"force": "h"}
+    view = SweepView(**vars(view) | {"varied": tuple(names)})
+    figure = page.response_curves(view, "force")
+    assert {axis.type for axis in figure.select_yaxes()} == {"log"}
+    assert [(one.xaxis, list(one.y)) for one in figure.data][7] == ("x8", [1e4, 1e5, 2e6])
+    tops = [axis.domain[1] for axis in figure.select_yaxes()]
+    assert tops[page.ACROSS] < min(tops[: page.ACROSS])
+    (lines,) = page.parallel_coordinates(view).data
+    assert lines.dimensions[-1]["values"] == pytest.approx([4.0, 5.0, np.log10(2e6)])
+    assert list(lines.dimensions[-1].ticktext) == list(lines.line.colorbar.ticktext) == ["1e4", "1e5", "1e6"]
+
+
 def test_indices_are_bars_with_their_confidence_as_far_as_there_is_one():
     columns = ["answer", "varied", "first", "first_conf", "total", "total_conf"]
     rows = [("force", "stiffness", 0.2, 0.05, np.nan, np.nan), ("force", "law", 0.7, 0.1, np.nan, np.nan)]

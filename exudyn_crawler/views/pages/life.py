@@ -122,7 +122,7 @@ def causes_figure(found: LifeResults) -> go.Figure:
     words, decades = lives.map(lambda hours: "" if hours >= BEYOND else cell_text(hours)), np.log10(lives)
     low, high = float(decades.min().min()), float(np.log10(BEYOND))
     ticks = np.arange(np.floor(low), high + 1.0)
-    bar = {"title": "h", "tickvals": ticks, "ticktext": [cell_text(10.0**one) for one in ticks]}
+    bar = {"title": "h", "tickvals": ticks, "ticktext": [f"1e{one:g}" for one in ticks]}
     colours = {"zmin": min(low, high - LEAST_DECADES), "zmax": high, "colorscale": "YlOrRd_r"}
     cells = {"x": lives.columns, "y": lives.index, "z": decades, "text": words, "colorbar": bar}
     said = {"texttemplate": "%{text}", "hovertemplate": "%{y}<br>%{x}: %{text} h<extra></extra>"}

@@ -19,7 +19,8 @@ LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
 """Runs in the table, runs that are drawn, and levels of what is not on the axis that have a curve each."""
 QUANTILES = ["value", "least", "most", "of a quarter", "of half"]
 """Columns of a table of quantiles that have the unit of its answer."""
-HEIGHT = 420  # pixels of a plot
+HEIGHT, ACROSS = 420, 6  # pixels of a row of panels, and panels in it at most
+FEW_TICKS = {"nticks": 4, "tickangle": 0}
 
 
 class Best(NamedTuple):
@@ -61,6 +62,10 @@ class SweepView:
         """Column with its unit."""
         unit = self.table.attrs["units"].get(name, "")
         return f"{name} in {unit}" if unit else name
+
+    def is_life(self, name: str) -> bool:
+        """Whether a column is of hours, which span decades."""
+        return self.table.attrs["units"].get(name) == "h"
 
     def in_units_for_reading(self) -> Self:
         """Same with forces in kN, stresses in MPa and angles in degrees, all else by prefixes: MN/m."""
@@ -132,7 +137,7 @@ def _scatter(view: SweepView) -> Markup:
     ranks = tables["sensitivities"].pivot(index="varied", columns="answer", values="rank correlation")
     order = ranks.abs().max(axis=1).sort_values(ascending=False).index
     answers = [one for one in view.answers if one in ranks]
-    tables["sensitivities"] = ranks.loc[order, answers].round(2).reset_index()
+    tables["sensitivities"] = (ranks.loc[order, answers].round(2) + 0.0).reset_index()  # without -0
     shown = [(said, tables[name]) for name, said in SCATTER.items() if not tables[name].empty]
     parts = [part for said, one in shown for part in (page.paragraph(said), page.table(one))]
     if not quantiles.empty:
@@ -142,7 +147,7 @@ def _scatter(view: SweepView) -> Markup:
 
 def distribution_figure(view: SweepView) -> go.Figure:
     """Portion of the runs below each value of an answer, a panel each, with bounds of its quantiles."""
-    units, quantiles = view.table.attrs["units"], view.scatter["quantiles"]
+    quantiles = view.scatter["quantiles"]
     known = [name for name in view.answers if name in set(quantiles["answer"])]
     figure = make_subplots(cols=len(known), shared_yaxes=True)
     for k, name in enumerate(known, 1):
@@ -153,8 +158,8 @@ def distribution_figure(view: SweepView) -> go.Figure:
         bars = {"type": "data", "symmetric": False, "array": upper, "arrayminus": lower, "thickness": 1}
         how = {"mode": "markers", "error_x": bars, "marker_color": "#444", "showlegend": False}
         figure.add_scatter(x=own["value"], y=own["portion below"], row=1, col=k, **how)
-        kind = "log" if units[name] == "h" else None
-        figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k)
+        kind = "log" if view.is_life(name) else None
+        figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k, **FEW_TICKS)
     figure.update_yaxes(title_text="portion of the runs below", row=1, col=1)
     return figure.update_layout(height=HEIGHT, margin={"t": 30})
 
@@ -189,12 +194,18 @@ def parallel_coordinates(view: SweepView) -> go.Figure:
     dimensions: list[dict[str, Any]] = []
     for name in (*view.varied, *view.answers):
         dimensions.append({"label": view.label(name), "values": done[name]})
+        if view.is_life(name):
+            decades = np.log10(done[name])
+            ticks = np.arange(np.ceil(decades.min()), decades.max() + 1e-9)
+            dimensions[-1] |= {"values": decades, "tickvals": ticks, "ticktext": [f"1e{k:g}" for k in ticks]}
         if not pd.api.types.is_numeric_dtype(done[name]) or pd.api.types.is_bool_dtype(done[name]):
             places, texts = pd.factorize(done[name].astype(str))
             dimensions[-1] |= {"values": places, "tickvals": list(range(len(texts))), "ticktext": texts}
-    colour = {"color": done[view.answers[0]], "colorscale": "Viridis", "showscale": True}
-    figure = go.Figure(go.Parcoords(line=colour, dimensions=dimensions))
-    return figure.update_layout(height=HEIGHT, margin={"t": 80, "b": 30})
+    first = next(one for one in dimensions if one["label"] == view.label(view.answers[0]))
+    bar = {name: first[name] for name in ("tickvals", "ticktext") if name in first}
+    colour = {"color": first["values"], "colorscale": "Viridis", "showscale": True, "colorbar": bar}
+    figure = go.Figure(go.Parcoords(line=colour, dimensions=dimensions, labelangle=-25))
+    return figure.update_layout(height=HEIGHT, margin={"t": 110, "b": 30})
 
 
 def response_curves(view: SweepView, answer: str) -> go.Figure:
@@ -246,15 +257,19 @@ def index_figure(view: SweepView) -> go.Figure:
 
 
 def _panels(view: SweepView, answer: str, panels: list[list[go.Scatter]]) -> go.Figure:
-    """Traces in a row of panels, one for everything that varies."""
-    figure = make_subplots(cols=len(view.varied), shared_yaxes=True)
-    for k, (name, traces) in enumerate(zip(view.varied, panels, strict=True), 1):
-        figure.add_traces(traces, rows=1, cols=k)
+    """Traces in rows of panels, one for everything that varies; lives on logarithmic axes."""
+    rows, across = -(-len(panels) // ACROSS), min(len(panels), ACROSS)
+    figure = make_subplots(rows, across, shared_yaxes="all", vertical_spacing=0.3 / rows)
+    for k, (name, traces) in enumerate(zip(view.varied, panels, strict=True)):
+        place = {"row": k // ACROSS + 1, "col": k % ACROSS + 1}
+        figure.add_traces(traces, rows=place["row"], cols=place["col"])
         axis: dict[str, Any] = {"title_text": view.label(name)}
         if name in view.logarithmic:
-            axis["type"], levels = "log", np.unique(view.done[name])
+            axis |= {"type": "log", **FEW_TICKS}
+            levels = np.unique(view.done[name])
             if len(levels) <= MOST_CURVES:
                 axis |= {"tickvals": levels, "ticktext": [cell_text(one, 3) for one in levels]}
-        figure.update_xaxes(row=1, col=k, **axis)
-    figure.update_yaxes(title_text=view.label(answer), row=1, col=1)
-    return figure.update_layout(height=HEIGHT, margin={"t": 30})
+        figure.update_xaxes(**axis, **place)
+    figure.update_yaxes(title_text=view.label(answer), col=1)
+    figure.update_yaxes(type="log" if view.is_life(answer) else None)
+    return figure.update_layout(height=HEIGHT if rows == 1 else 280 * rows, margin={"t": 30})
