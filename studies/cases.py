@@ -41,6 +41,14 @@ def shovel() -> CaseFile:
     return CaseFile(case=Case.shovel(), duration=DURATION)
 
 
+def grounds() -> CaseFile:
+    """Machine that rolls over rigid shoes on ground of cells: LETE sand."""
+    # its laws load the compiler, which no other case needs
+    from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+
+    return CaseFile(case=Case.rolled().on_cells(BekkerSoil.lete_sand()), duration=DURATION)
+
+
 def demo() -> CaseFile:
     """Machine that rolls at 1 km/h over a track with one flexible shoe, on a coarse mesh."""
     case = Case.rolled()

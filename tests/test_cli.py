@@ -461,6 +461,7 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
         ("demo", 3.5),
         ("closed", 10.0),
         ("shovel", 10.0),
+        ("grounds", 10.0),
     ],
 )
 def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):

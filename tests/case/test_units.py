@@ -4,11 +4,13 @@ import tomllib
 
 import pytest
 
+import studies.cases
 from exudyn_crawler import Case, read_case, write_case
 from exudyn_crawler.case.case_file import CaseFile, nearest_base
 from exudyn_crawler.case.parameters.fields import value_text
 from exudyn_crawler.case.parameters.units import number_of
 from exudyn_crawler.errors import CaseFileError
+from tests.test_release import PROJECT
 
 
 @pytest.mark.parametrize(
@@ -56,6 +58,13 @@ def test_a_file_to_be_changed_by_hand_has_units_and_no_rounding(tmp_path, case):
     found = read_case(path).case
     assert nearest_base(found)[1] == {}
     assert found.loads.phases[0].loads == pytest.approx(case.loads.phases[0].loads, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", PROJECT["entry-points"]["exudyn_crawler.cases"])
+def test_every_case_to_start_from_is_read_as_it_was_written(tmp_path, name):
+    path = write_case(getattr(studies.cases, name)(), tmp_path / "case.toml", by_hand=True)
+    again = write_case(read_case(path), tmp_path / "again.toml", by_hand=True)
+    assert path.read_text() == again.read_text()
 
 
 def test_numbers_are_read_in_the_units_of_engineers():

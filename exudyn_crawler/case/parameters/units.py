@@ -18,7 +18,7 @@ NUMBER, NAME = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?", r"[a-zµ°%_]+(?:\^?-?
 UNIT = rf"(?:1/)?{NAME}(?:\s*[*/ ]\s*{NAME})*"
 TEXT = re.compile(rf"\s*({NUMBER})(?:\s*(?=[a-zµ°%])|\s+(?=1/))({UNIT})\s*", re.IGNORECASE)
 POWER = re.compile(r"(?<=[A-Za-zµ°])\^?(-?\d)")  # m3 and s2, as units are written here, too
-OPEN_POWER = re.compile(r"\^\(?(?:exponent|n)(?:\+(\d)\))?")  # of a law's modulus, by its exponent
+OPEN_POWER = re.compile(r"\^\(?exponent(?:\+(\d)\))?")  # of a law's modulus, by its exponent
 DEFINITIONS = """
 centi- = 1/100 = c-
 milli- = 1/1000 = m-

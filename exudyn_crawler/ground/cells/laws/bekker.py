@@ -93,8 +93,8 @@ class BekkerSoil(CellLaw):
     """Soil by Bekker, Wong, Janosi and Hanamoto: it keeps ruts, and is stiffer when it is loaded again."""
 
     model: Literal["bekker"] = "bekker"
-    k_c: float = quantity("N/m^(n+1)", "cohesive modulus", plausible=(0.0, 1e6), ge=0, le=1e12)
-    k_phi: float = quantity("N/m^(n+2)", "frictional modulus", plausible=(1e4, 1e8), gt=0, le=1e15)
+    k_c: float = quantity("N/m^(exponent+1)", "cohesive modulus", plausible=(0.0, 1e6), ge=0, le=1e12)
+    k_phi: float = quantity("N/m^(exponent+2)", "frictional modulus", plausible=(1e4, 1e8), gt=0, le=1e15)
     exponent: float = quantity("1", "n, of the sinkage", plausible=(0.3, 1.5), gt=0, lt=2)
     reload_stiffness: float = quantity(
         "Pa/m", "k_0, modulus of unloading and reloading", plausible=(0.0, 1e10), ge=0, le=1e15
