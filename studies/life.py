@@ -12,7 +12,7 @@ import pandas as pd
 
 from exudyn_crawler import Duty, FatigueMaterial, History, life
 from exudyn_crawler.results.life.duty import DutyRun, read_duty
-from exudyn_crawler.results.life.life import LifeResults, in_words
+from exudyn_crawler.results.life.life import in_words
 from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.tables import write_table
 from studies.rollers import overhang_cases
@@ -57,8 +57,8 @@ def study(
     *,
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
-) -> tuple[dict[str, LifeResults], pd.DataFrame]:
-    """Life of the shoes for each material, by folder, and a table of the shortest of each and its cause.
+) -> tuple[dict[str, pd.DataFrame], pd.DataFrame]:
+    """Shortest lives of the shoes for each material, by folder, and a table of the shortest and its cause.
 
     `stress` and `rollers` are folders of these studies, of which the first runs if it is missing. `out` gets
     a folder per kind of propel and material, and `summary.csv`. The others, and errors, are as of `life`.
@@ -72,15 +72,15 @@ def study(
         duties |= {f"rolled_{one.__name__}": digging_duty(*kinds, one()) for one in MATERIALS}
         if all((rollers / name / HISTORY).is_file() for name in overhang_cases()):
             duties |= {f"overhang_{one.__name__}": overhang_duty(rollers, one()) for one in MATERIALS}
-    lives: dict[str, LifeResults] = {}
+    tables: dict[str, pd.DataFrame] = {}
     for name, duty in duties.items():
         say(f"{name}: {duty.name}")
-        lives[name] = life(duty, out / name, overwrite=overwrite, say=say)
-    summary = in_words(
-        by_name("propel_and_material", {name: one.table.head(1) for name, one in lives.items()})
-    )
+        # histories and modes of nine lives would take 5 GB
+        tables[name] = life(duty, out / name, overwrite=overwrite, say=say).table
+    shortest = {name: one.head(1) for name, one in tables.items()}
+    summary = in_words(by_name("propel_and_material", shortest))
     write_table(summary, out / "summary.csv", overwrite)
-    return lives, summary
+    return tables, summary
 
 
 if __name__ == "__main__":

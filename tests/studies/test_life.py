@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+import xarray as xr
 
 from exudyn_crawler import FatigueMaterial, History, LoadCycle, read_duty
 from exudyn_crawler.case import Phase
@@ -34,7 +35,8 @@ def test_lives_of_materials_stand_side_by_side(stress_of_a_moment, tmp_path, mon
     out = tmp_path / "life"
     found, summary = life_study.study(out, stress_of_a_moment)
     assert list(found) == ["dragged_a36"] == summary["propel_and_material"].tolist()
-    parts = found["dragged_a36"].dataset.part.values.tolist()
+    with xr.open_dataset(out / "dragged_a36" / "life.nc") as dataset:
+        parts = dataset.part.values.tolist()
     assert parts == ["dragged propel: propel", "dig cycle: dig", "between runs"]
     assert (out / "dragged_a36" / "life.html").is_file()
     assert len(pd.read_csv(out / "summary.csv")) == 1
