@@ -6,7 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.cells.ground import CellGround
-from exudyn_crawler.ground.cells.kernel import AREA, GROUND, NORMAL, ShoePoints, arm_of, frame_at
+from exudyn_crawler.ground.cells.kernel import GROUND, NORMAL, TRACTION, ShoePoints, arm_of, frame_at
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, scaled, velocity_at
 from exudyn_crawler.ground.pairs import RESULTS, Contact, keep
@@ -39,7 +39,8 @@ class CellGroundContact:
         self.coordinates: TerrainCoordinates = ReducedCoordinates(modes, 1)
         self.shoe_reference = coms
         law = cast(CellLaw, case.cell_contact().law)
-        self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms))
+        bending = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
+        self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms), bending)
         if (earlier := terrain.earlier(law)) and not law.kernel.forgets:
             self.ground.press_in(**earlier)
         self._case, self._middle = case, float(coms[0, 1])
@@ -77,11 +78,11 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
         area = sunk = 0.0
         pushed, moment = NOTHING, NOTHING
         for a in range(shoes.counts[s]):
-            point, traction = shoes.points[s, a], shoes.force[s, a, 3]
+            point, traction = shoes.points[s, a], shoes.trial[s, a, TRACTION]
             if traction <= 0.0:
                 continue
-            arm = arm_of(shoes.points[s], shoes.bent[s], a, frame.R)
-            n, A = (point[NORMAL], point[NORMAL + 1], point[NORMAL + 2]), point[AREA]
+            arm = arm_of(shoes.points[s], shoes.bent[shoes.bending[s]], a, frame.R)
+            n, A = (point[NORMAL], point[NORMAL + 1], point[NORMAL + 2]), shoes.areas[s, a]
             area, sunk = area + A, sunk + A * (point[GROUND] - dot(n, along(frame.r, 1.0, arm)))
             force = scaled(A * traction, n)
             pushed, moment = along(pushed, 1.0, force), along(moment, 1.0, cross(arm, force))

@@ -4,17 +4,10 @@ import math
 
 import numpy as np
 
-from exudyn_crawler.ground.cells.kernel import (
-    AREA,
-    BEFORE,
-    NORMAL,
-    ShoePoints,
-    frame_at,
-    prepare_shoes,
-)
+from exudyn_crawler.ground.cells.kernel import BEFORE, NORMAL, ShoePoints, frame_at
 from exudyn_crawler.ground.cells.tiles import BITS, SIDE, Tiles, gather
 from exudyn_crawler.ground.frames import FACING, Frame, along, compiled, turned, within
-from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.ground.rotations import FloatArray
 
 LEAST = 1e-9
 """Share of a cell below which a part of it is left out."""
@@ -40,28 +33,20 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
     tiles, shoes = Tiles(*ground), ShoePoints(*values)
     outline, total = np.empty((4, 2)), 0
     for s in range(shoes.counts.shape[0]):
-        frame, count = frame_at(frames[s]), 0
+        frame = frame_at(frames[s])
         meets = frame.R[2][2] >= FACING
         for a in range(4):
             corner = shoes.corners[a]
             place = along(frame.r, 1.0, turned(frame.R, (corner[0], corner[1], corner[2])))
             outline[a, 0], outline[a, 1] = place[0] / tiles.cell, place[1] / tiles.cell
             meets = meets and abs(place[0]) < FARTHEST and abs(place[1]) < FARTHEST
-        if not meets:
-            shoes.counts[s] = 0
-            continue
-        i, j = int(math.floor(outline[:, 0].min())), int(math.floor(outline[:, 1].min()))
-        sums = _sums(outline, i, j)
-        points, index = shoes.points[s], shoes.cells[s]
-        for column in range(sums.shape[0]):
-            count = _cover_column(tiles, (i, j), sums, column, points, index, count)
-            if count < 0:
-                return count
-        _place_points(points[:count], shoes.corners[0, 2], frame, frame_at(before[s]))
+        count = _cover_shoe(tiles, shoes, s, outline, frame, frame_at(before[s])) if meets else 0
+        if count < 0:
+            tiles.loaded.fill(0.0)
+            return count
         shoes.counts[s] = count
         total += count
-    gather(ground, values)
-    prepare_shoes(values)
+    gather(tiles, shoes)
     return total
 
 
@@ -101,51 +86,43 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
 
 
 @within
-def _cover_column(
-    tiles: Tiles,
-    first: tuple[int, int],
-    sums: FloatArray,
-    c: int,
-    points: FloatArray,
-    index: IntArray,
-    count: int,
+def _cover_shoe(
+    tiles: Tiles, shoes: ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
 ) -> int:
-    """Add the points of a shoe in column c of sums from the cell `first` on; their number as of `cover`."""
-    i, h, below, moment = first[0] + c, tiles.cell, 0.0, 0.0
-    column = (i >> BITS) - tiles.corner[0]
-    for k in range(sums.shape[1]):
-        area, x, y = below + sums[c, k, 0], moment + sums[c, k, 1], 0.5 * below + sums[c, k, 2]
-        below, moment = below + sums[c, k, 3], moment + sums[c, k, 4]
-        if area <= LEAST:
-            continue
-        j = first[1] + k
-        tile, row = -1, (j >> BITS) - tiles.corner[1]
-        if 0 <= column < tiles.table.shape[0] and 0 <= row < tiles.table.shape[1]:
-            tile = tiles.table[column, row]
-        if tile < 0:
-            return NO_TILE
-        of_tile = (i & (SIDE - 1)) * SIDE + (j & (SIDE - 1))
-        if math.isnan(tiles.planes[tile, of_tile, 3]):
-            return NO_HEIGHT
-        # seen from above until `_place_points`
-        points[count, 0], points[count, 1] = h * (i + x / area), h * (j + y / area)
-        for m in range(4):
-            points[count, NORMAL + m] = tiles.planes[tile, of_tile, m]
-        points[count, AREA] = h * h * area / tiles.planes[tile, of_tile, 2]
-        index[count] = tile * SIDE * SIDE + of_tile
-        count += 1
-    return count
-
-
-@within
-def _place_points(points: FloatArray, z: float, frame: Frame, before: Frame) -> None:
-    """Turn the places of a shoe's points, seen from above, into those in its frame, and where these were."""
-    R = frame.R
+    """List the points of a shoe, and add their areas to `tiles.loaded`; their number as of `cover`."""
+    points, areas, cells = shoes.points[s], shoes.areas[s], shoes.cells[s]
+    h, z, R, count, tile = tiles.cell, shoes.corners[0, 2], frame.R, 0, -1
     x0, y0 = frame.r[0] + R[0][2] * z, frame.r[1] + R[1][2] * z
     scale = 1.0 / (R[0][0] * R[1][1] - R[0][1] * R[1][0])
-    for a in range(points.shape[0]):
-        x, y = points[a, 0] - x0, points[a, 1] - y0
-        X, Y = scale * (R[1][1] * x - R[0][1] * y), scale * (R[0][0] * y - R[1][0] * x)
-        points[a, 0], points[a, 1], points[a, 2] = X, Y, z
-        place = along(before.r, 1.0, turned(before.R, (X, Y, z)))
-        points[a, BEFORE], points[a, BEFORE + 1], points[a, BEFORE + 2] = place[0], place[1], place[2]
+    first = int(math.floor(outline[:, 0].min())), int(math.floor(outline[:, 1].min()))
+    sums = _sums(outline, first[0], first[1])
+    for c in range(sums.shape[0]):
+        i, below, moment = first[0] + c, 0.0, 0.0
+        column = (i >> BITS) - tiles.corner[0]
+        for k in range(sums.shape[1]):
+            j = first[1] + k
+            if k == 0 or j & (SIDE - 1) == 0:
+                row = (j >> BITS) - tiles.corner[1]
+                inside = 0 <= column < tiles.table.shape[0] and 0 <= row < tiles.table.shape[1]
+                tile = tiles.table[column, row] if inside else -1
+            area, x, y = below + sums[c, k, 0], moment + sums[c, k, 1], 0.5 * below + sums[c, k, 2]
+            below, moment = below + sums[c, k, 3], moment + sums[c, k, 4]
+            if area <= LEAST:
+                continue
+            if tile < 0:
+                return NO_TILE
+            of_tile = (i & (SIDE - 1)) * SIDE + (j & (SIDE - 1))
+            if math.isnan(tiles.planes[tile, of_tile, 3]):
+                return NO_HEIGHT
+            for m in range(4):
+                points[count, NORMAL + m] = tiles.planes[tile, of_tile, m]
+            cell, true = tile * SIDE * SIDE + of_tile, h * h * area / tiles.planes[tile, of_tile, 2]
+            cells[count], areas[count] = cell, true
+            tiles.loaded[cell] += true
+            x, y = h * (i + x / area) - x0, h * (j + y / area) - y0
+            X, Y = scale * (R[1][1] * x - R[0][1] * y), scale * (R[0][0] * y - R[1][0] * x)
+            points[count, 0], points[count, 1], points[count, 2] = X, Y, z
+            place = along(before.r, 1.0, turned(before.R, (X, Y, z)))
+            points[count, BEFORE], points[count, BEFORE + 1], points[count, BEFORE + 2] = place
+            count += 1
+    return count

@@ -1,6 +1,6 @@
 """Ground of cells under the shoes of a track: map, points and law together."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,6 +37,8 @@ class CellGround:
         Of the underside in the shoe's frame, anticlockwise seen from above, all of one z; m.
     shoes : int
         Number of shoes.
+    flexible : sequence of int
+        Rows of those that bend.
 
     Attributes
     ----------
@@ -48,25 +50,37 @@ class CellGround:
         The map; another one after `cover` where the shoes come to new ground.
     """
 
-    def __init__(self, law: CellLaw, heights: Heights, cell: float, corners: ArrayLike, shoes: int) -> None:
+    def __init__(
+        self,
+        law: CellLaw,
+        heights: Heights,
+        cell: float,
+        corners: ArrayLike,
+        shoes: int,
+        flexible: Sequence[int] = (),
+    ) -> None:
         heights.check_cells(cell)
         self.heights = heights
         underside = np.array(corners, dtype=float)
         sides = np.linalg.norm(np.diff(underside[:3], axis=0), axis=1)
-        most = int(1.6 * np.prod(sides / cell + 4.0))
+        most, bend = int(1.6 * np.prod(sides / cell + 4.0)), 1 + len(flexible)
+        bending = np.zeros(shoes, dtype=np.int64)
+        bending[list(flexible)] = np.arange(1, bend)
         self.shoes = ShoePoints(
             addresses=np.array(addresses_of(law.kernel)),
             constants=np.array(law.constants(float(sides.min())), dtype=float),
             corners=underside,
             counts=np.zeros(shoes, dtype=np.int64),
             cells=np.zeros((shoes, most), dtype=np.int64),
+            areas=np.zeros((shoes, most)),
             points=np.zeros((shoes, most, POINT)),
             trial=np.zeros((shoes, most, TRIAL)),
-            force=np.zeros((shoes, most, 4)),
+            force=np.zeros((shoes, most, 3)),
             wrench=np.zeros((shoes, 6)),
             tangent=np.zeros((shoes, 6, 6)),
-            bent=np.zeros((shoes, most, 6)),
-            slopes=np.zeros((shoes, most, 9)),
+            bending=bending,
+            bent=np.zeros((bend, most, 6)),
+            slopes=np.zeros((bend, most, 9)),
         )
         self.arrays = tuple(self.shoes)
         self._held = np.zeros(0, dtype=np.int64)

@@ -38,14 +38,14 @@ from exudyn_crawler.ground.frames import (
 )
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
-PLACE, NORMAL, GROUND, AREA, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 8, 11, 13, 15, 18
+PLACE, NORMAL, GROUND, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 10, 12, 14, 17
 """First column of what a point is: its place in the shoe's frame (m), the cell's normal, the distance of the
-cell's plane from the origin along it (m), its true area (m2), where the place was when a step was last
-accepted (m, global); and the cell's memory: greatest sinkage and pressure, `Probe.prepared`, shear and
-mobilized share."""
-POINT = 19
-TRIAL = 5
-"""Trial memory of a point: greatest sinkage, pressure, shear along x and y, mobilized share."""
+cell's plane from the origin along it (m), where the place was when a step was last accepted (m, global); and
+the cell's memory: greatest sinkage and pressure, `Probe.prepared`, shear and mobilized share."""
+POINT = 18
+TRIAL, TRACTION = 6, 5
+"""Trial memory of a point: greatest sinkage, pressure, shear along x and y, mobilized share; and beside it,
+in the column `TRACTION`, the normal traction on the shoe (Pa)."""
 NOTHING = (0.0, 0.0, 0.0)
 FRAME = 18
 """Numbers of a frame: r, the rows of R, v and omega, global."""
@@ -66,17 +66,21 @@ class ShoePoints(NamedTuple):
         Number of points of each shoe.
     cells : array (shoes, most)
         Cell of each point.
+    areas : array (shoes, most)
+        True area of each point, m2.
     points : array (shoes, most, POINT)
     trial : array (shoes, most, TRIAL)
-    force : array (shoes, most, 4)
-        On the shoe at each point (N, global), and its normal traction (Pa).
+    force : array (shoes, most, 3)
+        On the shoe at each point, N, global.
     wrench : array (shoes, 6)
         Force (N) and moment about the frame's origin (N m) on each shoe, global.
     tangent : array (shoes, 6, 6)
         Its weighted derivative by displacements and small rotations (global components).
-    bent : array (shoes, most, 6)
+    bending : array (shoes,)
+        Row of each shoe in the next two arrays: all rigid ones share the first, which stays in the cache.
+    bent : array (1 + flexible shoes, most, 6)
         Displacement of the points of flexible shoes by their modes (m), and its rate (m/s), shoes' axes.
-    slopes : array (shoes, most, 9)
+    slopes : array (1 + flexible shoes, most, 9)
         Weighted derivative of each point's force by its displacement, row by row.
     """
 
@@ -85,11 +89,13 @@ class ShoePoints(NamedTuple):
     corners: FloatArray
     counts: IntArray
     cells: IntArray
+    areas: FloatArray
     points: FloatArray
     trial: FloatArray
     force: FloatArray
     wrench: FloatArray
     tangent: FloatArray
+    bending: IntArray
     bent: FloatArray
     slopes: FloatArray
 
@@ -108,8 +114,8 @@ def arm_of(points: FloatArray, bent: FloatArray, a: int, R: Matrix) -> Vector:
 
 
 @within_law
-def _probe(points: FloatArray, bent: FloatArray, a: int, frame: Frame, arm: Vector, normal: Vector) -> Probe:
-    """What the law sees at a point."""
+def _probe(points, areas, bent, a, frame, arm, normal):
+    """`Probe` of a point."""
     x = along(frame.r, 1.0, arm)
     velocity = along(frame.v, 1.0, cross(frame.omega, arm))
     velocity = along(velocity, 1.0, turned(frame.R, (bent[a, 3], bent[a, 4], bent[a, 5])))
@@ -119,7 +125,7 @@ def _probe(points: FloatArray, bent: FloatArray, a: int, frame: Frame, arm: Vect
     return Probe(
         points[a, GROUND] - dot(normal, x),
         rate,
-        points[a, AREA],
+        areas[a],
         along(moved, -dot(moved, normal), normal),
         along(velocity, rate, normal),
         Memory(points[a, DEEPEST], points[a, DEEPEST + 1], shear, points[a, MOBILIZED]),
@@ -128,7 +134,7 @@ def _probe(points: FloatArray, bent: FloatArray, a: int, frame: Frame, arm: Vect
 
 
 @within_law
-def press_shoe(law, points, bent, frame, weights, trial, force, wrench, tangent, slopes):
+def press_shoe(law, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes):
     """Write what the cells do to one shoe at a frame.
 
     Parameters
@@ -138,7 +144,7 @@ def press_shoe(law, points, bent, frame, weights, trial, force, wrench, tangent,
     frame : array (FRAME,)
     weights : array (2,)
         Of the derivatives by displacements and by velocities; without any, the tangent is left as it is.
-    points, bent, trial, force, wrench, tangent, slopes : array
+    points, areas, bent, trial, force, wrench, tangent, slopes : array
         As of `ShoePoints`, of this shoe; the latter five are overwritten.
     """
     at, count = frame_at(frame), points.shape[0]
@@ -148,14 +154,15 @@ def press_shoe(law, points, bent, frame, weights, trial, force, wrench, tangent,
     for a in range(count):
         arm = arm_of(points, bent, a, at.R)
         n = (points[a, NORMAL], points[a, NORMAL + 1], points[a, NORMAL + 2])
-        probe = _probe(points, bent, a, at, arm, n)
+        probe = _probe(points, areas, bent, a, at, arm, n)
         answer = respond(law, probe, tangents)
         memory, v = answer.memory, probe.slip_velocity
         trial[a, 0], trial[a, 1] = memory.deepest, memory.pressure
         trial[a, 2], trial[a, 3], trial[a, 4] = memory.shear[0], memory.shear[1], memory.mobilized
+        trial[a, TRACTION] = answer.normal
         f = along(scaled(answer.normal, n), -1.0, answer.shear)
         f = scaled(probe.area, along(f, -answer.drag, v))
-        force[a, 0], force[a, 1], force[a, 2], force[a, 3] = f[0], f[1], f[2], answer.normal
+        force[a, 0], force[a, 1], force[a, 2] = f[0], f[1], f[2]
         F, M = along(F, 1.0, f), along(M, 1.0, cross(arm, f))
         if tangents:
             by_x, by_y = along(by_x, points[a, 0], f), along(by_y, points[a, 1], f)
@@ -252,16 +259,19 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
         prepare_points(law, carray(points, (count, POINT)))
         return 0
 
-    def law_press(constants, count, points, bent, frame, weights, trial, force, wrench, tangent, slopes):
+    def law_press(
+        constants, count, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes
+    ):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
         press_shoe(
             law,
             carray(points, (count, POINT)),
+            carray(areas, (count,)),
             carray(bent, (count, 6)),
             carray(frame, (FRAME,)),
             carray(weights, (2,)),
             carray(trial, (count, TRIAL)),
-            carray(force, (count, 4)),
+            carray(force, (count, 3)),
             carray(wrench, (6,)),
             carray(tangent, (6, 6)),
             carray(slopes, (count, 9)),
@@ -270,16 +280,8 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
 
     return (
         compile_entry(kernel, law_points, (numbers, number, numbers)),
-        compile_entry(kernel, law_press, (numbers, number, *9 * [numbers])),
+        compile_entry(kernel, law_press, (numbers, number, *10 * [numbers])),
     )
-
-
-@compiled
-def prepare_shoes(values: tuple) -> None:
-    """Write `Probe.prepared` of all points; `values` as of `press`."""
-    shoes = ShoePoints(*values)
-    for s in range(shoes.counts.shape[0]):
-        call_at(shoes.addresses[0], shoes.constants, shoes.counts[s], shoes.points[s])
 
 
 @compiled
@@ -300,14 +302,15 @@ def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
             shoes.constants,
             shoes.counts[s],
             shoes.points[s],
-            shoes.bent[s],
+            shoes.areas[s],
+            shoes.bent[shoes.bending[s]],
             frames[s],
             weights,
             shoes.trial[s],
             shoes.force[s],
             shoes.wrench[s],
             shoes.tangent[s],
-            shoes.slopes[s],
+            shoes.slopes[shoes.bending[s]],
         )
 
 

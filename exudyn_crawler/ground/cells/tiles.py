@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.cells.kernel import AREA, DEEPEST, MOBILIZED, NORMAL, SHEAR, ShoePoints
-from exudyn_crawler.ground.frames import compiled
+from exudyn_crawler.ground.cells.kernel import DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION, ShoePoints
+from exudyn_crawler.ground.cells.law import call_at
+from exudyn_crawler.ground.frames import compiled, within
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 BITS = 5
@@ -53,30 +54,28 @@ class Tiles(NamedTuple):
     loaded: FloatArray
 
 
-@compiled
-def gather(ground: tuple, values: tuple) -> None:
-    """Write the cells' committed memory beside the points.
+@within
+def gather(tiles: Tiles, shoes: ShoePoints) -> None:
+    """Write the cells' committed memory beside the points, whose areas `tiles.loaded` has summed.
 
     Where a cell is covered further than ever since its contact began, the fresh part is unsheared, and the
     shear becomes the mean of both. This is exact for Janosi's curve, whose ``1 - share`` decays alike
-    everywhere. `ground` and `values` are `Tiles` and `ShoePoints` as plain tuples.
+    everywhere.
     """
-    tiles, shoes = Tiles(*ground), ShoePoints(*values)
-    memory, loaded, points = tiles.memory, tiles.loaded, shoes.points
+    memory, loaded = tiles.memory, tiles.loaded
     for s in range(shoes.counts.shape[0]):
-        for a in range(shoes.counts[s]):
-            loaded[shoes.cells[s, a]] += points[s, a, AREA]
-    for s in range(shoes.counts.shape[0]):
-        for a in range(shoes.counts[s]):
-            cell = shoes.cells[s, a]
+        points, cells, count = shoes.points[s], shoes.cells[s], shoes.counts[s]
+        for a in range(count):
+            cell = cells[a]
             before, now = memory[cell, 5], loaded[cell]
             share = before / now if now > before > 0.0 else 1.0
             x, y = share * memory[cell, 2], share * memory[cell, 3]
-            points[s, a, DEEPEST], points[s, a, DEEPEST + 1] = memory[cell, 0], memory[cell, 1]
-            points[s, a, SHEAR], points[s, a, SHEAR + 1] = x, y
-            rise = points[s, a, NORMAL] * x + points[s, a, NORMAL + 1] * y
-            points[s, a, SHEAR + 2] = -rise / points[s, a, NORMAL + 2]
-            points[s, a, MOBILIZED] = tiles.fresh + share * (memory[cell, 4] - tiles.fresh)
+            points[a, DEEPEST], points[a, DEEPEST + 1] = memory[cell, 0], memory[cell, 1]
+            points[a, SHEAR], points[a, SHEAR + 1] = x, y
+            rise = points[a, NORMAL] * x + points[a, NORMAL + 1] * y
+            points[a, SHEAR + 2] = -rise / points[a, NORMAL + 2]
+            points[a, MOBILIZED] = tiles.fresh + share * (memory[cell, 4] - tiles.fresh)
+        call_at(shoes.addresses[0], shoes.constants, count, points)
     for s in range(shoes.counts.shape[0]):
         for a in range(shoes.counts[s]):
             loaded[shoes.cells[s, a]] = 0.0
@@ -97,32 +96,33 @@ def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
         Cells that were in contact when the last step was accepted.
     """
     tiles, shoes = Tiles(*ground), ShoePoints(*values)
-    memory, loaded, points, trial = tiles.memory, tiles.loaded, shoes.points, shoes.trial
-    for cell in held:
-        memory[cell, 2], memory[cell, 3], memory[cell, 4] = 0.0, 0.0, tiles.fresh
-        if tiles.forgets:
-            memory[cell, 0], memory[cell, 1] = 0.0, 0.0
+    memory, loaded = tiles.memory, tiles.loaded
     now, count = np.empty(shoes.counts.sum(), dtype=np.int64), 0
     for s in range(shoes.counts.shape[0]):
+        trial, cells, areas = shoes.trial[s], shoes.cells[s], shoes.areas[s]
         for a in range(shoes.counts[s]):
-            cell, area = shoes.cells[s, a], points[s, a, AREA]
-            if trial[s, a, 0] > memory[cell, 0]:
-                memory[cell, 0], memory[cell, 1] = trial[s, a, 0], trial[s, a, 1]
-            sticks = trial[s, a, 2] != 0.0 or trial[s, a, 3] != 0.0
-            if not (sticks or shoes.force[s, a, 3] > 0.0 or (tiles.forgets and trial[s, a, 0] > 0.0)):
+            cell, area, deepest = cells[a], areas[a], trial[a, 0]
+            sticks = trial[a, 2] != 0.0 or trial[a, 3] != 0.0
+            meets = sticks or trial[a, TRACTION] > 0.0 or (tiles.forgets and deepest > 0.0)
+            total = loaded[cell] + area
+            first = meets and total == area
+            if deepest > memory[cell, 0] or (first and tiles.forgets):
+                memory[cell, 0], memory[cell, 1] = deepest, trial[a, 1]
+            if not meets:
                 continue
-            if loaded[cell] == 0.0:
+            if first:
                 memory[cell, 2], memory[cell, 3], memory[cell, 4] = 0.0, 0.0, 0.0
                 now[count] = cell
                 count += 1
-            total = loaded[cell] + area
             for k in range(2, 5):
-                memory[cell, k] += (trial[s, a, k] - memory[cell, k]) * area / total
+                memory[cell, k] += (trial[a, k] - memory[cell, k]) * area / total
             loaded[cell] = total
     for cell in held:
         if loaded[cell] == 0.0:
-            memory[cell, 5] = 0.0
+            memory[cell, 2], memory[cell, 3], memory[cell, 4], memory[cell, 5] = 0.0, 0.0, tiles.fresh, 0.0
+            if tiles.forgets:
+                memory[cell, 0], memory[cell, 1] = 0.0, 0.0
     for cell in now[:count]:
         memory[cell, 5] = max(memory[cell, 5], loaded[cell])
         loaded[cell] = 0.0
-    return now[:count].copy()
+    return now[:count]

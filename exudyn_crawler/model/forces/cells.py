@@ -139,7 +139,7 @@ def _bend_points(table: CellTable, shoes: ShoePoints, s: int, bent: FloatArray) 
         for rate in range(2):
             moved = _moved_by_nodes(hats, bent[rate])
             for c in range(3):
-                shoes.bent[s, a, 3 * rate + c] = moved[c]
+                shoes.bent[shoes.bending[s], a, 3 * rate + c] = moved[c]
 
 
 @solving
@@ -214,7 +214,7 @@ def _write_nodal(
         tangent.fill(0.0)
     for a in range(count if derive else 0):
         hats = _hats(nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
-        slopes = shoes.slopes[s, a]
+        slopes = shoes.slopes[shoes.bending[s], a]
         for k in range(4):
             first, share = 3 * ((hats.i + k // 2) * across + hats.j + k % 2), share_of(hats, k)
             for m in range(4):

@@ -6,6 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.ground.cells.ground import CellGround
+from exudyn_crawler.ground.cells.kernel import TRACTION
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 
@@ -57,8 +58,13 @@ class Shoe:
 
     @property
     def force(self):
-        """At the points, and normal traction."""
+        """At the points."""
         return self.ground.shoes.force[0, : self.ground.shoes.counts[0]]
+
+    @property
+    def traction(self):
+        """Normal one at the points."""
+        return self.ground.shoes.trial[0, : self.ground.shoes.counts[0], TRACTION]
 
     def cover(self, r=None, R=None):
         """Freeze the points for a step that ends here."""

@@ -17,11 +17,12 @@ def test_clipped_areas_and_centroids_are_those_of_the_outline():
         now = frame([*random.uniform(-1, 4, 2), 0.0], R)
         cells.cover(now, now)
         points = cells.shoes.points[0, : cells.shoes.counts[0]]
+        areas = cells.shoes.areas[0, : cells.shoes.counts[0]]
         c = cells.shoes.corners @ R.T
         d, e = c[2] - c[0], c[3] - c[1]
         true = 0.5 * abs(d[0] * e[1] - d[1] * e[0])
-        assert points[:, 7].sum() == pytest.approx(true, rel=1e-11)
-        assert np.abs(points[:, 7] @ points[:, :2]).max() < 1e-11 * true
+        assert areas.sum() == pytest.approx(true, rel=1e-11)
+        assert np.abs(areas @ points[:, :2]).max() < 1e-11 * true
 
 
 def test_a_shoe_that_is_nowhere_meets_no_ground():
@@ -131,7 +132,7 @@ def test_coarse_grid_keeps_force_moment_and_bending(law, heights, load, bounds, 
     start = 0.06 if law is SAND else 0.02  # a stiff shoe has to begin where it touches
     shoe = Shoe(law, [2.0, 3.0, start], turn([0, 0, 0.1]), heights=heights)
     shoe.settle(load)
-    force, points = shoe.force[:, :3] @ shoe.R, shoe.points
+    force, points = shoe.force @ shoe.R, shoe.points
     true = bending(points[:, 1], force[:, 2], cuts := np.linspace(-WIDTH / 2, WIDTH / 2, 701))
     for nodes, bound in zip((9, 17), bounds, strict=True):
         monkeypatch.setattr("exudyn_crawler.ground.cells.ground.COARSE", (3, nodes))
@@ -163,7 +164,7 @@ def test_halving_the_cells_changes_little():
             cell=cell,
         )
         shoe.settle([2e4, 0, -LOAD, -0.35 * LOAD, 0.05 * LOAD, 0])
-        sunk, tilt, peak = -shoe.r[2], shoe.R[2, 1], shoe.force[:, 3].max()
+        sunk, tilt, peak = -shoe.r[2], shoe.R[2, 1], shoe.traction.max()
         for _ in range(50):
             pull = shoe.move(shoe.r + np.array([2e-3, 0, 0]))[0]
         found.append([tilt, sunk, peak, pull])

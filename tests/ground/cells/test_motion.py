@@ -28,14 +28,15 @@ LAWS = pytest.mark.parametrize("law", [SAND, BekkerSoil.lete_sand(), ROCK], ids=
 def stored_energy(shoe):
     """Elastic energy of all cells under a shoe on sand after `press`, J."""
     law, constants, total = SAND, SAND.constants(LENGTH), 0.0
-    for point, trial in zip(shoe.points, shoe.ground.shoes.trial[0], strict=False):
+    shoes = shoe.ground.shoes
+    for point, area, trial in zip(shoe.points, shoes.areas[0], shoes.trial[0], strict=False):
         depth = point[6] - point[3:6] @ (shoe.r + shoe.R @ point[:3])
         modulus, stiffness = law.kernel.prepare(constants, trial[0], trial[1])
         if modulus > 0.0:
             pressure = max(0.0, trial[1] - modulus * (trial[0] - depth))
-            total += point[7] * pressure**2 / (2.0 * modulus)
+            total += area * pressure**2 / (2.0 * modulus)
         if stiffness > 0.0:
-            total += point[7] * (trial[2] ** 2 + trial[3] ** 2) / (2.0 * stiffness)
+            total += area * (trial[2] ** 2 + trial[3] ** 2) / (2.0 * stiffness)
     return total
 
 
