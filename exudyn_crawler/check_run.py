@@ -17,7 +17,7 @@ from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
 from exudyn_crawler.views.scenes.pictures import paint
 from exudyn_crawler.views.scenes.scene import Colouring, Scene, Solid, View
-from exudyn_crawler.views.tables import write_table
+from exudyn_crawler.views.tables import cell_text, write_table
 from fem.stress import von_mises
 
 PEAKS, MOMENTS, CYCLES, HERTZ = "peaks.csv", "moments.csv", "cycles.csv", "hertz.csv"
@@ -90,7 +90,7 @@ def write_check_page(found: CheckResults, path: Path, overwrite: bool = False) -
     ]
     lead = [
         f"{len(found.cases)} static cases, mesh {check.mesh}, {check.material.name}",
-        f"an hour: how many crack 2.5 % of the shoes within {check.hours:g} h; the worst region of each",
+        f"an hour: how many crack 2.5 % of the shoes within {cell_text(check.hours)} h; worst regions",
     ]
     data = {"scenes": {"check": {"": scene}}, "arrays": arrays.packed, "first": []}
     return page.write_page(page.page(f"Check of {check.name}", lead, sections, data), path, overwrite)

@@ -1,5 +1,6 @@
 """A duty into a folder, in Python and by the command: files that agree, refusals before any counting."""
 
+import dataclasses
 import sys
 
 import meshio
@@ -12,6 +13,7 @@ from exudyn_crawler import Duty, cli, life, read_duty
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.life_run import FILES
 from exudyn_crawler.results.life.life import life_words
+from exudyn_crawler.views.pages.life import life_lines
 from exudyn_crawler.views.tables import cell_text
 
 DUTY = """
@@ -65,6 +67,11 @@ def test_the_page_shows_life_table_and_duty(pit):
     for words in ("Life in 3D", "stays at place 13", f"before {shortest} machine hours", "fatigue_strength"):
         assert words in page
     assert "http://" not in page.split("<main>")[0]
+    # what is inside a spider is not to be used, and does not stand at the head
+    found = pit[1]
+    held = found.table.assign(flag=["in spider", *[""] * (len(found.table) - 1)])
+    line = life_lines(dataclasses.replace(found, table=held))[0]
+    assert f"({held['region'][1]}) before" in line
 
 
 def test_results_are_not_overwritten_unasked(pit):

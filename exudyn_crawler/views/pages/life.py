@@ -8,7 +8,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from exudyn_crawler.case.parameters.fields import case_rows
-from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours, life_words
+from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours
 from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
 from exudyn_crawler.views.scenes.scene import Colouring, Scene, Solid
@@ -72,17 +72,20 @@ def write_life_page(
 
 def life_lines(found: LifeResults) -> list[str]:
     """Shortest life and how far to trust it, and what it is counted by."""
-    shortest = cell_text(life_words(float(np.nanmin(found.dataset.life[-1]))))
+    rows = in_words(found.table)
+    outside = rows[rows["flag"] != "in spider"]
+    worst, material = (outside if len(outside) else rows).iloc[0], found.duty.material
     survival, places = 100.0 * float(found.dataset.survival[-1]), found.dataset.shoe.values.tolist()
     mean = f", the mean over the places {places} that a shoe takes in turn" if found.duty.runs else ""
-    worn = "".join(f", {one.hours:g} h {one.name}" for one in found.duty.stages)
-    worst, material = in_words(found.table).iloc[0], found.duty.material
+    worn = "".join(f", {cell_text(one.hours)} h {one.name}" for one in found.duty.stages)
+    shortest = cell_text(worst[f"{LIFE} that {survival:g} % survive"])
     low, high = (cell_text(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = material.factors()
     strength = material.curve(found.duty.miner).strength
     return [
-        f"{survival:g} % of the shoes see no crack at their worst node before {shortest} "
-        f"machine hours{mean}{worn and f'; stages{worn[1:]}, the last goes on'}",
+        f"{survival:g} % of the shoes see no crack at their worst node outside of rigid spiders "
+        f"({worst['region']}) before {shortest} machine hours{mean}"
+        f"{worn and f'; stages{worn[1:]}, the last goes on'}",
         f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
         f"{found.duty.criterion}, Miner {found.duty.miner}; {material.name}: strength at the "
         f"surface {strength / MEGA:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / MEGA:.4g} MPa), "
