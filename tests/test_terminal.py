@@ -13,7 +13,6 @@ from exudyn_crawler import Case, cli
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.commands import show_answers
 from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
-from exudyn_crawler.views.pages.sweep import Best
 from exudyn_crawler.views.tables import cell_text
 from studies.__main__ import app as studies
 from studies.comparison import comparison_table, reported_values
@@ -73,10 +72,6 @@ RESULTS = pd.DataFrame(
 CYCLES = pd.DataFrame(
     [("rest", "stones below the edge, rock", "roller path", 412_345.6, 16.4938)],
     columns=["from", "to", "region", "cycles to a crack", "an hour"],
-)
-QUANTILES = pd.DataFrame(
-    [("greatest joint force", "N", 0.99, 1.2345678e6, 1.1e6, 1.4e6, 1.2e6, 1.25e6)],
-    columns=["answer", "unit", "quantile", "value", "least", "most", "of a quarter", "of half"],
 )
 # 0.1 s of the closed tracks
 LOOP = pd.DataFrame(
@@ -147,8 +142,17 @@ def result(*found):
     return lambda *_arguments, **_options: found[0] if len(found) == 1 else found
 
 
-SWEPT = pd.DataFrame({"status": ["done"]})
-SWEPT.attrs = {"units": {"joint force": "N"}}
+ANSWER = SimpleNamespace(label="joint force", better="less")
+SAMPLE = SimpleNamespace(answers=(ANSWER,), columns=(), is_sampled=True, fleet=None)
+
+
+def swept(name, value):
+    """Sweep of ten runs with one answer."""
+    table = pd.DataFrame({"run": range(7, 17), "folder": "1a2b", "status": "done", ANSWER.label: value})
+    table.attrs = {"units": {ANSWER.label: "N"}}
+    return SimpleNamespace(table=table, sweep=SAMPLE, folder=Path("results") / name)
+
+
 VALUES = pd.DataFrame({"value": [133.94821e6]})
 STRESSES = SimpleNamespace(hot_spots={13: VALUES}, dataset=None)
 RUN = SimpleNamespace(recovered=lambda: STRESSES, history=None)
@@ -192,10 +196,7 @@ FAKES = {
         )
     },
     "scatter sample.toml": {
-        "exudyn_crawler.sweep.running.run_sweep": result(
-            SimpleNamespace(table=SWEPT, sweep=None, folder=Path("results/sample"))
-        ),
-        "exudyn_crawler.sweep.results.scatter_tables": result({"quantiles": QUANTILES}),
+        "exudyn_crawler.sweep.running.run_sweep": result(swept("sample", 1.2345678e6)),
     },
     "spread .": {"exudyn_crawler.spread_run.spread": result(SimpleNamespace(by_shoe=lambda: SPREAD))},
     "run case.toml": {
@@ -210,10 +211,7 @@ FAKES = {
     "run case.toml --no-page": {},
     "sweep sweep.toml --dry-run": {},
     "sweep sweep.toml": {
-        "exudyn_crawler.sweep.running.run_sweep": result(
-            SimpleNamespace(table=SWEPT, sweep=None, folder=Path("results/sweep"))
-        ),
-        "exudyn_crawler.sweep.results.best_and_worst": result([Best("joint force", "best", 7, "1a2b", 7e5)]),
+        "exudyn_crawler.sweep.running.run_sweep": result(swept("sweep", 7e5)),
     },
 }
 """Commands that print a table, and what takes the place of their work."""

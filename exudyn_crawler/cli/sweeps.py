@@ -12,8 +12,6 @@ from exudyn_crawler.cli.commands import command
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from exudyn_crawler.sweep.running import SweepRun
     from exudyn_crawler.sweep.scatter import AnySweep
 
@@ -88,37 +86,22 @@ def _show_plan(plan: "AnySweep") -> None:
 
 def sweep(run: "SweepRun") -> None:
     """Run a case with some of its values varied, on all cores or a cluster; the same command goes on."""
-    from exudyn_crawler.results.history.catalogue import READ_IN
-    from exudyn_crawler.sweep.results import best_and_worst
+    from exudyn_crawler.sweep.results import best_and_worst, for_reading
 
-    units, columns = run.table.attrs["units"], ("answer", "which", "run", "value", "unit", "folder")
-    best = []
-    for one in best_and_worst(run.sweep, run.table):
-        unit, factor = READ_IN.get(units[one.answer], (units[one.answer], 1.0))
-        best.append((*one[:3], factor * one.value, unit, one.folder))
+    read, columns = for_reading(run.table), ("answer", "which", "run", "value", "unit", "folder")
+    units = read.attrs["units"]
+    best = [(*one[:3], one.value, units[one.answer], one.folder) for one in best_and_worst(run.sweep, read)]
     print_rows(columns, best, "Best and worst runs", ("run", "value"))
 
 
 def scatter(run: "SweepRun") -> None:
     """Run a case, or count a duty, with values drawn: quantiles of answers, shoes that crack in a fleet."""
-    from exudyn_crawler.sweep.results import scatter_tables
+    from exudyn_crawler.sweep.results import for_reading, scatter_tables
 
-    tables = scatter_tables(run.sweep, run.table)
+    tables = scatter_tables(run.sweep, for_reading(run.table))
     titles = {"quantiles": "Quantiles over the runs", "failures": "Shoes that crack"}
     for name in (one for one in titles if one in tables and len(tables[one])):
-        print_table(_for_reading(tables[name]), titles[name])
-
-
-def _for_reading(table: "pd.DataFrame") -> "pd.DataFrame":
-    """Table with a unit a row, if it has one, with its other numbers in units for reading."""
-    from exudyn_crawler.results.history.catalogue import READ_IN
-    from exudyn_crawler.views.pages.sweep import QUANTILES
-
-    made = table.copy()
-    for row, unit in table.get("unit", {}).items():
-        made.loc[row, "unit"], factor = READ_IN.get(unit, (unit, 1.0))
-        made.loc[row, QUANTILES] *= factor
-    return made
+        print_table(tables[name], titles[name])
 
 
 _sweeping(sweep, "sweep soils.toml --dry-run")

@@ -1,24 +1,21 @@
-"""Results of a sweep: a row a run, answers over the grid, what they depend on and scatter by, and a page."""
+"""Results of a sweep: a row a run, answers over the grid, what they depend on and scatter by."""
 
-import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from scipy.stats import binomtest, quantile_test, spearmanr
 
-from exudyn_crawler.case.parameters.fields import value_text
-from exudyn_crawler.files import note_written, whole_file
-from exudyn_crawler.run.folder.record import note_file
+from exudyn_crawler.case.parameters.fields import PREFIXES, prefix_of, value_text
+from exudyn_crawler.files import whole_file
+from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, salib_problem
 from exudyn_crawler.sweep.scatter import AnySweep
-from exudyn_crawler.sweep.worker import DONE, OUTCOME, Outcome
-from exudyn_crawler.views.pages.report import REPORT, write_report
-from exudyn_crawler.views.pages.sweep import Best, SweepView, sweep_page
+from exudyn_crawler.sweep.worker import DONE, Outcome
 from exudyn_crawler.views.tables import write_table
 
 MISSING = "missing"  # status of a run without an outcome
@@ -52,6 +49,18 @@ def results_table(sweep: AnySweep, outcomes: Mapping[str, Outcome]) -> pd.DataFr
 def _cell(value: Any) -> Any:
     """Value of the case in a table: a number or a text."""
     return value if isinstance(value, bool | int | float | str) else value_text(value)
+
+
+def for_reading(table: pd.DataFrame) -> pd.DataFrame:
+    """Same with forces in kN, stresses in MPa and angles in degrees, all else by prefixes: MN/m."""
+    units = table.attrs["units"]
+    prefixes = {name: prefix_of(table[name].dropna().tolist(), unit) for name, unit in units.items()}
+    by_prefix = {name: (one + units[name], 1.0 / PREFIXES[one]) for name, one in prefixes.items()}
+    read = {name: READ_IN.get(unit, by_prefix[name]) for name, unit in units.items()}
+    scaled = {name: factor * table[name] for name, (_, factor) in read.items() if factor != 1.0}
+    made = table.assign(**scaled)
+    made.attrs = table.attrs | {"units": {name: unit for name, (unit, _) in read.items()}}
+    return made
 
 
 def _attributes(table: pd.DataFrame, name: str) -> dict[str, str]:
@@ -109,14 +118,14 @@ def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     Columns answer, unit, runs, portion below, value, least and most (of `CONFIDENCE`; NaN where so few runs
     have none), and the value of the first quarter and half of the runs.
     """
-    done, rows = drawn_answers(table), []
+    done, units, rows = drawn_answers(table), table.attrs["units"], []
     for answer in sweep.answers:
         values = done[answer.label].dropna().to_numpy()
         parts = [values[: max(1, len(values) // part)] for part in PARTS]
         for portion in PORTIONS if len(values) else ():
             quarter, half, value = (float(np.quantile(one, portion)) for one in parts)
             bounds = quantile_test(values, q=value, p=portion).confidence_interval(CONFIDENCE)
-            first = (answer.label, answer.unit, len(values), portion, value)
+            first = (answer.label, units[answer.label], len(values), portion, value)
             rows.append((*first, bounds.low, bounds.high, quarter, half))
     columns = ["answer", "unit", "runs", "portion below", "value", "least", "most", "of a quarter", "of half"]
     return pd.DataFrame(rows, columns=columns)
@@ -258,38 +267,14 @@ METHODS = {
 }
 
 
-def write_page(
-    sweep: AnySweep, table: pd.DataFrame, folder: Path, runs: Path | None, say: Callable[[str], None]
-) -> None:
-    """Write the page and the scatter of a sweep into its folder, and reports of its best and worst `runs`."""
-    scatter = scatter_tables(sweep, table)
-    for name, one in scatter.items():
-        write_table(one, folder / f"{name}.csv", overwrite=True)
-    best = best_and_worst(sweep, table)
-    names = {} if runs is None else {name: runs / name for name in table["folder"]}
-    for name in dict.fromkeys(one.folder for one in best if one.folder in names):
-        _report_of(names[name], say)
-    indices, method = sobol_indices(sweep, table)
-    counts = ", ".join(f"{count} {status}" for status, count in table["status"].value_counts().items())
-    drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
-    lead = f"{len(table)} runs of {sweep.named}, design {sweep.design}{drawn}: {counts}"
-    view = SweepView(
-        title=f"Sweep of {sweep.named}",
-        lead=(lead,),
-        table=table,
-        varied=sweep.columns,
-        answers=tuple(answer.label for answer in sweep.answers),
-        logarithmic=frozenset(one.label for one in sweep.vary if one.scale == "log"),
-        is_grid=sweep.design == "grid",
-        effects=main_effects(sweep, table),
-        indices=indices,
-        method=method,
-        best=best,
-        links={name: _link(folder, path) for name, path in names.items()},
-        scatter=scatter,
-    )
-    with whole_file(folder / REPORT, overwrite=True) as temporary:
-        temporary.write_text(sweep_page(view), encoding="utf-8")
+class Best(NamedTuple):
+    """Best or worst run of an answer."""
+
+    answer: str
+    which: str
+    run: int
+    folder: str
+    value: float
 
 
 def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> list[Best]:
@@ -304,23 +289,3 @@ def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> list[Best]:
         for which, row in (("best", done.loc[best]), ("worst", done.loc[worst])):
             rows.append(Best(answer.label, which, int(row["run"]), row["folder"], float(row[answer.label])))
     return rows
-
-
-def _report_of(run: Path, say: Callable[[str], None]) -> None:
-    """Write the report of a run, unless it is there and as new as the run."""
-    report, outcome = run / REPORT, run / OUTCOME
-    if report.is_file() and outcome.is_file() and report.stat().st_mtime >= outcome.stat().st_mtime:
-        note_written(report)
-        return
-    try:
-        write_report(run, overwrite=True)
-        note_file(report)
-    # altered bytes make the readers raise all kinds of errors
-    except Exception as error:
-        say(f"no report of {run}: {' '.join(str(error).split())}")
-
-
-def _link(folder: Path, run: Path) -> str:
-    """Address of a run's report from the page, or of its folder where it has none."""
-    there = run / REPORT if (run / REPORT).is_file() else run
-    return Path(os.path.relpath(there, folder.resolve())).as_posix()

@@ -15,7 +15,7 @@ from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 from exudyn_crawler.run.folder.progress import RECOVER, SIMULATE, TIMES, progress_bar, rule_of_thumb
 from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
-from exudyn_crawler.sweep import results
+from exudyn_crawler.sweep import page, results
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.scatter import AnySweep, DutyScatter
@@ -118,7 +118,7 @@ def _gathered(
         results.write_units_csv(table, folder / TABLE)
         results.write_parquet(table, folder / COLUMNS)
         write_netcdf(dataset, folder / DATASET, overwrite=True)
-        results.write_page(sweep, table, folder, runs, work.say)
+        page.write_page(sweep, table, folder, runs, work.say)
         return SweepRun(sweep, table, dataset, folder)
 
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler.run.folder.record import held
-from exudyn_crawler.sweep import results, worker
+from exudyn_crawler.sweep import page, worker
 from exudyn_crawler.sweep.answers import Answer
 from exudyn_crawler.sweep.running import folder_state, run_sweep
 from exudyn_crawler.sweep.vary import Vary
@@ -27,7 +27,7 @@ def ran(scheduler, tmp_path_factory):
 @pytest.fixture
 def without_reports(monkeypatch):
     """Write no reports of single runs, which take longer than the runs."""
-    monkeypatch.setattr(results, "_report_of", lambda *_: None)
+    monkeypatch.setattr(page, "_report_of", lambda *_: None)
 
 
 def times_of(run):
@@ -128,7 +128,7 @@ def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tm
 def test_runs_may_be_in_another_folder_and_in_no_bucket(scheduler, tmp_path, monkeypatch):
     how = {"scheduler": scheduler, "storage": str(tmp_path / "shared"), "progress": False}
     with monkeypatch.context() as patch:
-        patch.setattr(results, "_report_of", lambda *_: None)
+        patch.setattr(page, "_report_of", lambda *_: None)
         run = run_sweep(small_sweep(), tmp_path / "here", **how)
     assert run.table["status"].tolist() == ["done", "done"]
     kept = {path.parent.name for path in (tmp_path / "shared").glob("*/history.nc")}

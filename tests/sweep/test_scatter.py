@@ -15,6 +15,7 @@ from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.results.life.duty import DutyCase
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import Fleet, Sweep, read_sweep
+from exudyn_crawler.sweep.page import write_page
 from exudyn_crawler.sweep.results import (
     PORTIONS,
     failures,
@@ -22,7 +23,6 @@ from exudyn_crawler.sweep.results import (
     results_table,
     scatter_tables,
     sensitivities,
-    write_page,
 )
 from exudyn_crawler.sweep.running import run_duty_scatter
 from exudyn_crawler.sweep.scatter import _with_all_cases, read_scatter
@@ -118,6 +118,7 @@ def test_bounds_of_quantiles_hold_as_often_as_they_say():
     for _ in range(100):
         values = truth.rvs(60, random_state=random)
         table = pd.DataFrame({"run": np.arange(60), "status": "done", FORCE.label: values})
+        table.attrs = {"units": sweep.units()}
         found = quantiles(sweep, table)
         np.testing.assert_allclose(found["value"], np.quantile(values, PORTIONS))
         exact = truth.ppf(PORTIONS)
@@ -134,6 +135,7 @@ def test_quantiles_and_bounds_are_scipys(count):
     """Linear between order statistics; bounds at the ranks of binomial quantiles, known or not."""
     values = stats.lognorm(0.8).rvs(count, random_state=np.random.default_rng(count))
     table = pd.DataFrame({"run": np.arange(count), "status": "done", FORCE.label: values})
+    table.attrs = {"units": {FORCE.label: "N"}}
     found = quantiles(sample(count), table).set_index("portion below")
     np.testing.assert_allclose(found["value"], stats.mstats.mquantiles(values, PORTIONS, alphap=1, betap=1))
     ranked = np.sort(values)

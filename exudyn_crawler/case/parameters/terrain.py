@@ -14,7 +14,6 @@ from exudyn_crawler.case.parameters.base import (
     Errors,
     File,
     Parameters,
-    Place,
     Slope,
     Two,
     option,
@@ -264,7 +263,7 @@ class CellTerrain(Ground):
     """Field of square cells, each with a height, the sinkage that it has had and the shear that it bears."""
 
     model: Literal["cells"] = Field(default="cells", description="cells: ground that remembers")
-    origin: tuple[Place, Place] = quantity("m", "x and y of the field's first corner, global")
+    origin: Two = quantity("m", "x and y of the field's first corner, global")
     length: float = quantity("m", "of the field along x", gt=0, le=1e5)
     width: float = quantity("m", "of the field along y", gt=0, le=1e5)
     cell: float = quantity("m", "side of a cell", plausible=(0.02, 0.2), ge=1e-3, le=10, default=0.1)

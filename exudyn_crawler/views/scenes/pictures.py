@@ -23,7 +23,7 @@ from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import track
-from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, upward
+from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, disc, upward
 
 Window = tuple[float, float, float, float]
 """Least and greatest coordinate to the right, least and greatest upward, m."""
@@ -37,6 +37,7 @@ MARGIN = (0.6, 0.4, 1.0)
 """m that are shown beyond the track, beside it and below the ground."""
 ABOVE, DEPTH = 0.4, 0.4
 """m shown above what rolls, which magnified ground may lift, and below the lowest face in a figure."""
+PIN, PIN_SIDES = 0.03, 12  # m, radius of a drawn link pin; sides of its prism
 
 
 def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None = None) -> PolyCollection:
@@ -145,7 +146,7 @@ def side_scene(case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: flo
         return np.interp(points[..., 0], x.ravel(), larger.ravel())
 
     scene, solids = track.track_scene(case, now, force_scale), [moved]
-    for one in (*scene.solids, track.link_pins(case, now)):
+    for one in (*scene.solids, link_pins(case, now)):
         if one.name.endswith("shoes"):
             own = one.at()
             solids.append(replace(own, points=own.points + upward(beneath(own.points))))
@@ -153,6 +154,16 @@ def side_scene(case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: flo
             solids.append(replace(one, lift=beneath(one.origin)).at())
     arrows = [replace(one, heads=one.heads + upward(beneath(one.heads))) for one in scene.arrows]
     return Scene(scene.titles, tuple(solids), tuple(arrows))
+
+
+def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
+    """Pins at both ends of every shoe."""
+    origin, turn = track.shoe_poses(dataset)
+    pins = np.array([case.track.rear_pin, case.track.front_pin]) * [1.0, 0.0, 1.0]
+    points = origin[:, :, None] + np.einsum("tsij,pj->tspi", turn, pins)
+    placed = points.reshape(len(origin), -1, 3), np.repeat(turn, len(pins), axis=1)
+    shape = disc(PIN, case.shoe.width + 0.01, PIN_SIDES)
+    return Solid("link pins", *shape, "white", *placed, edges=style.SHOE_EDGE)
 
 
 def draw_side(

@@ -20,17 +20,7 @@ from exudyn_crawler.results.history.ground_map import pressed_depths
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear
-from exudyn_crawler.views.scenes.scene import (
-    FLAT,
-    Arrows,
-    Colouring,
-    Placement,
-    Scene,
-    Solid,
-    box,
-    disc,
-    upward,
-)
+from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Colouring, Placement, Scene, Solid, box, upward
 
 CONTACTS = ("contact", "axis")
 STRIPS = ("roller", "rail", "strip", "neighbour", "axis")
@@ -38,7 +28,6 @@ STRIPS = ("roller", "rail", "strip", "neighbour", "axis")
 BESIDE = (0.6, 0.4)  # m beyond the track and beside it of which ground of cells is drawn
 SPACING, MOST_POINTS = 0.25, 4000
 """m between the points of a surface of cells; of larger ones there are so many."""
-PIN, PIN_SIDES = 0.03, 12  # m, radius of a drawn link pin; sides of its prism
 
 
 def instants(history: History, times: ArrayLike) -> xr.Dataset:
@@ -165,16 +154,6 @@ def shoe_boxes(case: Case, dataset: xr.Dataset) -> list[Solid]:
         placed = origin[:, chosen], turn[:, chosen]
         solids.append(Solid(name, *shape, colour, *placed, edges=style.SHOE_EDGE, labels=labels))
     return [one for one in solids if one.labels]
-
-
-def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
-    """Pins at both ends of every shoe."""
-    origin, turn = shoe_poses(dataset)
-    pins = np.array([case.track.rear_pin, case.track.front_pin]) * [1.0, 0.0, 1.0]
-    points = origin[:, :, None] + np.einsum("tsij,pj->tspi", turn, pins)
-    placed = points.reshape(len(origin), -1, 3), np.repeat(turn, len(pins), axis=1)
-    shape = disc(PIN, case.shoe.width + 0.01, PIN_SIDES)
-    return Solid("link pins", *shape, "white", *placed, edges=style.SHOE_EDGE)
 
 
 def ground_units(case: Case, dataset: xr.Dataset) -> Solid:

@@ -2,17 +2,35 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from exudyn_crawler.views.pages import sweep as page
-from exudyn_crawler.views.pages.sweep import Best, SweepView
-from exudyn_crawler.views.pages.sweep import sweep_page as html_of
+from exudyn_crawler.sweep import page
+from exudyn_crawler.sweep.results import for_reading, main_effects
+
+LINKS = {"a": "runs/a/report.html", "b": "runs/b"}
 
 
-def view_of(is_grid=True, **changes):
+def sweep_of(design="grid"):
+    """Stiffnesses on a logarithmic axis, laws, and one answer."""
+    stiffness = SimpleNamespace(label="stiffness", scale="log", levels=lambda: (1e7, 2e7))
+    law = SimpleNamespace(label="law", scale="linear", levels=lambda: ("pair", "area"))
+    answer = SimpleNamespace(label="force", better="less")
+    return SimpleNamespace(
+        vary=(stiffness, law),
+        columns=("stiffness", "law"),
+        answers=(answer,),
+        design=design,
+        is_sampled=False,
+        runs=None,
+        named="small",
+    )
+
+
+def table_of():
     """Two values of everything and one run that has failed."""
     table = pd.DataFrame(
         {
@@ -29,29 +47,11 @@ def view_of(is_grid=True, **changes):
         "units": {"stiffness": "N/m", "law": "", "force": "N"},
         "meanings": {"stiffness": "k", "law": "sharing", "force": "greatest of the force"},
     }
-    effects = pd.DataFrame(
-        [("force", "stiffness", 1e7, 2.0, 1.0, 3.0), ("force", "stiffness", 2e7, 2.0, 2.0, 2.0)],
-        columns=["answer", "varied", "level", "mean", "least", "greatest"],
-    )
-    given = {
-        "title": "Sweep of small",
-        "lead": ("4 runs",),
-        "table": table,
-        "varied": ("stiffness", "law"),
-        "answers": ("force",),
-        "logarithmic": frozenset({"stiffness"}),
-        "is_grid": is_grid,
-        "effects": effects,
-        "indices": pd.DataFrame(),
-        "method": "design 'grid' needs all runs to have finished",
-        "best": [Best("force", "best", 1, "a", 1.0), Best("force", "worst", 2, "b", 3.0)],
-        "links": {"a": "runs/a/report.html", "b": "runs/b"},
-    }
-    return SweepView(**given | changes)
+    return table
 
 
 def test_parallel_coordinates_have_a_line_a_finished_run():
-    (lines,) = page.parallel_coordinates(view_of()).data
+    (lines,) = page.parallel_coordinates(sweep_of(), table_of()).data
     assert [one.label for one in lines.dimensions] == ["stiffness in N/m", "law", "force in N"]
     assert list(lines.dimensions[0]["values"]) == [1e7, 1e7, 2e7]
     assert list(lines.dimensions[1]["values"]) == [0, 1, 0]
@@ -60,7 +60,7 @@ def test_parallel_coordinates_have_a_line_a_finished_run():
 
 
 def test_a_grid_has_a_curve_a_level_of_what_varies_next():
-    figure = page.response_curves(view_of().in_units_for_reading(), "force")
+    figure = page.response_curves(sweep_of(), for_reading(table_of()), "force")
     assert [(one.name, list(one.x), [1e3 * force for force in one.y]) for one in figure.data] == [
         ("law = area", [10.0], [3.0]),
         ("law = pair", [10.0, 20.0], [1.0, 2.0]),
@@ -73,7 +73,7 @@ def test_a_grid_has_a_curve_a_level_of_what_varies_next():
 
 
 def test_other_designs_have_a_point_a_run():
-    points = page.response_curves(view_of(is_grid=False), "force").data
+    points = page.response_curves(sweep_of("list"), table_of(), "force").data
     assert [(list(one.x), list(one.y)) for one in points] == [
         ([1e7, 1e7, 2e7], [1.0, 3.0, 2.0]),
         (["pair", "area", "pair"], [1.0, 3.0, 2.0]),
@@ -81,7 +81,8 @@ def test_other_designs_have_a_point_a_run():
 
 
 def test_effects_reach_from_the_least_to_the_greatest_over_axes_as_they_vary():
-    figure = page.effect_figure(view_of(), "force")
+    sweep, table = sweep_of(), table_of()
+    figure = page.effect_figure(sweep, table, main_effects(sweep, table), "force")
     line = figure.data[0]
     assert list(line.y) == [2.0, 2.0]
     assert list(line.error_y.array) == [1.0, 0.0]
@@ -90,17 +91,17 @@ def test_effects_reach_from_the_least_to_the_greatest_over_axes_as_they_vary():
 
 
 def test_lives_are_on_logarithmic_axes_and_many_panels_in_rows():
-    view, names = view_of(is_grid=False), [f"v{k}" for k in range(8)]
-    view.table["force"] = [1e4, 1e5, 2e6, np.nan]
-    view.table[names] = 1.0
-    view.table.attrs["units"] |= {"force": "h"}
-    view = SweepView(**vars(view) | {"varied": tuple(names)})
-    figure = page.response_curves(view, "force")
+    sweep, table, names = sweep_of("list"), table_of(), [f"v{k}" for k in range(8)]
+    table["force"] = [1e4, 1e5, 2e6, np.nan]
+    table[names] = 1.0
+    table.attrs["units"] |= {"force": "h"}
+    sweep.columns, sweep.vary = names, [SimpleNamespace(label=name, scale="linear") for name in names]
+    figure = page.response_curves(sweep, table, "force")
     assert {axis.type for axis in figure.select_yaxes()} == {"log"}
     assert [(one.xaxis, list(one.y)) for one in figure.data][7] == ("x8", [1e4, 1e5, 2e6])
     tops = [axis.domain[1] for axis in figure.select_yaxes()]
     assert tops[page.ACROSS] < min(tops[: page.ACROSS])
-    (lines,) = page.parallel_coordinates(view).data
+    (lines,) = page.parallel_coordinates(sweep, table).data
     assert lines.dimensions[-1]["values"] == pytest.approx([4.0, 5.0, np.log10(2e6)])
     assert list(lines.dimensions[-1].ticktext) == list(lines.line.colorbar.ticktext) == ["1e4", "1e5", "1e6"]
 
@@ -108,12 +109,12 @@ def test_lives_are_on_logarithmic_axes_and_many_panels_in_rows():
 def test_indices_are_bars_with_their_confidence_as_far_as_there_is_one():
     columns = ["answer", "varied", "first", "first_conf", "total", "total_conf"]
     rows = [("force", "stiffness", 0.2, 0.05, np.nan, np.nan), ("force", "law", 0.7, 0.1, np.nan, np.nan)]
-    (bars,) = page.index_figure(view_of(indices=pd.DataFrame(rows, columns=columns))).data
+    (bars,) = page.index_figure(pd.DataFrame(rows, columns=columns)).data
     assert (bars.name, list(bars.y), list(bars.error_y.array)) == ("first", [0.2, 0.7], [0.05, 0.1])
 
 
 def test_the_page_links_to_runs_and_tells_of_failures_without_their_markup():
-    text = html_of(view_of())
+    text = page.sweep_page(sweep_of(), table_of(), LINKS)
     assert 'href="runs/a/report.html">1</a>' in text
     assert "it &lt;b&gt;sank&lt;/b&gt;" in text
     assert "<p>None: design &#39;grid&#39; needs all runs to have finished.</p>" in text
@@ -122,24 +123,23 @@ def test_the_page_links_to_runs_and_tells_of_failures_without_their_markup():
 
 
 def test_a_sweep_without_a_finished_run_has_a_page_without_figures():
-    view = view_of()
-    view.table["force"] = np.nan
-    text = html_of(SweepView(**vars(view) | {"best": []}))
+    text = page.sweep_page(sweep_of(), table_of().assign(force=np.nan), LINKS)
     assert "No run has finished." in text
     assert "plotly" not in text.lower()
 
 
 @pytest.mark.parametrize(("count", "drawn"), [(4, 4), (page.MOST_DRAWN + 1, page.MOST_DRAWN // 2 + 1)])
 def test_very_many_runs_are_thinned(count, drawn):
-    table = pd.DataFrame({"force": np.arange(count, dtype=float)})
-    done = view_of(table=table).done
-    assert len(done) == drawn
-    assert done["force"].iloc[0] == 0.0
+    table = pd.DataFrame({"stiffness": 1e7, "law": "pair", "force": np.arange(count, dtype=float)})
+    table.attrs = table_of().attrs
+    (points, *_) = page.response_curves(sweep_of("list"), table, "force").data
+    assert len(points.y) == drawn
+    assert points.y[0] == 0.0
 
 
 def test_long_tables_are_cut(monkeypatch):
     monkeypatch.setattr(page, "LONGEST_TABLE", 3)
-    text = html_of(view_of())
+    text = page.sweep_page(sweep_of(), table_of(), LINKS)
     assert "1 more are in results.csv." in text
     assert "sank" not in re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
     assert json.dumps("area")[1:-1] in text

@@ -1,0 +1,267 @@
+"""Page of a sweep: its runs in parallel coordinates, response curves, effects, best and worst runs.
+
+Tables are in units for reading (`results.for_reading`), `links` has the address of a run by its folder.
+"""
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+from markupsafe import Markup
+from plotly.subplots import make_subplots
+
+from exudyn_crawler.files import note_written
+from exudyn_crawler.run.folder.record import note_file
+from exudyn_crawler.sweep import results
+from exudyn_crawler.sweep.scatter import AnySweep
+from exudyn_crawler.sweep.worker import OUTCOME
+from exudyn_crawler.views.pages import page
+from exudyn_crawler.views.pages.report import REPORT, write_report
+from exudyn_crawler.views.tables import cell_text, write_table
+
+LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
+"""Runs in the table, runs that are drawn, and levels of what is not on the axis that have a curve each."""
+HEIGHT, ACROSS = 420, 6  # pixels of a row of panels, and panels in it at most
+FEW_TICKS = {"nticks": 4, "tickangle": 0}
+
+
+def write_page(
+    sweep: AnySweep, table: pd.DataFrame, folder: Path, runs: Path | None, say: Callable[[str], None]
+) -> None:
+    """Write the page and the scatter of a sweep into its folder, and reports of its best and worst `runs`."""
+    for name, one in results.scatter_tables(sweep, table).items():
+        write_table(one, folder / f"{name}.csv", overwrite=True)
+    names = {} if runs is None else {name: runs / name for name in table["folder"]}
+    best = dict.fromkeys(one.folder for one in results.best_and_worst(sweep, table))
+    for name in (one for one in best if one in names):
+        _report_of(names[name], say)
+    links = {name: _link(folder, path) for name, path in names.items()}
+    page.write_page(sweep_page(sweep, table, links), folder / REPORT, overwrite=True)
+
+
+def sweep_page(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> str:
+    """HTML of the page of a table as of `results_table`; it needs no other file but the runs it links to."""
+    read = results.for_reading(table)
+    indices, method = results.sobol_indices(sweep, read)
+    shares = [page.paragraph(f"None: {method}.")]
+    if not indices.empty:
+        said = f"Shares of the variance that each makes alone (first) and in all (total): {method}."
+        shares = [page.paragraph(said), page.plot(index_figure(indices))]
+    sections = [
+        page.Section("best", "Best and worst runs", _best(sweep, read, links)),
+        page.Section("indices", "Sobol indices", page.together(*shares)),
+        page.Section("runs", "Runs", _runs(sweep, read, links)),
+    ]
+    if not _drawn(sweep, read).empty:
+        labels, effects = [answer.label for answer in sweep.answers], results.main_effects(sweep, read)
+        lines = page.paragraph("A line a run; draw along an axis to choose some of them.")
+        means = page.paragraph("Means over all else that varies; bars reach to the least and the greatest.")
+        curves = [page.plot(response_curves(sweep, read, label)) for label in labels]
+        bars = [page.plot(effect_figure(sweep, read, effects, label)) for label in labels]
+        through = page.plot(parallel_coordinates(sweep, read))
+        sections[1:1] = [
+            page.Section("parallel", "All runs", page.together(lines, through)),
+            page.Section("responses", "Response curves", page.together(*curves)),
+            page.Section("effects", "Main effects", page.together(means, *bars)),
+        ]
+    if scatter := results.scatter_tables(sweep, read):
+        sections[1:1] = [page.Section("scatter", "Scatter", _scatter(sweep, read, scatter))]
+    counts = ", ".join(f"{count} {status}" for status, count in table["status"].value_counts().items())
+    drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
+    lead = f"{len(table)} runs of {sweep.named}, design {sweep.design}{drawn}: {counts}"
+    return page.page(f"Sweep of {sweep.named}", [lead], sections)
+
+
+def _label(table: pd.DataFrame, name: str) -> str:
+    """Column with its unit."""
+    unit = table.attrs["units"].get(name, "")
+    return f"{name} in {unit}" if unit else name
+
+
+def _is_life(table: pd.DataFrame, name: str) -> bool:
+    """Whether a column is of hours, which span decades."""
+    return table.attrs["units"].get(name) == "h"
+
+
+def _drawn(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
+    """Runs that have all answers; of very many, some that lie evenly among them."""
+    done = table.dropna(subset=[answer.label for answer in sweep.answers])
+    return done.iloc[:: -(-len(done) // MOST_DRAWN) or 1]
+
+
+SCATTER = {
+    "quantiles": "Quantiles of the finished runs; least and most hold at 95 % for independent "
+    "draws. Where those of a quarter and of half of the runs lie beyond them, draw more.",
+    "failures": "Shoes that crack, by answers of life: every run is a shoe.",
+    "sensitivities": "Rank correlations (Spearman): 1 or -1 where one thing decides. How often chance alone "
+    "would show as much is in sensitivities.csv.",
+}
+
+
+def _scatter(sweep: AnySweep, table: pd.DataFrame, scatter: Mapping[str, pd.DataFrame]) -> Markup:
+    tables, quantiles = dict(scatter), scatter["quantiles"]
+    ranks = tables["sensitivities"].pivot(index="varied", columns="answer", values="rank correlation")
+    order = ranks.abs().max(axis=1).sort_values(ascending=False).index
+    answers = [one.label for one in sweep.answers if one.label in ranks]
+    tables["sensitivities"] = (ranks.loc[order, answers].round(2) + 0.0).reset_index()  # without -0
+    shown = [(said, tables[name]) for name, said in SCATTER.items() if not tables[name].empty]
+    parts = [part for said, one in shown for part in (page.paragraph(said), page.table(one))]
+    if not quantiles.empty:
+        parts.insert(0, page.plot(distribution_figure(sweep, table, quantiles)))
+    return page.together(*parts)
+
+
+def distribution_figure(sweep: AnySweep, table: pd.DataFrame, quantiles: pd.DataFrame) -> go.Figure:
+    """Portion of the runs below each value of an answer, a panel each, with bounds of its quantiles."""
+    done = _drawn(sweep, table)
+    known = [one.label for one in sweep.answers if one.label in set(quantiles["answer"])]
+    figure = make_subplots(cols=len(known), shared_yaxes=True)
+    for k, name in enumerate(known, 1):
+        values, own = done[name].sort_values(), quantiles[quantiles["answer"] == name]
+        portions = np.arange(1, len(values) + 1) / len(values)
+        figure.add_scatter(x=values, y=portions, mode="lines", row=1, col=k, showlegend=False)
+        upper, lower = own["most"] - own["value"], own["value"] - own["least"]
+        bars = {"type": "data", "symmetric": False, "array": upper, "arrayminus": lower, "thickness": 1}
+        how = {"mode": "markers", "error_x": bars, "marker_color": "#444", "showlegend": False}
+        figure.add_scatter(x=own["value"], y=own["portion below"], row=1, col=k, **how)
+        kind = "log" if _is_life(table, name) else None
+        figure.update_xaxes(title_text=_label(table, name), type=kind, row=1, col=k, **FEW_TICKS)
+    figure.update_yaxes(title_text="portion of the runs below", row=1, col=1)
+    return figure.update_layout(height=HEIGHT, margin={"t": 30})
+
+
+def _best(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Markup:
+    best = results.best_and_worst(sweep, table)
+    if not best:
+        return page.paragraph("No run has finished.")
+    units, meanings = table.attrs["units"], table.attrs["meanings"]
+    rows = {
+        "answer": [one.answer for one in best],
+        "": [one.which for one in best],
+        "run": [page.Cell(str(one.run), True, links.get(one.folder)) for one in best],
+        "value": [page.Cell(f"{one.value:.4g} {units[one.answer]}", True) for one in best],
+        " ": [meanings[one.answer] for one in best],
+    }
+    return page.table(pd.DataFrame(rows), compact=True)
+
+
+def _runs(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Markup:
+    shown, labels = table.head(LONGEST_TABLE), [answer.label for answer in sweep.answers]
+    columns = [*sweep.columns, *labels, "status", "reason"]
+    rows = shown[columns].rename(columns={name: _label(table, name) for name in columns})
+    pairs = zip(shown["run"], shown["folder"], strict=True)
+    rows.insert(0, "run", [page.Cell(str(number), True, links.get(folder)) for number, folder in pairs])
+    left_out = len(table) - len(shown)
+    more = [page.paragraph(f"{left_out} more are in results.csv.")] if left_out else []
+    return page.together(*more, page.table(rows))
+
+
+def parallel_coordinates(sweep: AnySweep, table: pd.DataFrame) -> go.Figure:
+    """A line a run through what varies and the answers, coloured by the first of these."""
+    done, labels = _drawn(sweep, table), [answer.label for answer in sweep.answers]
+    dimensions: list[dict[str, Any]] = []
+    for name in (*sweep.columns, *labels):
+        dimensions.append({"label": _label(table, name), "values": done[name]})
+        if _is_life(table, name):
+            decades = np.log10(done[name])
+            ticks = np.arange(np.ceil(decades.min()), decades.max() + 1e-9)
+            dimensions[-1] |= {"values": decades, "tickvals": ticks, "ticktext": [f"1e{k:g}" for k in ticks]}
+        if not pd.api.types.is_numeric_dtype(done[name]) or pd.api.types.is_bool_dtype(done[name]):
+            places, texts = pd.factorize(done[name].astype(str))
+            dimensions[-1] |= {"values": places, "tickvals": list(range(len(texts))), "ticktext": texts}
+    first = dimensions[len(sweep.columns)]
+    bar = {name: first[name] for name in ("tickvals", "ticktext") if name in first}
+    colour = {"color": first["values"], "colorscale": "Viridis", "showscale": True, "colorbar": bar}
+    figure = go.Figure(go.Parcoords(line=colour, dimensions=dimensions, labelangle=-25))
+    return figure.update_layout(height=HEIGHT, margin={"t": 110, "b": 30})
+
+
+def response_curves(sweep: AnySweep, table: pd.DataFrame, answer: str) -> go.Figure:
+    """An answer over all that varies: on a grid with a curve a level of what varies next, else points."""
+    done, panels = _drawn(sweep, table), []
+    for k, name in enumerate(sweep.columns):
+        others = (*sweep.columns[k + 1 :], *sweep.columns[:k])
+        if not (sweep.design == "grid" and others and done[others[0]].nunique() <= MOST_CURVES):
+            how = {"mode": "markers", "showlegend": False}
+            panels.append([go.Scatter(x=done[name], y=done[answer], name=answer, **how)])
+            continue
+        unit = table.attrs["units"].get(others[0], "")
+        levels = {
+            f"{others[0]} = {cell_text(level)} {unit}".rstrip(): part.groupby(name, sort=True)[answer].mean()
+            for level, part in done.groupby(others[0], sort=True)
+        }
+        lines = {"mode": "lines+markers", "legendgroup": others[0]}
+        panels.append([go.Scatter(x=one.index, y=one, name=curve, **lines) for curve, one in levels.items()])
+    return _panels(sweep, table, answer, panels)
+
+
+def effect_figure(sweep: AnySweep, table: pd.DataFrame, effects: pd.DataFrame, answer: str) -> go.Figure:
+    """Main effects on an answer, a panel for everything that varies: means, and extremes as bars."""
+    panels = []
+    for name in sweep.columns:
+        rows = effects[(effects["answer"] == answer) & (effects["varied"] == name)]
+        upper, lower = rows["greatest"] - rows["mean"], rows["mean"] - rows["least"]
+        bars = {"type": "data", "symmetric": False, "array": upper, "arrayminus": lower, "thickness": 1}
+        line = {"mode": "lines+markers", "showlegend": False, "error_y": bars}
+        panels.append([go.Scatter(x=rows["level"], y=rows["mean"], **line)])
+    return _panels(sweep, table, answer, panels)
+
+
+def index_figure(indices: pd.DataFrame) -> go.Figure:
+    """Sobol indices: bars of first order and total, with their confidence, a panel an answer."""
+    answers = list(dict.fromkeys(indices["answer"]))
+    figure = make_subplots(cols=len(answers), shared_yaxes=True, subplot_titles=answers)
+    for k, answer in enumerate(answers):
+        own = indices[indices["answer"] == answer]
+        for kind, colour in (("first", "#1c5fb0"), ("total", "#c98a1b")):
+            if own[kind].isna().all():
+                continue
+            known = own[f"{kind}_conf"].notna().any()
+            error = {"type": "data", "array": own[f"{kind}_conf"]} if known else None
+            how = {"marker_color": colour, "error_y": error, "showlegend": k == 0}
+            figure.add_trace(go.Bar(x=own["varied"], y=own[kind], name=kind, **how), row=1, col=k + 1)
+    shown = {"height": HEIGHT, "barmode": "group", "margin": {"t": 40}}
+    return figure.update_layout(yaxis_title="share of the variance", **shown)
+
+
+def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list[go.Scatter]]) -> go.Figure:
+    """Traces in rows of panels, one for everything that varies; lives on logarithmic axes."""
+    rows, across = -(-len(panels) // ACROSS), min(len(panels), ACROSS)
+    figure = make_subplots(rows, across, shared_yaxes="all", vertical_spacing=0.3 / rows)
+    for k, (one, traces) in enumerate(zip(sweep.vary, panels, strict=True)):
+        place = {"row": k // ACROSS + 1, "col": k % ACROSS + 1}
+        figure.add_traces(traces, rows=place["row"], cols=place["col"])
+        axis: dict[str, Any] = {"title_text": _label(table, one.label)}
+        if one.scale == "log":
+            axis |= {"type": "log", **FEW_TICKS}
+            levels = np.unique(_drawn(sweep, table)[one.label])
+            if len(levels) <= MOST_CURVES:
+                axis |= {"tickvals": levels, "ticktext": [cell_text(level, 3) for level in levels]}
+        figure.update_xaxes(**axis, **place)
+    figure.update_yaxes(title_text=_label(table, answer), col=1)
+    figure.update_yaxes(type="log" if _is_life(table, answer) else None)
+    return figure.update_layout(height=HEIGHT if rows == 1 else 280 * rows, margin={"t": 30})
+
+
+def _report_of(run: Path, say: Callable[[str], None]) -> None:
+    """Write the report of a run, unless it is there and as new as the run."""
+    report, outcome = run / REPORT, run / OUTCOME
+    if report.is_file() and outcome.is_file() and report.stat().st_mtime >= outcome.stat().st_mtime:
+        note_written(report)
+        return
+    try:
+        write_report(run, overwrite=True)
+        note_file(report)
+    # altered bytes make the readers raise all kinds of errors
+    except Exception as error:
+        say(f"no report of {run}: {' '.join(str(error).split())}")
+
+
+def _link(folder: Path, run: Path) -> str:
+    """Address of a run's report from the page, or of its folder where it has none."""
+    there = run / REPORT if (run / REPORT).is_file() else run
+    return Path(os.path.relpath(there, folder.resolve())).as_posix()
