@@ -72,7 +72,7 @@ class Case(Parameters):
         count, shoe, terrain, contact = self.track.shoe_count, self.shoe, self.terrain, self.contact
         spheres, reduced = isinstance(contact, SphereContact), self.terrain_formulation == "reduced"
         if (loaded := self.loads.shoe_count) != count:
-            yield f"loads must name every shoe of the track ({count}), got loads for {loaded}"
+            yield f"loads must name every shoe of the track ({count}) or be a number, got loads for {loaded}"
         if self.track.pitch + 1e-9 < shoe.length:
             yield f"shoe.length must not exceed the track's pitch {self.track.pitch}, got {shoe.length}"
         if self.flexible is not None:

@@ -64,9 +64,7 @@ def common(
 @command("init my_track --study closed")
 def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
-    study: Annotated[
-        str | None, typer.Option(help=f"study whose case to start from; that of this name, or {START}")
-    ] = None,
+    study: Annotated[str | None, typer.Option(help=f"study to start from; that of NAME, or {START}")] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Write a case file with every value, its unit and its meaning, to be changed and run."""

@@ -216,6 +216,7 @@ def test_a_misspelt_key_is_named_with_the_one_that_was_meant(read, refused, path
 
 def test_a_key_of_another_table_is_named_with_its_place(refused):
     assert refused('base = "translation"\nmass = 3.0\n') == ["mass: unknown key; did you mean shoe.mass?"]
+    assert refused('base = "translation"\nspeed = 0.1\n') == ["speed: unknown key; did you mean drive.speed?"]
     assert refused('base = "translation"\n[shoe]\nspring_stiffness = 1e6\n') == [
         "shoe.spring_stiffness: unknown key; did you mean terrain.spring_stiffness?"
     ]
@@ -232,6 +233,8 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("[loads]\nloads = 1e5", "loads.loads: unknown key; a load on every shoe stands above all tables"),
         ("[drive]\nspeed = 0.1", "drive.speed: must be values over time, such as {times = [0, 5]"),
         ("[[vary]]\nkey = 1", "it is a sweep file, not a case file: exudyn-crawler sweep "),
+        ('model = "bekker"', "it is a law file, not a case file: exudyn-crawler ground "),
+        ('[[cases]]\nname = "stones"', "it is a check file, not a case file: exudyn-crawler check "),
         ('[shoe]\nmass = "heavy"', "shoe.mass: must be a number in kg, or such as '4.7 t', got 'heavy'"),
         ('[shoe]\nmass = "4681"', "shoe.mass: must be a number in kg, or such as '4.7 t', got '4681'"),
         ("[shoe]\nmass = true", "shoe.mass: must be a number, got True"),
@@ -245,7 +248,10 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("[shoe]\nload_point = [1, 2]", "shoe.load_point[2]: missing, got [1, 2]"),
         ("duration = 0", "duration must be positive and finite, got 0.0 s"),
         ("duration = 1e4", "terrain must carry the track over the whole drive: at t = "),
-        ("[track]\nshoe_count = 12", "loads must name every shoe of the track (12), got loads for 13"),
+        (
+            "[track]\nshoe_count = 12",
+            "loads must name every shoe of the track (12) or be a number, got loads for 13",
+        ),
         ("[outputs]\nshoes = [1, 14]", "outputs.shoes must be in 1..13, got [14]"),
         ("[outputs]\npicture_times = [0, 20]", "outputs.picture_times must lie in 0..10 s, got [0.0, 20.0]"),
         ("[outputs]\npicture_times = [2, 1]", "outputs: picture_times must be from 0 s and increase"),

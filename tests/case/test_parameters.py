@@ -367,7 +367,7 @@ def test_loads_of_shoes_that_do_not_exist_are_refused(shoe):
 def test_a_wrong_number_of_loads_is_refused(count):
     refusal(
         lambda: Case.translation().with_(loads=LoadCycle.propel(count)),
-        f"loads must name every shoe of the track (13), got loads for {count}",
+        f"loads must name every shoe of the track (13) or be a number, got loads for {count}",
     )
 
 

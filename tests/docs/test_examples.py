@@ -152,3 +152,20 @@ def test_every_page_is_in_the_site():
     listed = {name for block in blocks for name in block.split()}
     pages = {Path(os.path.relpath(page, ROOT / "docs")).with_suffix("").as_posix() for page in PAGES}
     assert pages - {"README"} <= listed
+
+
+def test_messages_of_the_troubleshooting_page_are_those_of_the_code():
+    sources = (ROOT / "exudyn_crawler", ROOT / "fem")
+    code = [ast.parse(path.read_text(encoding="utf-8")) for one in sources for path in one.rglob("*.py")]
+    told = {
+        node.value
+        for tree in code
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    rows = re.findall(r"^\| (.*?) \|", (ROOT / "docs/troubleshooting.md").read_text(), re.MULTILINE)
+    quoted = [message for row in rows for message in re.findall(r'"([^"]+)"', row)]
+    assert len(quoted) > 10
+    for message in quoted:
+        for part in filter(None, map(str.strip, message.split("..."))):
+            assert any(part in one for one in told), message

@@ -271,7 +271,9 @@ def _unknown(spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
     if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
         return f"unknown key; did you mean {fields.path_text((*start, near[0]))}?"
     # of several the first
-    elsewhere = {path.rpartition(".")[2]: path for path in reversed([*fields.key_paths(model)])}
+    values = reversed([*fields.key_paths(model)])
+    paths = [path for value in values for path in (value.rpartition(".")[0], value) if path]
+    elsewhere = {path.rpartition(".")[2]: path for path in paths}
     if near := difflib.get_close_matches(wrong, elsewhere, n=1, cutoff=0.7):
         return f"unknown key; did you mean {elsewhere[near[0]]}?"
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.0) or names[:1]

@@ -21,6 +21,8 @@ KINDS: dict[str, tuple[str, Callable[[Content], bool]]] = {
     "duty scatter file": ("scatter", lambda content: {"vary", "duty"} <= content.keys()),
     "sweep file": ("sweep", lambda content: "vary" in content),
     "duty file": ("life", lambda content: isinstance(content.get("runs"), list)),
+    "check file": ("check", lambda content: isinstance(content.get("cases"), list)),
+    "law file": ("ground", lambda content: "model" in content),
     "case file": ("run", lambda content: not {"drive", "terrain", "duration", "track"}.isdisjoint(content)),
 }
 """Files of the program: the command that takes one, and whether a content is one's."""
@@ -57,7 +59,8 @@ def toml_content(path: Path, name: str) -> Content:
     except UnicodeDecodeError as error:
         raise ValueError("not TOML: it is no text") from error
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"not TOML: {error}") from error
+        text = str(error).replace("Cannot overwrite a value", "this key or table stands twice")
+        raise ValueError(f"not TOML: {text}") from error
 
 
 @contextmanager

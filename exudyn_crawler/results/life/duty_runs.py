@@ -127,7 +127,7 @@ def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
     """Refuse runs that are not of the same shoes."""
     for run, part in zip(runs, parts, strict=True):
         if part.case.flexible is None:
-            raise ValueError(f"run {run.name!r} must have flexible shoes, it has rigid ones alone")
+            raise ValueError(f"run {run.name!r} must have flexible shoes: name some in its case, [flexible]")
         for name, value in _shoes(part.case).items():
             if value != (other := _shoes(parts[0].case)[name]):
                 raise ValueError(
