@@ -130,14 +130,14 @@ def stress(
     """Run the stress study and compare it with the paper; a study that was stopped goes on."""
     from exudyn_crawler import Case, LoadCycle
     from exudyn_crawler.results.stress.hot_spots import hot_spot_table
-    from studies.stress import RUN, highest_in_propel_and_loading, open_choices, study
+    from studies.stress import RUN, highest_in_propel_and_loading, open_choices, study, with_modes
 
     if choices:
         print_table(open_choices(min(duration, 8.0), mesh), "Paper, and computed for some choices")
         return
     case = Case.stress(mesh)
     if modes is not None:
-        case = case.with_(flexible=case.flexible_shoes().with_modes(modes))
+        case = case.with_(flexible=with_modes(case.flexible_shoes(), modes))
     if cycle is not None:
         case = case.with_(loads=LoadCycle.from_toml(cycle))
     loads, title = case.loads.table(), "Loads on the shoes at the ends of the phases, kN"

@@ -24,6 +24,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler import CaseFile, History
+from exudyn_crawler.results.history.catalogue import for_reading
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.folder import matching_history
 from exudyn_crawler.run.folder.record import quiet
@@ -238,10 +239,11 @@ def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
         unit, finger = int(history.contact_unit[index]), int(history.contact_finger[index])
         volumes[f"unit {unit}, finger {finger}" if finger else f"unit {unit}"] = index
-    panels = [
-        figures.Panel.of(label, {name: values.isel(contact=index) for name, index in volumes.items()})
-        for label, values in shown.items()
-    ]
+    panels = []
+    for label, values in shown.items():
+        read = for_reading(values)
+        curves = {name: read.isel(contact=index) for name, index in volumes.items()}
+        panels.append(figures.Panel(label, read.attrs["units"], curves))
     title = f"{history.case.name}: shoe {shoe} crossing units"
     return figures.panel_figure(title, panels, common_phases(history))
 

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler import Case, CaseFile
+from exudyn_crawler import Case, CaseFile, FlexibleShoes
 from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.parameters.flexible import ADAMS_DAMPING
 from exudyn_crawler.case_run import CaseRun
@@ -32,6 +32,7 @@ RANKS = {"1st": 0, "2nd": 1, "3rd": 2, "4th": 3, "5th": 4}
 MOTION = re.compile(r"(?:any )?flexible shoe (?P<axis>[xyz]) (?P<kind>[a-z ]+)")
 CONTACT = re.compile(r"contact force (?P<axis>[xyz]) on a flexible shoe")
 REACTION = re.compile(r"revolute joint reaction (?P<axis>[xyz]) \(one of two\)")
+SHOWN_DIGITS = 20  # of a wrong number of a mode, in an error
 HOT_SPOT = re.compile(r"shoe (?P<shoe>\d+) greatest von Mises")
 
 
@@ -158,6 +159,35 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
         columns[choice] = table["computed"]
     rows = table[["case", "quantity", "statistic", "unit", "paper"]].assign(**columns)
     return rows.dropna().reset_index(drop=True)
+
+
+def with_modes(flexible: FlexibleShoes, choice: str) -> FlexibleShoes:
+    """Same shoes with the modes of a choice integrated; the others follow their loads without inertia.
+
+    "all" is the whole basis that stress is made of, "1200Hz" its modes up to a frequency, "1-20,25" those
+    with these numbers, in order of frequency, "10 fixed" the constraint modes and the 10 lowest
+    fixed-interface ones. A ValueError for anything else, or modes that do not exist.
+    """
+    text = choice.strip().lower()
+    whole = flexible.with_(fixed_modes=flexible.recovered_modes, highest_frequency=None, modes=None)
+    if text == "all":
+        return whole
+    if match := re.fullmatch(r"(\d+) *fixed", text):
+        return whole.with_(fixed_modes=int(match[1]))
+    if match := re.fullmatch(r"(\d+(?:\.\d+)?) *hz", text):
+        return whole.with_(highest_frequency=float(match[1]))
+    if re.fullmatch(r"\d+(-\d+)?(, *\d+(-\d+)?)*", text):
+        numbers: set[int] = set()
+        # a range is as long as it says: none is made of more numbers than there are modes
+        most = whole.mode_count
+        for part in text.split(","):
+            first, _, last = part.strip().partition("-")
+            greatest = last or first
+            if len(greatest.lstrip("0")) > len(str(most)) or int(greatest) > most:
+                raise ValueError(f"modes must be in 1..{most}, got {greatest[:SHOWN_DIGITS]}")
+            numbers |= set(range(int(first), int(greatest) + 1))
+        return whole.with_(modes=tuple(sorted(numbers)))
+    raise ValueError(f'modes must be like "all", "1200Hz", "1-20,25" or "10 fixed", got {choice!r}')
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import Any, Self
+from typing import Any
 
 import matplotlib as mpl
 import pandas as pd
@@ -73,12 +73,6 @@ class Panel:
     label: str
     unit: str
     curves: Mapping[str, xr.DataArray]
-
-    @classmethod
-    def of(cls, label: str, curves: Mapping[str, xr.DataArray]) -> Self:
-        """Panel of one quantity in the unit for reading; `curves` have the catalogue's attributes."""
-        read = {name: for_reading(values) for name, values in curves.items()}
-        return cls(label, next(iter(read.values())).attrs["units"], read)
 
     def draw(self, ax: Axes) -> None:
         """Draw the curves over time."""

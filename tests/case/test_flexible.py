@@ -4,6 +4,7 @@ import pytest
 
 from exudyn_crawler import Case, FlexibleShoes
 from exudyn_crawler.errors import ParameterError
+from studies.stress import with_modes
 
 COARSE = FlexibleShoes.ph4100c("coarse")
 
@@ -21,8 +22,8 @@ def test_bad_flexible_shoes_are_refused_by_name():
 
 def test_modes_are_chosen_by_kind():
     assert COARSE.mode_count == 30
-    assert COARSE.with_modes("all").mode_count == 94
-    assert COARSE.with_modes("20 fixed").mode_count == 38
+    assert with_modes(COARSE, "all").mode_count == 94
+    assert with_modes(COARSE, "20 fixed").mode_count == 38
 
 
 @pytest.mark.parametrize(
@@ -36,4 +37,4 @@ def test_modes_are_chosen_by_kind():
 )
 def test_modes_that_do_not_exist_are_refused(choice, message):
     with pytest.raises(ValueError, match=message):
-        COARSE.with_modes(choice)
+        with_modes(COARSE, choice)

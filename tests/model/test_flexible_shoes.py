@@ -15,6 +15,7 @@ from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem import Partition, write_mesh
 from fem.stress import von_mises
 from studies.grounds import plain
+from studies.stress import with_modes
 from tests.modal_loads import modal_loads, whole_coordinates
 
 pytestmark = pytest.mark.simulation
@@ -219,16 +220,16 @@ def test_a_released_shoe_is_driven_no_more_until_the_drive_is_on_again():
 
 
 def test_modes_are_chosen_by_number_or_frequency():
-    some = track().with_(flexible=COARSE.with_(shoes=(13,)).with_modes("1-3, 6"))
+    some = track().with_(flexible=with_modes(COARSE.with_(shoes=(13,)), "1-3, 6"))
     assert shared_reduction(some).mode_count == 4
-    low = track().with_(flexible=COARSE.with_(shoes=(13,)).with_modes("500 Hz"))
+    low = track().with_(flexible=with_modes(COARSE.with_(shoes=(13,)), "500 Hz"))
     frequencies = shared_reduction(low).reduced.frequencies
     assert 1 < len(frequencies) < 94
     assert frequencies.max() <= 500.0
 
 
 def test_a_highest_frequency_below_the_first_mode_is_refused():
-    case = track().with_(flexible=COARSE.with_modes("100Hz"))
+    case = track().with_(flexible=with_modes(COARSE, "100Hz"))
     with pytest.raises(ValueError, match="highest_frequency must be at least"):
         shared_reduction(case)
 

@@ -11,6 +11,7 @@ from exudyn_crawler.model.exudyn.bodies import Point, add_shoe_nodes, add_shoes
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from fem import Partition
 from fem.stress import von_mises
+from studies.stress import with_modes
 
 pytestmark = pytest.mark.simulation
 
@@ -22,7 +23,7 @@ HELD = {"front right": (1, 1, 1), "front left": (1, 0, 1), "rear right": (0, 0, 
 
 def supported_case(load_mode=False):
     case = Case.stress("coarse")
-    flexible = case.flexible.with_(shoes=(7,), load_mode=load_mode).with_modes("all")
+    flexible = with_modes(case.flexible.with_(shoes=(7,), load_mode=load_mode), "all")
     return case.with_(gravity=0.0, flexible=flexible)
 
 

@@ -1,6 +1,5 @@
 """Flexible shoes of a track."""
 
-import re
 from typing import Self
 
 from exudyn_crawler.case import ph4100c
@@ -14,7 +13,6 @@ ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.
 
 CONSTRAINT_MODES = 24  # six of each of the four joint centres
 RIGID_MODES = 6
-SHOWN_DIGITS = 20
 
 
 class FlexibleShoes(Parameters):
@@ -66,34 +64,6 @@ class FlexibleShoes(Parameters):
     def mode_count(self) -> int:
         """Modes of the integrated basis: 24 constraint modes and the fixed-interface ones, less 6 rigid."""
         return CONSTRAINT_MODES - RIGID_MODES + self.fixed_modes + int(self.load_mode)
-
-    def with_modes(self, choice: str) -> Self:
-        """Choose the modes that are integrated; the others follow their loads without inertia.
-
-        "all" is the whole basis that stress is made of, "1200Hz" its modes up to a frequency, "1-20,25" those
-        with these numbers, in order of frequency, "10 fixed" the constraint modes and the 10 lowest
-        fixed-interface ones. A ValueError for anything else, or modes that do not exist.
-        """
-        text = choice.strip().lower()
-        whole = self.with_(fixed_modes=self.recovered_modes, highest_frequency=None, modes=None)
-        if text == "all":
-            return whole
-        if match := re.fullmatch(r"(\d+) *fixed", text):
-            return whole.with_(fixed_modes=int(match[1]))
-        if match := re.fullmatch(r"(\d+(?:\.\d+)?) *hz", text):
-            return whole.with_(highest_frequency=float(match[1]))
-        if re.fullmatch(r"\d+(-\d+)?(, *\d+(-\d+)?)*", text):
-            numbers: set[int] = set()
-            # a range is as long as it says: none is made of more numbers than there are modes
-            most = whole.mode_count
-            for part in text.split(","):
-                first, _, last = part.strip().partition("-")
-                greatest = last or first
-                if len(greatest.lstrip("0")) > len(str(most)) or int(greatest) > most:
-                    raise ValueError(f"modes must be in 1..{most}, got {greatest[:SHOWN_DIGITS]}")
-                numbers |= set(range(int(first), int(greatest) + 1))
-            return whole.with_(modes=tuple(sorted(numbers)))
-        raise ValueError(f'modes must be like "all", "1200Hz", "1-20,25" or "10 fixed", got {choice!r}')
 
     @classmethod
     def ph4100c(cls, mesh: str = "study") -> Self:
