@@ -20,12 +20,18 @@ MOST_NAMED = 3  # files of a folder that an error names
 KINDS: dict[str, tuple[str, Callable[[Content], bool]]] = {
     "duty scatter file": ("scatter", lambda content: {"vary", "duty"} <= content.keys()),
     "sweep file": ("sweep", lambda content: "vary" in content),
-    "duty file": ("life", lambda content: isinstance(content.get("runs"), list)),
+    "duty file": ("life", lambda content: isinstance(content.get("runs"), list) or _names_cases(content)),
     "check file": ("check", lambda content: isinstance(content.get("cases"), list)),
     "law file": ("ground", lambda content: "model" in content),
     "case file": ("run", lambda content: not {"drive", "terrain", "duration", "track"}.isdisjoint(content)),
 }
 """Files of the program: the command that takes one, and whether a content is one's."""
+
+
+def _names_cases(content: Content) -> bool:
+    """Whether check cases are named, as a duty has them, in place of their loads."""
+    cases = content.get("cases")
+    return isinstance(cases, list) and any(isinstance(one, dict) and "case" in one for one in cases)
 
 
 def read_parameters(
