@@ -97,9 +97,8 @@ def info(
         raise ValueError(f"case must be a case file or a study of {studies}, got {case!r}")
     base, of_base = nearest_base(case_file.case)
     rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in fields.case_rows(case_file)]
-    differing = sum(row[2] != "" for row in rows)
     columns = ("key", "value", "in the base", "meaning")
-    title = f"{case}: {differing} of {len(rows)} values differ from the case {base!r}"
+    title = f"{case}: {sum(row[2] != '' for row in rows)} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
     typer.echo("\n".join([*run_lines(case_file), RunTimes(case_file).line()]))
     if weights := shoe_weights(case_file.case):
@@ -209,19 +208,16 @@ def animate(
     application.report_made(path)
 
 
-DEMO = "demo"
-
-
 @command("demo")
 def demo(
-    out: Out = RESULTS / DEMO,
+    out: Out = RESULTS / "demo",
     prepare: bool = typer.Option(
         False, "--prepare", help="only compile and reduce, as the installation does"
     ),
     overwrite: Overwrite = False,
 ) -> None:
     """Roll a machine over a track with a flexible shoe, and make a page to look at."""
-    case_file = application.study_case(DEMO)
+    case_file = application.study_case("demo")
     if prepare:
         _prepare(case_file)
         return
@@ -233,7 +229,7 @@ def demo(
     done = crawler.run_case(case_file, out, overwrite=overwrite, take_finished=True, say=typer.echo)
     show_answers(done)
     typer.echo(f"{out / 'report.html'}: open it in a browser")
-    typer.echo(f"next, a machine of your own: exudyn-crawler init my_machine --study {DEMO}")
+    typer.echo("next, a machine of your own: exudyn-crawler init my_machine --study demo")
 
 
 @command("schema")
@@ -271,8 +267,6 @@ def _prepare(case_file: "crawler.CaseFile") -> None:
     """Compile what runs need, and reduce the demo's shoe; both stay on this machine."""
     from exudyn_crawler.model.formulation import compile_equations
 
-    typer.echo(
-        "compiling the equations of motion and reducing a shoe, once on this machine: about two minutes"
-    )
+    typer.echo("compiling the equations of motion and reducing a shoe, once: about two minutes")
     compile_equations("dragged")
     crawler.run_case(case_file.with_({"duration": 0.02}), progress=False)
