@@ -101,17 +101,21 @@ def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
 
 @solving_within
 def clear(places: Fronts, values: FloatArray) -> None:
-    """Take the terms out of all fronts: few of their rows have any."""
+    """Take the terms out of all fronts: few of their rows and columns have any."""
+    rows = np.empty(places.unknowns.shape[0], dtype=np.int64)
     for k in range(places.own.shape[0]):
-        matrix, met = front(places, values, k), marks(places, values, k)
-        for r in range(matrix.shape[0]):
-            if r < places.own[k] or met[r] != 0.0:
-                for c in range(matrix.shape[0]):
-                    matrix[r, c] = 0.0
-                met[r] = 0.0
+        at, n, met = places.place[k], places.first[k + 1] - places.first[k], marks(places, values, k)
+        own = places.own[k]
+        count = own + _met(met, own, rows[own:])
+        for r in range(own):
+            rows[r] = r
+        for r in range(count):
+            for c in range(count):
+                values[at + rows[r] * n + rows[c]] = 0.0
+        met.fill(0.0)
 
 
-@solving_within
+@solving_inside
 def _met(met: FloatArray, own: int, rows: IntArray) -> int:
     """Write which rows behind a front's own are marked; give how many."""
     count = 0
@@ -123,41 +127,75 @@ def _met(met: FloatArray, own: int, rows: IntArray) -> int:
 
 
 @solving_within
-def _invert(matrix: FloatArray, own: int, pivots: IntArray) -> None:
-    """Invert the first rows and columns of a matrix in place (Gauss and Jordan, rows exchanged)."""
+def _invert(values: FloatArray, at: int, n: int, own: int, pivots: IntArray) -> None:
+    """Invert the first rows and columns of a front in place (Gauss and Jordan, rows exchanged).
+
+    The front starts at a place of the values and has n columns.
+    """
     for k in range(own):
-        p = k
+        p, to = k, at + k * n
         for r in range(k + 1, own):
-            if abs(matrix[r, k]) > abs(matrix[p, k]):
+            if abs(values[at + r * n + k]) > abs(values[at + p * n + k]):
                 p = r
-        pivots[k], pivot = p, matrix[p, k]
+        pivots[k], pivot = p, values[at + p * n + k]
         if pivot == 0.0:
             raise np.linalg.LinAlgError("Matrix is singular to machine precision.")
         for c in range(own if p != k else 0):
-            matrix[p, c], matrix[k, c] = matrix[k, c], matrix[p, c]
-        matrix[k, k] = 1.0
+            values[at + p * n + c], values[to + c] = values[to + c], values[at + p * n + c]
+        values[to + k] = 1.0
         for c in range(own):
-            matrix[k, c] /= pivot
+            values[to + c] /= pivot
         for r in range(own):
-            factor = matrix[r, k] if r != k else 0.0
+            row = at + r * n
+            factor = values[row + k] if r != k else 0.0
             if factor != 0.0:
-                matrix[r, k] = 0.0
+                values[row + k] = 0.0
                 for c in range(own):
-                    matrix[r, c] -= factor * matrix[k, c]
+                    values[row + c] -= factor * values[to + c]
     for k in range(own - 1, -1, -1):
-        for r in range(own if pivots[k] != k else 0):
-            matrix[r, k], matrix[r, pivots[k]] = matrix[r, pivots[k]], matrix[r, k]
+        p = pivots[k]
+        for r in range(own if p != k else 0):
+            row = at + r * n
+            values[row + k], values[row + p] = values[row + p], values[row + k]
 
 
 @solving_within
-def _add_product(left: FloatArray, right: FloatArray, out: FloatArray) -> None:
-    """Add a product of small matrices, row by row."""
-    for i in range(out.shape[0]):
-        row = out[i]
-        for k in range(right.shape[0]):
-            f, by = left[i, k], right[k]
-            for j in range(row.shape[0]):
-                row[j] += f * by[j]
+def _eliminate_small(
+    values: FloatArray,
+    front: tuple[int, int, int],
+    rows: IntArray,
+    above: tuple[int, int],
+    into: IntArray,
+    scratch: tuple[IntArray, FloatArray, FloatArray, FloatArray],
+) -> None:
+    """Eliminate the own unknowns of a small front by plain loops.
+
+    `front` and `above` are where it and its parent start among the values and how many columns they have,
+    the former with the number of its own; `rows` (count,) are the rows that are left, and `into` theirs in
+    the parent. Places of numbers are reckoned here: views of rows would take longer than what is done.
+    """
+    (at, n, own), (top, width), (pivots, beside, right, taken) = front, above, scratch
+    count = rows.shape[0]
+    for i in range(own):
+        for j in range(count):
+            beside[i, j], right[i, j] = values[at + i * n + rows[j]], 0.0
+    _invert(values, at, n, own, pivots)
+    for i in range(own):
+        for k in range(own):
+            factor = values[at + i * n + k]
+            for j in range(count):
+                right[i, j] += factor * beside[k, j]
+        for j in range(count):
+            values[at + i * n + rows[j]] = right[i, j]
+    for i in range(count if top >= 0 else 0):
+        row, to = at + rows[i] * n, top + into[i] * width
+        taken.fill(0.0)
+        for k in range(own):
+            factor = values[row + k]
+            for j in range(count):
+                taken[j] += factor * right[k, j]
+        for j in range(count):
+            values[to + into[j]] += values[row + rows[j]] - taken[j]
 
 
 @solving
@@ -169,41 +207,44 @@ def eliminate(fronts: tuple, values: FloatArray) -> None:
     that they do not touch now: rows without any term are left out.
     """
     places = Fronts(*fronts)
-    rows, pivots = np.empty((2, places.unknowns.shape[0]), dtype=np.int64)
+    most = places.unknowns.shape[0]
+    rows, into, pivots = np.empty((3, most), dtype=np.int64)
+    wide = np.max(places.first[1:] - places.first[:-1])
+    beside, right, taken = np.empty((places.small, wide)), np.empty((places.small, wide)), np.empty(wide)
     for k in range(places.own.shape[0]):
-        matrix, own = front(places, values, k), places.own[k]
-        count, small = _met(marks(places, values, k), own, rows), own <= places.small
-        below, beside = np.empty((count, own)), np.empty((own, count))
-        for i in range(own):
-            for j in range(count):
-                below[j, i], beside[i, j] = matrix[rows[j], i], matrix[i, rows[j]]
-        if small:
-            _invert(matrix, own, pivots)
-            right = np.zeros((own, count))
-            _add_product(matrix, beside, right)
-        else:
-            inverse = np.linalg.inv(np.ascontiguousarray(matrix[:own, :own]))
-            right = np.dot(inverse, beside)
-            for i in range(own):
-                for j in range(own):
-                    matrix[i, j] = inverse[i, j]
-        for i in range(own):
-            for j in range(count):
-                matrix[i, rows[j]] = right[i, j]
-        if places.parent[k] < 0:
+        own, parent, first = places.own[k], places.parent[k], places.first[k]
+        count = _met(marks(places, values, k), own, rows)
+        for i in range(count if parent >= 0 else 0):
+            into[i] = places.into[first + rows[i]]
+            marks(places, values, parent)[into[i]] = 1.0
+        if own <= places.small:
+            above, width = -1, 0
+            if parent >= 0:
+                above, width = places.place[parent], places.first[parent + 1] - places.first[parent]
+            this = places.place[k], places.first[k + 1] - first, own
+            scratch = pivots, beside, right, taken
+            _eliminate_small(values, this, rows[:count], (above, width), into, scratch)
             continue
-        if small:
-            taken = np.zeros((count, count))
-            _add_product(below, right, taken)
-        else:
-            taken = np.dot(below, right)
-        above, first = front(places, values, places.parent[k]), places.first[k]
-        met = marks(places, values, places.parent[k])
-        for i in range(count):
-            row, to = matrix[rows[i]], above[places.into[first + rows[i]]]
-            met[places.into[first + rows[i]]] = 1.0
+        matrix = front(places, values, k)
+        below, across = np.empty((count, own)), np.empty((own, count))
+        for i in range(own):
             for j in range(count):
-                to[places.into[first + rows[j]]] += row[rows[j]] - taken[i, j]
+                below[j, i], across[i, j] = matrix[rows[j], i], matrix[i, rows[j]]
+        inverse = np.linalg.inv(np.ascontiguousarray(matrix[:own, :own]))
+        solved = np.dot(inverse, across)
+        for i in range(own):
+            for j in range(own):
+                matrix[i, j] = inverse[i, j]
+            for j in range(count):
+                matrix[i, rows[j]] = solved[i, j]
+        if parent < 0:
+            continue
+        away = np.dot(below, solved)
+        higher = front(places, values, parent)
+        for i in range(count):
+            row, to = matrix[rows[i]], higher[into[i]]
+            for j in range(count):
+                to[into[j]] += row[rows[j]] - away[i, j]
 
 
 @solving

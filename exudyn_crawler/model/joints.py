@@ -150,6 +150,33 @@ def plane_axis(at: Attitude, k: int) -> Vector:
 
 
 @solving_inside
+def _rigid_pin(
+    levers: tuple[Vector, Vector],
+    attitudes: tuple[Attitude, Attitude],
+    between: Vector,
+    gap: FloatArray,
+    jacobian: FloatArray,
+) -> None:
+    """Write the same as `pin` in a chain's plane between rigid bodies; most pins are of that kind."""
+    rear, front = attitudes
+    axes = rear.axes[0], rear.axes[1], plane_axis(rear, 2)
+    across, x, z = turned(rear.R, basis(1)), turned(front.R, basis(0)), turned(front.R, basis(2))
+    moments = cross(x, across), cross(z, across)
+    gap[0], gap[1], gap[2] = dot(between, axes[0]), dot(between, axes[1]), dot(between, axes[2])
+    gap[3], gap[4] = dot(across, x), dot(across, z)
+    for side in range(2):
+        at, lever, sign = attitudes[side], levers[side], 2.0 * side - 1.0
+        for c in range(3):
+            swept = cross(at.axes[c], lever)
+            for r in range(3):
+                jacobian[r, side, c] = sign * axes[r][c]
+                jacobian[r, side, 3 + c] = sign * dot(swept, axes[r])
+            for r in range(2):
+                jacobian[3 + r, side, c] = 0.0
+                jacobian[3 + r, side, 3 + c] = sign * dot(at.axes[c], moments[r])
+
+
+@solving_inside
 def pin(
     markers: Markers,
     pair: tuple[int, int],
@@ -168,6 +195,9 @@ def pin(
     """
     rear, front = ends
     between = along(along(apart, 1.0, front.lever), -1.0, rear.lever)
+    if in_plane and markers.modes[pair[0]] == 0 and markers.modes[pair[1]] == 0:
+        _rigid_pin((rear.lever, front.lever), attitudes, between, gap, jacobian)
+        return
     across = axis_of(rear, attitudes[0], 1)
     for r in range(ROWS):
         force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)

@@ -14,7 +14,11 @@ OLD_STEPS = 8
 TANGENTS = 2
 """Matrices of one step with the tangent of the friction curve; later ones take the secant."""
 
-FRONTS, CELLS = Tables._fields.index("fronts"), Tables._fields.index("cells")
+AHEAD = 4
+"""Iterations that an old matrix of a closed track may still take at the rate of the last one: a second matrix
+takes as long as three."""
+
+FRONTS, CELLS, CLOSED = (Tables._fields.index(name) for name in ("fronts", "cells", "closed"))
 
 
 @solving_within
@@ -45,7 +49,8 @@ def step(
     """
     n = state.shape[1]
     out, values = scratch
-    weights, fronts, cells = Weights(*factors), tables[FRONTS], tables[CELLS] is not None
+    weights, fronts = Weights(*factors), tables[FRONTS]
+    cells, closed = tables[CELLS] is not None, tables[CLOSED] is not None
     by_place, by_rate, by_acceleration, level = (
         weights.position,
         weights.velocity,
@@ -90,5 +95,7 @@ def step(
             # rows of cells that load or unload change their stiffness by forty: what an old matrix gains next
             # is known within ten from what it gained
             needed = needed or 10.0 * norm * norm > limits[0] * last
+        if closed and old > 1 and matrices < TANGENTS:
+            needed = needed or norm * (norm / last) ** AHEAD > limits[0]
         last = norm
     return False, iterations, matrices, last

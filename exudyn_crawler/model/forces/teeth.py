@@ -24,6 +24,8 @@ from exudyn_crawler.model.joints import Markers, end_of
 
 SLACK = 0.02
 """m, more than a lug ever bends away from its place."""
+FLANGE_DEPTH = 1e-3
+"""m, in a flange that has all of its damping."""
 ASIDE = 0.1
 """m, by which a shoe beside the middle of its tumbler is farther from it than in its plane, at most."""
 
@@ -113,11 +115,9 @@ def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, f
         return 0.0, 0.0, 0.0
     sign = 1.0 if y > 0.0 else -1.0
     # damping grows with the depth, so that it does not jump where the flange is met
-    share = step(beyond, 0.0, 0.0, 1e-3, 1.0)
-    force = flange.stiffness * beyond + share * flange.damping * sign * rate
-    if force <= 0.0:
-        return 0.0, 0.0, 0.0
-    return -sign * force, flange.stiffness, share * flange.damping
+    law = Impact(flange.stiffness, 1.0, flange.damping, FLANGE_DEPTH)
+    force, stiffness, damping = law_slopes(law, beyond, sign * rate)
+    return -sign * force, stiffness, damping
 
 
 @solving_within

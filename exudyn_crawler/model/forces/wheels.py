@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, turned_back
+from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
@@ -195,7 +195,13 @@ def _touch(
     engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0)
     side = stiffness = damping = 0.0
     if engaged > 0.0:
-        off, rate = center[1] - place[1] + wheels.middles[w] - bent.aside, rates[1] - bent.aside_rate
+        # of the wheel's plane where it meets the rail, not at its axis: a shoe may lean
+        across = turned_back(shoe.R, turned(frame.R, basis(1)))
+        turning = turned_back(shoe.R, along(frame.omega, -1.0, shoe.omega))
+        dx, dz = tread.foot[0] - center[0], tread.foot[1] - center[2]
+        leaning = (across[0] * dx + across[2] * dz) / across[1]
+        off = center[1] - leaning - place[1] + wheels.middles[w] - bent.aside
+        rate = rates[1] + turning[2] * dx - turning[0] * dz - bent.aside_rate
         force, stiffness, damping = flange_force(Flange(*wheels.flange), off, rate)
         side, stiffness, damping = engaged * force, engaged * stiffness, engaged * damping
     foot = turned(shoe.R, (tread.foot[0], center[1], tread.foot[1]))
