@@ -6,11 +6,12 @@
 import sys
 from pathlib import Path
 
-from benchmarks import cells, fem, growth, rigid, static_fields, stress
+from benchmarks import cells, closed, fem, growth, rigid, static_fields, stress
 
 if __name__ == "__main__":
     growth.main(Path(sys.argv[1]) if len(sys.argv) > 1 else None)
     cells.main()
+    closed.main()
     rigid.main()
     fem.main()
     static_fields.main()
