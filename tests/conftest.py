@@ -3,8 +3,10 @@
 import os
 import shutil
 import signal
+import sys
 import tempfile
-from collections.abc import Generator
+from collections.abc import Callable, Generator
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -126,3 +128,22 @@ def interruptible() -> Generator[None, None, None]:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def call(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Callable[..., tuple[object, str, str]]:
+    """Call the command in an empty folder: exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: object) -> tuple[object, str, str]:
+        from exudyn_crawler import cli
+
+        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        told = capsys.readouterr()
+        return end.value.code, told.out, told.err
+
+    return call

@@ -57,21 +57,6 @@ COMMANDS = (
 
 
 @pytest.fixture
-def call(monkeypatch, capsys, tmp_path):
-    """Call the command in an empty folder: exit code, output and errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        told = capsys.readouterr()
-        return end.value.code, told.out, told.err
-
-    return call
-
-
-@pytest.fixture
 def short(tmp_path):
     """Case file of a run that takes a moment."""
     path = tmp_path / "short.toml"

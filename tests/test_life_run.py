@@ -1,7 +1,6 @@
 """A duty into a folder, in Python and by the command: files that agree, refusals before any counting."""
 
 import dataclasses
-import sys
 
 import meshio
 import numpy as np
@@ -9,7 +8,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from exudyn_crawler import Duty, cli, life, read_duty
+from exudyn_crawler import Duty, life, read_duty
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.life_run import FILES
 from exudyn_crawler.results.life.life import life_words
@@ -79,26 +78,17 @@ def test_results_are_not_overwritten_unasked(pit):
         life(pit[0] / "digging.toml", pit[0] / "life")
 
 
-def test_the_command_tells_shortest_lives_and_faults(pit, monkeypatch, capsys, tmp_path):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", "life", *map(str, words)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        told = capsys.readouterr()
-        return end.value.code, told.out, told.err
-
-    code, out, _ = call(pit[0] / "digging.toml")
+def test_the_command_tells_shortest_lives_and_faults(pit, call, tmp_path):
+    code, out, _ = call("life", pit[0] / "digging.toml")
     assert code == 0
     assert "shortest lives by region" in out
     assert (tmp_path / "results" / "digging" / "life.html").is_file()
-    code, _, err = call(pit[0] / "digging.toml")
+    code, _, err = call("life", pit[0] / "digging.toml")
     assert code == 2
     assert "ask for overwriting" in err
     wrong = pit[0] / "wrong.toml"
     wrong.write_text(DUTY.replace('folder = "run"', 'folder = "rum"'))
-    code, _, err = call(wrong)
+    code, _, err = call("life", wrong)
     assert code == 2
     assert "run 'propel': no history at" in err
     assert not (tmp_path / "results" / "wrong").exists()

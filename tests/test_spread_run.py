@@ -1,7 +1,6 @@
 """A short run repeated into its folder, and what a life over it makes of that."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from exudyn_crawler import (
     FatigueMaterial,
     History,
     SphereContact,
-    cli,
     life,
     read_case,
 )
@@ -88,17 +86,15 @@ def test_a_life_takes_the_spread_beside_its_runs(folder, found, tmp_path):
         life(duty)
 
 
-def test_the_command_refuses_what_cannot_be_repeated(folder, monkeypatch, capsys, tmp_path):
+def test_the_command_refuses_what_cannot_be_repeated(folder, call, tmp_path):
     for words, told in (
         ((tmp_path / "none",), "no folder"),
         ((folder, "--starts", "0"), "starts must be at least 1, got 0"),
         ((folder, "--starts", "1", "--no-laws"), "starts must be at least 2, got 1"),
     ):
-        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", "spread", *map(str, words)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        assert end.value.code == 2
-        assert told in capsys.readouterr().err
+        code, _, err = call("spread", *words)
+        assert code == 2
+        assert told in err
 
 
 def test_laws_that_could_stand_for_the_same_ground():

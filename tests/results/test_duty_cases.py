@@ -94,15 +94,20 @@ def test_a_stage_without_damage_lasts_beyond_what_is_told():
     np.testing.assert_allclose(hours_in_stages(np.zeros((1, 2)), (10.0,)), BEYOND)
 
 
+def new_and_worn(whole, mesh):
+    """Lives over two stages, pulled with 150 and 200 MPa, the second on a mesh a little beside."""
+    worn = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
+    return [
+        life_of(one, [], shapes=pulled(shape, stress))
+        for one, shape, stress in zip(whole.by_stage(), (mesh, worn), (150e6, 200e6), strict=True)
+    ]
+
+
 def test_damage_of_stages_adds_up_at_the_nearest_nodes(mesh):
     stages = (DutyStage(name="new", hours=1000.0), DutyStage(name="worn", hours=500.0))
     case = STONE.with_(an_hour=100.0)
     whole = duty(case, stages=stages)
-    worn = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
-    of_stages = [
-        life_of(one, [], shapes=pulled(shape, stress))
-        for one, shape, stress in zip(whole.by_stage(), (mesh, worn), (150e6, 200e6), strict=True)
-    ]
+    of_stages = new_and_worn(whole, mesh)
     found = life_of_stages(whole, of_stages)
     new, later = (100.0 * damage_of(one) for one in (75e6, 100e6))
     lasts = 1000.0 + (1.0 - 1000.0 * new) / later
@@ -124,11 +129,7 @@ def test_a_defect_grows_over_the_stages_of_a_duty(mesh):
     castings = ({"region": "web", "defect_size": 3e-3}, {"region": "lugs", "defect_size": 5e-4})
     strong = MATERIAL.with_(castings=castings, fatigue_strength=400e6)
     whole = duty(STONE.with_(an_hour=100.0), stages=stages, material=strong)
-    worn = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
-    of_stages = [
-        life_of(one, [], shapes=pulled(shape, stress))
-        for one, shape, stress in zip(whole.by_stage(), (mesh, worn), (150e6, 200e6), strict=True)
-    ]
+    of_stages = new_and_worn(whole, mesh)
     table = life_of_stages(whole, of_stages).table.set_index("region")
     zero, once = np.zeros(1), np.full(1, 100.0)
     defect = Defect(3e-3, 125.0, 0.06)

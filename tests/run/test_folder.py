@@ -68,6 +68,13 @@ def test_a_folder_keeps_what_its_results_come_from(kept):
         assert words in log
 
 
+def assert_same_bits(first, again):
+    for name in first.variables:
+        pair = [dataset[name].values for dataset in (first, again)]
+        one, other = (values.astype(str) if values.dtype == object else values for values in pair)
+        assert one.tobytes() == other.tobytes()
+
+
 def test_the_same_case_gives_the_same_numbers_bit_for_bit(kept, tmp_path):
     # in a process of its own, where nothing is warm yet
     script = (
@@ -77,10 +84,7 @@ def test_the_same_case_gives_the_same_numbers_bit_for_bit(kept, tmp_path):
     subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
     first, again = (History.load(folder / "history.nc").dataset for folder in (kept, tmp_path / "again"))
     assert set(first.variables) == set(again.variables)
-    for name in first.variables:
-        pair = [dataset[name].values for dataset in (first, again)]
-        one, other = (values.astype(str) if values.dtype == object else values for values in pair)
-        assert one.tobytes() == other.tobytes()
+    assert_same_bits(first, again)
     assert np.ptp(first.position.values[-1] - first.position.values[0]) > 1e-6  # something moved
     for table in ("extremes.csv", "loads.csv", "case.toml"):
         assert (kept / table).read_bytes() == (tmp_path / "again" / table).read_bytes()
@@ -99,10 +103,7 @@ def test_flexible_shoes_repeat_bit_for_bit(tmp_path):
         command = [sys.executable, "-m", "exudyn_crawler", "run", "case.toml", "--out", name]
         subprocess.run(command, check=True, timeout=300, cwd=tmp_path, capture_output=True)
     first, again = (History.load(tmp_path / name / "history.nc").dataset for name in ("first", "again"))
-    for name in first.variables:
-        pair = [dataset[name].values for dataset in (first, again)]
-        one, other = (values.astype(str) if values.dtype == object else values for values in pair)
-        assert one.tobytes() == other.tobytes()
+    assert_same_bits(first, again)
 
 
 def test_an_earlier_run_stays_unless_asked(kept):
