@@ -17,7 +17,7 @@ from distributed import get_client
 
 from exudyn_crawler import Case, CaseFile
 from exudyn_crawler.model.reductions import VARIABLE
-from exudyn_crawler.sweep import cluster, results
+from exudyn_crawler.sweep import cluster, page
 from exudyn_crawler.sweep.answers import Answer, HotSpot
 from exudyn_crawler.sweep.cluster import connected, outcomes
 from exudyn_crawler.sweep.definition import Sweep
@@ -55,7 +55,7 @@ def kill_the_first_at_work(folder: Path, killed: list[int]) -> threading.Thread:
 
 @pytest.fixture(autouse=True)
 def _without_reports(monkeypatch):
-    monkeypatch.setattr(results, "_report_of", lambda *_: None)
+    monkeypatch.setattr(page, "_report_of", lambda *_: None)
 
 
 def settings_of_the_process():
