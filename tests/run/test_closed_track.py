@@ -23,6 +23,7 @@ from studies.balance import (
     shoe_imbalance,
     tumbler_imbalance,
 )
+from studies.closed import torque_by_tension
 from tests.model.both import compiled_matrix, residual_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
@@ -147,6 +148,16 @@ def test_travel_a_radian_is_that_of_the_pitches(rig):
     travel = count * rig.case.track.pitch / (angle[last] - angle[first])
     teeth = rig.case.closed_track.tumbler.teeth
     assert travel == pytest.approx(teeth * rig.case.track.pitch / (2.0 * math.pi), rel=2e-3)
+
+
+def test_torque_is_what_tension_and_weight_say_over_whole_pitches(rig):
+    """By their moments, cut where no tooth is; by means, at n p / (2 pi), as exactly as levers are even."""
+    table = torque_by_tension(rig)
+    torque = table["torque in kN m"]
+    assert table["by moments in kN m"][1] == pytest.approx(torque[1], rel=5e-3)
+    lever = rig.case.closed_track.travel_per_angle(rig.case.track)
+    moment = 1e-3 * lever * rig.link_tension.mean().item()
+    assert table["by means of tension in kN m"][0] == pytest.approx(torque[0], abs=1e-2 * moment)
 
 
 def test_hanging_run_is_a_catenary(rig):

@@ -21,7 +21,7 @@ from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.loads.actions import actions
-from exudyn_crawler.results.loads.exports import shoe_loads
+from exudyn_crawler.results.loads.exports import roller_loads, shoe_loads
 from exudyn_crawler.results.loads.load_map import coordinates, unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem.elasticity import Material
@@ -75,6 +75,16 @@ def test_all_that_acts_on_flexible_shoes_balances(bent):
     loads = shoe_loads(bent, ON_TUMBLER, 0.1)
     assert (loads.table["kind"] == "tooth").sum() == 2
     assert np.abs(loads.residual).max() < 1e-5 * np.abs(loads.centers).max()
+
+
+def test_loads_of_the_wheels_are_those_on_the_shoe(bent):
+    for shoe in (UNDER_ROLLER, ON_IDLER):
+        loads = roller_loads(bent, shoe).force.sum(("wheel", "rail")).values
+        turn = rotation_matrices(bent.angles.sel(shoe=shoe).values)
+        whole = bent.wheel_load.sel(shoe=shoe).values
+        np.testing.assert_allclose(np.einsum("tij,tj->ti", turn, loads), whole, atol=1e-9 * abs(whole).max())
+    with pytest.raises(ValueError, match="flexible one"):
+        roller_loads(bent, UNDER_ROLLER + 1)
 
 
 def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():

@@ -122,13 +122,17 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
 
     Both strips of a tread together: their forces have the same direction and act on a line across the rail.
     `force` (time, roller, rail, axis), N; `place` (time, roller, rail, axis), m: where it acts, x along and y
-    across the shoe, z up; NaN while a roller is not on the rail. ValueError if the history's case is not
-    rolled, or its track has no such shoe.
+    across the shoe, z up; NaN while a roller is not on the rail. Of a closed track all wheels, with their
+    flanges, are in place of rollers. ValueError if the history's case is neither rolled nor closed, if its
+    track has no such shoe, or if the shoe of a closed track is rigid: where wheels are is not stored of it.
     """
-    frame = frame_of(history)
+    closed = history.case.is_closed
+    frame, wheel = (history.case.closed_gear(), "wheel") if closed else (frame_of(history), "roller")
+    if closed:
+        check_flexible(history.case, shoe)
     history.case.track.check_shoe(shoe)
     origin, axes = shoe_frames(history, shoe)
-    shape = (len(axes), len(frame.rollers), len(SIDES), 3)
+    shape = (len(axes), history.dataset.sizes[wheel], len(SIDES), 3)
     force, weighted, weight = np.zeros(shape), np.zeros(shape), np.zeros((*shape[:3], 1))
     for action in actions(history, shoe):
         if isinstance(action.entry, OnRail):
@@ -138,7 +142,7 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
             weighted[at] += size * np.einsum("tij,ti->tj", axes, action.point - origin)
             weight[at] += size
     place = np.divide(weighted, weight, out=np.full(shape, np.nan), where=weight > 0.0)
-    dims = ("time", "roller", "rail", "axis")
+    dims = ("time", wheel, "rail", "axis")
     return xr.Dataset(
         {"force": (dims, force, {"units": "N"}), "place": (dims, place, {"units": "m"})},
         coords={name: history.dataset[name] for name in dims},
