@@ -118,6 +118,10 @@ def test_damage_of_stages_adds_up_at_the_nearest_nodes(mesh):
     shares = found.dataset.part_damage.values[:, surface[7]] * lasts
     np.testing.assert_allclose(shares, [1000.0 * new, 1.0 - 1000.0 * new], rtol=1e-6)
     assert found.causes().loc["stones", "web"] == pytest.approx(lasts)
+    # the worst node stands first, also where it was none of the last stage's worst ones
+    rest = dict(list(of_stages[1].nodes.items())[1:])
+    again = life_of_stages(whole, [of_stages[0], dataclasses.replace(of_stages[1], nodes=rest)])
+    assert again.table["node"].tolist() == [*again.nodes] == found.table["node"].tolist()
     assert found.duty == whole
     assert found.table["life in h that 97.5 % survive"].iloc[0] == pytest.approx(lasts)
     assert found.table["main part"].iloc[0] == "worn, stones"

@@ -226,6 +226,7 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
         planes = _on_critical_planes(last.duty, last.runs, groups, np.array(more))
         for name, own in zip(("plane_damage", "plane_normal"), planes, strict=True):
             values[name] = np.where(np.isnan(own), last.dataset[name].values, own)
+    nodes = {node: nodes[node] for node in shown}  # the worst first
     dataset = last.dataset.drop_dims("part").assign_coords(part=np.array(names, dtype=object))
     dataset = dataset.assign({name: variable(name, value) for name, value in values.items()})
     dataset = dataset.assign_attrs(duty=duty.model_dump_json())
