@@ -12,8 +12,8 @@ PAGE = Path(__file__).with_suffix(".md")
 HEAD = """# Every number of the papers beside the computed one
 
 The `comparison.csv` of the studies as tables (`make kinematics`, `make forces`, `make stress`, then
-`python -m docs.comparison results`; 2 ms steps). What the classes mean is in [validation.md](validation.md),
-with what is outside and why. Rows without a verdict are lateral, or the run does not reach them.
+`python -m docs.comparison results`; 2 ms steps). [validation.md](validation.md) explains the classes and
+why some numbers fall outside. Rows without a verdict are lateral, or the run does not reach them.
 """
 STUDIES = {
     "kinematics": "Kinematics, straight and turning",

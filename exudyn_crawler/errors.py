@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 INTERRUPTED = "interrupted"  # why a simulation stopped that could have gone on
-GOES_ON = "the same command goes on"  # what a user does then
-ASK_TO_OVERWRITE = "ask for overwriting (--overwrite, in Python overwrite=True)"
+GOES_ON = "run the same command again to continue"  # what a user does then
+ASK_TO_OVERWRITE = "allow overwriting (--overwrite, in Python overwrite=True)"
 """What a user may do about earlier results."""
 ENDED_FROM_OUTSIDE = 130  # exit code of a command that an interrupt ended outside of a simulation
 

@@ -127,7 +127,7 @@ def stress(
     overwrite: Overwrite = False,
     choices: Choices = False,
 ) -> None:
-    """Run the stress study and compare it with the paper; a study that was stopped goes on."""
+    """Run the stress study and compare it with the paper; the same command continues a stopped study."""
     from exudyn_crawler import Case, LoadCycle
     from exudyn_crawler.results.stress.hot_spots import hot_spot_table
     from studies.stress import RUN, highest_in_propel_and_loading, open_choices, study, with_modes
@@ -253,7 +253,7 @@ def plate_sweep(
     workers: Annotated[int | None, typer.Option(help="processes; one a core, if not given", min=1)] = None,
     out: Out = RESULTS / "plate_sweep",
 ) -> None:
-    """Sweep top plate and ground against the life of the roller path; the same command goes on."""
+    """Sweep top plate and ground against the life of the roller path; the same command continues."""
     from studies.plate_sweep import study
 
     run = study(out, workers=workers, say=typer.echo)

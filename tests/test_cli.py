@@ -224,7 +224,7 @@ def test_an_interrupt_while_the_command_loads_is_told_in_a_line(module):
     line = [sys.executable, "-c", EARLY, module]
     done = subprocess.run(line, capture_output=True, text=True, check=False)
     assert done.returncode == 130
-    assert done.stderr == "error: interrupted; the same command goes on\n"
+    assert done.stderr == "error: interrupted; run the same command again to continue\n"
 
 
 def test_an_interrupt_while_words_are_read_is_told_in_a_line(call, monkeypatch):
@@ -232,7 +232,7 @@ def test_an_interrupt_while_words_are_read_is_told_in_a_line(call, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("exudyn_crawler.cli.application.Commands.get_command", interrupted)
-    assert call("info", "stress") == (130, "", "error: interrupted; the same command goes on\n")
+    assert call("info", "stress") == (130, "", "error: interrupted; run the same command again to continue\n")
 
 
 def test_a_reader_who_has_had_enough_is_no_error():
@@ -329,7 +329,7 @@ def test_a_study_of_several_runs_names_them(call, tmp_path):
 def test_a_stressed_shoe_is_animated_without_ground(call):
     code, _, err = call("animate", "study", "--stress", "7", "--scale", "2")
     assert code == 2
-    assert_one_line(err, "--scale must go without --stress, whose picture shows no ground")
+    assert_one_line(err, "--scale cannot go with --stress, whose picture shows no ground")
 
 
 def test_studies_and_commands_are_one():

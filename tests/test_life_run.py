@@ -85,7 +85,7 @@ def test_the_command_tells_shortest_lives_and_faults(pit, call, tmp_path):
     assert (tmp_path / "results" / "digging" / "life.html").is_file()
     code, _, err = call("life", pit[0] / "digging.toml")
     assert code == 2
-    assert "ask for overwriting" in err
+    assert "allow overwriting" in err
     wrong = pit[0] / "wrong.toml"
     wrong.write_text(DUTY.replace('folder = "run"', 'folder = "rum"'))
     code, _, err = call("life", wrong)

@@ -237,9 +237,9 @@ def run_lines(case_file: CaseFile) -> list[str]:
     way, steps = float(case.drive.speed.integral(end)), end / case.solver.step
     return [
         f"track: {shoes} shoes of {shoe.mass / 1e3:.4g} t; the ground carries {loads / 1e6:.4g} MN at the "
-        f"begin, {pressure / 1e3:.4g} kPa below the shoes, which sink by about "
+        f"start, {pressure / 1e3:.4g} kPa below the shoes, which sink by about "
         f"{1e3 * case.settled_penetration:.3g} mm",
-        f"run: {end:g} s, {abs(way):.3g} m of way by the drive, {steps:.0f} steps of "
+        f"run: {end:g} s, {abs(way):.3g} m of travel by the drive, {steps:.0f} steps of "
         f"{1e3 * case.solver.step:g} ms, {case.solver.stored_times(end):.0f} stored times",
     ]
 

@@ -38,7 +38,7 @@ Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace earlier re
 Debug = Annotated[bool, typer.Option("--debug", help="show the traceback of an error")]
 Changes = Annotated[
     list[str] | None,
-    typer.Option("--set", help="value in place of the file's, as terrain.spring_stiffness=1e7; repeatable"),
+    typer.Option("--set", help="replace a value of the file, as terrain.spring_stiffness=1e7; repeatable"),
 ]
 
 

@@ -72,7 +72,7 @@ def init(
     of_name = path.stem if path.stem in application.registered(CASES) else START
     case_file = application.study_case(study or of_name)
     written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite, by_hand=True)
-    typer.echo(f"{written}: change it, then: exudyn-crawler run {written}")
+    typer.echo(f"{written}: edit it, then run it: exudyn-crawler run {written}")
 
 
 @command("info soft_ground.toml")
@@ -82,7 +82,7 @@ def info(
     ] = START,
     changes: Changes = None,
 ) -> None:
-    """Show a case with everything filled in, and what differs from the papers' case that is nearest."""
+    """Show all values of a case, and where they differ from the nearest case of the papers."""
     from exudyn_crawler.case.case_file import nearest_base, run_lines, shoe_weights
     from exudyn_crawler.case.parameters import checks, fields
 
@@ -115,11 +115,11 @@ def run(
     case: Annotated[Path, typer.Argument(help="case file", metavar="CASE.toml")],
     out: OfName = None,
     reuse: Annotated[
-        Path | None, typer.Option(help="folder whose history takes the place of the simulation")
+        Path | None, typer.Option(help="folder of a run whose history is used instead of simulating")
     ] = None,
     changes: Changes = None,
     page: Annotated[
-        bool | None, typer.Option(help="whether report.html is made; as the case says, if not given")
+        bool | None, typer.Option(help="make report.html or not; if not given, as the case says")
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
@@ -142,7 +142,7 @@ def run(
     if case_file.outputs.page:
         typer.echo(f"{out / 'report.html'}: open it in a browser")
     else:
-        typer.echo(f"all of it on one page: exudyn-crawler report {out}")
+        typer.echo(f"everything on one page: exudyn-crawler report {out}")
 
 
 def show_answers(run: "CaseRun") -> None:
@@ -186,19 +186,20 @@ def animate(
     ] = None,
     stress: Annotated[
         int | None,
-        typer.Option(help="number of a flexible shoe that is shown with its stress, in place of the track"),
+        typer.Option(help="number of a flexible shoe to show with its stress, instead of the track"),
     ] = None,
     scale: Annotated[
-        float | None, typer.Option(help="magnification of the ground's displacements; fitting, if not given")
+        float | None,
+        typer.Option(help="magnification of the ground's displacements; chosen to fit, if not given"),
     ] = None,
     start: Annotated[float, typer.Option(help="s, first time shown")] = 0.0,
     end: Annotated[float | None, typer.Option(help="s, last time shown; the run's end, if not given")] = None,
-    speed: Annotated[float, typer.Option(help="simulated seconds that a second shows")] = 1.0,
+    speed: Annotated[float, typer.Option(help="simulated seconds in a second of the film")] = 1.0,
     overwrite: Overwrite = False,
 ) -> None:
     """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display."""
     if stress is not None and scale is not None:
-        raise ValueError("--scale must go without --stress, whose picture shows no ground")
+        raise ValueError("--scale cannot go with --stress, whose picture shows no ground")
     beside = application.history_path(run)
     default = beside.with_suffix(".mp4") if stress is None else beside.with_name(f"shoe_{stress}.mp4")
     path = out or default
@@ -243,7 +244,7 @@ def schema(
 
     with whole_file(out, overwrite) as temporary:
         temporary.write_text(json.dumps(case_schema(), indent=1) + "\n", encoding="utf-8")
-    typer.echo(f"{out}: begin a case file beside it with the line '#:schema {out.name}'")
+    typer.echo(f"{out}: begin a case file in the same folder with the line '#:schema {out.name}'")
 
 
 @command("fmu mine.toml")
@@ -260,7 +261,9 @@ def fmu(
     from exudyn_crawler.co_simulation import write_fmu
 
     written = write_fmu(case_file, out or case.with_suffix(".fmu"), overwrite)
-    typer.echo(f"{written}: in speed, force and moment; out motion of the frame, forces of pins and ground")
+    typer.echo(
+        f"{written}: takes speed, force and moment; gives motion of the frame, forces of pins and ground"
+    )
 
 
 def _prepare(case_file: "crawler.CaseFile") -> None:

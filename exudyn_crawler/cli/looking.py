@@ -47,7 +47,7 @@ def node_stress(
         f"{stress.attrs['distance_m']:.4f} m from the place asked for"
     )
     if stress.attrs["in_spider"]:
-        typer.echo("the node is held by a joint's rigid spider: its stress is that beside a rigid ring")
+        typer.echo("a joint's rigid spider holds the node: its stress is that beside a rigid ring")
     mises = stress.von_mises.values
     greatest = int(mises.argmax())
     typer.echo(
@@ -103,13 +103,13 @@ def shoe_loads(
 @command("compare results/soft_ground results/hard_ground --out soft_and_hard.html")
 def compare(
     first: Annotated[Path, typer.Argument(help="folder of a run, or its history", metavar="A")],
-    second: Annotated[Path, typer.Argument(help="same of another", metavar="B")],
+    second: Annotated[Path, typer.Argument(help="folder of the other run, or its history", metavar="B")],
     out: Annotated[
-        Path | None, typer.Option(help="page to write, its tables beside it; A_B.html, if not given")
+        Path | None, typer.Option(help="page to write, with its tables beside it; A_B.html, if not given")
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Lay two runs over each other: what differs in their cases and results, and their main curves."""
+    """Compare two runs: what differs in their cases and results, and their main curves."""
     names = [application.run_folder(run).resolve().name for run in (first, second)]
     runs = dict(zip(names if names[0] != names[1] else "AB", (first, second), strict=True))
     histories = {name: application.loaded(run) for name, run in runs.items()}
@@ -192,13 +192,13 @@ def check(
 @command("spread results/stress/cycle")
 def spread(
     run: Run,
-    starts: Annotated[int, typer.Option(help="starts that differ by rounding, the run's own among them")] = 3,
+    starts: Annotated[int, typer.Option(help="starts that differ by rounding, including the run's own")] = 3,
     laws: Annotated[
-        bool, typer.Option(help="repeat it with the contact law shared by area, or whole a pair, too")
+        bool, typer.Option(help="repeat it with the other contact law, too: shared by area, or not")
     ] = True,
     overwrite: Overwrite = False,
 ) -> None:
-    """Repeat a run from starts that differ by rounding and by another contact law, and judge its stresses."""
+    """Repeat a run from other starts and with the other contact law, and judge its stresses."""
     folder = application.run_folder(run)  # before all that runs is loaded
     from exudyn_crawler.spread_run import spread as spread_into
 

@@ -36,9 +36,9 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
             int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
         ] = None,
         storage: Annotated[
-            str | None, typer.Option(help="folder of the runs instead, which all workers share")
+            str | None, typer.Option(help="another folder for the runs, which all workers share")
         ] = None,
-        retry: Annotated[bool, typer.Option("--retry", help="run those anew that have failed")] = False,
+        retry: Annotated[bool, typer.Option("--retry", help="run failed runs again")] = False,
     ) -> None:
         if missing := [module for module in NEEDED if find_spec(module) is None]:
             raise ValueError(f"sweeps need {', '.join(missing)}: pip install 'exudyn-crawler[sweep]'")
@@ -85,7 +85,7 @@ def _show_plan(plan: "AnySweep") -> None:
 
 
 def sweep(run: "SweepRun") -> None:
-    """Run a case with some of its values varied, on all cores or a cluster; the same command goes on."""
+    """Run a case with some of its values varied, on all cores or a cluster; the same command continues it."""
     from exudyn_crawler.sweep.results import best_and_worst, for_reading
 
     read, columns = for_reading(run.table), ("answer", "which", "run", "value", "unit", "folder")
@@ -95,7 +95,7 @@ def sweep(run: "SweepRun") -> None:
 
 
 def scatter(run: "SweepRun") -> None:
-    """Run a case, or count a duty, with values drawn: quantiles of answers, shoes that crack in a fleet."""
+    """Run a case or weigh a duty with values drawn at random: quantiles of answers, shoes that crack."""
     from exudyn_crawler.sweep.results import for_reading, scatter_tables
 
     tables = scatter_tables(run.sweep, for_reading(run.table))

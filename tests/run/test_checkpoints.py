@@ -157,7 +157,7 @@ def test_an_altered_checkpoint_is_computed_anew_from_the_last_good_one(three_sta
     resumed = simulate(staged(), 3 * INTERVAL, checkpoints=Checkpoints(copied, said.append))
     assert resumed.dataset.identical(three_stages[1])
     assert said[0].startswith(f"checkpoint {path} cannot be read: ")
-    assert "left out, and computed anew" in said[0]
+    assert "ignored, computing again" in said[0]
     assert said[-1].endswith(f"going on from the checkpoint at t = {INTERVAL:g} s")
     assert len(Checkpoints(copied).load(staged())) == 2
 
@@ -168,7 +168,7 @@ def test_an_altered_first_checkpoint_is_refused_by_name(copied):
     flipped(path, "state")
     for content in (path.read_bytes(), b"PK\x03\x04 broken", b"", whole[:-100]):
         path.write_bytes(content)
-        with pytest.raises(ValueError, match=r"stage_0000\.npz cannot be read: .*to begin anew"):
+        with pytest.raises(ValueError, match=r"stage_0000\.npz cannot be read: .*to start again"):
             Checkpoints(copied).load(staged())
 
 
@@ -192,7 +192,7 @@ def test_a_checkpoint_in_the_place_of_another_is_left_out(copied):
     shutil.copy(copied / "stage_0000.npz", copied / "stage_0001.npz")
     said = []
     assert len(Checkpoints(copied, said.append).load(staged())) == 1
-    assert "stage_0001.npz is that of stage 0: left out" in said[0]
+    assert "stage_0001.npz is that of stage 0: ignored" in said[0]
 
 
 def test_states_of_another_layout_are_refused_by_name(copied):

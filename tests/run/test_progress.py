@@ -116,7 +116,7 @@ def test_times_of_parts_are_those_of_earlier_runs_on_this_machine(tmp_path):
             first.note({part: factor * time for part, time in rule.items()})
         again = RunTimes(case_file)
         assert again.expected() == {part: 3.0 * time for part, time in rule.items() if part not in ONCE}
-        assert "as earlier runs on this machine took: simulate " in again.line()
+        assert "as in earlier runs on this machine: simulate " in again.line()
         # another shoe is reduced, as slowly as the first
         case = case_file.case
         stiff = case_file.with_(case=case.with_(flexible=case.flexible.with_(youngs_modulus=210e9)))

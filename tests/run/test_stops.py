@@ -239,7 +239,7 @@ def random_stops(case_file, folder, count, seed):
         assert trial["differs"] == [], trial
         assert (trial["then"], trial["status"]) == (0, "done"), trial
         if trial["signal"] != "SIGKILL":
-            assert "the same command goes on" in trial["told"] or trial["ended"] == -15, trial
+            assert "run the same command again to continue" in trial["told"] or trial["ended"] == -15, trial
         assert trial["ended"] != 0, trial
     assert len(trials) == count
 

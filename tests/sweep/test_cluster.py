@@ -146,7 +146,7 @@ def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind):
     _, told = process.communicate(timeout=60)
     if kind != signal.SIGKILL:
         assert process.returncode == 130
-        assert told.splitlines()[-1] == "error: interrupted; the same command goes on"
+        assert told.splitlines()[-1] == "error: interrupted; run the same command again to continue"
     before = {
         path: path.stat().st_mtime_ns
         for path in tmp_path.glob("stopped/runs/*/history.nc")
@@ -278,7 +278,10 @@ def test_a_scheduler_elsewhere_runs_a_sweep_by_its_address_and_by_its_file(tmp_p
         scheduler.kill()
         *progress, line = lost.communicate(timeout=60)[1].splitlines()
         assert lost.returncode == 1
-        assert line == "error: the scheduler was lost; finished runs are kept: the same command goes on"
+        assert (
+            line
+            == "error: the scheduler was lost; finished runs are kept: run the same command again to continue"
+        )
         assert all(one.startswith("sweep: ") for one in progress)
     finally:
         for process in (worker, scheduler):

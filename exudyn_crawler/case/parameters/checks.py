@@ -82,7 +82,7 @@ def _sinking(case: Case) -> Iterator[str]:
     depth, height = case.settled_penetration, case.shoe.com_height + case.shoe.load_point[2]
     sinks = f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)},"
     if depth > DEEPEST * height:
-        yield f"{sinks} more than half its height of {height:.3g} m; is it in N/m^exponent, are loads in N?"
+        yield f"{sinks} more than half its height of {height:.3g} m; is it in N/m^exponent? Are loads in N?"
     elif 0.0 < depth < SHALLOWEST:
         yield f"{sinks} less than {SHALLOWEST:g} m; the stiffness is in N/m^exponent"
     terrain = case.terrain

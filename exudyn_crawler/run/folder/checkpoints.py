@@ -88,9 +88,9 @@ class Checkpoints:
                 saved = case if content.case == own else saved_case(content.case)
             except ValueError as error:
                 if not found:
-                    raise ValueError(f"{error}; delete {self.folder} to begin anew") from error
+                    raise ValueError(f"{error}; delete {self.folder} to start again") from error
                 if path not in self._left_out:
-                    self.say(f"{error}: left out, and computed anew from t = {found[-1].time:g} s")
+                    self.say(f"{error}: ignored, computing again from t = {found[-1].time:g} s")
                 self._left_out.add(path)
                 break
             if saved != case:
@@ -101,7 +101,7 @@ class Checkpoints:
             if layout is not None and (others := _other_parts(content.layout, layout)):
                 raise ValueError(
                     f"checkpoint {path} has states of another layout: {'; '.join(others)}; "
-                    f"delete {self.folder} to begin anew"
+                    f"delete {self.folder} to start again"
                 )
             found.append(_checkpoint(path, content))
         return found

@@ -62,7 +62,7 @@ def run_in(
             yield folder
             if case_file is not None and not (out / CASE).is_file():
                 raise FileNotFoundError(
-                    f"{out} was removed or emptied while the run worked in it: its results are not whole"
+                    f"{out} was removed or emptied while the run worked in it: its results are incomplete"
                 )
 
 

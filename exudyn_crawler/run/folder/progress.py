@@ -115,7 +115,7 @@ class RunTimes:
             for part, time in parts.items()
         ]
         known = any(self._keys[part] in self._earlier for part in parts)
-        whence = "as earlier runs on this machine took" if known else "by a rule of thumb"
+        whence = "as in earlier runs on this machine" if known else "by a rule of thumb"
         return f"time: about {in_units(sum(parts.values()), TIMES, 2)} {whence}: {', '.join(words)}"
 
     def note(self, taken: Mapping[str, float]) -> None:

@@ -247,7 +247,7 @@ def held(out: Path, what: str = "run") -> Iterator[None]:
     except Timeout as error:
         record = {"process": "unknown", "started": "just now"} | earlier_record(out)
         raise BlockingIOError(
-            f"{out} is in use by another {what} (process {record['process']}, begun {record['started']}): "
+            f"{out} is in use by another {what} (process {record['process']}, started {record['started']}): "
             "choose another folder or wait"
         ) from error
     try:

@@ -155,7 +155,7 @@ def static_equilibrium(case: Case) -> np.ndarray:
     if isinstance(contact, SphereGroundContact) and (sunken := contact.sunken(q)):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
-            f"the ground; they need a greater contact.radius than {radius} m, or flatter ground"
+            f"the ground; they need a contact.radius greater than {radius} m, or flatter ground"
         )
     return q
 
@@ -309,5 +309,5 @@ def _unsupported(system: ExudynSystem) -> str:
     force = system.contact_wrenches()[:, 2]
     lifted = np.flatnonzero(force < 0.1 * system.case.mean_load) + 1
     if len(lifted):
-        return f"Last, hardly any ground carried shoes {lifted.tolist()}."
-    return f"Last, the ground carried shoe {force.argmin() + 1} least, with {force.min():.3g} N."
+        return f"In its last state the ground hardly carries shoes {lifted.tolist()}."
+    return f"In its last state the ground carries shoe {force.argmin() + 1} least, with {force.min():.3g} N."

@@ -155,8 +155,8 @@ def _watched(system: TrackSystem, recorder: Recorder, tell: Callable[[float], No
             sunken := system.contact.sunken(system.layout.part(system.state(), "coordinates"))
         ):
             watch.fault = (
-                f"spheres of shoes {sunken} sank through the ground; they need a greater "
-                f"contact.radius than {case.sphere_contact().radius} m, or flatter ground"
+                f"spheres of shoes {sunken} sank through the ground; they need a "
+                f"contact.radius greater than {case.sphere_contact().radius} m, or flatter ground"
             )
         return not (watch.fault or watch.waiting)
 
