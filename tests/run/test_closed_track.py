@@ -9,6 +9,7 @@ from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import Drive, read_case
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
@@ -139,6 +140,7 @@ def test_upper_run_of_an_m113_hangs_as_a_catenary():
     pull = case.shoe.mass * case.gravity / case.track.pitch / curvature
     assert pull == pytest.approx(0.5 * np.hypot(on_idler[0], on_idler[2]), rel=0.02)
     assert 50e3 < pull < 70e3
+    assert rest.take_up.item() == pytest.approx(0.1547, abs=2e-4)
 
 
 def test_travel_a_radian_is_that_of_the_pitches(rig):
@@ -206,6 +208,19 @@ def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration():
         assert left[name] < 1e-5 * parts.max()
     assert link_name(history.joint, 38) == "link 38-1"
     assert link_name(history.joint, 37) == "link 37-38"
+
+
+def test_sand_carries_a_closed_track_and_each_shoe_is_in_balance():
+    """Cells with memory below all shoes; the first instant has what is left of the rest that was found."""
+    history = simulate(Case.closed().on_cells(BekkerSoil.lete_sand()), 0.1, progress=False)
+    case = history.case
+    mass = case.closed_track.mass + case.closed_track.tumbler.mass + case.track.shoe_count * case.shoe.mass
+    carried = (history.normal_force + history.friction_force).sel(axis="z").sum("contact").values
+    assert carried == pytest.approx(mass * case.gravity, rel=1e-3)
+    acts, left = shoe_actions(history), shoe_imbalance(history).isel(time=slice(1, None))
+    for name, parts in acts.items():
+        assert float(abs(left[name]).max()) < 1e-5 * float(abs(parts).max())
+        assert float(abs(parts).sel(source="contact").max()) > 1e4
 
 
 def test_work_of_the_torque_is_losses_and_what_is_stored():

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, FlexibleShoes, StepProfile, recover_stresses, simulate
+from exudyn_crawler import Case, FlexibleShoes, MachineCycle, StepProfile, recover_stresses, simulate
 from exudyn_crawler.case import CarBody, Drive, LoadCycle
-from exudyn_crawler.case.parameters.undercarriage import Part
+from exudyn_crawler.case.parameters.undercarriage import MachinePhase, Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.catalogue import link_name
@@ -198,7 +198,7 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     assert {"car body", "right tumbler", "left tumbler", "left lugs"} <= names
 
 
-@pytest.mark.parametrize("changes", [{"car_body.slew": 0.5 * np.pi}, {"terrain.side_slope": 0.08}])
+@pytest.mark.parametrize("changes", [{"car_body.slew": 0.5 * np.pi}, {"terrain.side_slope": 0.1}])
 def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
     """As on two supports; shoes that lean carry a little beside their middles."""
     case = Case.shovel().with_(changes, drive=Drive(speed=StepProfile.constant(0.0)))
@@ -210,6 +210,39 @@ def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
     pressed = [history.of_track(side).normal_force.isel(time=-1).sum() for side in ("right", "left")]
     assert float(pressed[1] / (pressed[0] + pressed[1])) == pytest.approx(expected, abs=0.004)
     assert abs(expected - 0.5) > 0.02
+
+
+def test_digging_loads_are_shared_by_the_tracks_and_held_by_the_ground():
+    force, about = np.array([-2e5, 0.0, -9e5]), 3e6  # N and N m: the dipper is to the right
+    phase = MachinePhase(name="dig", end=0.0, force=tuple(force), moment=(about, 0.0, 0.0))
+    still = Case.shovel().with_(drive=Drive(speed=StepProfile.constant(0.0)))
+    idle, digging = (
+        simulate(case, 0.02, progress=False)
+        for case in (still, still.with_(machine=MachineCycle(phases=(phase,))))
+    )
+    carried, moments = [], []
+    for history in (idle, digging):
+        held = (history.normal_force + history.friction_force).isel(time=-1)
+        left = held.where(history.contact_shoe > 38, 0.0)
+        carried.append(held.sum("contact").values)
+        moments.append(float((2.0 * left - held).sel(axis="z").sum()) * 0.5 * still.car_body.track_distance)
+    weight = carried[0][2]
+    # the ground gives as it takes the pull up
+    assert carried[1] - carried[0] == pytest.approx(-force, abs=5e-3 * weight)
+    assert moments[1] - moments[0] == pytest.approx(-about, rel=0.05)
+
+
+def test_a_differential_turn_is_in_balance_and_less_than_commanded():
+    rises = [StepProfile(times=(0.0, 0.3), values=(0.0, one)) for one in (0.1, 0.02)]
+    case = Case.shovel().with_(drive=Drive(speed=rises[0], turn_rate=rises[1]))
+    history = simulate(case.with_({"solver.output_interval": 0.01}), 0.8, progress=False)
+    weight = float(history.normal_force.sel(axis="z").isel(time=0).sum())
+    assert float(abs(shoe_imbalance(history).force).max()) < 2e-6 * weight
+    for values in frame_imbalance(history).values():
+        assert np.abs(values.values).max() < 1e-4 * weight
+    assert 0.1 * 0.02 < history.side_frame_angular_velocity.values[-20:, 2].mean() < 0.02
+    right, left = (history.of_track(side).drive_moment.values[-20:].mean() for side in ("right", "left"))
+    assert right > 0.0 > left
 
 
 def test_a_machine_stands_on_a_grade_by_friction_and_leans_to_its_rear():
