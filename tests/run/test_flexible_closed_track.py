@@ -145,6 +145,24 @@ def test_work_of_the_torque_goes_into_modes_too(bent):
     assert {"elastic", "modal_damping"} <= set(balance.data_vars)
 
 
+def test_a_flexible_shoe_goes_over_the_tumbler():
+    """From the lower run to the upper one at 1 m/s, in balance at every stored time."""
+    drive = Drive(speed=StepProfile(times=(0.0, 0.5), values=(0.0, 1.0)))
+    case = flexible_case((ON_TUMBLER,)).with_({"solver.output_interval": 0.008}, drive=drive)
+    history = simulate(case, 3.0, progress=False)
+    way = history.position.sel(shoe=ON_TUMBLER, axis="z") - history.side_frame_position.sel(axis="z")
+    # below and above the tumbler, whose axis is at 0.6 m
+    assert way[0] < -0.4
+    assert way[-1] > 1.2
+    turned = history.angles.sel(shoe=ON_TUMBLER).isel({history.angles.dims[-1]: 1})
+    assert abs(float(turned[-1] - turned[0])) > 2.0
+    acts, left = shoe_actions(history).force, shoe_imbalance(history).force
+    assert float(abs(left).max()) < 1e-5 * float(abs(acts).max())
+    assert float(abs(acts).sel(shoe=ON_TUMBLER, source="tooth").max()) > 5e5
+    balance = energy_balance(history)
+    assert np.abs(balance.imbalance.values).max() < 1e-2 * balance.drive.values.max()
+
+
 def test_lugs_beside_the_pins_load_the_bores_next_to_them():
     """Two circles a shoe, one beside each pin: its own bores hold both, and the shoe is in balance."""
     track = Case.closed().track
