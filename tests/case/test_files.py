@@ -289,7 +289,7 @@ def test_of_many_unknown_keys_the_first_are_named_and_all_counted(refused):
     # naming each with the nearest known one would take a minute
     faults = refused('base = "translation"\n' + "".join(f"key{k} = 1\n" for k in range(100_000)))
     assert [fault.partition(":")[0] for fault in faults[:10]] == [f"key{k}" for k in range(10)]
-    assert faults[10:] == ["100000 keys are unknown, of which the first 10 are named"]
+    assert faults[10:] == ["100000 keys are unknown; only the first 10 are named"]
 
 
 def test_a_wrong_base_is_answered_with_those_there_are(refused):

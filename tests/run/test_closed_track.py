@@ -337,7 +337,7 @@ def test_drive_with_a_limited_torque_keeps_to_it():
                 "offset_limit": 0.0735,
             },
             3.0,
-            r"shoe \d+ came off sideways: it is -0\.07\d+ m beside the track's middle.*flanges do not hold",
+            r"shoe \d+ came off sideways: it is -0\.07\d+ m from the track's middle.*flanges do not hold",
         ),
     ],
     ids=["breaks", "folds", "jumps", "comes off"],

@@ -177,7 +177,7 @@ def error_lines(error: ValidationError, model: type[BaseModel], in_file: bool = 
             continue  # what is in the list is wrong, not how much
         yield " ".join(_message(one, _spot(loc, model, in_file), model, in_file).split())
     if unknown > MOST_UNKNOWN:
-        yield f"{unknown} keys are unknown, of which the first {MOST_UNKNOWN} are named"
+        yield f"{unknown} keys are unknown; only the first {MOST_UNKNOWN} are named"
 
 
 class _Spot(NamedTuple):

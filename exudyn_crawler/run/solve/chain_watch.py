@@ -72,8 +72,8 @@ class ChainWatch:
         if max(abs(aside[shoe]), step[shoe]) <= limit:
             return ""
         return (
-            f"shoe {shoe + 1} came off sideways: it is {aside[shoe]:+.4f} m beside the track's middle and "
-            f"{step[shoe]:.4f} m beside shoe {self._ahead[shoe] + 1}, beyond closed_track.offset_limit = "
+            f"shoe {shoe + 1} came off sideways: it is {aside[shoe]:+.4f} m from the track's middle and "
+            f"{step[shoe]:.4f} m from shoe {self._ahead[shoe] + 1}, beyond closed_track.offset_limit = "
             f"{limit:g} m; likely a side force that the flanges do not hold (guide_height, guide_stiffness), "
             "or a chain too slack to stay between them"
         )

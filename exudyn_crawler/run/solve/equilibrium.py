@@ -309,5 +309,5 @@ def _unsupported(system: ExudynSystem) -> str:
     force = system.contact_wrenches()[:, 2]
     lifted = np.flatnonzero(force < 0.1 * system.case.mean_load) + 1
     if len(lifted):
-        return f"In its last state the ground hardly carries shoes {lifted.tolist()}."
-    return f"In its last state the ground carries shoe {force.argmin() + 1} least, with {force.min():.3g} N."
+        return f"In the last state the ground hardly carries shoes {lifted.tolist()}."
+    return f"In the last state the ground carries shoe {force.argmin() + 1} least, with {force.min():.3g} N."
