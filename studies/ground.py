@@ -12,6 +12,7 @@ from typing import Unpack
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, FlexibleShoes, History
 from exudyn_crawler.case import Heights, Outputs
@@ -81,15 +82,35 @@ def study_cases(
     }
 
 
-def kept_work(history: History, sinkage: xr.DataArray, pressure: xr.DataArray) -> float:
-    """Work (J) that cells keep of being loaded to greatest sinkages (m) with the pressures there (Pa)."""
+def covered(history: History) -> np.ndarray:
+    """Share of every cell that undersides cover as the run ends, seen from above; shoes stand along x."""
+    cell, (x0, x1, y0, y1, _) = history.case.cell_terrain().cell, history.case.shoe.footprint
+    place = history.position.isel(time=-1).values
+
+    def part(first: xr.DataArray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        edge = cell * first.values[:, None]
+        return np.clip(np.minimum(high, edge + cell) - np.maximum(low, edge), 0.0, None) / cell
+
+    x = part(history.cell_column, place[:, 0] + x0, place[:, 0] + x1)
+    y = part(history.cell_row, place[:, 1] + y0, place[:, 1] + y1)
+    return (x * y).sum(axis=1)
+
+
+def kept_work(
+    history: History, sinkage: xr.DataArray, pressure: xr.DataArray, share: ArrayLike = 1.0
+) -> float:
+    """Work (J) that cells keep of being loaded to greatest sinkages (m) with the pressures there (Pa).
+
+    Shoes press on a `share` of every cell.
+    """
     law, shoe = history.case.cell_contact().law, history.case.shoe
     if not isinstance(law, BekkerSoil):
         return 0.0
     constants, z, p = law.constants(min(shoe.length, shoe.width)), sinkage.values, pressure.values
     modulus = np.array([law.kernel.prepare(constants, *one)[0] for one in zip(z, p, strict=True)])
     given_back = np.divide(0.5 * p**2, modulus, out=np.zeros_like(p), where=modulus > 0.0)
-    return history.case.cell_terrain().cell ** 2 * float((p * z / (law.exponent + 1.0) - given_back).sum())
+    kept = share * (p * z / (law.exponent + 1.0) - given_back)
+    return history.case.cell_terrain().cell ** 2 * float(kept.sum())
 
 
 def work_balance(history: History) -> dict[str, float]:
@@ -107,9 +128,9 @@ def work_balance(history: History) -> dict[str, float]:
     pulled = np.trapezoid(history.drive_pull.values, x) - resistance * (x[-1] - x[0])
     works = {"pull beyond rolling": pulled, "given by sinking": fallen}
     if history.has("cell_sinkage_then"):
-        begin = history.dataset.isel(ground_time=0)
-        end = kept_work(history, history.cell_sinkage, history.cell_pressure)
-        start = kept_work(history, begin.cell_sinkage_then, begin.cell_pressure_then)
+        begin, share = history.dataset.isel(ground_time=0), covered(history)
+        end = kept_work(history, history.cell_sinkage, history.cell_pressure, share)
+        start = kept_work(history, begin.cell_sinkage_then, begin.cell_pressure_then, share)
         works["kept by the ground"] = end - start
     return {f"{name}, kN over the way": work / (x[-1] - x[0]) / KILO for name, work in works.items()}
 

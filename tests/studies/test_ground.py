@@ -7,7 +7,9 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import simulate
-from studies.ground import AGAIN, PAPERS, SOFT, kept_work, row, study_cases
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from studies.ground import AGAIN, PAPERS, SOFT, covered, kept_work, row, study_cases
+from tests.rolled import small_case
 
 CASES = {name: one.case.with_(flexible=None) for name, one in study_cases(duration=1.0).items()}
 
@@ -22,10 +24,22 @@ def test_work_that_cells_keep_is_the_area_of_a_loop_of_loading_and_unloading():
     case, deepest = CASES["LETE sand"], 0.03
     depths = np.concatenate((np.linspace(0.0, deepest, 2001), np.linspace(deepest, 0.0, 2001)))
     pressure, _ = case.contact.law.drive(depths, np.zeros_like(depths), case.shoe.length)
-    cells = (xr.DataArray(np.full(3, one)) for one in (deepest, pressure.max()))
-    loop = 3 * case.terrain.cell**2 * np.trapezoid(pressure, depths)
+    cells = [xr.DataArray(np.full(3, one)) for one in (deepest, pressure.max())]
+    loop = case.terrain.cell**2 * np.trapezoid(pressure, depths)
     # the curve begins with a parabola over 1 mm
-    assert kept_work(SimpleNamespace(case=case), *cells) == pytest.approx(loop, rel=2e-3)
+    for share, count in ((1.0, 3.0), (np.array([1.0, 0.5, 0.1]), 1.6)):
+        assert kept_work(SimpleNamespace(case=case), *cells, share) == pytest.approx(count * loop, rel=2e-3)
+
+
+@pytest.mark.simulation
+def test_work_is_kept_on_the_covered_part_of_cells_and_not_in_gaps_and_beside_edges():
+    history = simulate(small_case().on_cells(BekkerSoil.lete_sand()), 0.05, False)
+    share, shoe, cell = covered(history), history.case.shoe, history.case.terrain.cell
+    area = history.case.track.shoe_count * shoe.length * shoe.width
+    assert share.sum() * cell**2 == pytest.approx(area, rel=0.01)
+    assert share.min() >= 0.0
+    assert share.max() < 1.0 + 1e-9
+    assert area < 0.96 * share.size * cell**2
 
 
 def test_second_passes_start_in_the_ruts_of_the_first(tmp_path):
