@@ -21,8 +21,8 @@ from exudyn_crawler import Case, simulate
 from exudyn_crawler.cli import main
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
-OWN = {"run.json", "run.log", ".lock"}
-"""What tells of a run itself."""
+OWN = {"run.json", "run.log", ".lock", "report.html"}
+"""What tells of a run itself; the page has its record."""
 
 
 def begin(case: Path, out: Path) -> int:

@@ -13,6 +13,7 @@ from unittest.mock import patch
 import dask
 from distributed import Client, LocalCluster, as_completed
 from distributed.client import FutureCancelledError
+from distributed.comm import CommClosedError
 from distributed.scheduler import KilledWorker
 from distributed.utils import silence_logging_cmgr
 from distributed.versions import VersionMismatchWarning
@@ -138,7 +139,7 @@ def outcomes(
             times, last = error.allowed_failures + 1, error.last_worker.address
             reason = f"{times} workers died while they ran it, the last one {last}"
             outcome = write_outcome(task, CrawlerError(reason), {})
-        except FutureCancelledError as error:
+        except (FutureCancelledError, CommClosedError) as error:
             raise ConnectionError(f"the scheduler was lost; finished runs are kept: {GOES_ON}") from error
         future.release()
         yield outcome
