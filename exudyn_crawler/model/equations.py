@@ -186,6 +186,10 @@ def residual(
     weights, work = Weights(*factors), Workspace(*workspace)
     units, bodies = UnitWorkspace(*work.units), tables.bodies
     out.fill(0.0)
+    # elements leave those of other weights, which would be taken for masses
+    if weights.acceleration != 0.0 and weights.position == weights.velocity == 0.0:
+        for kind in range(len(work.elements)):
+            ForceRows(*work.elements[kind]).tangent.fill(0.0)
     write_angles(bodies, state[0])
     work.counts[0] = unit_contacts(
         bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units

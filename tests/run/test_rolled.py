@@ -5,6 +5,7 @@ import pytest
 
 from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import MachineCycle
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.history.states import system_history
@@ -28,7 +29,13 @@ def weight(history):
     return history.case.undercarriage.mass * history.case.gravity
 
 
-@pytest.mark.parametrize("name", ["rolled", "bent"])
+@pytest.fixture(scope="module")
+def on_sand():
+    """Two flexible shoes, their first step from rest included."""
+    return simulate(small_flexible_case().on_cells(BekkerSoil.lete_sand()), 0.03, progress=False)
+
+
+@pytest.mark.parametrize("name", ["rolled", "bent", "on_sand"])
 def test_frame_is_in_balance_at_every_stored_instant(name, request):
     history = request.getfixturevalue(name)
     off = frame_imbalance(history)
@@ -43,8 +50,10 @@ def test_shoes_and_track_are_in_balance(rolled):
         assert np.abs(off["moment"]).max() < 2e-6 * weight(rolled)
 
 
-def test_flexible_shoes_are_in_balance(bent):
-    assert np.abs(shoe_imbalance(bent)["force"]).max() < 3e-6 * weight(bent)
+@pytest.mark.parametrize("name", ["bent", "on_sand"])
+def test_flexible_shoes_are_in_balance(name, request):
+    history = request.getfixturevalue(name)
+    assert np.abs(shoe_imbalance(history)["force"]).max() < 3e-6 * weight(history)
 
 
 def test_work_of_the_drive_goes_into_resistance_friction_damping_and_energy(rolled):

@@ -171,9 +171,6 @@ def cell_forces(
     by = np.array((-weights.position, -weights.velocity))
     press(shoes, work.frames, by)
     derive = by[0] != 0.0 or by[1] != 0.0
-    if weights.acceleration != 0.0 and not derive:
-        rigid.tangent.fill(0.0)
-        flexible.tangent.fill(0.0)
     count = 0
     for s in range(table.flexible.shape[0]):
         at, f = attitude_of(bodies, s), table.flexible[s]
