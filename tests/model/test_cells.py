@@ -84,9 +84,10 @@ def test_a_dragged_track_is_held_back_by_the_strength_of_the_soil(dragged):
     assert 0.9 * strength < pull < 1.05 * strength
 
 
+@pytest.mark.parametrize("grade", [0.0, 0.1])
 @pytest.mark.parametrize("law", [BekkerSoil.lete_sand(), RockFloor.hard_floor()], ids=["sand", "rock"])
-def test_shoes_on_a_side_slope_below_friction_stay_where_they_are(law):
-    case = three_shoes(law, side_slope=0.1, drive=FREE)
+def test_shoes_on_a_slope_below_friction_stay_where_they_are(law, grade):
+    case = three_shoes(law, grade, side_slope=0.1, drive=FREE)
     run = simulate(case, 2.0, False)
     ground = (run.normal_force + run.friction_force).sum("contact").values
     assert ground[-1] == pytest.approx(-weight(case) * case.terrain.down, abs=1e-5 * weight(case))

@@ -19,6 +19,7 @@ from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.solve.stages import stage_times
+from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
 
@@ -86,6 +87,8 @@ def flexible():
         pytest.param(flexible, id="flexible"),
         pytest.param(lambda: flexible().with_(formulation="engine"), id="engine"),
         pytest.param(lambda: Case.translation().on_cells(BekkerSoil.lete_sand()), id="cells"),
+        pytest.param(lambda: flexible().on_cells(BekkerSoil.lete_sand()), id="flexible on cells"),
+        pytest.param(lambda: small_case().on_cells(BekkerSoil.lete_sand()), id="rolled on cells"),
     ],
 )
 def test_a_run_that_goes_on_from_checkpoints_gives_the_same_numbers(tmp_path, case):

@@ -1,5 +1,7 @@
 """Heights of the ground: slopes are derivatives, a seed is the same rock, measured grids from files."""
 
+import math
+
 import numpy as np
 import pytest
 import xarray
@@ -105,6 +107,23 @@ def test_a_geotiff_holds_the_same_heights(tmp_path):
         file.write(z.T[::-1], 1)
     with pytest.raises(ParameterError, match=r"missing at 1 places, the first at x = 10\.75 m, y = 21\.25 m"):
         MeasuredGrid(file=tmp_path / "b.tif")
+
+
+def test_a_step_is_smoothed_to_a_gaussians_integral(tmp_path):
+    z = np.zeros((80, 40))
+    z[40:] = 0.05
+    np.save(tmp_path / "step.npy", z)
+    step = MeasuredGrid(file=tmp_path / "step.npy", spacing=0.05)
+    x = np.linspace(0.0, 79 * 0.05, 4001)
+    height, slope, across = step.sample(x, np.full_like(x, 1.0)).T
+    assert slope.max() == pytest.approx(0.05 / (step.smoothing * math.sqrt(2.0 * math.pi)), rel=0.05)
+    assert x[slope.argmax()] == pytest.approx(39.5 * 0.05, abs=1e-6)
+    assert_allclose(height[[0, -1]], [0.0, 0.05], atol=1e-6)
+    assert np.abs(across).max() < 1e-12
+    np.save(tmp_path / "wall.npy", 2.0 * z)
+    MeasuredGrid(file=tmp_path / "wall.npy", spacing=0.05)
+    with pytest.raises(ParameterError, match="more than 1 m a metre, since cells know no walls, got 2 with"):
+        MeasuredGrid(file=tmp_path / "wall.npy", spacing=0.05, smoothing=0.0)
 
 
 @pytest.mark.parametrize(

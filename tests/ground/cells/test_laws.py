@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from exudyn_crawler import Case, CaseFile, read_case, simulate, write_case
+from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells import laws
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil, backbone
@@ -124,13 +126,13 @@ def test_no_loop_of_slip_and_sinkage_makes_energy(law, sinking):
 
 
 LAW = '''
-"""Elastic ground without friction."""
+"""Elastic ground, along its plane as well."""
 
 from typing import ClassVar, Literal, NamedTuple
 
 from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Response
-from exudyn_crawler.ground.frames import compiled, inlined
+from exudyn_crawler.ground.frames import along, compiled, inlined
 
 
 class Winkler(NamedTuple):
@@ -144,10 +146,12 @@ def prepare(law, deepest, pressure):
 
 @inlined
 def respond(law, probe, tangents):
-    p = max(0.0, law.modulus * probe.depth)
-    none = (0.0, 0.0, 0.0)
-    after = Memory(max(probe.depth, probe.memory.deepest), 0.0, none, 0.0)
-    return Response(p, law.modulus if p > 0.0 else 0.0, 0.0, none, none, 0.0, 0.0, none, 0.0, after)
+    none, k, shear = (0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0)
+    if probe.depth > 0.0:
+        k = law.modulus
+        shear = along(probe.memory.shear, k, probe.slip)
+    after = Memory(max(probe.depth, probe.memory.deepest), 0.0, shear, 0.0)
+    return Response(k * probe.depth, k, 0.0, shear, none, k, k, none, 0.0, after)
 
 
 class WinklerGround(CellLaw):
@@ -160,19 +164,45 @@ class WinklerGround(CellLaw):
 '''
 
 
-def test_a_law_is_one_file(tmp_path, monkeypatch):
-    (tmp_path / "winkler.py").write_text(LAW, encoding="utf-8")
-    monkeypatch.setattr(laws, "__path__", [*laws.__path__, str(tmp_path)])
-    law = laws.law_class("winkler")(modulus=2e6, shear_deformation=0.01)
-    shoe = Shoe(law, [1.0, 2.0, 0.0])
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """With one law; what is imported from there stays."""
+    folder = tmp_path_factory.mktemp("laws")
+    (folder / "winkler.py").write_text(LAW, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def winkler(folder, monkeypatch):
+    monkeypatch.setattr(laws, "__path__", [*laws.__path__, str(folder)])
+    return laws.law_class("winkler")(modulus=2e6, shear_deformation=0.01)
+
+
+def test_a_law_is_one_file(winkler):
+    shoe = Shoe(winkler, [1.0, 2.0, 0.0])
     assert shoe.move([1.0, 2.0, -0.02])[2] == pytest.approx(2e6 * 0.02 * AREA, rel=1e-12)
     shoe.settle([0, 0, -LOAD, 0, 0, 0], steps=3)
     assert -shoe.r[2] == pytest.approx(LOAD / AREA / 2e6, rel=1e-9)
     figure, axes = plt.subplots(1, 2)
-    law.draw(*axes)
+    winkler.draw(*axes)
     assert axes[0].lines
     assert len(axes[1].lines) == 3
     plt.close(figure)
+
+
+@pytest.mark.simulation
+def test_a_case_takes_a_law_of_one_file(winkler, tmp_path):
+    file = CaseFile(case=Case.translation().on_cells(winkler), duration=1.0)
+    case = read_case(write_case(file, tmp_path / "case.toml")).case
+    assert case == file.case == saved_case(file.case.model_dump_json())
+    assert type(case.contact.law) is type(winkler)
+    pressure = case.mean_load / (case.shoe.length * case.shoe.width)
+    start = simulate(case, 4e-3, False).position.isel(time=0)
+    sinkage = case.shoe.com_height - start.sel(axis="z").values
+    # link pins tilt the ends, each shoe a seventh of the one before
+    assert_allclose(sinkage[5:8], pressure / winkler.modulus, rtol=1e-5)
+    assert_allclose(sinkage[5:8], winkler.sinkage(pressure, case.shoe.length), rtol=1e-5)
+    assert_allclose(sinkage, sinkage[6], rtol=0.04)
 
 
 def test_laws_are_found_by_name_and_others_refused():
