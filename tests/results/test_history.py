@@ -32,7 +32,7 @@ def test_an_existing_file_is_kept_unless_asked(translation, turning, tmp_path):
     before = path.read_bytes()
     with pytest.raises(
         FileExistsError,
-        match=r"run\.nc exists; ask for .* in Python overwrite=True",
+        match=r"run\.nc exists; allow .* in Python overwrite=True",
     ):
         turning.save(path)
     assert path.read_bytes() == before
