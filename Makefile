@@ -54,7 +54,7 @@ life: $(INSTALLED)  ## life of the shoes in machine hours, of the stress study; 
 rollers: $(INSTALLED)  ## the machine rolls over six flexible shoes and digs above them; beside the papers' dragging
 	$(BIN)/python -m studies rollers --out $(OUT)/rollers $(ARGS)
 
-closed: $(INSTALLED)  ## one revolution of a closed track on the papers' ground; ARGS="--flexible 7" with the stress of a shoe
+closed: $(INSTALLED)  ## one revolution of a closed track on the papers' ground with the stress of a shoe; ARGS="--flexible 0" without
 	$(BIN)/python -m studies closed --out $(OUT)/closed $(ARGS)
 
 ground: $(INSTALLED)  ## the machine rolls over sand, oil sand and hard floor with ruts, stones and ridges

@@ -24,7 +24,7 @@ from studies.running import Running, save, study_runs
 START = 10.0  # s, before which the machine starts: peaks do not count
 INTERVAL = 0.02  # s between stored states
 TENSION = 8.9e5  # N, mean tension of all links of the closed track over its revolution: that of the trial
-CUTS = (0.0, 0.3)  # m ahead of the tumbler's axis, where its torque is compared with the tension
+CUTS = (0.3,)  # m ahead of the tumbler's axis, where its torque is compared with the tension
 OPEN_SHOES, OPEN_DURATION = 31, 70.0  # shoes of the open track, and s in which all rollers pass its middle
 CLOSED, ROLLED, TRIAL = "closed", "rolled", "rolled at the closed tension"
 ABOUT_LEFT, ON_SPOT = "turn about the left track", "turn on the spot"
@@ -160,44 +160,51 @@ def loads_across(history: History) -> dict[str, float]:
     return {name: float(value) / KILO for name, value in found.items()}
 
 
-def torque_by_tension(history: History) -> pd.DataFrame:
+def torque_by_tension(history: History, cuts: tuple[float, ...] = CUTS) -> pd.DataFrame:
     """Mean torque of the drive over whole pitches beside what the tension says of it, kN m.
 
-    The chain is cut ahead of the tumbler's axis at pins that are at it or further forward. Its shoes behind
-    the cut bear the moments of both links about the axis and that of their weight, which the torque balances.
-    By means of tension each link acts at n p / (2 pi), and so does the weight a metre times the cut's height.
+    The chain is cut `cuts` (m) ahead of the tumbler's axis, at pins that are there or further forward and on
+    no tooth. Its shoes behind the cut bear the moments of both links about the axis and that of their weight,
+    which the torque balances. By work a radian takes what both links and the weight take from these shoes
+    while it turns. By means of tension each link acts at n p / (2 pi). How high the weight is raised counts
+    between the COMs of the shoes that come in and go out: those are further apart than their pins.
     """
     case, data, closed = history.case, history.dataset, history.case.closed_gear()
     track, weight, rows = case.track, case.shoe.mass * case.gravity, np.arange(history.time.size)
-    lever = closed.travel_per_angle(track)
+    lever, turning = closed.travel_per_angle(track), data.tumbler_speed.values
     pitches = data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)
-    late = int(np.searchsorted(history.time.values, min(START, 0.5 * history.duration)))
+    late = int(np.searchsorted(history.time.values, min(START, 0.2 * history.duration)))
     end = np.searchsorted(pitches, pitches[late] + np.floor(pitches[-1] - pitches[late]))
-    whole = slice(late, int(end) + 1)
-    axis = data.tumbler_position.values[:, None]
-    place, force = data.position.values - axis, data.joint_force.values
-    pin = place + rotation_matrices(data.angles.values) @ [track.pin_ahead, 0.0, track.pin_height]
+    whole = slice(late, max(int(end), late + 1))
+    axis, frame = data.tumbler_position.values[:, None], data.side_frame_velocity.values[:, None]
+    place, velocity, force = (
+        data.position.values - axis,
+        data.velocity.values - frame,
+        data.joint_force.values,
+    )
+    arm = rotation_matrices(data.angles.values) @ [track.pin_ahead, 0.0, track.pin_height]
+    pin, moving = place + arm, velocity + np.cross(data.angular_velocity.values, arm)
     found = []
-    for ahead in CUTS:
+    for ahead in cuts:
         near = np.where(pin[..., 0] > ahead, pin[..., 0], np.inf)
         low, up = (
             np.where(side, near, np.inf).argmin(axis=1) for side in (pin[..., 2] < 0.0, pin[..., 2] > 0.0)
         )
-        size, moment = (np.zeros((2, len(rows))) for _ in range(2))
+        size, moment, power = (np.zeros((2, len(rows))) for _ in range(3))
         for k, link in enumerate((low, up)):
             p, f = pin[rows, link], force[rows, link]
             size[k], moment[k] = np.hypot(f[:, 0], f[:, 2]), p[:, 2] * f[:, 0] - p[:, 0] * f[:, 2]
+            power[k] = np.sum(f * moving[rows, link], axis=1)
         inside = (np.arange(track.shoe_count) - up[:, None] - 1) % track.shoe_count < (
             (low - up) % track.shoe_count
         )[:, None]
         weights = weight * np.sum(inside * place[..., 0], axis=1)
-        rise = weight / track.pitch * (pin[rows, up, 2] - pin[rows, low, 2])
-        by_means = lever * (size[0] - size[1] + rise)[whole].mean()
-        by_moments = (moment[1] - moment[0] - weights)[whole].mean()
-        torque = data.drive_moment.values[whole].mean()
-        row = {"cut ahead of the axis in m": ahead, "torque in kN m": torque / KILO}
-        row |= {"by moments in kN m": by_moments / KILO, "by means of tension in kN m": by_means / KILO}
-        found.append(row)
+        rise = weight * np.sum(inside * velocity[..., 2], axis=1)[whole].mean() / turning[whole].mean()
+        row = {"cut ahead of the axis in m": ahead, "torque in kN m": data.drive_moment.values[whole].mean()}
+        row["by moments in kN m"] = (moment[1] - moment[0] - weights)[whole].mean()
+        row["by work in kN m"] = (power[1] - power[0])[whole].mean() / turning[whole].mean() + rise
+        row["by means of tension in kN m"] = lever * (size[0] - size[1])[whole].mean() + rise
+        found.append({name: float(one) / (KILO if "kN" in name else 1.0) for name, one in row.items()})
     return pd.DataFrame(found)
 
 

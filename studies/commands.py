@@ -212,9 +212,8 @@ def rollers(
 def closed(
     duration: AtMost = None,
     flexible: Annotated[
-        int | None,
-        typer.Option(help="number of a shoe of the closed track that is flexible, with its stress"),
-    ] = None,
+        int, typer.Option(min=0, help="shoe of the closed track that is flexible, with its stress; 0: none")
+    ] = 7,
     mesh: MeshName = "coarse",
     out: Out = RESULTS / "closed",
     overwrite: Overwrite = False,
@@ -222,7 +221,12 @@ def closed(
     """One revolution of a closed track on the papers' ground, beside the rolled open track, and turns."""
     from studies.closed import study
 
-    how: dict[str, Any] = {"duration": duration, "flexible": flexible, "mesh": mesh, "overwrite": overwrite}
+    how: dict[str, Any] = {
+        "duration": duration,
+        "flexible": flexible or None,
+        "mesh": mesh,
+        "overwrite": overwrite,
+    }
     _, loads, torque, peaks, turns = study(out, **how, say=typer.echo)
     shown = {"loads": (loads, "Loads round the loop", ()), "torque": (torque, "Torque by tension", ())}
     shown |= {"peaks": (peaks, "Shoes in mid-track", ()), "turns": (turns, "Straight and in turns", ())}

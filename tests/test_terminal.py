@@ -82,9 +82,9 @@ LOOP = pd.DataFrame(
     columns=["of", *(f"{size} in kN" for size in ("least", "mean", "greatest"))],
 )
 TORQUE = pd.DataFrame(
-    [(0.3, 86.1357474, 86.1325946, 54.6769849)],
+    [(0.3, 86.1357474, 86.1325946, 86.1301254, 54.6769849)],
     columns=["cut ahead of the axis in m"]
-    + [f"{name} in kN m" for name in ("torque", "by moments", "by means of tension")],
+    + [f"{name} in kN m" for name in ("torque", "by moments", "by work", "by means of tension")],
 )
 PEAKS = pd.DataFrame(
     [
