@@ -13,9 +13,7 @@ from typing import Any
 import matplotlib as mpl
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.case.parameters.track import SIDES
@@ -74,7 +72,7 @@ class Panel:
     unit: str
     curves: Mapping[str, xr.DataArray]
 
-    def draw(self, ax: Axes) -> None:
+    def draw(self, ax: mpl.axes.Axes) -> None:
         """Draw the curves over time."""
         for name, values in self.curves.items():
             ax.plot(values.time, values, label=name)
@@ -114,7 +112,7 @@ def law_figure(law: CellLaw, title: str) -> Figure:
     return figure
 
 
-def draw_phases(axes: Sequence[Axes], phases: Sequence[RunPhase]) -> None:
+def draw_phases(axes: Sequence[mpl.axes.Axes], phases: Sequence[RunPhase]) -> None:
     """Draw a band a phase behind the curves of panels over time (s) that have their place and their limits.
 
     Colours alternate. Names stand above the first panel alone, where no curve can be; one that is wider than
@@ -131,7 +129,7 @@ def draw_phases(axes: Sequence[Axes], phases: Sequence[RunPhase]) -> None:
                 text.remove()
 
 
-def _band(ax: Axes, number: int, begin: float, end: float, name: str) -> Annotation:
+def _band(ax: mpl.axes.Axes, number: int, begin: float, end: float, name: str) -> mpl.text.Annotation:
     """Draw a band behind curves, in the colour of its number, and its name above the axes."""
     colour = style.PHASE_BANDS[number % len(style.PHASE_BANDS)]
     ax.axvspan(begin, end, facecolor=colour, edgecolor="none", zorder=0.0)

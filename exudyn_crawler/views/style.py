@@ -7,10 +7,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
 from exudyn_crawler.files import whole_file
 
@@ -55,14 +52,14 @@ def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:
     return path
 
 
-def colour_map(colours: str | tuple[str, ...]) -> Colormap:
+def colour_map(colours: str | tuple[str, ...]) -> mpl.colors.Colormap:
     """Colour map of a name, or of a colour for each whole number from 0."""
-    return mpl.colormaps[colours] if isinstance(colours, str) else ListedColormap(colours)
+    return mpl.colormaps[colours] if isinstance(colours, str) else mpl.colors.ListedColormap(colours)
 
 
-def scale_of(low: float, high: float, colours: str) -> ScalarMappable:
+def scale_of(low: float, high: float, colours: str) -> mpl.cm.ScalarMappable:
     """What a colour bar from one value to another shows."""
-    return ScalarMappable(Normalize(low, high), colours)
+    return mpl.cm.ScalarMappable(mpl.colors.Normalize(low, high), colours)
 
 
 def round_down(value: float) -> float:
@@ -78,7 +75,7 @@ def round_up(value: float) -> float:
     return float(power * min(step for step in steps if step * power >= value * (1.0 - 1e-12)))
 
 
-def drawn_scale(values: ArrayLike, length: float) -> float:
+def drawn_scale(values: np.typing.ArrayLike, length: float) -> float:
     """Round factor that draws the greatest magnitude of `values` at most `length` long; 1 if all are zero."""
     greatest = float(np.abs(values).max(initial=0.0))
     return round_down(length / greatest) if greatest > 0.0 else 1.0

@@ -7,19 +7,14 @@ import imageio_ffmpeg
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.text import Text
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history.history import History, as_history, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
-from exudyn_crawler.views import style
-from exudyn_crawler.views.figures import Panel, draw_phases
+from exudyn_crawler.views import figures, style
 from exudyn_crawler.views.scenes import gear, pictures, shoes, track
 from exudyn_crawler.views.scenes.scene import Scene, View
 
@@ -46,12 +41,12 @@ class Picture(ABC):
     history: History
     name: str
     figure: Figure
-    title: Text
-    cursor: Line2D
-    _drawn: tuple[Artist, ...] = ()
+    title: mpl.text.Text
+    cursor: mpl.lines.Line2D
+    _drawn: tuple[mpl.artist.Artist, ...] = ()
 
     @abstractmethod
-    def draw(self, now: xr.Dataset) -> list[Artist]:
+    def draw(self, now: xr.Dataset) -> pictures.Drawn:
         """Draw what changes, of one instant as of `track.instants`; it is returned."""
 
     def show(self, time: float) -> Figure:
@@ -108,7 +103,7 @@ class TrackPicture(Picture):
             self.cursor = curves.axvline(0.0, color="black", lw=0.8)
             self.title = self.figure.suptitle("", x=0.01, ha="left", parse_math=False)
             self.show(0.0)
-            draw_phases([curves], common_phases(history))
+            figures.draw_phases([curves], common_phases(history))
             # the layout is solved once; solving it anew would take most of the time of a picture
             self.figure.draw_without_rendering()
             self.figure.set_layout_engine("none")
@@ -125,7 +120,7 @@ class TrackPicture(Picture):
             return f"{ground}; arrows: forces on each shoe, {kinds}, {most:.4g} kN at most"
         return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
 
-    def draw(self, now: xr.Dataset) -> list[Artist]:
+    def draw(self, now: xr.Dataset) -> pictures.Drawn:
         """Draw both views of one instant."""
         case = self.history.case
         plan = pictures.draw_plan(self._plan, case, now, self._heave)
@@ -141,20 +136,20 @@ def ground_scale(history: History) -> float:
     return max(1.0, style.drawn_scale(moved, DEEPEST))
 
 
-def _curves(history: History) -> Panel:
+def _curves(history: History) -> figures.Panel:
     """What drives a run over time: force of every roller, tension of a closed chain, speed of both ends."""
     if gear.goes_round(history.dataset):
         tension = history.over_time(["link_tension"])["link_tension"] / style.KILO
         most, least = tension.max("joint"), tension.min("joint")
         curves = {"greatest": most, "mean": tension.mean("joint"), "least": least}
-        return Panel("tension of links", "kN", curves)
+        return figures.Panel("tension of links", "kN", curves)
     if gear.rolls(history.dataset):
         pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
         of_rollers = {str(roller): pressed.sel(roller=roller) for roller in history.roller.values}
-        return Panel("roller force", "kN", of_rollers)
+        return figures.Panel("roller force", "kN", of_rollers)
     ends = {f"shoe {history.shoe.values[at]} ({name})": at for at, name in ((0, "rear"), (-1, "front"))}
     speed = history.velocity.sel(axis="x")
-    return Panel("x velocity", "m/s", {name: speed.isel(shoe=at) for name, at in ends.items()})
+    return figures.Panel("x velocity", "m/s", {name: speed.isel(shoe=at) for name, at in ends.items()})
 
 
 class ShoePicture(Picture):
@@ -184,7 +179,7 @@ class ShoePicture(Picture):
             words = f"{larger}; arrows: forces on the shoe"
             self.figure.text(0.02, 0.947, words, va="top", fontsize=8.5, color="#444444")
 
-    def _draw_curves(self, ax: Axes, history: History) -> Line2D:
+    def _draw_curves(self, ax: mpl.axes.Axes, history: History) -> mpl.lines.Line2D:
         """Draw what presses on the shoe and its highest stress over time, and a cursor, which is returned."""
         shown = self.stress.frame.values
         quantity, name = "contact_force", "ground on the shoe"
@@ -202,7 +197,7 @@ class ShoePicture(Picture):
         stress.set(ylabel="stress in MPa", ylim=(0.0, self.scales.stress / style.MEGA))
         stress.spines["right"].set_visible(True)
         stress.grid(False)
-        draw_phases([ax], common_phases(history))
+        figures.draw_phases([ax], common_phases(history))
         lines = [*ax.lines, *stress.lines]
         ax.legend(lines, [str(line.get_label()) for line in lines], loc="upper left", ncols=2)
         return ax.axvline(shown[0], color="black", lw=0.8)
@@ -222,10 +217,10 @@ class ShoePicture(Picture):
         (left, bottom, _), (right, top, _) = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN
         return float(left), float(right), float(bottom), float(top)
 
-    def draw(self, now: xr.Dataset) -> list[Artist]:
+    def draw(self, now: xr.Dataset) -> pictures.Drawn:
         """Shoe from above with the rollers, and from below without."""
         scene, place = self.scene(now), track.shoe_pose(now.isel(time=0), self._shoe)
-        drawn: list[Artist] = []
+        drawn: pictures.Drawn = []
         for ax, seen in zip(self._axes, (ABOVE, BELOW), strict=True):
             view, solids = seen.on(place), scene.solids[: None if seen is ABOVE else 1]
             drawn.append(pictures.paint(ax, [one.at() for one in solids], view, self._window(seen)))

@@ -4,7 +4,6 @@
 the teeth are, no parameter says: their drawn size means nothing.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -76,14 +75,12 @@ def gear_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
     return solids
 
 
-def each_track(case: Case, dataset: xr.Dataset) -> Iterator[tuple[str, Case, xr.Dataset]]:
+def each_track(case: Case, dataset: xr.Dataset) -> list[tuple[str, Case, xr.Dataset]]:
     """Every track by itself, before whose names of bodies its side stands where there are two."""
     if case.tracks == 1:
-        yield "", case, dataset
-        return
-    for side in SIDES:
-        one = History(case, dataset).of_track(side)
-        yield f"{side} ", one.case, one.dataset
+        return [("", case, dataset)]
+    sides = ((side, History(case, dataset).of_track(side)) for side in SIDES)
+    return [(f"{side} ", one.case, one.dataset) for side, one in sides]
 
 
 def car_body(case: Case, dataset: xr.Dataset) -> Solid:

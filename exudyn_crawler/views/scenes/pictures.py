@@ -13,11 +13,8 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.results.history.history import History
@@ -27,6 +24,7 @@ from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, 
 
 Window = tuple[float, float, float, float]
 """Least and greatest coordinate to the right, least and greatest upward, m."""
+Drawn = list[mpl.artist.Artist]
 ARROW_WIDTH, FINEST = 0.018, 0.06
 """Inches, width of an arrow's shaft; m, edges of shaded triangles that are painted whole."""
 LIGHT = np.array([0.30, 0.15, 0.94]) / np.linalg.norm([0.30, 0.15, 0.94])
@@ -40,7 +38,7 @@ ABOVE, DEPTH = 0.4, 0.4
 PIN, PIN_SIDES = 0.03, 12  # m, radius of a drawn link pin; sides of its prism
 
 
-def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None = None) -> PolyCollection:
+def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None = None) -> mpl.artist.Artist:
     """Draw the faces of solids that are turned to the viewer, each in one colour, m; a window: the limits."""
     if window is not None:
         ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
@@ -64,7 +62,7 @@ def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None =
             lines.append(np.tile(mpl.colors.to_rgba(solid.edges), (len(fill), 1)) if edged else between)
     order = np.argsort(np.concatenate(depths), kind="stable")
     colours, edges = (np.concatenate(one)[order] for one in (fills, lines))
-    drawn = PolyCollection(
+    drawn = mpl.collections.PolyCollection(
         [faces[k][:, :2] for k in order], facecolors=colours, edgecolors=edges, linewidths=0.7, zorder=1
     )
     ax.add_collection(drawn, autolim=False)
@@ -83,10 +81,10 @@ def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
     return colours
 
 
-def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View) -> list[Artist]:
+def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View) -> Drawn:
     """Draw arrows over all that is there, seen from every side; what is drawn is returned."""
     how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "zorder": 4}
-    drawn: list[Artist] = []
+    drawn: Drawn = []
     for one in kinds:
         tails, heads = view.project(one.at())[..., :2].transpose(1, 2, 0)
         if heads.size:
@@ -168,16 +166,16 @@ def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
 
 def draw_side(
     ax: Axes, case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: float = 0.0, opacity: float = 0.75
-) -> list[Artist]:
+) -> Drawn:
     """Draw, and return, what `side_scene` has in axes that keep their limits; `opacity` is that of shoes."""
     scene = side_scene(case, now, scale, force_scale)
     shown = [replace(one, opacity=opacity) if one.name.endswith("shoes") else one for one in scene.solids]
     return [paint(ax, shown, FROM_THE_RIGHT), *draw_arrows(ax, scene.arrows, FROM_THE_RIGHT)]
 
 
-def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list[Artist]:
+def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float]) -> Drawn:
     """Draw, and return, what `plan_solids` has, with the numbers of the shoes."""
-    drawn: list[Artist] = [paint(ax, plan_solids(case, now, heave), FROM_ABOVE)]
+    drawn: Drawn = [paint(ax, plan_solids(case, now, heave), FROM_ABOVE)]
     places = track.shoe_poses(now)[0][0]
     # of a closed track the lower run is out of sight
     lowest = places[:, 2].mean() if case.is_closed else -np.inf
@@ -217,7 +215,7 @@ def ground_figure(history: History, time: float) -> Figure:
         draw_side(side, case, now)
         side.set_title(f"{case.name}, t = {float(now.time[0]):.3g} s", parse_math=False)
         named = (("units", style.GROUND), ("shoes", style.SHOE), ("link pins", "white"))
-        keys = [Patch(facecolor=colour, edgecolor=style.SHOE_EDGE, label=name) for name, colour in named]
+        keys = [mpl.patches.Patch(fc=colour, ec=style.SHOE_EDGE, label=name) for name, colour in named]
         side.legend(handles=keys, ncols=3, loc="upper left", fontsize="small")
         x = moment.position.sel(axis="x").isel(time=0)
         force = moment.over_time(["contact_force"])["contact_force"].sel(axis="z").isel(time=0) / style.KILO
@@ -261,7 +259,7 @@ def map_figure(history: History, ground: xr.Dataset, time: float | None = None) 
         how: dict[str, Any] = {"extent": (left, right, low, high), "origin": "lower", "vmin": 0.0}
         image = ax.imshow(sinkage.T / style.MILLI, cmap=style.SINKAGE_MAP, **how)
         lines: dict[str, Any] = {"facecolors": "none", "edgecolors": style.SHOE_EDGE, "linewidths": 0.6}
-        ax.add_collection(PolyCollection(outlines, **lines))
+        ax.add_collection(mpl.collections.PolyCollection(outlines, **lines))
         for number, outline in zip(end.shoe.values, outlines, strict=True):
             x, y = outline.mean(axis=0)
             ax.text(x, y, str(number), ha="center", va="center", fontsize=6.5, clip_on=True)

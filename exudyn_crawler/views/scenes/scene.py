@@ -4,7 +4,6 @@ Pictures, films, ParaView and the pages' views in 3D all draw it. The first dime
 time is `times`; its length is 1 where nothing changes.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, Self
@@ -183,7 +182,7 @@ class Scene(NamedTuple):
     arrows: tuple[Arrows, ...] = ()
 
 
-def triangulated(faces: Sequence[np.ndarray]) -> np.ndarray:
+def triangulated(faces: tuple[np.ndarray, ...]) -> np.ndarray:
     """Triangles (m, 3) of convex faces, arrays (m, k) of their corners; the array itself if it has them."""
     if len(faces) == 1 and faces[0].shape[1] == 3:
         return faces[0]
@@ -201,7 +200,7 @@ def disc(radius: float, width: float, sides: int = SIDES) -> tuple[np.ndarray, t
     rim = radius * np.column_stack((np.sin(around), np.zeros(sides), np.cos(around)))
     half, right = np.array([0.0, 0.5 * width, 0.0]), np.arange(sides)
     after = np.roll(right, -1)
-    faces = triangulated([np.column_stack((right, after, after + sides, right + sides))])
+    faces = triangulated((np.column_stack((right, after, after + sides, right + sides)),))
     return np.concatenate((rim - half, rim + half)), (faces, np.stack((right[::-1], right + sides)))
 
 

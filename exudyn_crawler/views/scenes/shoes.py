@@ -5,7 +5,6 @@ Every stress picture of a study has the same colours, the same arrow lengths and
 elastic displacement.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -13,7 +12,6 @@ from typing import Self
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.history.history import History
@@ -198,7 +196,7 @@ def stress_picture(
     return figure
 
 
-def _draw_shoe(ax: Axes, solid: Solid, arrows: Sequence[Arrows], view: View) -> None:
+def _draw_shoe(ax: mpl.axes.Axes, solid: Solid, arrows: list[Arrows], view: View) -> None:
     """Draw a shoe, as of `Solid.at`, with the forces on it and its highest place, if that is seen."""
     seen = view.project(solid.points)
     middle, top = 0.5 * (seen[:, 0].min() + seen[:, 0].max()), seen[:, 1].max() + HEADROOM

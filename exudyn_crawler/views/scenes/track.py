@@ -12,7 +12,6 @@ from functools import lru_cache
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -30,7 +29,7 @@ SPACING, MOST_POINTS = 0.25, 4000
 """m between the points of a surface of cells; of larger ones there are so many."""
 
 
-def instants(history: History, times: ArrayLike) -> xr.Dataset:
+def instants(history: History, times: np.typing.ArrayLike) -> xr.Dataset:
     """States of a history at the stored times nearest to some (s), each once; ground of cells with them."""
     rows = np.unique(history.dataset.get_index("time").get_indexer(np.asarray(times), method="nearest"))
     now, terrain = history.dataset.isel(time=rows).load(), history.case.terrain
