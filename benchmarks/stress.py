@@ -123,7 +123,7 @@ def study(duration: float = 40.0, mesh: str = "study") -> pd.DataFrame:
     results = recover_stresses(history)
     lap("recovery")
     compare_stresses(history, results)
-    stress_figures(history, results)
+    stress_figures(history, results.dataset)
     lap("tables and figures")
     spent["total"] = sum(spent.values())
     return pd.DataFrame({"part": list(spent), "s": list(spent.values())})

@@ -147,11 +147,12 @@ def ground(
 ) -> None:
     """Draw a law of the ground: pressure over sinkage with unloading, shear over slip with a reversal."""
     from exudyn_crawler.ground.cells.laws import read_law
-    from exudyn_crawler.views.figures import law_figure
-    from exudyn_crawler.views.style import save_figure
+    from exudyn_crawler.views import style
 
-    figure = law_figure(read_law(file), file.stem)
-    application.report_made(save_figure(figure, out or file.with_suffix(".png"), overwrite))
+    law = read_law(file)
+    with style.titled_figure(file.stem, 8.0, 3.2) as figure:
+        law.draw(*figure.subplots(1, 2))
+    application.report_made(style.save_figure(figure, out or file.with_suffix(".png"), overwrite))
 
 
 @command("life digging.toml --out results/digging")

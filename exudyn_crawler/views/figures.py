@@ -6,7 +6,6 @@ can be those of files.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -17,12 +16,10 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.case.parameters.track import SIDES
-from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, for_reading, link_name, select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
 from exudyn_crawler.results.history.summary import tension_along_chain
-from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views import style
 
 PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.1
@@ -102,13 +99,6 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
         if len(labels) > 1:
             close = {"columnspacing": 1.2, "handlelength": 1.4}
             figure.legend(handles, labels, loc="lower center", ncols=len(labels), **close)
-    return figure
-
-
-def law_figure(law: CellLaw, title: str) -> Figure:
-    """Curves of a law of the ground, as it draws them."""
-    with style.titled_figure(title, PANEL_WIDTH, 0.4 * PANEL_WIDTH) as figure:
-        law.draw(*figure.subplots(1, 2))
     return figure
 
 
@@ -216,8 +206,8 @@ def _by_item(values: xr.DataArray, per: str) -> xr.DataArray:
     if dim is None:
         values = values.expand_dims({"item": [per]})
     else:
-        of = partial(link_name, values.joint) if dim == "joint" else NAMED[dim]
-        names = [of(one) for one in values[dim].values]
+        places = values[dim].values
+        names = [link_name(values.joint, one) if dim == "joint" else NAMED[dim](one) for one in places]
         dropped = {"place", "joint", "pin", dim} & set(values.coords)
         values = values.drop_vars(dropped).rename({dim: "item"}).assign_coords(item=names)
     return values.transpose("time", "item", "axis")
@@ -313,9 +303,9 @@ def chain_figure(history: History) -> Figure:
     return figure
 
 
-def stress_figures(history: History, results: StressResults) -> dict[str, Figure]:
+def stress_figures(history: History, stress: xr.Dataset) -> dict[str, Figure]:
     """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle."""
-    found, shoes = history_series(history, results.dataset), history.flexible_shoe.values
+    found, shoes = history_series(history, stress), history.flexible_shoe.values
     drawn = {name: [KINEMATICS.get(name, name)] for name in OF_FLEXIBLE_SHOES}
     panels = {name: _panels(found, labels, shoe_names(shoes)) for name, labels in drawn.items()}
     for name, label in OF_PINS.items():

@@ -12,19 +12,15 @@ import xarray as xr
 
 from exudyn_crawler import files
 from exudyn_crawler.case import Case, CellTerrain, Outputs
-from exudyn_crawler.results.checks.roller_path import has_treads, roller_path
-from exudyn_crawler.results.history.catalogue import select
-from exudyn_crawler.results.history.ground_map import ground_map
+from exudyn_crawler.results.checks import roller_path
+from exudyn_crawler.results.history import catalogue, ground_map, summary
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.summary import extremes, load_table
 from exudyn_crawler.results.stress import hot_spots
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.scenes import films, gear, pictures, shoes, track
 from exudyn_crawler.views.scenes.scene import Solid
-from fem import Mesh, write_vtu
-from fem.export import vtu_content
-from fem.interrupts import interrupts_remembered
+from fem import Mesh, export, interrupts
 from meshes import mesh_named
 
 logger = logging.getLogger("exudyn_crawler")
@@ -38,21 +34,21 @@ SERIES, PARTS = "track.pvd", "track_parts"
 
 def write_tables(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """Extremes, loads at the ends of phases, the roller path; highest stresses by phase, region and run."""
-    found = {"extremes": extremes(history), "loads": load_table(history)}
+    found = {"extremes": summary.extremes(history), "loads": summary.load_table(history)}
     if stresses is not None:
         data, spots = stresses.dataset, stresses.hot_spots
         found["highest_stresses"] = hot_spots.highest_by_phase(history, data)
         found["highest_by_region"] = hot_spots.region_table(stresses.by_region, data)
         found |= {f"hot_spots_shoe_{k}": hot_spots.hot_spot_table(one, data) for k, one in spots.items()}
-    if has_treads(history) and (history.case.is_closed or history.tread_force.any()):
-        found[figures.ROLLER_PATH] = roller_path(history)
+    if roller_path.has_treads(history) and (history.case.is_closed or history.tread_force.any()):
+        found[figures.ROLLER_PATH] = roller_path.roller_path(history)
     for name, table in found.items():
         tables.write_table(table, folder / f"{name}.csv", overwrite=True)
 
 
 def write_forces(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """What derives from the forces of the history, which has them themselves."""
-    names = {name: one for name, one in select(files="forces").items() if history.has(name)}
+    names = {name: one for name, one in catalogue.select(files="forces").items() if history.has(name)}
 
     def chunk(part: History) -> xr.Dataset:
         values = (
@@ -77,7 +73,7 @@ def write_figures(history: History, stresses: StressResults | None, folder: Path
     # curves of a long run would not fit into memory, and no figure shows them at every step
     thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
     if stresses is not None:
-        found = figures.stress_figures(thinned, stresses)
+        found = figures.stress_figures(thinned, stresses.dataset)
         drawn |= {f"flexible {name}": one for name, one in found.items()}
     if (path := folder / f"{figures.ROLLER_PATH}.csv").is_file():
         drawn[figures.ROLLER_PATH] = figures.roller_path_figure(pd.read_csv(path), history.case.name)
@@ -107,7 +103,7 @@ def write_3d(history: History, stresses: StressResults | None, folder: Path, out
             "verdict": own.peak_verdict.values,
         }
         with files.whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite=True) as temporary:
-            write_vtu(temporary, stresses.whole.mesh, fields)
+            export.write_vtu(temporary, stresses.whole.mesh, fields)
     write_paraview(stresses.dataset, history, folder, overwrite=True)
 
 
@@ -154,7 +150,7 @@ def _flexible_shoes(stress: xr.Dataset, now: xr.Dataset, mesh: Mesh) -> Iterator
         place, chosen = track.shoe_pose(now, int(shoe)), stress.sel(shoe=shoe)
         bend = chosen.frame_displacement.transpose("node", "axis").values @ place.turn.T
         fields = {"displacement": bend.astype("f4"), "von mises": chosen.frame_von_mises.values.astype("f4")}
-        yield f"shoe {shoe}", vtu_content(mesh, fields, place.place(mesh.nodes))
+        yield f"shoe {shoe}", export.vtu_content(mesh, fields, place.place(mesh.nodes))
 
 
 def _track(case: Case, moment: xr.Dataset) -> Iterator[tuple[str, meshio.Mesh]]:
@@ -236,8 +232,10 @@ def write_outputs(history: History, stresses: StressResults | None, folder: Path
     if stresses is not None:
         stresses.save(folder / "stress.nc", overwrite=True)
     if isinstance(history.case.terrain, CellTerrain):
-        files.write_netcdf(ground_map(history, outputs.ground_times), folder / GROUND, overwrite=True)
-    with interrupts_remembered() as ask:
+        files.write_netcdf(
+            ground_map.ground_map(history, outputs.ground_times), folder / GROUND, overwrite=True
+        )
+    with interrupts.interrupts_remembered() as ask:
         for output, write in WRITERS.items():
             if getattr(outputs, output):
                 write(history, stresses, folder, outputs)

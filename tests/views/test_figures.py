@@ -8,7 +8,6 @@ from matplotlib.colors import to_hex
 
 from exudyn_crawler.case import MachineCycle, MachinePhase
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.figures import history_series, link_names, run_figures, shoe_names, stress_figures
 from exudyn_crawler.views.pages.runs import comparison_figures
 from exudyn_crawler.views.scenes.films import TrackPicture
@@ -73,8 +72,8 @@ def test_force_figures_draw_the_chosen_shoes_and_links(translation):
 
 
 def test_stress_figures_draw_the_flexible_shoes_and_their_pins(flexible_run):
-    history, stress, hot_spots = flexible_run
-    figures = stress_figures(history, StressResults(stress, hot_spots, {}, whole=None))
+    history, stress, _ = flexible_run
+    figures = stress_figures(history, stress)
     for name in ("displacement", "velocity", "angular velocity", "contact force"):
         panels = curves(figures[name])
         assert len(panels) == 3
@@ -155,18 +154,18 @@ def test_every_figure_over_time_has_a_band_a_phase_with_its_name(phased):
 
 
 def test_a_run_of_one_phase_has_no_bands(translation, flexible_run):
-    history, stress, hot_spots = flexible_run
+    history, stress, _ = flexible_run
     figures = [
         *run_figures(translation, (1,)).values(),
-        *stress_figures(history, StressResults(stress, hot_spots, {}, whole=None)).values(),
+        *stress_figures(history, stress).values(),
     ]
     assert not any(ax.patches or ax.texts for figure in figures for ax in figure.axes)
 
 
 def test_curves_of_stresses_have_those_of_the_cycle(phased, flexible_run):
-    history, stress, hot_spots = flexible_run
+    history, stress, _ = flexible_run
     bent = History(history.case.with_(loads=phased.case.loads), history.dataset)
-    for figure in stress_figures(bent, StressResults(stress, hot_spots, {}, whole=None)).values():
+    for figure in stress_figures(bent, stress).values():
         assert [pytest.approx(one) for one in bands(figure.axes[0])] == [(0.0, 0.04), (0.04, 0.06)]
         assert names(figure.axes[0]) == NAMES[:2]
 

@@ -14,9 +14,8 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.views import figures
+from exudyn_crawler.views import figures, style
 from exudyn_crawler.views.scenes.scene import Scene, Solid
-from exudyn_crawler.views.style import colour_map, negligible
 
 SERIES_BYTES = 4_500_000  # size on the page that all series together may have
 BYTES_A_POINT = 6 * 4 / 3  # a 16-bit number of the time and a 32-bit value, in base64
@@ -105,7 +104,7 @@ def _as_they_are(one: object, *names: str) -> dict[str, Any]:
 def _colour_scale(colours: str | tuple[str, ...]) -> list[list[Any]]:
     """Colours as Plotly takes them: places from 0 to 1, and a colour at each, of which some are doubled."""
     if isinstance(colours, str):
-        return [[float(at), to_hex(colour_map(colours)(at))] for at in np.linspace(0.0, 1.0, 17)]
+        return [[float(at), to_hex(style.colour_map(colours)(at))] for at in np.linspace(0.0, 1.0, 17)]
     edges = np.linspace(0.0, 1.0, len(colours) + 1)
     return [[float(edges[k + end]), colour] for k, colour in enumerate(colours) for end in (0, 1)]
 
@@ -199,7 +198,7 @@ def _packed_series(series: figures.Series, kept: _Kept, times: list[np.ndarray])
         rows[item][axis] = [packed(few, kind), packed(values, "f4")]
     return {
         **_as_they_are(series, "group", "label", "unit", "items"),
-        "floor": negligible(series.unit),
+        "floor": style.negligible(series.unit),
         "axes": [str(axis) for axis in series.values.axis.values],
         "index": kind,
         "drawn": _drawn(series),

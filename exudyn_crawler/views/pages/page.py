@@ -3,20 +3,17 @@
 import base64
 import io
 import json
-import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
-import plotly.graph_objects as go
+import plotly
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 from PIL import Image
-from plotly.offline import get_plotlyjs
 
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.views.tables import cell_text
@@ -26,8 +23,10 @@ SCRIPTS = ("data.js", "camera.js", "scene.js", "phases.js", "page.js")
 PICTURE_WIDTH = 1500
 """Pixels of a picture on a page."""
 GRID = "rgba(176, 176, 176, 0.3)"  # colour of a plot's grid
-CONTROLS = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
-"""Characters that no page may have, whatever names a user has given."""
+CONTROLS = dict.fromkeys(
+    {*range(0x20), *range(0x7F, 0xA0)} - set(map(ord, "\t\n\r")), "\N{REPLACEMENT CHARACTER}"
+)
+"""Characters that no page may have, whatever names a user has given, and what stands for them."""
 
 
 class Section(NamedTuple):
@@ -60,8 +59,8 @@ def page(
     packed = "" if data is None else json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     parts = {"title": title, "lead": lead, "top": top, "sections": shown, "data": Markup(packed)}
     parts |= {"style": _text("page.css"), "scripts": [_text(name) for name in SCRIPTS]}
-    plotly = Markup(get_plotlyjs() if has_plots else "")
-    return _environment().get_template("page.html").render(parts, plotly=plotly)
+    library = Markup(plotly.offline.get_plotlyjs() if has_plots else "")
+    return _environment().get_template("page.html").render(parts, plotly=library)
 
 
 def write_page(html: str, path: Path, overwrite: bool = False) -> Path:
@@ -103,15 +102,15 @@ def table(
     return part("table", list(frame.columns) if headed else [], rows, anchor, compact)
 
 
-def _cell(value: object, digits: int) -> Cell:
+def _cell(value: Any, digits: int) -> Cell:
     if isinstance(value, Cell):
         return value
-    if isinstance(value, float | np.floating):
+    if pd.api.types.is_float(value):
         return Cell(cell_text(float(value), digits), True)
-    return Cell(str(value), isinstance(value, int | np.integer) and not isinstance(value, bool))
+    return Cell(str(value), pd.api.types.is_integer(value))
 
 
-def plot(figure: go.Figure) -> Markup:
+def plot(figure: plotly.graph_objects.Figure) -> Markup:
     """Plotly's figure in the style of all figures (`views.style`); its library stands on the page once."""
     figure.update_layout(template="simple_white")
     if figure.data[0].type in ("scatter", "bar"):
@@ -152,7 +151,7 @@ def _environment() -> Environment:
 def _printable(value: object) -> object:
     """Value without control characters, which names may have; markup has none."""
     if isinstance(value, str) and not isinstance(value, Markup):
-        return CONTROLS.sub("\N{REPLACEMENT CHARACTER}", value)
+        return value.translate(CONTROLS)
     return value
 
 

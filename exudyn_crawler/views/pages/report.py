@@ -16,17 +16,12 @@ from markupsafe import Markup
 from exudyn_crawler.case import CellTerrain, Terrain
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
-from exudyn_crawler.results.history.ground_map import ground_map
+from exudyn_crawler.results.history import ground_map, summary
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
-from exudyn_crawler.views import style
-from exudyn_crawler.views.figures import ROLLER_PATH, roller_path_figure
-from exudyn_crawler.views.pages import page
-from exudyn_crawler.views.pages.packing import SceneArrays, packed_curves, packed_scene
+from exudyn_crawler.views import figures, style, tables
+from exudyn_crawler.views.pages import packing, page, runs
 from exudyn_crawler.views.pages.page import Section, part, table, together
-from exudyn_crawler.views.pages.runs import STRESSES, LeftOut, histories_in, stress_of
 from exudyn_crawler.views.scenes import pictures, shoes, track
-from exudyn_crawler.views.tables import within_by_class
 
 REPORT, RECORD, COMPARISON = "report.html", "run.json", "comparison.csv"
 LONGEST_TABLE = 300
@@ -75,10 +70,10 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     """HTML of the report; raises as `write_report`."""
     # a study keeps each of its cases in a folder of its own
     folders = [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
-    left_out = LeftOut()
-    histories, homes = histories_in(folders, left_out)
-    stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
-    stress = left_out.unless_broken(stressed / STRESSES, lambda _: stress_of(stressed))
+    left_out = runs.LeftOut()
+    histories, homes = runs.histories_in(folders, left_out)
+    stressed = next((one for one in folders if (one / runs.STRESSES).is_file()), folder)
+    stress = left_out.unless_broken(stressed / runs.STRESSES, lambda _: runs.stress_of(stressed))
     comparison = left_out.unless_broken(folder / COMPARISON, _comparison)
     if not histories and comparison is None:
         if left_out:
@@ -87,11 +82,11 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     bent = next((n for n in histories if homes[n] == stressed and histories[n].case.flexible), None)
     owner = None if bent is None else histories[bent]
     stresses = {} if bent is None or stress is None else {bent: stress}
-    arrays = SceneArrays()
+    arrays = packing.SceneArrays()
     tracks = {name: packed_track(one, arrays) for name, one in histories.items()}
-    bodies = left_out.unless_broken(stressed / STRESSES, lambda _: packed_shoes(stress, owner, arrays))
+    bodies = left_out.unless_broken(stressed / runs.STRESSES, lambda _: packed_shoes(stress, owner, arrays))
     scenes = ({"track": tracks} if tracks else {}) | ({"shoe": {"": bodies}} if bodies else {})
-    curves, thinned = packed_curves(histories, stresses)
+    curves, thinned = packing.packed_curves(histories, stresses)
     shown, first = _pictures(stressed, stress, owner, left_out)
     rolled = any(one.case.is_rolled for one in histories.values())
     closed = any(one.case.is_closed for one in histories.values())
@@ -117,7 +112,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     return page.page(title, lead, sections, data, _key_table(histories, stresses))
 
 
-def packed_track(history: History, arrays: SceneArrays) -> dict[str, Any]:
+def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, Any]:
     """Track in evenly spread instants of a run, for a view in 3D."""
     case, window = history.case, track.shown_box(history, MARGIN)
     shown = track.instants(history, np.linspace(0.0, history.duration, INSTANTS))
@@ -125,35 +120,37 @@ def packed_track(history: History, arrays: SceneArrays) -> dict[str, Any]:
     if isinstance(case.terrain, Terrain):
         x, half = case.terrain.middles[:, 0], 0.5 * case.terrain.unit_length
         near = np.flatnonzero((x + half >= window[0][0]) & (x - half <= window[0][1]))
-    return packed_scene(track.track_scene(case, shown, shoes.shoe_force_scale(history), near), arrays, window)
+    scene = track.track_scene(case, shown, shoes.shoe_force_scale(history), near)
+    return packing.packed_scene(scene, arrays, window)
 
 
 def _ground(histories: Mapping[str, History]) -> Markup:
     """Maps of the ground as runs on cells end."""
     drawn = {name: one for name, one in histories.items() if isinstance(one.case.terrain, CellTerrain)}
-    maps = {name: pictures.map_figure(one, ground_map(one)) for name, one in drawn.items()}
+    maps = {name: pictures.map_figure(one, ground_map.ground_map(one)) for name, one in drawn.items()}
     return together(*(page.figure_picture(f"greatest sinkage, {name}", one) for name, one in maps.items()))
 
 
-def _roller_paths(homes: Mapping[str, Path], left_out: LeftOut) -> Markup:
+def _roller_paths(homes: Mapping[str, Path], left_out: runs.LeftOut) -> Markup:
     """Pressure of treads along the rails, of rolled runs whose table is there."""
-    names = {path: name for name, home in homes.items() if (path := home / f"{ROLLER_PATH}.csv").is_file()}
+    file = f"{figures.ROLLER_PATH}.csv"
+    names = {path: name for name, home in homes.items() if (path := home / file).is_file()}
 
     def drawn(path: Path) -> Markup:
-        figure = roller_path_figure(pd.read_csv(path), names[path])
+        figure = figures.roller_path_figure(pd.read_csv(path), names[path])
         return page.figure_picture(f"roller path, {names[path]}", figure)
 
     return together(*left_out.of_all(names, drawn))
 
 
 def packed_shoes(
-    stress: xr.Dataset | None, history: History | None, arrays: SceneArrays
+    stress: xr.Dataset | None, history: History | None, arrays: packing.SceneArrays
 ) -> dict[str, Any] | None:
     """Flexible shoes at the chosen times, for a view in 3D; None without them."""
     if stress is None or history is None:
         return None
     scene = shoes.stress_scene(stress, history, shoes.Scales.of(stress, history))
-    return packed_scene(scene, arrays, first=shoes.first_frame(stress))
+    return packing.packed_scene(scene, arrays, first=shoes.first_frame(stress))
 
 
 def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
@@ -179,11 +176,11 @@ def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
 
 def bouncing_lines(histories: Mapping[str, History]) -> list[str]:
     """A line for each case whose contact forces show that its shoes bounce."""
-    found = {name: bouncing(history) for name, history in histories.items()}
+    found = {name: summary.bouncing(history) for name, history in histories.items()}
     return [
         f"{name}: the shoes bounce at {one.frequency:.3g} Hz; the vertical force of the ground on a shoe "
         f"varies by {100.0 * one.size:.2g} % of its mean about that (root mean square), "
-        f"{100.0 * one.share:.2g} % of all that varies above {BAND[0]:g} Hz"
+        f"{100.0 * one.share:.2g} % of all that varies above {summary.BAND[0]:g} Hz"
         for name, one in found.items()
         if one is not None
     ]
@@ -193,7 +190,7 @@ def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Datas
     """Key results: a row a result, with value and unit, where and when for each case."""
     columns: dict[str, dict[str, page.Cell | str]] = {}
     for name, history in histories.items():
-        for one in key_results(history, stresses.get(name)).itertuples():
+        for one in summary.key_results(history, stresses.get(name)).itertuples():
             row = columns.setdefault(one.result, {})
             row[name] = page.Cell(f"{one.value:.4g} {one.unit}", True)
             row[f"where, {name}"] = ", ".join(filter(None, (one.of, f"t = {one.at:.4g} s")))
@@ -219,14 +216,14 @@ def _compared(comparison: pd.DataFrame | None) -> Markup:
     """How many rows of a comparison are within, and all of them with their verdicts."""
     if comparison is None:
         return Markup()
-    verdicts, summary = comparison["within"], within_by_class(comparison)
+    verdicts, count = comparison["within"], tables.within_by_class(comparison)
     shown = comparison.assign(within=verdicts.replace(VERDICTS).fillna("no verdict"))
     rows = table(shown, kinds=verdicts.map(VERDICTS).fillna("none").tolist(), anchor="comparison-table")
-    counts = Markup() if summary.empty else table(summary, compact=True)
+    counts = Markup() if count.empty else table(count, compact=True)
     return together(counts, part("verdict_filter"), rows)
 
 
-def _tables(how: str, titles: Mapping[Path, str], left_out: LeftOut) -> list[Markup]:
+def _tables(how: str, titles: Mapping[Path, str], left_out: runs.LeftOut) -> list[Markup]:
     """Tables of files with their titles that are short enough to be read, by the macro of that name."""
 
     def shown(path: Path) -> Markup | None:
@@ -236,15 +233,15 @@ def _tables(how: str, titles: Mapping[Path, str], left_out: LeftOut) -> list[Mar
     return left_out.of_all(titles, shown)
 
 
-def _hot_spots(folder: Path, left_out: LeftOut) -> Markup:
+def _hot_spots(folder: Path, left_out: runs.LeftOut) -> Markup:
     """Tables of the hot spots in a folder, in the order of the shoes."""
     paths = sorted(folder.glob(f"{SPOTS}*.csv"), key=lambda path: (len(path.name), path.name))
     titles = {path: path.stem.removeprefix(SPOTS).replace("_", " ") for path in paths}
-    tables = _tables("titled", titles, left_out)
-    return together(page.paragraph(HOT_SPOTS), *tables) if tables else Markup()
+    found = _tables("titled", titles, left_out)
+    return together(page.paragraph(HOT_SPOTS), *found) if found else Markup()
 
 
-def _further(folder: Path, folders: list[Path], left_out: LeftOut) -> Markup:
+def _further(folder: Path, folders: list[Path], left_out: runs.LeftOut) -> Markup:
     """Tables that have no section of their own."""
     paths = [path for one in folders for path in sorted(one.glob("[!.]*.csv"))]
     further = [path for path in paths if path.name != COMPARISON and not path.name.startswith(SPOTS)]
@@ -252,7 +249,7 @@ def _further(folder: Path, folders: list[Path], left_out: LeftOut) -> Markup:
     return together(*_tables("folded", titles, left_out))
 
 
-def _cases(folder: Path, histories: Mapping[str, History], left_out: LeftOut) -> Markup:
+def _cases(folder: Path, histories: Mapping[str, History], left_out: runs.LeftOut) -> Markup:
     """Resolved cases with units, and files about the run as they are."""
 
     def text(path: Path) -> Markup | None:
@@ -266,13 +263,13 @@ def _cases(folder: Path, histories: Mapping[str, History], left_out: LeftOut) ->
     resolved = [page.paragraph("The folder keeps no resolved case.")]
     if histories:
         rows = {name: pd.DataFrame(case_rows(one.case)) for name, one in histories.items()}
-        tables = {name: table(one.rename(columns={"key": "parameter"})) for name, one in rows.items()}
-        resolved = [part("folded", name, one, not at) for at, (name, one) in enumerate(tables.items())]
+        shown = {name: table(one.rename(columns={"key": "parameter"})) for name, one in rows.items()}
+        resolved = [part("folded", name, one, not at) for at, (name, one) in enumerate(shown.items())]
     return together(*resolved, *left_out.of_all([folder / "case.toml", folder / RECORD], text))
 
 
 def _pictures(
-    folder: Path, stress: xr.Dataset | None, history: History | None, left_out: LeftOut
+    folder: Path, stress: xr.Dataset | None, history: History | None, left_out: runs.LeftOut
 ) -> tuple[Markup, int]:
     """Stress pictures of the folder, or new ones, and which is shown first: that of the highest stress."""
     with TemporaryDirectory() as temporary:
@@ -288,5 +285,5 @@ def _pictures(
         shown = int(np.abs(times - float(stress.frame[shoes.first_frame(stress)])).argmin())
         for frame, title in zip(stress.frame.values, shoes.frame_titles(stress), strict=True):
             titles |= {time: title for time in uris if abs(frame - time) < 1e-4}
-    figures = [part("picture", f"von Mises stress at {titles[t]}", uri, "picture") for t, uri in uris.items()]
-    return together(part("buttons", [*titles.values()]), *figures), shown
+    drawn = [part("picture", f"von Mises stress at {titles[t]}", uri, "picture") for t, uri in uris.items()]
+    return together(part("buttons", [*titles.values()]), *drawn), shown

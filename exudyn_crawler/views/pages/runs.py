@@ -11,9 +11,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case.case_file import differences
-from exudyn_crawler.results.history.catalogue import check_dimensions, select
+from exudyn_crawler.results.history import catalogue, summary
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.results.history.summary import compared, difference_table
 from exudyn_crawler.views.figures import history_series, overlay, panel_figure
 from exudyn_crawler.views.pages import page
 from fem.interrupts import interrupts_wait
@@ -21,7 +20,7 @@ from fem.interrupts import interrupts_wait
 T = TypeVar("T")
 
 STRESSES = "stress.nc"
-DRAWN = [one for one in select(compared=True).values() if one.compared != "table"]
+DRAWN = [one for one in catalogue.select(compared=True).values() if one.compared != "table"]
 MAIN = sorted(DRAWN, key=lambda one: one.compared)
 """Quantities that the page draws, as far as both runs have them."""
 SAME_CASES = "Nothing differs in the cases."
@@ -93,7 +92,7 @@ def _holds_a_case(path: Path) -> bool:
 def _stresses(path: Path) -> xr.Dataset:
     _holds_a_case(path)
     dataset = xr.load_dataset(path, engine="h5netcdf")
-    check_dimensions(dataset)
+    catalogue.check_dimensions(dataset)
     return dataset
 
 
@@ -118,7 +117,9 @@ def comparison_tables(
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """What differs in the cases and in the results of two runs by name, the first A and the second B."""
     first, second = histories.values()
-    results = difference_table(*(compared(one, stresses.get(name)) for name, one in histories.items()))
+    results = summary.difference_table(
+        *(summary.compared(one, stresses.get(name)) for name, one in histories.items())
+    )
     parameters = differences(first.case, second.case.with_(name=first.case.name))
     return pd.DataFrame(parameters, columns=["key", "A", "B"]), results
 
