@@ -18,7 +18,7 @@ FLOORS = (
     ("studies",),
     ("cli",),
     ("sweep", "spread_run"),
-    ("case_run", "check_run", "life_run", "co_simulation"),
+    ("case_run", "life_run", "co_simulation"),
     ("run", "views"),
     ("results",),
     ("model",),

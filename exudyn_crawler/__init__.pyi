@@ -16,8 +16,8 @@ from exudyn_crawler.case import Undercarriage as Undercarriage
 from exudyn_crawler.case import read_case as read_case
 from exudyn_crawler.case import write_case as write_case
 from exudyn_crawler.case_run import run_case as run_case
-from exudyn_crawler.check_run import check_cases as check_cases
 from exudyn_crawler.errors import CrawlerError as CrawlerError
+from exudyn_crawler.life_run import check_cases as check_cases
 from exudyn_crawler.life_run import life as life
 from exudyn_crawler.results.history.history import History as History
 from exudyn_crawler.results.life.duty import Duty as Duty

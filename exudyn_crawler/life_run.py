@@ -1,4 +1,4 @@
-"""One duty into one folder: life in machine hours from folders of runs and check cases, and its files."""
+"""One duty, or one check of a shoe, into one folder: life in machine hours, cycles to a crack, and files."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -7,26 +7,19 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case.parameters.checks import out_of_range, warn_of
-from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
+from exudyn_crawler import files
+from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.results.checks import roller_path, solve
 from exudyn_crawler.results.checks.cases import ShoeCheck, ShoeOutline, read_check
-from exudyn_crawler.results.checks.roller_path import hertz_table, roller_path
-from exudyn_crawler.results.checks.solve import all_cases, case_shapes
 from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.life import duty_runs
+from exudyn_crawler.results.life import life as results
 from exudyn_crawler.results.life.duty import Duty, read_duty
-from exudyn_crawler.results.life.duty_runs import check_cases_of
-from exudyn_crawler.results.life.life import (
-    LifeResults,
-    in_words,
-    life_of,
-    life_of_stages,
-    life_words,
-    relative_spread,
-)
 from exudyn_crawler.run.folder.folder import spread_beside
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.run.folder.record import HISTORY
-from exudyn_crawler.views.pages.life import write_life_page
+from exudyn_crawler.views import style
+from exudyn_crawler.views.pages import life as pages
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
@@ -34,6 +27,8 @@ LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
 TABLE, CAUSES = "shortest_lives.csv", "causes.csv"
 MATRICES, GROWTH = "rainflow_matrices.csv", "damage_histories.csv"
 FILES = (LIFE, FIELDS, PAGE, TABLE, CAUSES, MATRICES, GROWTH)  # what a duty leaves
+CHECK_PAGE, PICTURES = "check.html", "pictures"
+CHECK_TABLES = ("peaks.csv", "moments.csv", "cycles.csv", "hertz.csv")
 
 
 def life(
@@ -42,7 +37,7 @@ def life(
     *,
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
-) -> LifeResults:
+) -> results.LifeResults:
     """Life of the shoes in machine hours over a duty, or over that of its file.
 
     Tables, fields and page go into the folder `out`, if one is given; `say` gets a line on what goes on.
@@ -53,31 +48,75 @@ def life(
     `results.checks.solve.case_shapes`.
     """
     duty = duty if isinstance(duty, Duty) else read_duty(duty)
-    warn_of(out_of_range(duty))
-    folder = None if out is None else Path(out)
-    if folder is not None:
-        for name in FILES:
-            refuse_existing(folder / name, overwrite)
+    folder = _folder(duty, out, FILES, overwrite)
     lives = stage_lives(duty, say)
-    found = life_of_stages(duty, lives) if duty.stages else lives[0]
+    found = results.life_of_stages(duty, lives) if duty.stages else lives[0]
     if folder is not None:
-        write_life(found, writable_folder(folder), overwrite)
+        write_life(found, files.writable_folder(folder), overwrite)
     return found
 
 
-def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> list[LifeResults]:
+def check_cases(
+    check: ShoeCheck | str | Path,
+    out: str | Path | None = None,
+    *,
+    pictures: bool = True,
+    overwrite: bool = False,
+    say: Callable[[str], None] = lambda _text: None,
+) -> solve.CheckResults:
+    """Check a shoe, or that of a file, by static cases: peaks by region, section moments, cycles to a crack.
+
+    Tables, page and, if asked for, `pictures` of all cases go into the folder `out`, if one is given; `say`
+    gets a line on what goes on.
+
+    FileNotFoundError if there is no such file; FileExistsError, before anything is solved, if the folder has
+    results and `overwrite` is false; ValueError, naming it, if a case is not in balance or has no support.
+    """
+    check = check if isinstance(check, ShoeCheck) else read_check(check)
+    folder = _folder(check, out, (*CHECK_TABLES, CHECK_PAGE), overwrite)
+    found = solve.solve_cases(check, solve.CheckedShoe.of(check), say)
+    if folder is None:
+        return found
+    files.writable_folder(folder)
+    tables = (found.table, found.moments, found.cycles, found.hertz)
+    for name, table in zip(CHECK_TABLES, tables, strict=True):
+        write_table(table, folder / name, overwrite)
+    pages.write_check_page(found, folder / CHECK_PAGE, overwrite)
+    if pictures:
+        say(f"pictures of {len(found.cases)} cases")
+        drawn = files.writable_folder(folder / PICTURES)
+        for number, case in enumerate(found.cases):
+            name = "".join(one if one.isalnum() or one in "-." else "_" for one in case.name)
+            path = drawn / f"{number + 1:03d}_{name}.png"
+            style.save_figure(pages.case_figure(found, number), path, overwrite)
+    return found
+
+
+def _folder(
+    inputs: Duty | ShoeCheck, out: str | Path | None, names: Sequence[str], overwrite: bool
+) -> Path | None:
+    """Folder for results, if one is given; warns of inputs out of range, refuses files that are there."""
+    checks.warn_of(checks.out_of_range(inputs))
+    if out is None:
+        return None
+    for name in names:
+        files.refuse_existing(Path(out) / name, overwrite)
+    return Path(out)
+
+
+def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> list[results.LifeResults]:
     """Life over each stage of a duty alone, or over all of it; arguments and errors as of `life`."""
     inputs = [(one, _histories(one)) for one in duty.by_stage()]
     with heartbeat(f"life of {duty.name}"):
         return [_life_of(one, histories, say) for one, histories in inputs]
 
 
-def _life_of(duty: Duty, histories: Sequence[History], say: Callable[[str], None]) -> LifeResults:
+def _life_of(duty: Duty, histories: Sequence[History], say: Callable[[str], None]) -> results.LifeResults:
     """Life over a duty without stages."""
     shapes = None
     if duty.cases:
-        shapes = case_shapes(_check_of(duty), check_cases_of(duty), say)
-    return life_of(duty, histories, say, _spreads(duty, histories), shapes)
+        shapes = solve.case_shapes(_check_of(duty), duty_runs.check_cases_of(duty), say)
+    return results.life_of(duty, histories, say, _spreads(duty, histories), shapes)
 
 
 def _check_of(duty: Duty) -> ShoeCheck:
@@ -87,18 +126,19 @@ def _check_of(duty: Duty) -> ShoeCheck:
     return check.with_(material=duty.material)
 
 
-def roller_paths(found: LifeResults) -> dict[str, pd.DataFrame]:
+def roller_paths(found: results.LifeResults) -> dict[str, pd.DataFrame]:
     """Line contact of the treads of rolled runs by their names, and of check cases, in the last stage."""
     duty = found.duty.by_stage()[-1]
     tables = {
-        one.run.name: roller_path(one.history, [duty.material])
+        one.run.name: roller_path.roller_path(one.history, [duty.material])
         for one in found.runs
         if one.history is not None and one.history.case.is_rolled
     }
     if duty.cases:
-        check, names = _check_of(duty), set(check_cases_of(duty))
-        pressed = [one for one in all_cases(check, ShoeOutline.of(found.whole.mesh)) if one.name in names]
-        tables["check cases"] = hertz_table(check, pressed)
+        check, names = _check_of(duty), set(duty_runs.check_cases_of(duty))
+        there = solve.all_cases(check, ShoeOutline.of(found.whole.mesh))
+        pressed = [one for one in there if one.name in names]
+        tables["check cases"] = roller_path.hertz_table(check, pressed)
     return {name: table for name, table in tables.items() if len(table)}
 
 
@@ -120,14 +160,14 @@ def _spreads(duty: Duty, histories: Sequence[History]) -> list[xr.DataArray | No
     paths = [Path(run.folder) for run in duty.runs]
     folders = [path if path.is_dir() else path.parent for path in paths]
     found = [spread_beside(folder, one.case) for folder, one in zip(folders, histories, strict=True)]
-    return [None if one is None else relative_spread(one) for one in found]
+    return [None if one is None else results.relative_spread(one) for one in found]
 
 
-def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> None:
+def write_life(found: results.LifeResults, folder: Path, overwrite: bool = False) -> None:
     """Write all that there is of a life into a folder: dataset, tables, fields and a page with it in 3D."""
-    write_netcdf(found.dataset, folder / LIFE, overwrite)
-    write_table(in_words(found.table), folder / TABLE, overwrite)
-    write_table(found.causes().map(life_words).reset_index(), folder / CAUSES, overwrite)
+    files.write_netcdf(found.dataset, folder / LIFE, overwrite)
+    write_table(results.in_words(found.table), folder / TABLE, overwrite)
+    write_table(found.causes().map(results.life_words).reset_index(), folder / CAUSES, overwrite)
     for name, tables in (
         (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
         (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),
@@ -144,6 +184,6 @@ def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> Non
     fields |= {f"damage an hour, {part}": data.part_damage.sel(part=part) for part in data.part.values}
     at_last = data.place_damage.isel(survival=-1)
     fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}
-    with whole_file(folder / FIELDS, overwrite) as temporary:
+    with files.whole_file(folder / FIELDS, overwrite) as temporary:
         write_vtu(temporary, found.whole.mesh, {name: np.asarray(one) for name, one in fields.items()})
-    write_life_page(found, folder / PAGE, overwrite, roller_paths(found))
+    pages.write_life_page(found, folder / PAGE, overwrite, roller_paths(found))

@@ -188,7 +188,7 @@ FAKES = {
         "exudyn_crawler.views.pages.life.life_lines": result(["90 % of the shoes see no crack"]),
     },
     "check shoe.toml": {
-        "exudyn_crawler.check_run.check_cases": result(
+        "exudyn_crawler.life_run.check_cases": result(
             SimpleNamespace(
                 worst_cycles=CYCLES,
                 check=SimpleNamespace(name="ready", hours=25_000.0, material=SimpleNamespace(name="A36")),

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fem
-from exudyn_crawler.check_run import check_cases
 from exudyn_crawler.errors import CaseFileError, ParameterError
+from exudyn_crawler.life_run import check_cases
 from exudyn_crawler.results.checks.cases import (
     CheckCase,
     CheckCycle,

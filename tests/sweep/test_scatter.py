@@ -358,7 +358,7 @@ def drawn_duty(tmp_path, monkeypatch):
     def shapes(check, names, _say):
         return hills(worn if check.mesh == "fine" else mesh, names)
 
-    monkeypatch.setattr(life_run, "case_shapes", shapes)
+    monkeypatch.setattr(life_run.solve, "case_shapes", shapes)
     return tmp_path / "scatter.toml"
 
 

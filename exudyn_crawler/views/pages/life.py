@@ -1,20 +1,24 @@
-"""Page of a life: the shoe in 3D with its life at every node, shortest lives, growing damage, material."""
+"""Pages of a life and of a check of a shoe: the shoe in 3D, coloured, tables, curves; pictures of a check."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
+from matplotlib.figure import Figure
 
 from exudyn_crawler.case.parameters.fields import case_rows
+from exudyn_crawler.results.checks.solve import CheckResults
 from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours
-from exudyn_crawler.views.pages import page
-from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
-from exudyn_crawler.views.scenes.scene import Colouring, Scene, Solid
-from exudyn_crawler.views.scenes.shoes import verdict_colouring
-from exudyn_crawler.views.style import MEGA, STRESS_MAP
+from exudyn_crawler.results.stress.hot_spots import flat_triangles
+from exudyn_crawler.views import style
+from exudyn_crawler.views.pages import packing, page
+from exudyn_crawler.views.scenes import pictures, shoes
+from exudyn_crawler.views.scenes.scene import Colouring, Scene, Solid, View
 from exudyn_crawler.views.tables import cell_text
+from fem.stress import von_mises
 
 LEAST_DECADES = 2  # powers of ten of life that the colours span at least
 DRAWN, POINTS = 3, 2000
@@ -33,6 +37,10 @@ CAUSES = (
     "sooner. With stages of wear it is what a thing does in all of them until the crack."
 )
 
+BENT = 0.05  # m, at which the greatest elastic displacement of a check is drawn at most
+BY_CASE = "Colours are the stress of a case, on a scale of its own."
+VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
+WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
 CONTACT = (
     "Contact below the treads, in the last stage: to yield and to shakedown are the factors by which "
     "stresses may grow until the steel flows, and until it flows in every pass. No life above counts it."
@@ -43,14 +51,12 @@ def write_life_page(
     found: LifeResults,
     path: Path,
     overwrite: bool = False,
-    roller_paths: Mapping[str, pd.DataFrame] | None = None,
+    roller_paths: dict[str, pd.DataFrame] | None = None,
 ) -> Path:
     """Write one self-contained page of a life, to be read offline in a browser; raises as `write_page`.
 
     `roller_paths` are tables of the treads' contact by what happens.
     """
-    arrays = SceneArrays()
-    scene = packed_scene(Scene(("",), (life_solid(found),)), arrays)
     shortest, parts = (page.table(one, digits=5) for one in (in_words(found.table), damage_parts(found)))
     said, titled = page.paragraph(SHARES), page.part("titled", "Parts of the damage at these nodes", parts)
     causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(found)))
@@ -65,9 +71,18 @@ def write_life_page(
         *(contact if paths else []),
         page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(found.duty)))),
     ]
-    data = {"scenes": {"life": {"": scene}}, "arrays": arrays.packed, "first": []}
-    html = page.page(f"Life of the shoes: {found.duty.name}", life_lines(found), sections, data)
+    html = _coloured_page(
+        f"Life of the shoes: {found.duty.name}", life_lines(found), sections, life_solid(found)
+    )
     return page.write_page(html, path, overwrite)
+
+
+def _coloured_page(title: str, lead: list[str], sections: Sequence[page.Section], solid: Solid) -> str:
+    """HTML of a page whose first section shows a solid with its colourings."""
+    arrays = packing.SceneArrays()
+    scene = packing.packed_scene(Scene(("",), (solid,)), arrays)
+    data = {"scenes": {sections[0].anchor: {"": scene}}, "arrays": arrays.packed, "first": []}
+    return page.page(title, lead, sections, data)
 
 
 def life_lines(found: LifeResults) -> list[str]:
@@ -81,15 +96,15 @@ def life_lines(found: LifeResults) -> list[str]:
     shortest = cell_text(worst[f"{LIFE} that {survival:g} % survive"])
     low, high = (cell_text(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = material.factors()
-    strength = material.curve(found.duty.miner).strength
+    strength = material.curve(found.duty.miner).strength / style.MEGA
     return [
         f"{survival:g} % of the shoes see no crack at their worst node outside of rigid spiders "
         f"({worst['region']}) before {shortest} machine hours{mean}"
         f"{worn and f'; stages{worn[1:]}, the last goes on'}",
         f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
         f"{found.duty.criterion}, Miner {found.duty.miner}; {material.name}: strength at the "
-        f"surface {strength / MEGA:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / MEGA:.4g} MPa), "
-        f"mean stress sensitivity {factors['mean_sensitivity']:.3g}; {material.provenance()}",
+        f"surface {strength:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / style.MEGA:.4g} MPa), mean "
+        f"stress sensitivity {factors['mean_sensitivity']:.3g}; {material.provenance()}",
     ]
 
 
@@ -107,14 +122,14 @@ def life_solid(found: LifeResults) -> Solid:
     }
     logs, high = {name: np.log10(life[used]) for name, life in lives.items()}, float(np.log10(BEYOND))
     low = min(*(float(np.nanmin(one)) for one in logs.values()), high - LEAST_DECADES)
-    colours = (low, high, f"{STRESS_MAP}_r")
+    colours = (low, high, f"{style.STRESS_MAP}_r")
     colourings = [
         Colouring("life in h", log[None, None], *colours, name=name, decades=True)
         for name, log in logs.items()
     ]
     is_long = data.life.isel(survival=-1).values[used] >= BEYOND
     said = "long: life beyond 1e9 h", "how far to trust it"
-    colourings.append(verdict_colouring(data.verdict.values[used], is_long, *said))
+    colourings.append(shoes.verdict_colouring(data.verdict.values[used], is_long, *said))
     surface = data.node_position.transpose("node", "axis").values[used], (corners.reshape(-1, 3),)
     return Solid("shoe", *surface, "white", colourings=tuple(colourings), nodes=used)
 
@@ -160,3 +175,55 @@ def damage_parts(found: LifeResults) -> pd.DataFrame:
     shares = 100.0 * own.part_damage / np.maximum(own.damage_an_hour.isel(survival=-1), 1e-300)
     columns = {f"{name} in %": shares.sel(part=name).values for name in own.part.values}
     return found.table[["region", "node"]].assign(**columns)
+
+
+def check_solid(
+    found: CheckResults, colourings: Sequence[Colouring], bend: np.ndarray | float = 0.0
+) -> Solid:
+    """Surface of a checked shoe, bent by a displacement (nodes, 3), m, with colourings of its nodes."""
+    mesh = found.shoe.mesh
+    faces = np.searchsorted(mesh.surface_nodes, flat_triangles(mesh.boundary))
+    points, shades = mesh.nodes[mesh.surface_nodes] + bend, tuple(colourings)
+    return Solid("shoe", points, (faces,), "white", colourings=shades, nodes=mesh.surface_nodes)
+
+
+def write_check_page(found: CheckResults, path: Path, overwrite: bool = False) -> Path:
+    """Write a page of a check: its cases in 3D, which of them cracks what, and its tables."""
+    colourings = []
+    for case, stress in zip(found.cases, found.stress, strict=True):
+        mises = von_mises(stress) / style.MEGA
+        limits = 0.0, style.round_up(float(mises.max())), style.STRESS_MAP
+        colourings.append(Colouring("von Mises in MPa", mises[None, None], *limits, name=case.name))
+    sections = [
+        page.Section("check", "Cases in 3D", page.part("coloured", "check", BY_CASE)),
+        page.Section("cycles", "Cycles to a crack", page.table(found.worst_cycles)),
+        page.Section("moments", "Section moments and blows", page.table(found.moments)),
+        page.Section("hertz", "Below a tread", page.table(found.hertz)),
+        page.Section("peaks", "Peaks by region", page.table(found.table)),
+    ]
+    lead = [
+        f"{len(found.cases)} static cases, mesh {found.check.mesh}, {found.check.material.name}",
+        f"an hour: how many crack 2.5 % of the shoes within {cell_text(found.check.hours)} h; worst regions",
+    ]
+    html = _coloured_page(f"Check of {found.check.name}", lead, sections, check_solid(found, colourings))
+    return page.write_page(html, path, overwrite)
+
+
+def case_figure(found: CheckResults, number: int) -> Figure:
+    """One case from above and from below: von Mises stress on the bent shoe, and its peaks by region."""
+    case, stress, bend = found.cases[number], von_mises(found.stress[number]), found.displacement[number]
+    larger, high = style.drawn_scale(bend, BENT), style.round_up(float(stress.max()) / style.MEGA)
+    colouring = Colouring("von Mises stress in MPa", stress / style.MEGA, 0.0, high, style.STRESS_MAP)
+    solid = check_solid(found, [colouring], larger * bend)
+    with mpl.rc_context(style.STYLE | {"axes.grid": False}):
+        figure = Figure(figsize=(9.0, 7.4))
+        axes = figure.subplots(len(VIEWS), 1)
+        for ax, (title, (azimuth, elevation)) in zip(axes, VIEWS.items(), strict=True):
+            pictures.paint(ax, [solid], View.seen_from(azimuth, elevation), WINDOW)
+            ax.set_title(title, loc="left")
+            ax.set_axis_off()
+        own = found.table[found.table["case"] == case.name]
+        peaks = ", ".join(f"{a} {b:.0f}" for a, b in zip(own["region"], own["von Mises in MPa"], strict=True))
+        figure.suptitle(f"{case.name}\n{peaks} MPa; displacement x {larger:g}", parse_math=False)
+        figure.colorbar(style.scale_of(0.0, high, style.STRESS_MAP), ax=axes, label=colouring.title)
+    return figure
