@@ -154,6 +154,10 @@ def test_polygon_effect_of_a_light_chain_that_is_pulled_over_the_teeth():
         return 0.5 * stiffness * np.sum(np.maximum(depth, 0.0) ** 2) - push * places[-1, 0]
 
     turned, travel = np.linspace(0.02, gap - 0.02, 13), []
+    # and pairs of instants: a lug has just come in, is in the middle, soon goes out
+    turned = np.append(
+        turned, [one + two for one in (0.0, 0.5 * gap - 3e-3, gap - 6e-3) for two in (1e-3, 5e-3)]
+    )
     for angle in turned:
         seats = np.pi - gap * np.arange(3) - angle
         at = radius * np.column_stack((np.cos(seats), np.sin(seats)))
@@ -162,6 +166,11 @@ def test_polygon_effect_of_a_light_chain_that_is_pulled_over_the_teeth():
         travel.append(lugs(found.x, at[0])[-1, 0])
     ahead = turned - 0.5 * gap
     assert np.array(travel) == pytest.approx(radius * np.sin(ahead) + 3.0 * pitch, abs=1e-5)
+    speeds = np.diff(travel)[13::2] / np.diff(turned)[13::2]
+    # the chain's speed over the tumbler's varies by 1 - cos(pi / n), but for the 3 mrad that are left
+    assert 1.0 - speeds[0] / speeds[1] == pytest.approx(1.0 - np.cos(np.pi / count - 3e-3), rel=1e-3)
+    assert speeds[2] == pytest.approx(speeds[0], rel=1e-4)
+    assert speeds[1] == pytest.approx(radius, rel=1e-4)
     beside = np.array(travel) - 3.0 * pitch - count * pitch / (2.0 * np.pi) * ahead
     assert np.abs(beside).max() == pytest.approx(2.1e-3, abs=5e-5)
     assert beside.max() == pytest.approx(-beside.min(), abs=5e-5)

@@ -152,6 +152,22 @@ def test_travel_a_radian_is_that_of_the_pitches(rig):
     assert travel == pytest.approx(teeth * rig.case.track.pitch / (2.0 * math.pi), rel=2e-3)
 
 
+def test_a_worn_chain_travels_further_a_radian():
+    """By its growth: over a pitch of the tumbler its hanging shoes go a grown pitch."""
+    growth, drive = 0.01, Drive(speed=StepProfile(times=(0.0, 0.5), values=(0.0, 0.3)))
+    case = Case.closed().with_({"closed_track.support": "posts", "closed_track.pitch_growth": growth})
+    data, teeth = (
+        simulate(case.with_(drive=drive), 3.6, progress=False).dataset,
+        case.closed_track.tumbler.teeth,
+    )
+    place = data.position.values - data.tumbler_position.values[:, None]
+    hanging = (place[..., 2] < 0.0) & (abs(place[..., 0] - 4.2) < 3.0)
+    speed = np.mean(abs(data.velocity.values[..., 0]), axis=1, where=hanging)
+    last = data.tumbler_angle.values > data.tumbler_angle.values[-1] - 2.0 * math.pi / teeth
+    travel = speed[last].mean() / data.tumbler_speed.values[last].mean()
+    assert travel == pytest.approx((1.0 + growth) * teeth * case.track.pitch / (2.0 * math.pi), rel=2e-3)
+
+
 def test_torque_is_what_tension_and_weight_say_over_whole_pitches(rig):
     """By moments, by work and by means at n p / (2 pi) with w dz between COMs, wherever the cut is."""
     table = torque_by_tension(rig, (0.4, 0.5, 0.6))
@@ -228,13 +244,14 @@ def test_work_of_the_torque_is_losses_and_what_is_stored():
 @pytest.mark.filterwarnings("ignore:closed_track.slide_friction")
 def test_a_slide_carries_the_upper_run_and_rubs_on_it():
     """Lines bear the weight between them; tension and work of the torque have its friction."""
-    closed, speed, friction = Case.closed().closed_track, 0.3, 0.3
+    closed, speed, friction = Case.closed().closed_track, 0.1, 0.3
     slide = (-2.7, 2.7, closed.carriers[0][1] + closed.carrier_radius)
     changes = {"closed_track.support": "posts", "closed_track.carriers": (), "closed_track.slides": (slide,)}
-    drive, supplied = Drive(speed=StepProfile(times=(0.0, 0.3), values=(0.0, speed))), []
+    # slow from the start on: else the hanging run swings, and stores a tenth of the work for a while
+    drive, supplied = Drive(speed=StepProfile(times=(0.0, 1.0), values=(0.0, speed))), []
     for rubbing in (0.0, friction):
         case = Case.closed().with_(changes | {"closed_track.slide_friction": rubbing}, drive=drive)
-        history = simulate(case, 3.0, progress=False)
+        history = simulate(case, 7.6, progress=False)
         # a pitch at the full speed
         late = history.time.values >= history.time.values[-1] - case.track.pitch / speed
         supplied.append((history.drive_moment * history.tumbler_speed).values[late].mean())
@@ -247,16 +264,16 @@ def test_a_slide_carries_the_upper_run_and_rubs_on_it():
             ].mean()
             for x in (1.35, -1.35)
         )
-        # links are cut over the outer ones of these lines, which bend no chain
-        rubbed = 0.5 * (on_slide[3:-3, 0].sum() + on_slide[4:-4, 0].sum())
-        assert front - rear == pytest.approx(rubbed, rel=0.05, abs=500.0)
+        # cut over the outer ones of these lines, which bend no chain: half of what they bear is between
+        between = 0.5 * (on_slide[3:-3].sum(axis=0) + on_slide[4:-4].sum(axis=0))
+        assert front - rear == pytest.approx(between[0], rel=0.01, abs=500.0)
         weight = case.shoe.mass * case.gravity / case.track.pitch * 0.45
-        assert -on_slide[3:-3, 2].mean() == pytest.approx(weight, rel=0.05)
+        assert -between[2] == pytest.approx(6.0 * weight, rel=0.01)
         # the chain's tension presses it on the ends of the slide
         assert (-on_slide[[0, -1], 2] > 4.0 * weight).all()
     pressed = np.linalg.norm(history.wheel_force.values[late][:, 8:], axis=-1) / math.hypot(1.0, friction)
     work = friction * pressed.sum(axis=1).mean() * speed
-    assert supplied[1] - supplied[0] == pytest.approx(work, rel=0.02)
+    assert supplied[1] - supplied[0] == pytest.approx(work, rel=0.01)
     balance = energy_balance(history)
     assert np.abs(balance.imbalance.values).max() < 2e-3 * balance.drive.values.max()
 
