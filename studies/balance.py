@@ -245,23 +245,24 @@ def energies(history: History) -> xr.Dataset:
     """Stored energy of track and terrain over time, J: kinetic, gravitational and of the springs.
 
     Each (time,). Heights count from the origin of the COMs of shoes and from free springs of the units.
+    On cells there are no springs: what the ground stores and gives back is with its `powers`.
     Under a side frame also `frame_kinetic`; `frame_gravitational`, heights from z = 0; and `treads`, stored
     in their contacts with rails. In a closed track the frame's are with those of tumblers and idlers, `teeth`
     is what their contacts store, `tensioners` the springs of idlers and `elastic` the modes of flexible
-    shoes. ValueError for an open track with flexible shoes.
+    shoes. ValueError for flexible shoes of an open track, or on cells.
     """
     _only_known(history)
-    case, terrain, frame = history.case, history.case.unit_terrain(), history.case.undercarriage
-    gravity = case.gravity_vector()
+    case, frame, gravity = history.case, history.case.undercarriage, history.case.gravity_vector()
     kinetic, height = (one.sum(axis=1) for one in _shoes(history).energies(gravity))
-    heave, tilt = history.unit_heave.values, history.unit_tilt.values
-    kinetic += 0.5 * terrain.unit_mass * np.sum(history.unit_heave_rate.values**2, axis=1)
-    tilting = terrain.unit_inertia[terrain.tilt_axis]
-    kinetic += 0.5 * tilting * np.sum(history.unit_tilt_rate.values**2, axis=1)
-    height -= terrain.unit_mass * heave.sum(axis=1) * gravity[2]
-    springs = 0.5 * terrain.heave_stiffness * np.sum(heave**2, axis=1)
-    springs += 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
-    stored = {"kinetic": kinetic, "gravitational": height, "springs": springs}
+    stored = {"kinetic": kinetic, "gravitational": height}
+    if case.contact.model != "cells":
+        terrain, heave, tilt = case.unit_terrain(), history.unit_heave.values, history.unit_tilt.values
+        kinetic += 0.5 * terrain.unit_mass * np.sum(history.unit_heave_rate.values**2, axis=1)
+        tilting = terrain.unit_inertia[terrain.tilt_axis]
+        kinetic += 0.5 * tilting * np.sum(history.unit_tilt_rate.values**2, axis=1)
+        height -= terrain.unit_mass * heave.sum(axis=1) * gravity[2]
+        springs = 0.5 * terrain.heave_stiffness * np.sum(heave**2, axis=1)
+        stored["springs"] = springs + 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
     if case.running_gear is not None:
         side = _side_frame(history)
         both = [motion.energies(gravity) for motion in (side, *_others(history, side))]
@@ -285,19 +286,38 @@ def powers(history: History) -> xr.Dataset:
 
     `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and comes
     back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
+    On cells `pressure` and `shear` are all that the ground takes, some of which it gives back: the power of
+    the normal tractions' resultant, which is that of all of them on a plane, and the rest.
     Under a side frame the drive pulls on frame and chain, the machine's load is that on the frame with the
     tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too. In a closed
     track the drive is its torque on the tumblers, and `wheel_losses` and `tooth_losses` are what these take
     and do not store: by resistance, damping and flanges; `modal_damping` and `tensioner_damping` take power
     where there are such. ValueError for a history of contact by spheres, of which a row does not say what
-    each takes, or one of an open track with flexible shoes.
+    each takes, or as of `energies`.
     """
     _only_known(history)
-    case, terrain, law = history.case, history.case.unit_terrain(), history.case.contact
-    if law.model != "pair":
-        raise ValueError("powers need a history of contact.model 'pair', whose law they divide")
+    case = history.case
     shoes = _shoes(history)
     supplied = shoes.powers(acting.actions(history))
+    named = {"drive": supplied["drive"], "machine_load": supplied["load"]}
+    if case.contact.model == "cells":
+        pressed = np.linalg.norm(history.normal_force.values, axis=-1) * history.penetration_rate.values
+        named["pressure"] = pressed.sum(axis=1)
+        named["shear"] = -supplied["contact"] - named["pressure"]
+    else:
+        named |= _unit_powers(history, shoes)
+    if case.undercarriage is not None:
+        named |= _rolled_powers(history, case.undercarriage, shoes, supplied["chain"])
+    if case.is_closed:
+        named |= _closed_powers(history, shoes)
+    return _over_time(history, "W", **named)
+
+
+def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
+    """Powers that contact with units, and these, take (times,)."""
+    terrain, law = history.case.unit_terrain(), history.case.contact
+    if law.model != "pair":
+        raise ValueError("powers need a history of contact.model 'pair' or 'cells', which say what they take")
     depth, rate = history.penetration.values, history.penetration_rate.values
     normal = np.linalg.norm(history.normal_force.values, axis=-1)
     elastic = law.stiffness * np.maximum(depth, 0.0) ** law.exponent
@@ -313,19 +333,12 @@ def powers(history: History) -> xr.Dataset:
     rubbed = rubbed + history.friction_torque.values * spin
     absorbed = terrain.heave_stiffness * np.sum(history.unit_heave_rate.values**2, axis=1)
     absorbed += terrain.tilt_stiffness * np.sum(history.unit_tilt_rate.values**2, axis=1)
-    named = {
-        "drive": supplied["drive"],
-        "machine_load": supplied["load"],
+    return {
         "elastic_contact": np.sum(share * pressed, axis=1),
         "contact_damping": np.sum((1.0 - share) * pressed, axis=1),
         "friction": -rubbed.sum(axis=(1, 2)),
         "terrain_damping": terrain.damping_time * absorbed,
     }
-    if case.undercarriage is not None:
-        named |= _rolled_powers(history, case.undercarriage, shoes, supplied["chain"])
-    if case.is_closed:
-        named |= _closed_powers(history, shoes)
-    return _over_time(history, "W", **named)
 
 
 def _rolled_powers(
@@ -461,9 +474,10 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
 
 
 def _only_known(history: History) -> None:
-    if history.case.flexible is not None and not history.case.is_closed:
+    case = history.case
+    if case.flexible is not None and (case.contact.model == "cells" or not case.is_closed):
         raise ValueError(
-            "of an open track the energy balance needs a history of rigid shoes: modes are left out"
+            "an open track, or one on cells, must have rigid shoes: the energy balance leaves out their modes"
         )
 
 

@@ -237,12 +237,21 @@ def closed(
 def grounds(
     duration: Duration = 60.0,
     mesh: MeshName = "coarse",
+    powers: Annotated[
+        bool, typer.Option("--powers", help="run rigid shoes instead, and show where the pull goes")
+    ] = False,
     out: Out = RESULTS / "ground",
     overwrite: Overwrite = False,
 ) -> None:
     """Roll the machine over sand, oil sand and hard floor; beside the papers' ground."""
-    from studies.ground import study
+    from studies.ground import power_study, study
 
+    if powers:
+        out = out / "powers"
+        table = power_study(out, duration=duration, overwrite=overwrite, say=typer.echo)
+        keys = ("ground", "pull beyond rolling in kN", "taken by pressure in kN", "taken by shear in kN")
+        _show_tables(out, {"powers": (table, "Where the pull goes, over the way of the machine", keys)})
+        return
     _, table, regions, lives = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
     keys = ("ground", "mean pull in kN", "greatest tilt of a shoe in mrad", "highest stress in MPa")
     lives_keys = ("ground", *LIVES[1:-1])

@@ -3,7 +3,7 @@
 No paper reports it. The papers' ground of units stands beside: there a shoe sinks by 66 mm under its share of
 the machine and tilts the rollers into a climb that is most of the pull. Two trials part what sinking costs:
 sand that springs back along the line to where it began, which keeps no rut; and a second pass of the machine
-in the ruts of the first.
+in the ruts of the first. Powers of rigid shoes say where the pull goes.
 """
 
 from pathlib import Path
@@ -23,6 +23,7 @@ from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import in_words, life_of
 from exudyn_crawler.run.folder.record import HISTORY
+from studies.balance import energy_balance
 from studies.rollers import highest_by_region, rolled_case
 from studies.running import Running, by_name, save, study_runs
 
@@ -153,6 +154,83 @@ def row(run: CaseRun) -> dict[str, float]:
         "heave of the frame in mm": KILO * float(np.ptp(heave)),
         "greatest force on a rail in kN": float(treads.max()) / KILO,
     } | work_balance(history)
+
+
+def power_cases(duration: float | None = None, out: Path | None = None) -> dict[str, CaseFile]:
+    """Cases of rigid shoes of `power_study`, each over its own duration (s), or over at most this one.
+
+    The machine of `study_cases` for as long, without its flexible shoe, and its second pass in the ruts that
+    the first has left in the folder; and trials over 24 shoes. With the longest K slip is nearly elastic.
+    """
+    lete, soft = BekkerSoil.lete_sand(), BekkerSoil.oil_sand_low()
+    back = soft.with_(reload_stiffness=0.0)
+    trials = {
+        f"{SOFT}, springs back": (back, 30.0),
+        f"{SOFT}, springs back, 20 s": (back, 20.0),
+        f"{SOFT}, springs back, K of 100 mm": (back.with_(shear_deformation=0.1), 20.0),
+        f"{SOFT}, springs back, undamped": (back.with_(shear_viscosity=0.0, damping=0.0), 20.0),
+        "LETE sand, springs back": (lete.with_(reload_stiffness=0.0), 20.0),
+        "LETE sand, 20 s": (lete, 20.0),
+    }
+    first = rolled_case().with_(flexible=None).on_cells(lete)
+    cases = {"LETE sand": (first, PASS_DURATION)}
+    if out is not None:
+        ruts = {"terrain.ruts": (out / "LETE sand" / HISTORY).resolve()}
+        cases[f"LETE sand, {AGAIN}"] = first.with_(ruts), PASS_DURATION
+    cases |= {name: (Case.rolled().on_cells(law), time) for name, (law, time) in trials.items()}
+    return {
+        name: CaseFile(case=case.with_(name=name), duration=min(time, duration or time))
+        for name, (case, time) in cases.items()
+    }
+
+
+def powers_over_way(history: History) -> dict[str, float]:
+    """Works of `energy_balance` as mean forces over the way of the machine, kN: the first four give the rest.
+
+    The drive's pull counts less the rolling resistance of the frame's weight, treads by what they take less
+    than this, the chain by what drive and tension give as they move it.
+    """
+    case, work = history.case, energy_balance(history).isel(time=-1)
+    frame, x = case.undercarriage, history.side_frame_position.sel(axis="x").values
+    if frame is None:
+        raise ValueError(f"case {case.name!r} has no undercarriage")
+    pulled = np.trapezoid(history.drive_pull.values, x)
+    rolling = frame.rolling_resistance * frame.mass * case.gravity * (x[-1] - x[0])
+    works = {
+        "pull beyond rolling": pulled - rolling,
+        "given by sinking": -work.gravitational - work.frame_gravitational,
+        "given by the chain": work.drive + work.machine_load - pulled,
+        "spared by treads": rolling - work.rolling_resistance - work.tread_damping - work.treads,
+        "taken by pressure": work.pressure,
+        "taken by shear": work.shear,
+        "set in motion": work.kinetic + work.frame_kinetic,
+        "left over": work.imbalance,
+    }
+    return {f"{name} in kN": float(one) / (x[-1] - x[0]) / KILO for name, one in works.items()}
+
+
+def power_study(
+    out: Path | None = None, *, duration: float | None = None, **how: Unpack[Running]
+) -> pd.DataFrame:
+    """Where the pull goes, by powers of rigid shoes: a row a case of `power_cases`.
+
+    With `out` it gets their folders and `powers.csv`. Errors are those of `study_runs`.
+    """
+    with study_runs(out, power_cases(duration, out), **how) as runs:
+        table = pd.DataFrame({"ground": name} | _power_row(run.history) for name, run in runs.items())
+        save(out, powers=table)
+        return table
+
+
+def _power_row(history: History) -> dict[str, float]:
+    x = history.side_frame_position.sel(axis="x").values
+    tilt, moved = np.abs(history.angles.sel(axis="y").values), history.position.sel(axis="x")
+    return {
+        "way in m": x[-1] - x[0],
+        **powers_over_way(history),
+        "greatest tilt of a shoe in mrad": KILO * float(tilt.max()),
+        "greatest way of a shoe in mm": KILO * float(np.abs(moved - moved.isel(time=0)).max()),
+    }
 
 
 def lives_by_region(run: CaseRun) -> pd.DataFrame:

@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, LoadCycle, StepProfile, simulate
+from exudyn_crawler.case.parameters.heights import Heights, Roughness
+from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_loads
+from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.balance import shoe_imbalance, track_imbalance
 from tests.model.both import compiled_matrix, residual_of
@@ -115,6 +118,29 @@ def test_newtons_matrix_is_the_derivative_of_the_residual(base):
     assert (np.abs(matrix - found) / scale).max() < 0.02
 
 
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+@pytest.mark.parametrize(
+    "case",
+    [
+        three_shoes(RockFloor.hard_floor().with_(friction=0.05), side_slope=0.1, drive=FREE),
+        three_shoes(BekkerSoil.lete_sand().with_(cohesion=0.0, friction_angle=0.0), drive=FREE),
+    ],
+    ids=["rock that is too steep", "sand without strength"],
+)
+def test_ground_that_cannot_hold_the_shoes_is_named(case):
+    with pytest.raises(EquilibriumError, match="the ground's shear may be too weak to hold the shoes: comp"):
+        static_equilibrium(case)
+
+
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+def test_a_floor_without_friction_is_refused_and_one_with_next_to_none_carries():
+    with pytest.raises(ParameterError, match=r"^friction: must be greater than 0, got 0\.0$"):
+        RockFloor.hard_floor().with_(friction=0.0)
+    case = three_shoes(RockFloor.hard_floor().with_(friction=1e-6), drive=FREE)
+    start = simulate(case, 4e-3, False)
+    assert np.abs(start.acceleration.isel(time=0)).max() < 1e-3  # m/s2
+
+
 def test_modal_loads_of_histories_are_those_of_the_equations():
     case = Case.stress("coarse").on_cells(BekkerSoil.lete_sand())
     run = simulate(case, 4e-3, False)
@@ -124,6 +150,20 @@ def test_modal_loads_of_histories_are_those_of_the_equations():
     # at rest the modes have neither momentum nor damping: their loads are their elastic forces, but for
     # forces at nodes that are stored in single precision
     assert np.abs(inertia).max() < 3e-5 * np.abs(ground).max()
+
+
+@pytest.mark.parametrize("relief", [Heights(), Heights(roughness=Roughness(spectrum=64e-6, seed=3))])
+def test_peak_stress_does_not_feel_the_cells(relief):
+    """Of a flexible shoe at rest; 0.1 % apart on level sand, 0.9 % on rough."""
+    base, peaks = Case.stress("coarse"), []
+    track, flexible = base.track.with_(shoe_count=3), base.flexible_shoes().with_(shoes=(2,))
+    case = base.with_(track=track, loads=LoadCycle.propel(3), flexible=flexible)
+    case = case.on_cells(BekkerSoil.lete_sand(), relief)
+    for cell in (0.1, 0.05):
+        run = simulate(case.with_({"terrain.cell": cell}), 4e-3, False)
+        peaks.append(recover_stresses(run, [0.0], peak=False).hot_spots[2]["value"].iloc[0])
+    assert peaks[0] > 5e6  # Pa
+    assert peaks[1] == pytest.approx(peaks[0], rel=0.02)
 
 
 def test_exudyns_bodies_move_alike_on_cells(dragged):

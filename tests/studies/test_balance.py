@@ -1,11 +1,15 @@
 """Energy of a run: what drive and load give is stored, or taken by friction and dampers."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from exudyn_crawler import simulate
+from exudyn_crawler import Case, Drive, StepProfile, simulate
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from studies.balance import energies, energy_balance, powers
 from studies.grounds import plain
+from tests.rolled import small_case, small_flexible_case
 
 
 def test_the_work_of_the_drive_is_accounted_for(longer):
@@ -56,3 +60,45 @@ def test_power_balances_the_rate_of_energy(translation):
     rate = stored.differentiate("time")
     # differences of 2 ms steps of a smooth start
     assert rate.values[5:-5] == pytest.approx(net.values[5:-5], abs=0.01 * np.abs(net).max().item())
+
+
+@pytest.fixture(scope="module", params=["rolled", "dragged"])
+def on_sand(request):
+    """A third of a second on LETE sand: a machine set in motion, and shoes jerked into full slip."""
+    case = small_case()
+    if request.param == "dragged":
+        jerked = StepProfile(times=(0.0, 0.05), values=(0.0, 0.2))
+        case = Case.translation().with_(drive=Drive.translation().with_(speed=jerked))
+    return simulate(case.on_cells(BekkerSoil.lete_sand()), 0.3, progress=False)
+
+
+@pytest.mark.simulation
+def test_the_work_on_cells_is_accounted_for_and_no_term_could_be_left_out(on_sand):
+    balance = energy_balance(on_sand)
+    drive = float(balance.drive[-1])
+    assert drive > 1e4
+    # found: 3e-4 rolled, 1e-4 dragged
+    missed = float(np.abs(balance.imbalance).max())
+    assert missed < 1e-3 * drive
+    small = {"machine_load", "treads", "tread_damping"}  # of the machine: some 10 J of 104 kJ
+    for name in set(balance.data_vars) - small - {"imbalance"}:
+        assert float(np.abs(balance[name]).max()) > 2.0 * missed, name
+
+
+@pytest.mark.simulation
+def test_shear_of_cells_takes_friction_times_slip_and_pressure_the_rest(on_sand):
+    power, case = powers(on_sand), on_sand.case
+    rubbed = (on_sand.friction_force * on_sand.slip_velocity).sum(("contact", "axis")).values
+    spun = (on_sand.friction_torque.values * on_sand.angular_velocity.values).sum(axis=(1, 2))
+    np.testing.assert_allclose(power.shear, -rubbed - spun, rtol=0.0, atol=1e-5 * np.abs(rubbed).max())
+    if not case.is_rolled:
+        # slipped by five shear deformations: nearly all of the strength
+        strength = np.tan(np.radians(case.contact.law.friction_angle))
+        weight = on_sand.normal_force.isel(time=-1, axis=2).sum().item()
+        assert float(power.shear[-1]) == pytest.approx(0.2 * strength * weight, rel=0.05)
+
+
+def test_powers_of_flexible_shoes_on_cells_are_refused():
+    case = small_flexible_case().on_cells(BekkerSoil.lete_sand())
+    with pytest.raises(ValueError, match="or one on cells, must have rigid shoes"):
+        powers(SimpleNamespace(case=case))

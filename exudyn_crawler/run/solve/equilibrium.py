@@ -218,9 +218,10 @@ def _oiled(case: Case, speed: float) -> Case:
 
 
 def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
+    slides = "; the ground's shear may be too weak to hold the shoes: compare contact.law with the slope"
     return EquilibriumError(
         f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
-        f"{failed.fault(system.layout)}"
+        f"{failed.fault(system.layout)}{slides if system.sticks and failed.singular else ''}"
     )
 
 

@@ -126,6 +126,39 @@ def test_a_step_is_smoothed_to_a_gaussians_integral(tmp_path):
         MeasuredGrid(file=tmp_path / "wall.npy", spacing=0.05, smoothing=0.0)
 
 
+def swing(grid, end):
+    """How far heights leave those of a file between 0 and another level (m), between its places."""
+    x, y = np.meshgrid(np.linspace(0.5, 3.4, 400), np.linspace(0.1, 1.8, 60))
+    z = grid.sample(x, y)[..., 0]
+    return max(-z.min(), z.max() - end)
+
+
+@pytest.mark.parametrize("alone", [False, True], ids=["step", "single cell"])
+def test_steps_and_single_cells_of_a_file_are_smoothed_or_refused(tmp_path, alone):
+    def measured(height, smoothing):
+        z = np.zeros((80, 40))
+        if alone:
+            z[40, 20] = height
+        else:
+            z[40:] = height
+        np.save(tmp_path / "step.npy", z)
+        return MeasuredGrid(file=tmp_path / "step.npy", spacing=0.05, smoothing=smoothing)
+
+    message = (
+        r"^smoothing: must be at least 0\.025 m, half a spacing of .*step.npy, since its heights have steps"
+    )
+    for smoothing in (0.0, 0.02):
+        with pytest.raises(ParameterError, match=message + f", got {smoothing:g} m$"):
+            measured(0.02, smoothing)
+    assert swing(measured(0.05, 0.025), 0.05) < 0.03 * 0.05
+    assert swing(measured(0.05, 0.05), 0.05) < 1e-4 * 0.05
+    # low ones may stay as they are
+    low = 0.2 / (3.0 if alone else 2.0) * 0.05
+    assert 1e-4 < swing(measured(0.99 * low, 0.0), low) < 0.011 * 0.05
+    with pytest.raises(ParameterError, match=message):
+        measured(1.01 * low, 0.0)
+
+
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
