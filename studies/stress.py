@@ -18,7 +18,7 @@ import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes
 from exudyn_crawler.case import Outputs
-from exudyn_crawler.case.parameters.flexible import ADAMS_DAMPING
+from exudyn_crawler.case.parameters.track import ADAMS_DAMPING
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.results.history.history import History

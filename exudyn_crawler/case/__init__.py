@@ -10,11 +10,10 @@ from exudyn_crawler.case.files import read_case, write_case
 from exudyn_crawler.case.parameters.closed_track import ClosedTrack, Idler, Tumbler
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver, StepProfile
-from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.heights import Heights, Ramp, Ridge, Roughness, Stone, Waves
 from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, Terrain
-from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
+from exudyn_crawler.case.parameters.track import FlexibleShoes, Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import (
     CarBody,
     MachineCycle,

@@ -3,21 +3,18 @@
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pydantic import Discriminator, Field, Tag
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import undercarriage as rolled
+from exudyn_crawler.case.parameters import fields, undercarriage
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled, closed_errors
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
-from exudyn_crawler.case.parameters.fields import tag_of
-from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, SoilLaw, Terrain
-from exudyn_crawler.case.parameters.track import SIDES, Rails, Shoe, Track
+from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import CarBody, MachineCycle, Part, Undercarriage
 
 NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
@@ -104,10 +101,10 @@ class Case(Parameters):
             yield f"formulation must be 'engine' or None with {NOT_COMPILED}"
         if isinstance(contact, SphereContact):
             yield from self._sphere_errors(contact.radius)
-        if self.undercarriage is not None:
-            yield from rolled.rolled_errors(self.undercarriage, shoe, self.track, self.drive, self.loads)
+        if (frame := self.undercarriage) is not None:
+            yield from undercarriage.rolled_errors(frame, shoe, self.track, self.drive, self.loads)
         if self.machine is not None and (gear := self.running_gear) is not None:
-            aside = rolled.TIPPING if self.car_body is None else 0.5 * self.car_body.track_distance
+            aside = undercarriage.TIPPING if self.car_body is None else 0.5 * self.car_body.track_distance
             yield from self.machine.balance_errors(
                 self.frame_parts, gear.rollers, aside, self.gravity_vector()
             )
@@ -289,7 +286,7 @@ class Case(Parameters):
     def _of_model(self, part: str, kind: type[Model]) -> Model:
         """Terrain or contact of the case, if it is of a class."""
         if not isinstance(found := getattr(self, part), kind):
-            raise ValueError(f"{part}.model must be {tag_of(kind)!r}, got {found.model!r}")
+            raise ValueError(f"{part}.model must be {fields.tag_of(kind)!r}, got {found.model!r}")
         return found
 
     def closed_gear(self) -> ClosedTrack:
@@ -322,7 +319,7 @@ class Case(Parameters):
         """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""
         return self.gravity * self.terrain.down
 
-    def pressed(self, load: ArrayLike) -> np.ndarray:
+    def pressed(self, load: np.typing.ArrayLike) -> np.ndarray:
         """Force normal to the ground (N) of a shoe's weight and of each load (N) on it."""
         return (np.asarray(load) + self.shoe.mass * self.gravity) * -self.terrain.down[2]
 
@@ -339,7 +336,7 @@ class Case(Parameters):
         carried = sum(part.mass for part in self.frame_parts)
         return loads + under * carried * self.gravity / max(1, under.sum())
 
-    def machine_wrench(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    def machine_wrench(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) on a side frame's origin beside its weight, global: (times, 3) each."""
         nothing = np.zeros((np.size(time), 3))
         return (nothing, nothing.copy()) if self.machine is None else self.machine.wrench(time)
@@ -419,7 +416,7 @@ class Case(Parameters):
             name="rolled",
             shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
             track=track,
-            terrain=rolled.ground_below(track, Terrain.stress()),
+            terrain=undercarriage.ground_below(track, Terrain.stress()),
             # shoes that tilt under the rollers stand on several units
             contact=PairContact.oil_sand(sharing="area"),
             drive=Drive.translation(),
@@ -491,8 +488,8 @@ class Case(Parameters):
                 raise ValueError(error)
 
     def _support_errors(self, time: float) -> Errors:
-        if self.undercarriage is not None:
-            yield from rolled.length_errors(self.undercarriage, self.track, self.drive.travel(time), time)
+        if (frame := self.undercarriage) is not None:
+            yield from undercarriage.length_errors(frame, self.track, self.drive.travel(time), time)
         corners = self.outline(time)
         for name, places, (least, greatest) in zip("xy", corners.T, self.terrain.bounds, strict=True):
             low, high = places.min(), places.max()

@@ -14,7 +14,6 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity, shown
 from exudyn_crawler.case.parameters.drive import StepProfile
-from exudyn_crawler.case.parameters.terrain import Terrain
 from meshes.geometry import VOLUMES
 
 _bytes = partial(fields.in_units, units={"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0})
@@ -54,7 +53,7 @@ def check_case_file(case_file: object) -> None:
 def check_size(case: Case, duration: float) -> None:
     """Refuse, by a `ValueError`, a run (s) that no memory of this machine or no disk would hold."""
     terrain, solver = case.terrain, case.solver
-    if isinstance(terrain, Terrain):
+    if terrain.model == "units":
         # singular value decomposition of the joints' equations in the heave and tilt of every unit
         needed = 4.0 * NUMBER * (2.0 * terrain.unit_count) ** 2
         if case.terrain_formulation == "constrained" or case.contact.model == "spheres":

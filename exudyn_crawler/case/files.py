@@ -14,12 +14,7 @@ from pydantic import BaseModel, ValidationError
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
-from exudyn_crawler.case.parameters import fields, reading
-from exudyn_crawler.case.parameters.base import error_lines
-from exudyn_crawler.case.parameters.loads import LoadCycle, cycle_content, with_equal_loads
-from exudyn_crawler.case.parameters.reading import Content
-from exudyn_crawler.case.parameters.terrain import SoilLaw
-from exudyn_crawler.case.parameters.track import MOST_SHOES
+from exudyn_crawler.case.parameters import base, fields, loads, reading, terrain, track
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.files import whole_file
 from meshes import SHOE_SIZES
@@ -37,7 +32,7 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     file, a CaseFileError that names every key at fault by its path, and what is allowed there.
     """
 
-    def values(content: Content) -> Content:
+    def values(content: reading.Content) -> reading.Content:
         return _resolved(content, Path(path).parent, [_change(change) for change in changes])
 
     return reading.read_parameters(path, CaseFile, "case file", values)
@@ -75,7 +70,7 @@ def saved_case(text: str | bytes) -> Case:
     try:
         return Case.model_validate_json(text)
     except ValidationError as error:
-        raise ParameterError("\n".join(error_lines(error, Case))) from None
+        raise ParameterError("\n".join(base.error_lines(error, Case))) from None
 
 
 class _Change(NamedTuple):
@@ -85,7 +80,7 @@ class _Change(NamedTuple):
     path: fields.KeyPath
     value: Any
 
-    def made_in(self, content: Content, kind: type[CaseFile] | None = None) -> Content:
+    def made_in(self, content: reading.Content, kind: type[CaseFile] | None = None) -> reading.Content:
         """Content with the change: tables of a file or, of a `kind`, with what bases give."""
         with fields.errors_at(self.key):
             return fields.with_value(content, self.path, self.value, kind)
@@ -122,25 +117,25 @@ def _change(text: str) -> _Change:
     return _Change(key, path, content["value"] if len(content) == 1 else value)
 
 
-def _resolved(content: Content, folder: Path, changes: Sequence[_Change] = ()) -> Content:
+def _resolved(content: reading.Content, folder: Path, changes: Sequence[_Change] = ()) -> reading.Content:
     """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced, and changes made."""
     # lists may come from a base
     of_items = [change for change in changes if len(fields.names_of(change.path)) < len(change.path)]
     for change in changes:
         content = content if change in of_items else change.made_in(content)
-    loads, cycle = content.get("loads"), None
-    if isinstance(loads, dict) and CYCLE in loads:
-        if len(loads) > 1 or not isinstance(loads[CYCLE], str):
-            raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {loads!r}")
-        cycle = folder / loads[CYCLE]
+    table, cycle = content.get("loads"), None
+    if isinstance(table, dict) and CYCLE in table:
+        if len(table) > 1 or not isinstance(table[CYCLE], str):
+            raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {table!r}")
+        cycle = folder / table[CYCLE]
         try:
-            content["loads"] = cycle_content(cycle)
+            content["loads"] = loads.cycle_content(cycle)
         except OSError as error:
             raise ValueError(f"loads.{CYCLE}: {error}") from error
     content = reading.with_base(content, CaseFile)
     if _spread_equal_loads(content["case"]) and cycle is not None:
-        with reading.errors_named(cycle, LoadCycle):
-            reading.from_content(LoadCycle, content["case"]["loads"])
+        with reading.errors_named(cycle, loads.LoadCycle):
+            reading.from_content(loads.LoadCycle, content["case"]["loads"])
     for change in of_items:
         content = change.made_in(content, CaseFile)
         _spread_equal_loads(content["case"])
@@ -161,13 +156,13 @@ def _resolved(content: Content, folder: Path, changes: Sequence[_Change] = ()) -
     return content
 
 
-def _spread_equal_loads(case: Content) -> bool:
+def _spread_equal_loads(case: reading.Content) -> bool:
     """Put one number for the loads on all shoes on each of them; returns whether it is known how many."""
-    track = case.get("track")
-    count = track.get("shoe_count") if isinstance(track, dict) else None
-    if "loads" not in case or not isinstance(count, int) or not 0 < count <= MOST_SHOES:
+    chain = case.get("track")
+    count = chain.get("shoe_count") if isinstance(chain, dict) else None
+    if "loads" not in case or not isinstance(count, int) or not 0 < count <= track.MOST_SHOES:
         return False
-    case["loads"] = with_equal_loads(case["loads"], count)
+    case["loads"] = loads.with_equal_loads(case["loads"], count)
     return True
 
 
@@ -179,7 +174,7 @@ def case_schema() -> dict[str, Any]:
     """
     whole = CaseFile.model_json_schema()
     kinds = _kinds(CaseFile)
-    laws = {one.__name__: one for one in SoilLaw.plugged_in()}
+    laws = {one.__name__: one for one in terrain.SoilLaw.plugged_in()}
     parts = whole["$defs"] | {name: one.model_json_schema() for name, one in laws.items()}
     definitions = {name: _table(part, kinds[name]) for name, part in parts.items() if name in kinds}
     definitions["SoilLaw"] = {"anyOf": [{"$ref": f"#/$defs/{name}"} for name in laws]}

@@ -7,7 +7,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.case.case_file import check_modes
-from exudyn_crawler.case.parameters.flexible import CONSTRAINT_MODES
+from exudyn_crawler.case.parameters.track import CONSTRAINT_MODES
 from exudyn_crawler.model.reductions import cached_reduction
 from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, pin_interfaces, pulled_node
 from fem import CachedReduction, ElasticBody, Interface, Material, Nested, ReducedBody, nested_reduction

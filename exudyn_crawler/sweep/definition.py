@@ -20,8 +20,7 @@ from exudyn_crawler.case import CaseFile, Outputs
 from exudyn_crawler.case.files import case_of
 from exudyn_crawler.case.parameters import checks, fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
-from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
-from exudyn_crawler.case.parameters.units import number_of
+from exudyn_crawler.case.parameters.reading import Content, number_of, read_parameters, with_base
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often

@@ -8,7 +8,7 @@ import studies.cases
 from exudyn_crawler import Case, read_case, write_case
 from exudyn_crawler.case.case_file import CaseFile, nearest_base
 from exudyn_crawler.case.parameters.fields import value_text
-from exudyn_crawler.case.parameters.units import number_of
+from exudyn_crawler.case.parameters.reading import number_of
 from exudyn_crawler.errors import CaseFileError
 from tests.test_release import PROJECT
 

@@ -11,7 +11,7 @@ from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticUndefined
 
-from exudyn_crawler.case.parameters import fields, units
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import ParameterError
 
 FAR = 1e6  # m, beyond which places are no longer exact to a tenth of a micrometre
@@ -24,6 +24,9 @@ WORDS = (
     *(("a valid list", "a list"), (" after validation", ""), ("be an object", "be a table")),
 )
 """Those of pydantic, and what an engineer says."""
+EXAMPLES = {"N": "450 kN", "N m": "30 kN m", "N/m": "20 MN/m", "N s/m": "120 kN s/m", "Pa": "800 MPa"}
+EXAMPLES |= {"m": "8 mm", "m/s": "9 km/h", "rad/s": "1 deg/s", "kg": "4.7 t", "kg/m3": "1.6 t/m3"}
+EXAMPLES |= {"s": "5 min", "": "3 %"}
 PROFILE = "values over time, such as {times = [0, 5], values = [0, 0.1]} (numbers in s and {unit})"
 
 Errors = Iterator[str]  # a line each
@@ -234,13 +237,19 @@ def _message(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bo
         message = f"must be {' or '.join(held.__name__ for held in spot.held)}"
         message = f"must be {profile if is_profile else 'a table'}" if in_file else message
     elif kind == "float_type" and in_file and isinstance(given, str) and field:
-        message = units.wanted(fields.unit_of(field))
+        message = _wanted(fields.unit_of(field))
     for word, plain in WORDS:
         message = message.replace(word, plain)
     message = re.sub("^[A-Z][a-z]+ should", "must", message)
     if kind.startswith(("less_than", "greater_than")) and field and isinstance(given, int | float):
         cause = fields.likely_cause(float(given), field)
     return f"{head}{message}, got {shown(given)}{cause}"
+
+
+def _wanted(unit: str) -> str:
+    """What a field of a unit takes."""
+    example = f", or such as {EXAMPLES[unit]!r}" if unit in EXAMPLES else ""
+    return f"must be a number{f' in {unit}' if unit else ''}{example}"
 
 
 def _remedy(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:

@@ -3,7 +3,6 @@
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
@@ -59,7 +58,7 @@ class PairContact(Parameters):
         """
         return cls.oil_sand().with_(normal="area")
 
-    def settled_depth(self, load: ArrayLike) -> np.ndarray:
+    def settled_depth(self, load: np.typing.ArrayLike) -> np.ndarray:
         """Penetration (m) of an evenly carried shoe under each load (N); none where a load lifts."""
         return _impact_depth(load, self.stiffness, self.exponent)
 
@@ -98,10 +97,10 @@ class SphereContact(Parameters):
         """Spheres under one shoe."""
         return self.spheres_x * self.spheres_y
 
-    def reference_depth(self, load: ArrayLike) -> np.ndarray:
+    def reference_depth(self, load: np.typing.ArrayLike) -> np.ndarray:
         """Penetration (m) of an evenly carried shoe by the reference law under each load (N)."""
         return _impact_depth(load, self.reference_stiffness, self.reference_exponent)
 
 
-def _impact_depth(load: ArrayLike, stiffness: float, exponent: float) -> np.ndarray:
+def _impact_depth(load: np.typing.ArrayLike, stiffness: float, exponent: float) -> np.ndarray:
     return (np.maximum(load, 0.0) / stiffness) ** (1.0 / exponent)

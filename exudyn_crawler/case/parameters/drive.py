@@ -4,7 +4,6 @@ from functools import lru_cache
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
@@ -45,26 +44,26 @@ class StepProfile(Parameters):
         """Same value at all times."""
         return cls(times=(0.0,), values=(value,))
 
-    def _at(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    def _at(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Number of the STEP that each time lies in, and the share of it that is over; 0 before the first."""
         times, _, lengths, _ = _steps(self.times, self.values)
         inside = np.minimum(np.maximum(time, times[0]), times[-1])
         step = times.searchsorted(inside, side="right") - 1
         return step, (inside - times[step]) / lengths[step]
 
-    def value(self, time: ArrayLike) -> np.ndarray:
+    def value(self, time: np.typing.ArrayLike) -> np.ndarray:
         """Value at each time."""
         _, values, _, rises = _steps(self.times, self.values)
         step, s = self._at(time)
         return values[step] + rises[step] * s**2 * (3.0 - 2.0 * s)
 
-    def rate(self, time: ArrayLike) -> np.ndarray:
+    def rate(self, time: np.typing.ArrayLike) -> np.ndarray:
         """Time derivative at each time."""
         _, _, lengths, rises = _steps(self.times, self.values)
         step, s = self._at(time)
         return 6.0 * rises[step] / lengths[step] * s * (1.0 - s)
 
-    def integral(self, time: ArrayLike) -> np.ndarray:
+    def integral(self, time: np.typing.ArrayLike) -> np.ndarray:
         """Integral from the first given time to each time (negative before it)."""
         times, values, lengths, rises = _steps(self.times, self.values)
         step, s = self._at(time)
@@ -180,11 +179,7 @@ class Solver(Parameters):
     spectral_radius: float = quantity("1", "at infinite frequency: less damps more", gt=0, lt=1, default=0.6)
     output_interval: base.Interval = quantity("s", "between stored states; at least a step", default=2.0e-3)
     checkpoint_interval: float = quantity(
-        "s",
-        "between states from which a run, or a killed one, starts anew",
-        ge=1e-3,
-        le=1e9,
-        default=1.0,
+        "s", "between states from which a run, or a killed one, starts anew", ge=1e-3, le=1e9, default=1.0
     )
 
     def _errors(self) -> Errors:

@@ -16,7 +16,7 @@ from pydantic import Field
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import gaussian_filter
 
-from exudyn_crawler.case.parameters.base import Errors, File, Name, Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Errors, File, Name, Parameters, Place, option, quantity
 from exudyn_crawler.errors import ParameterError
 
 FLANK = 2.0
@@ -304,9 +304,9 @@ class Heights(Parameters):
     level: Place = quantity("m", "height of the plane at the origin", default=0.0)
     slope_x: float = quantity("1", "rise of the plane along x", ge=-1, le=1, default=0.0)
     slope_y: float = quantity("1", "the same along y", ge=-1, le=1, default=0.0)
-    parts: tuple[Part, ...] = Field(default=(), description="ridges, ruts, ramps, waves and stones")
-    roughness: Roughness | None = Field(default=None, description="random roughness; None: smooth")
-    measured: MeasuredGrid | None = Field(default=None, description="measured heights; None: none")
+    parts: tuple[Part, ...] = option("ridges, ruts, ramps, waves and stones", ())
+    roughness: Roughness | None = option("random roughness; None: smooth", None)
+    measured: MeasuredGrid | None = option("measured heights; None: none", None)
     scale: float = quantity("1", "factor of all of these", ge=-1e3, le=1e3, default=1.0)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -2,19 +2,22 @@
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import fields, reading, units
+from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+Part = TypeVar("Part", bound="PhaseEnd")
+Phases = Annotated[tuple[Part, ...], Field(min_length=1)]
 
 
 class PhaseEnd(Parameters):
@@ -24,7 +27,7 @@ class PhaseEnd(Parameters):
     end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
 
 
-def values_of(profiles: Iterable[StepProfile], time: ArrayLike) -> np.ndarray:
+def values_of(profiles: Iterable[StepProfile], time: np.typing.ArrayLike) -> np.ndarray:
     """Values of profiles at each time: array (times, profiles)."""
     t = np.atleast_1d(np.asarray(time, dtype=float))
     return np.column_stack([one.value(t) for one in profiles])
@@ -33,7 +36,7 @@ def values_of(profiles: Iterable[StepProfile], time: ArrayLike) -> np.ndarray:
 class Cycle(Parameters):
     """Phases whose ends are joined by cubic STEPs."""
 
-    phases: Annotated[tuple[Any, ...], Field(min_length=1)]
+    phases: Phases[Any]
 
     def _errors(self) -> Errors:
         ends = [phase.end for phase in self.phases]
@@ -59,7 +62,7 @@ class Phase(PhaseEnd):
 class LoadCycle(Cycle):
     """Downward loads on the shoes in phases whose ends cubic STEPs join, constant before and after them."""
 
-    phases: Annotated[tuple[Phase, ...], Field(min_length=1)]
+    phases: Phases[Phase]
 
     def _errors(self) -> Errors:
         yield from super()._errors()
@@ -125,7 +128,7 @@ class LoadCycle(Cycle):
         """
         content = with_equal_loads(cycle_content(path), shoe_count)
         with reading.errors_named(Path(path), cls):
-            return cls.model_validate(units.in_si(content, cls))
+            return cls.model_validate(reading.in_si(content, cls))
 
     def table(self) -> "pd.DataFrame":
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
@@ -152,7 +155,7 @@ class LoadCycle(Cycle):
         """How far beside the load points the loads act over time, m, positive to the left."""
         return self.over_time(phase.side_shift for phase in self.phases)
 
-    def loads(self, time: ArrayLike) -> np.ndarray:
+    def loads(self, time: np.typing.ArrayLike) -> np.ndarray:
         """Loads at each time: array (times, shoes), N downward."""
         return values_of(self.profiles(phase.loads for phase in self.phases), time)
 
@@ -173,10 +176,10 @@ def with_equal_loads(content: Any, shoe_count: int) -> Any:
 
     def spread(phase: Any) -> Any:
         load = phase.get("loads") if isinstance(phase, dict) else None
-        is_one = fields.is_number(load) or units.is_measured(load)
+        is_one = fields.is_number(load) or reading.is_measured(load)
         return phase | {"loads": [load] * shoe_count} if is_one else phase
 
-    if fields.is_number(content) or units.is_measured(content):
+    if fields.is_number(content) or reading.is_measured(content):
         content = {"phases": [{"name": "constant", "end": 0.0, "loads": content}]}
     match content:
         case {"phases": [*phases]}:

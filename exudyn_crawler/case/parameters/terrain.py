@@ -6,19 +6,11 @@ import math
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, SerializeAsAny
+from pydantic import BeforeValidator, SerializeAsAny
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import (
-    Density,
-    Errors,
-    File,
-    Parameters,
-    Slope,
-    Two,
-    option,
-    quantity,
-)
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Errors, Parameters, Slope, Two, option, quantity
 from exudyn_crawler.case.parameters.heights import Heights
 
 STEEPEST = 0.2
@@ -37,7 +29,7 @@ class Ground(Parameters):
     )
     grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
     side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
-    relief: Heights = Field(default=Heights(), description="heights of the ground before any shoe came")
+    relief: Heights = option("heights of the ground before any shoe came", Heights())
 
     @property
     def is_even(self) -> bool:
@@ -70,7 +62,7 @@ class Terrain(Ground):
     unit_length: float = quantity("m", "side of a unit in x", (0.1, 50.0), ge=1e-2, le=1e4)
     unit_width: float = quantity("m", "side of a unit in y", (0.1, 50.0), ge=1e-2, le=1e4)
     unit_height: float = quantity("m", "height of a unit", (0.1, 50.0), ge=1e-3, le=1e4)
-    density: Density = quantity("kg/m3", "density of the units", (500.0, 4000.0))
+    density: base.Density = quantity("kg/m3", "density of the units", (500.0, 4000.0))
     springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
     spring_stiffness: float = quantity("N/m", "stiffness of each spring", (1e5, 1e11), ge=1.0, le=1e15)
     spring_damping: float = quantity("N s/m", "damping of each spring-damper", (0.0, 1e10), ge=0, le=1e15)
@@ -230,7 +222,7 @@ LAWS = "exudyn_crawler.ground.cells.laws"
 class SoilLaw(Parameters):
     """Parameters of a law of the cells: what each of them has."""
 
-    model: str = Field(description="which law: the name of its file in ground/cells/laws")
+    model: str = option("which law: the name of its file in ground/cells/laws")
 
     @staticmethod
     def plugged_in() -> list[type["SoilLaw"]]:
@@ -253,21 +245,19 @@ def _law(values: Any) -> Any:
 class CellContact(Parameters):
     """Shoes on cells: pressure and shear of every cell by a law of the soil."""
 
-    model: Literal["cells"] = Field(default="cells", description="cells: ground that remembers")
-    law: Annotated[SerializeAsAny[SoilLaw], BeforeValidator(_law)] = Field(
-        description="law of the soil, by its model"
-    )
+    model: Literal["cells"] = option("cells: ground that remembers", "cells")
+    law: Annotated[SerializeAsAny[SoilLaw], BeforeValidator(_law)] = option("law of the soil, by its model")
 
 
 class CellTerrain(Ground):
     """Field of square cells, each with a height, the sinkage that it has had and the shear that it bears."""
 
-    model: Literal["cells"] = Field(default="cells", description="cells: ground that remembers")
+    model: Literal["cells"] = option("cells: ground that remembers", "cells")
     origin: Two = quantity("m", "x and y of the field's first corner, global")
     length: float = quantity("m", "of the field along x", gt=0, le=1e5)
     width: float = quantity("m", "of the field along y", gt=0, le=1e5)
     cell: float = quantity("m", "side of a cell", plausible=(0.02, 0.2), ge=1e-3, le=10, default=0.1)
-    ruts: File | None = quantity(
+    ruts: base.File | None = quantity(
         "", "history (.nc) of an earlier run on this ground, whose ruts it has; none: fresh", default=None
     )
 

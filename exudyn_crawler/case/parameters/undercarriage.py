@@ -2,18 +2,15 @@
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
-from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import base, track
+from exudyn_crawler.case.parameters import base, terrain, track
 from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, quantity
 from exudyn_crawler.case.parameters.drive import Drive, StepProfile
-from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd, values_of
-from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd, Phases, values_of
 
 MARGIN = 4.0  # m of ground ahead of the track
 FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
@@ -96,7 +93,7 @@ class Undercarriage(RunningGear):
         """Undercarriage of one track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
         return cls(**ph4100c.UNDERCARRIAGE)
 
-    def shares_of_links(self, ahead: ArrayLike, links: int, pitch: float) -> np.ndarray:
+    def shares_of_links(self, ahead: np.typing.ArrayLike, links: int, pitch: float) -> np.ndarray:
         """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
@@ -158,10 +155,10 @@ class CarBody(Parameters):
         ]
 
 
-def ground_below(chain: track.Track, terrain: Terrain) -> Terrain:
+def ground_below(chain: track.Track, units: terrain.Terrain) -> terrain.Terrain:
     """Terrain with as many units along x as a track of any length needs."""
     end = chain.first_com[0] + chain.shoe_count * chain.pitch + MARGIN
-    return terrain.with_(columns=math.ceil((end - terrain.origin[0]) / terrain.unit_length))
+    return units.with_(columns=math.ceil((end - units.origin[0]) / units.unit_length))
 
 
 def rolled_errors(
@@ -237,7 +234,7 @@ class Shovel(NamedTuple):
 class MachineCycle(Cycle):
     """Force and moment of the machine on one side frame, in phases whose ends are joined by cubic STEPs."""
 
-    phases: Annotated[tuple[MachinePhase, ...], Field(min_length=1)]
+    phases: Phases[MachinePhase]
 
     @classmethod
     def shovel(
@@ -308,7 +305,7 @@ class MachineCycle(Cycle):
         """Force (N) and moment (N m) over time (s), global: x, y and z of each."""
         return self.profiles((*phase.force, *phase.moment) for phase in self.phases)
 
-    def wrench(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    def wrench(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
         both = values_of(self.components, time)
         return both[:, :3], both[:, 3:]

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.flexible_shoes import whole_reduction
@@ -156,7 +155,7 @@ def _of_shoe(
     )
 
 
-def verdicts(stress: xr.Dataset, more: ArrayLike = 0.0) -> catalogue.Variable:
+def verdicts(stress: xr.Dataset, more: np.typing.ArrayLike = 0.0) -> catalogue.Variable:
     """Verdicts on the greatest stresses of a run with `more` (shoe, node), in Pa, open of them."""
     ordered = stress.transpose("shoe", ...)
     size = np.maximum(ordered.peak_von_mises.values, np.finfo(float).tiny)
@@ -176,7 +175,7 @@ def peak_time(history: History, shoe: int) -> float:
     return float(history.time[int(found.highest.argmax())])
 
 
-def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
+def surface_stress(history: History, shoe: int, rows: np.typing.ArrayLike) -> xr.Dataset:
     """Von Mises stress and elastic displacement of a shoe's surface at the stored instants of some rows.
 
     `von_mises` (time, node), Pa; `displacement` (time, node, axis) and `node_position` (node, axis), m, in
@@ -203,7 +202,7 @@ def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
 
 
 def node_stress(
-    history: History | str | Path, shoe: int, near: ArrayLike | None = None, node: int | None = None
+    history: History | str | Path, shoe: int, near: np.typing.ArrayLike | None = None, node: int | None = None
 ) -> xr.Dataset:
     """Stress over time at the node of a flexible shoe that is nearest to a point, or at a node by its number.
 
@@ -261,7 +260,7 @@ def node_table(found: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(columns | {"von Mises in MPa": found.von_mises.values / hot_spots.MEGA})
 
 
-def _chosen(whole: Shapes, near: ArrayLike | None, node: int | None) -> tuple[int, float]:
+def _chosen(whole: Shapes, near: np.typing.ArrayLike | None, node: int | None) -> tuple[int, float]:
     """Number of the node that is asked for, and its distance in m from the point that is."""
     if (near is None) == (node is None):
         raise ValueError("near or node must be given, got neither or both")
