@@ -175,6 +175,11 @@ def test_exudyns_bodies_move_alike_on_cells(dragged):
         np.testing.assert_allclose(run.dataset[name], compiled, rtol=0.0, atol=difference, err_msg=name)
 
 
+def test_exudyns_bodies_do_not_roll():
+    with pytest.raises(ParameterError, match="formulation 'engine', .* do not go with undercarriage"):
+        Case.rolled().on_cells(BekkerSoil.lete_sand()).with_(formulation="engine")
+
+
 def test_exudyns_floating_frame_moves_alike_on_cells():
     base = Case.stress("coarse")
     flexible = base.flexible.with_(shoes=(2,))

@@ -1,14 +1,17 @@
 """Grounds of cells that the machine rolls over: every one carries it, and the harder ones tilt shoes less."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.results.stress.hot_spots import REGIONS
 from studies.ground import (
     AGAIN,
     PAPERS,
@@ -19,11 +22,23 @@ from studies.ground import (
     power_study,
     powers_over_way,
     row,
+    study,
     study_cases,
     work_balance,
 )
 from tests.rolled import small_case
 
+PAGE = (Path(__file__).parents[2] / "docs" / "cells.md").read_text(encoding="utf-8")
+COLUMNS = {
+    "mean pull, kN": "mean pull in kN",
+    "greatest tilt, mrad": "greatest tilt of a shoe in mrad",
+    "mean sinkage, mm": "mean sinkage in mm",
+    "heave, mm": "heave of the frame in mm",
+    "greatest force on a rail, kN": "greatest force on a rail in kN",
+}
+"""Columns of the page's table, and of the study's."""
+STRESSED = {"roller path": ["roller path"], "lugs": ["lugs"], "web": ["web", "notches"], "wings": ["wings"]}
+"""Columns of the page's table, and regions of the study's of which they have the highest stress."""
 CASES = {name: one.case.with_(flexible=None) for name, one in study_cases(duration=1.0).items()}
 
 
@@ -75,7 +90,61 @@ def test_every_ground_carries_the_machine(name):
     weight = (frame.mass + shoes * case.shoe.mass) * case.gravity
     # what is still falling into its place takes less than a hundredth
     np.testing.assert_allclose(carried, weight, rtol=0.01)
-    assert row(type("Run", (), {"history": history}))["greatest tilt of a shoe in mrad"] < 300.0
+    found = row(SimpleNamespace(history=history))
+    assert found["greatest tilt of a shoe in mrad"] < 300.0
+    if name == "hard floor":
+        assert f"{found['mean sinkage in mm']:.1f}" == printed("mean pull")["mean sinkage, mm"][name]
+
+
+def printed(head):
+    """Texts of a table of the page, by ground and column; the head is how it begins."""
+    lines = PAGE[PAGE.index(f"| ground | {head}") :].split("\n\n")[0].splitlines()
+    names, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines)
+    return pd.DataFrame(rows, columns=names).set_index("ground")
+
+
+@pytest.mark.simulation
+def test_the_page_has_the_rows_and_columns_of_the_study(tmp_path, over_sand):
+    pulls, lives = printed("mean pull"), printed("roller path")
+    for table in (pulls, lives):
+        assert sorted(table.index) == sorted(study_cases(out=tmp_path))
+    assert list(pulls) == [*COLUMNS, *STRESSED]
+    assert set(COLUMNS.values()) <= set(row(SimpleNamespace(history=over_sand)))
+    assert {one for parts in STRESSED.values() for one in parts} == set(REGIONS) - {"bores"} == set(lives)
+
+
+def test_what_the_page_says_of_pulls_follows_from_its_table():
+    pulls, text = printed("mean pull")["mean pull, kN"].astype(float), " ".join(PAGE.split())
+    frame, gravity = CASES[PAPERS].undercarriage, CASES[PAPERS].gravity
+    resistance = frame.rolling_resistance * frame.mass * gravity / 1e3
+    assert f"the rolling resistance is {resistance:.1f} kN ({frame.rolling_resistance} of" in text
+    assert f"weight of {frame.mass * gravity / 1e6:.2f} MN" in text
+    assert pulls["hard floor"] == pytest.approx(resistance, abs=1.0)
+    back, again = "LETE sand, springs back", f"LETE sand, {AGAIN}"
+    for name, words in {
+        PAPERS: "The ground adds {} kN on the papers' units",
+        "LETE sand": "of the pull; {} kN on LETE sand",
+        SOFT: "{} kN at the soft end of oil sand",
+        again: "resistance is {} kN in place of 52",
+        f"{SOFT}, {AGAIN}": "and {} in place of 145",
+        back: "work is lost, takes {} kN",
+        f"{SOFT}, springs back": "At the soft end it takes {} kN in place of 145",
+    }.items():
+        beyond = pulls[name] - resistance
+        assert any(words.format(round(beyond + by)) in text for by in (-0.5, 0.5)), words.format(beyond)
+
+
+@pytest.mark.slow
+def test_the_page_has_the_numbers_of_the_whole_study(tmp_path):
+    """Twelve runs of a minute: a quarter of an hour."""
+    _, table, regions, _ = study(tmp_path)
+    found, page = table.set_index("ground"), printed("mean pull").astype(float)
+    stress = regions.pivot(index="ground", columns="region", values="von Mises in MPa")
+    for name, texts in page.iterrows():
+        values = {column: found.loc[name, key] for column, key in COLUMNS.items()}
+        values |= {column: stress.loc[name, parts].max() for column, parts in STRESSED.items()}
+        for column, value in values.items():
+            assert value == pytest.approx(texts[column], rel=0.01, abs=0.6), (name, column)
 
 
 @pytest.fixture(scope="module")

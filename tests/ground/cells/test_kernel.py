@@ -1,9 +1,11 @@
 """Points of the cells under a shoe, tangents against differences, supports, forces on a coarse grid."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
+from benchmarks import cells as benchmark
 from exudyn_crawler.case.parameters.heights import Heights, Ridge, Roughness, Stone
 from tests.ground.cells.driving import LENGTH, LOAD, ROCK, SAND, WIDTH, Shoe, frame, ground, turn
 
@@ -196,3 +198,13 @@ def test_two_shoes_share_cells_without_changing_their_sum():
     assert abs(before.sum()) < 1e-9 * abs(before[0])
     assert abs(after.sum()) < 1e-9 * abs(after[0])
     assert abs(after[0]) < abs(before[0])
+
+
+def test_the_benchmark_of_a_steps_parts_presses_16_shoes(monkeypatch):
+    """Its figures are in benchmarks/README.md; here five times the 0.2 and 0.4 ms that are wanted."""
+    monkeypatch.setattr(benchmark, "CALLS", 10)
+    table = pd.DataFrame(benchmark.parts()).set_index(["ground", "what"])
+    assert set(table["points"]) == {4356}
+    for ground_name in benchmark.GROUNDS:
+        assert 0.0 < table["ms"][ground_name, "residual"] < 1.0
+        assert 0.0 < table["ms"][ground_name, "with tangents"] < 2.0
