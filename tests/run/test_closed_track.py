@@ -2,11 +2,13 @@
 
 import math
 
+import imageio_ffmpeg
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, StepProfile, simulate
+from exudyn_crawler import Case, CaseFile, History, StepProfile, run_case, simulate
 from exudyn_crawler.case import Drive, read_case
+from exudyn_crawler.case.case_file import Outputs
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
@@ -17,6 +19,7 @@ from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.results.history.catalogue import link_name
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.views.scenes.films import TrackPicture
 from studies.balance import (
     energy_balance,
     frame_imbalance,
@@ -201,9 +204,10 @@ def test_hanging_run_is_a_catenary(rig):
     assert rig.wheel_force.sel(wheel="roller 4").isel(time=0).values == pytest.approx(0.0)
 
 
-def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration():
+@pytest.mark.parametrize("speed", [0.1, -0.1], ids=["forward", "backward"])
+def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration(speed):
     """On the ground; the records have the teeth, the wheels and the link of the last shoe."""
-    drive = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.1)))
+    drive = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, speed)))
     history = simulate(Case.closed().with_(drive=drive), 0.1, progress=False)
     acts, left = (
         abs(one).max(("time", "shoe", "axis")) for one in (shoe_actions(history), shoe_imbalance(history))
@@ -213,6 +217,24 @@ def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration():
         assert left[name] < 1e-5 * parts.max()
     assert link_name(history.joint, 38) == "link 38-1"
     assert link_name(history.joint, 37) == "link 37-38"
+
+
+def test_compliance_of_pins_across_hardly_changes_forces_in_the_chains_plane():
+    """Ten times as much, and a tenth: links, teeth and torque; across the chain it does share the loads."""
+    drive, histories = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.1))), []
+    for compliance in (1e-10, 1e-11, 1e-9):
+        case = Case.closed().with_({"closed_track.compliance": compliance}, drive=drive)
+        histories.append(simulate(case, 0.1, progress=False))
+    first, *others = histories
+    greatest = float(first.link_tension.max())
+    for other in others:
+        for name in ("joint_force", "tooth_force", "wheel_load"):
+            apart = (other.dataset[name] - first.dataset[name]).sel(axis=["x", "z"])
+            assert float(abs(apart).max()) < 2e-3 * greatest
+        torque = first.drive_moment.values
+        assert other.drive_moment.values == pytest.approx(torque, abs=1e-3 * torque.max())
+        moment = float(abs(first.joint_torque).max())
+        assert float(abs(other.joint_torque - first.joint_torque).max()) > 0.1 * moment
 
 
 def test_sand_carries_a_closed_track_and_each_shoe_is_in_balance():
@@ -300,6 +322,26 @@ def test_all_that_acts_on_frame_and_tumbler_is_the_rate_of_their_momentum(tensio
     assert np.abs(balance.imbalance.values).max() < 2e-3 * balance.drive.values.max()
     if tensioner:
         assert abs(balance.tensioners.values).max() > 1e-2 * balance.drive.values.max()
+
+
+def test_a_film_and_a_page_of_a_closed_track_show_its_gear(tmp_path):
+    drive = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.5)))
+    outputs = Outputs(animation=True, figures=False, tables=False, forces=False)
+    case_file = CaseFile(case=Case.closed().with_(drive=drive), duration=0.4, outputs=outputs)
+    run_case(case_file, tmp_path / "out", progress=False)
+    frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "out" / "track.mp4"))
+    assert frames >= 8
+    assert seconds == pytest.approx(0.4, abs=0.1)
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    for body in ("tumbler", "lugs", "idler", "rollers", "carriers", "forces of wheels", "forces of teeth"):
+        assert f'"name":"{body}"' in page, body
+    assert '"label":"angle of the tumbler"' in page
+    # the tumbler turns and the chain goes on between two pictures
+    history = History.load(tmp_path / "out" / "history.nc")
+    picture = TrackPicture(history, 20.0)
+    first, last = (picture.image(time).astype(int) for time in (0.0, 0.4))
+    changed = abs(last - first).max(axis=2) > 40
+    assert 0.01 < changed.mean() < 0.3
 
 
 def test_drive_with_a_limited_torque_keeps_to_it():
