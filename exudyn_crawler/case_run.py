@@ -5,21 +5,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from types import MappingProxyType
 from typing import NamedTuple, Self
 
+from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, CaseFile, CellTerrain
 from exudyn_crawler.case.case_file import check_case_file
-from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import move_file, note_written
-from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
-from exudyn_crawler.model.reductions import reductions_in
+from exudyn_crawler.model import flexible_shoes, reductions as cache
 from exudyn_crawler.results.history.history import MOST_IN_MEMORY, History
-from exudyn_crawler.results.stress.basis import static_loads
-from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
-from exudyn_crawler.run.folder import progress as parts
-from exudyn_crawler.run.folder import record
-from exudyn_crawler.run.folder.checkpoints import Checkpoints
+from exudyn_crawler.results.stress import basis, recovery
+from exudyn_crawler.run.folder import checkpoints, progress as parts, record
 from exudyn_crawler.run.folder.folder import held_of, matching_history, run_in
 from exudyn_crawler.run.solve.simulation import compiled, simulate
 from exudyn_crawler.views.outputs import write_outputs
@@ -30,7 +24,7 @@ class CaseRun:
     """A case that was run."""
 
     history: History
-    stresses: StressResults | None  # of the flexible shoes, if there are any
+    stresses: recovery.StressResults | None  # of the flexible shoes, if there are any
     folder: Path | None  # where all of it is kept, if it is
 
     def _repr_html_(self) -> str:
@@ -40,7 +34,7 @@ class CaseRun:
         tables = [f"<p>Shoe {shoe}</p>" + table.to_html(index=False) for shoe, table in spots.items()]
         return "".join([f"<p>Run {where}</p>", *tables, self.history._repr_html_()])
 
-    def recovered(self) -> StressResults:
+    def recovered(self) -> recovery.StressResults:
         """Stresses of a run with flexible shoes; ValueError if it has none."""
         if self.stresses is None:
             raise ValueError(f"case {self.history.case.name!r} must have flexible shoes to have stresses")
@@ -57,7 +51,7 @@ def _folder(path: str | Path | None) -> Path | None:
 def _check_files(case: Case) -> None:
     """Refuse a mesh that does not fit, or ruts of another ground, while nothing is written yet."""
     if case.flexible is not None:
-        check_shoe(case)
+        flexible_shoes.check_shoe(case)
     if isinstance(case.terrain, CellTerrain):
         case.terrain.earlier(case.cell_contact().law)
 
@@ -108,16 +102,19 @@ def run_case(
     path, source = _folder(out), _folder(reuse)
     reused = None if source is None else matching_history(source, case_file)
     _check_files(case)
-    with reductions_in(reductions):
+    with cache.reductions_in(reductions):
         if path is not None and take_finished and held_of(path, case_file) is record.Holds.FINISHED:
             say(f"{case.name}: finished already, in {path}")
             history = matching_history(path, case_file)
-            work = _Work(record.RunFolder(report=say), case_file, progress)
+            work = _Work(record.RunFolder(report=say), case_file, progress, {})
             return CaseRun(history, _stresses(history, work), path)
         with run_in(path, case_file, overwrite, say) as folder:
             work = _Work.begun(folder, case_file, progress, reused is not None)
             if case.flexible is not None:
-                _reduce(case, work)
+                with work.part(parts.REDUCE):
+                    stored = flexible_shoes.whole_reduction(case)
+                if stored.found:
+                    folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
             if reused is None:
                 history = _history(work)
             else:
@@ -139,7 +136,7 @@ class _Work(NamedTuple):
     folder: record.RunFolder
     case_file: CaseFile
     progress: bool | None
-    expected: Mapping[str, float] = MappingProxyType({})
+    expected: Mapping[str, float]
 
     @classmethod
     def begun(
@@ -170,23 +167,15 @@ class _Work(NamedTuple):
             yield
 
 
-def _reduce(case: Case, work: _Work) -> None:
-    """Reduce the flexible shoe, unless that is cached."""
-    with work.part(parts.REDUCE):
-        stored = whole_reduction(case)
-    if stored.found:
-        work.folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
-
-
-def _stresses(history: History, work: _Work) -> StressResults | None:
+def _stresses(history: History, work: _Work) -> recovery.StressResults | None:
     """Stresses of the flexible shoes, if there are any."""
     if history.case.flexible is None:
         return None
     if history.case.flexible.static_fields:
         with work.part(parts.FIELDS):
-            static_loads(history.case)
+            basis.static_loads(history.case)
     with work.part(parts.RECOVER):
-        return recover_stresses(history, work.case_file.outputs.picture_times)
+        return recovery.recover_stresses(history, work.case_file.outputs.picture_times)
 
 
 def _history(work: _Work) -> History:
@@ -199,16 +188,16 @@ def _history(work: _Work) -> History:
     if path is None:
         with _simulating(work):
             return simulate(case, case_file.duration, work.progress, None, case_file.outputs.ground_times)
-    checkpoints = Checkpoints(path / record.CHECKPOINTS, folder.say)
+    points = checkpoints.Checkpoints(path / record.CHECKPOINTS, folder.say)
     if folder.simulated:
         folder.say(f"{case.name}: simulated already, going on with what is made of it")
         history = matching_history(path, case_file)
     else:
-        history = _simulated(work, path, checkpoints)
-    checkpoints.settle(case, path / record.END)
+        history = _simulated(work, path, points)
+    points.settle(case, path / record.END)
     # these are the run's, also where it was stopped after them
     for one in (path / record.HISTORY, path / record.END):
-        note_written(one)
+        files.note_written(one)
     return history
 
 
@@ -221,22 +210,23 @@ def _simulating(work: _Work) -> Iterator[None]:
         yield
 
 
-def _simulated(work: _Work, path: Path, checkpoints: Checkpoints) -> History:
+def _simulated(work: _Work, path: Path, points: checkpoints.Checkpoints) -> History:
     """Simulate what is missing."""
     folder, case_file = work.folder, work.case_file
     case, end, whole = case_file.case, path / record.END, path / record.HISTORY
     is_shorter = folder.holds is not record.Holds.NOTHING and end.is_file() and whole.is_file()
-    if is_shorter and not checkpoints.load(case):
-        checkpoints.begin_from(end, whole)
+    if is_shorter and not points.load(case):
+        points.begin_from(end, whole)
     with _simulating(work):
         try:
-            times = case_file.outputs.ground_times
-            history = simulate(case, case_file.duration, work.progress, checkpoints, times)
-        except SimulationStopped as stop:
+            history = simulate(
+                case, case_file.duration, work.progress, points, case_file.outputs.ground_times
+            )
+        except errors.SimulationStopped as stop:
             if stop.history is not None:
-                move_file(checkpoints.history, path / record.STOPPED_HISTORY, overwrite=True)
+                files.move_file(points.history, path / record.STOPPED_HISTORY, overwrite=True)
             raise
-    move_file(checkpoints.history, whole, overwrite=True)
+    files.move_file(points.history, whole, overwrite=True)
     folder.note_history()
     (path / record.STOPPED_HISTORY).unlink(missing_ok=True)
     # a large one is read from its file time and again

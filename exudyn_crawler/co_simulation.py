@@ -10,23 +10,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, FmuBuilder, Real
 from threadpoolctl import threadpool_limits
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.case.case_file import CaseFile
-from exudyn_crawler.case.files import read_case, write_case
-from exudyn_crawler.case.parameters.undercarriage import MachineCycle, MachinePhase, length_errors
+from exudyn_crawler.case import Case, CaseFile, MachineCycle, MachinePhase, read_case, write_case
+from exudyn_crawler.case.parameters.undercarriage import length_errors
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import whole_file
-from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.formulation import compile_equations, kind_of
-from exudyn_crawler.model.track_system import NewtonError
+from exudyn_crawler.model import compiled_system, formulation, track_system
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import system_history
-from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.simulation import set_times, solver_settings
+from exudyn_crawler.run.solve import equilibrium, simulation
 
 AXES = "xyz"
 STEP = 0.01
@@ -77,18 +71,18 @@ class SteppedRun:
     """
 
     @threadpool_limits.wrap(limits=1, user_api="blas")
-    def __init__(self, case: Case, wrench: ArrayLike) -> None:
+    def __init__(self, case: Case, wrench: np.typing.ArrayLike) -> None:
         _check_machine(case)
         force, moment = np.asarray(wrench, dtype=float).reshape(2, 3).tolist()
         self.case = case
         if any((*force, *moment)) or case.machine is not None:
             phase = MachinePhase(name="rest", end=0.0, force=tuple(force), moment=tuple(moment))
             self.case = case.with_(machine=MachineCycle(phases=(phase,)))
-        compile_equations(kind_of(case))
-        self._system = compiled_system(self.case)
-        self._system.set_initial(static_equilibrium(self.case))
+        formulation.compile_equations(formulation.kind_of(case))
+        self._system = compiled_system.compiled_system(self.case)
+        self._system.set_initial(equilibrium.static_equilibrium(self.case))
         self._system.commands = self._at
-        self._settings = solver_settings(case.solver)
+        self._settings = simulation.solver_settings(case.solver)
         self._span = (0.0, 1.0)
         self._before = self._after = np.array([0.0, 0.0, *force, *moment])
         self._settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
@@ -105,7 +99,7 @@ class SteppedRun:
         return values[:2], values[2:]
 
     @threadpool_limits.wrap(limits=1, user_api="blas")
-    def advance(self, step: float, speed: float, wrench: ArrayLike, turn_rate: float = 0.0) -> None:
+    def advance(self, step: float, speed: float, wrench: np.typing.ArrayLike, turn_rate: float = 0.0) -> None:
         """Integrate a step (s) to a speed (m/s), a wrench (6,) and on two tracks a turn (rad/s) at its end.
 
         Raises
@@ -121,10 +115,10 @@ class SteppedRun:
                 raise ValueError(error)
         self._span, self._before = (self.time, end), self._after
         self._after = np.array([speed, turn_rate, *np.asarray(wrench, dtype=float)])
-        set_times(self._settings, self.case.solver, self.time, end)
+        simulation.set_times(self._settings, self.case.solver, self.time, end)
         try:
             self._system.solve(self._settings)
-        except NewtonError as failed:
+        except track_system.NewtonError as failed:
             reason = f"Newton's method failed at the least step; {failed.fault(self._system.layout)}"
             raise SimulationStopped(self.time, reason, self.history()) from None
         self.time, self.travel = end, travel

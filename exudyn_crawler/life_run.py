@@ -12,8 +12,7 @@ from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.results.checks import roller_path, solve
 from exudyn_crawler.results.checks.cases import ShoeCheck, ShoeOutline, read_check
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.life import duty_runs
-from exudyn_crawler.results.life import life as results
+from exudyn_crawler.results.life import duty_runs, life as results
 from exudyn_crawler.results.life.duty import Duty, read_duty
 from exudyn_crawler.run.folder.folder import spread_beside
 from exudyn_crawler.run.folder.progress import heartbeat

@@ -16,14 +16,12 @@ from exudyn_crawler.case import Case, Outputs, PairContact, read_case
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
 from exudyn_crawler.results.history.catalogue import variable
-from exudyn_crawler.results.stress.hot_spots import MEGA, hot_spot_table
-from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses, verdicts
+from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.run.folder.folder import SPREAD, SPREAD_FOLDER, held_of, matching_history
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.run.folder.record import CASE, Holds, quiet
 from exudyn_crawler.views.tables import write_table
-from fem import judged
-from fem.interrupts import interrupts_wait
+from fem import interrupts, judged
 
 TABLE = "spread.csv"
 NUDGE = 1e-9  # m by which the ground lies further along the track from start to start
@@ -57,7 +55,7 @@ class Spread:
         rows = []
         for shoe, table in self.hot_spots.items():
             top = table.iloc[0]
-            peaks = self.dataset.run_peak.sel(shoe=shoe, node=top["node"]) / MEGA
+            peaks = self.dataset.run_peak.sel(shoe=shoe, node=top["node"]) / hot_spots.MEGA
             row = {"shoe": shoe, "node": top["node"]}
             row |= {f"{run} in MPa": float(peaks.sel(run=run)) for run in self.dataset.run.values}
             row |= {f"{name} in %": 100.0 * float(top[name] / abs(top["value"])) for name in OPEN_PARTS}
@@ -68,10 +66,10 @@ class Spread:
         """Hot spots of every shoe for reading, in MPa."""
         tables = {}
         for shoe, table in self.hot_spots.items():
-            tables[shoe] = hot_spot_table(table, self.dataset)
+            tables[shoe] = hot_spots.hot_spot_table(table, self.dataset)
             for name in OPEN_PARTS:
                 place = tables[shoe].columns.get_loc("flag")
-                tables[shoe].insert(place, f"{name} in MPa", table[name] / MEGA)
+                tables[shoe].insert(place, f"{name} in MPa", table[name] / hot_spots.MEGA)
         return tables
 
 
@@ -121,14 +119,17 @@ def spread(
             if held_of(path, own) is not Holds.FINISHED:
                 say(f"{one.name}: {name}")
                 run_case(own, path, overwrite=overwrite and path.exists(), progress=progress, say=say)
-            with interrupts_wait(), xr.open_dataset(path / "stress.nc", engine="h5netcdf") as stress:
+            with (
+                interrupts.interrupts_wait(),
+                xr.open_dataset(path / "stress.nc", engine="h5netcdf") as stress,
+            ):
                 found[name] = stress.peak_von_mises.load()
         return found
 
     from_starts = peaks({f"start {k + 1}": nudged(case, k) for k in range(1, starts)})
     with_laws = peaks(other_laws)
     with heartbeat(f"{case.name}: recovering stresses"):
-        found = spread_of(recover_stresses(history), from_starts, with_laws)
+        found = spread_of(recovery.recover_stresses(history), from_starts, with_laws)
     write_netcdf(found.dataset.assign_attrs(case=case.model_dump_json()), out / SPREAD, overwrite)
     write_table(found.by_shoe(), out / TABLE, overwrite)
     for shoe, table in found.hot_spot_tables().items():
@@ -152,7 +153,7 @@ def laws_beside(case: Case) -> dict[str, Case]:
 
 
 def spread_of(
-    first: StressResults, starts: Mapping[str, xr.DataArray], laws: Mapping[str, xr.DataArray]
+    first: recovery.StressResults, starts: Mapping[str, xr.DataArray], laws: Mapping[str, xr.DataArray]
 ) -> Spread:
     """Spread of a run by the greatest stresses (shoe, node), Pa, of others; ValueError if there are none."""
     own = first.dataset.peak_von_mises.transpose("shoe", "node")
@@ -169,7 +170,7 @@ def spread_of(
     parts = {"peak_spread": spread, "peak_choice": beyond, "run_peak": runs}
     dataset = first.dataset[["peak_von_mises", "node_position", "triangle", "in_spider", "truncation"]]
     dataset = dataset.assign({name: variable(name, values) for name, values in parts.items()})
-    dataset = dataset.assign(peak_verdict=verdicts(first.dataset, spread + beyond))
+    dataset = dataset.assign(peak_verdict=recovery.verdicts(first.dataset, spread + beyond))
     bound, tables = float(first.dataset.truncation), {}
     for row, (shoe, table) in enumerate(first.hot_spots.items()):
         nodes = table["node"].to_numpy()

@@ -17,8 +17,7 @@ from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.tables import write_table
 from studies.rollers import overhang_cases
 from studies.running import by_name
-from studies.stress import RUN
-from studies.stress import study as stress_study
+from studies.stress import RUN, study as stress_study
 
 PROPEL = "propel"  # phase of the stress study's cycle in which the track is pulled, and its run in the duty
 PROPEL_SHARE = 0.07  # of machine hours, at most (makers' figures for rope shovels)

@@ -16,7 +16,8 @@ from exudyn_crawler import Case, CaseFile, FatigueMaterial, FlexibleShoes, Shoe
 from exudyn_crawler.case import Undercarriage
 from exudyn_crawler.sweep.answers import Answer, Life
 from exudyn_crawler.sweep.definition import Sweep
-from exudyn_crawler.sweep.running import SweepRun, run_sweep
+from exudyn_crawler.sweep.results import SweepRun
+from exudyn_crawler.sweep.running import run_sweep
 from exudyn_crawler.sweep.vary import Vary
 from exudyn_crawler.views.style import STYLE, save_figure
 from fem import write_mesh

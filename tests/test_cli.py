@@ -20,8 +20,7 @@ from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.cli import commands, sweeps
-from exudyn_crawler.cli.application import COMMANDS as GROUP
-from exudyn_crawler.cli.application import registered
+from exudyn_crawler.cli.application import COMMANDS as GROUP, registered
 from exudyn_crawler.results.checks.cases import read_check
 from studies.__main__ import STUDIES
 

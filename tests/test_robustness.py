@@ -9,8 +9,7 @@ import time
 
 import pytest
 import tomlkit
-from hypothesis import HealthCheck, example, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, example, given, settings, strategies as st
 
 from exudyn_crawler import Case, History, run_case, simulate
 from exudyn_crawler.case import CaseFile, read_case

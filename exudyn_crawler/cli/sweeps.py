@@ -12,7 +12,7 @@ from exudyn_crawler.cli.commands import command
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
-    from exudyn_crawler.sweep.running import SweepRun
+    from exudyn_crawler.sweep.results import SweepRun
     from exudyn_crawler.sweep.scatter import AnySweep
 
 NEEDED = ("distributed", "SALib", "pyarrow")  # modules of the extra `sweep`

@@ -9,8 +9,7 @@ import xarray as xr
 from pydantic import Field, TypeAdapter
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option
-from exudyn_crawler.case.parameters.base import quantity as measured
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
 from exudyn_crawler.results.life.duty import Damage, Duty, DutyRun, Often, Survival

@@ -2,7 +2,7 @@
 
 import logging
 import os
-import uuid
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,12 +11,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import dask
-from distributed import Client, LocalCluster, as_completed
-from distributed.client import FutureCancelledError
-from distributed.comm import CommClosedError
-from distributed.scheduler import KilledWorker
-from distributed.utils import silence_logging_cmgr
-from distributed.versions import VersionMismatchWarning
+import distributed
 
 from exudyn_crawler.errors import GOES_ON, CrawlerError
 from exudyn_crawler.sweep.worker import Outcome, Task, check_versions, own_versions, run_task, write_outcome
@@ -30,7 +25,7 @@ LEAST_AHEAD, AHEAD = 64, 4
 @contextmanager
 def connected(
     scheduler: str | None, workers: int | None, runs: Path, report: Callable[[str], None]
-) -> Iterator[Client]:
+) -> Iterator[distributed.Client]:
     """Client of a cluster whose workers can do what a sweep asks for, and see the folder of its runs.
 
     Arguments as of `run_sweep`. The scheduler does not become the process's own: one that never answered
@@ -38,8 +33,8 @@ def connected(
     scheduler answers, or its workers are not fit.
     """
     # a scheduler that is lost is said in a line, other versions by check_versions in one of what matters
-    with silence_logging_cmgr(logging.CRITICAL), warnings.catch_warnings():
-        warnings.simplefilter("ignore", VersionMismatchWarning)
+    with distributed.utils.silence_logging_cmgr(logging.CRITICAL), warnings.catch_warnings():
+        warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
         with _local(workers) if scheduler is None else _remote(scheduler) as client:
             if client.dashboard_link:
                 report(f"dashboard: {client.dashboard_link}")
@@ -50,7 +45,7 @@ def connected(
 
 
 @contextmanager
-def _local(workers: int | None) -> Iterator[Client]:
+def _local(workers: int | None) -> Iterator[distributed.Client]:
     count = workers or os.cpu_count() or 1
     quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
     environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
@@ -59,20 +54,20 @@ def _local(workers: int | None) -> Iterator[Client]:
         patch.dict(os.environ),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
         # a process a run: two in one would wait for each other, and write into each other's logs
-        LocalCluster(n_workers=count, threads_per_worker=1, processes=True, **quiet) as cluster,
-        Client(cluster, set_as_default=False) as client,
+        distributed.LocalCluster(n_workers=count, threads_per_worker=1, processes=True, **quiet) as cluster,
+        distributed.Client(cluster, set_as_default=False) as client,
     ):
         yield client
 
 
 @contextmanager
-def _remote(scheduler: str) -> Iterator[Client]:
+def _remote(scheduler: str) -> Iterator[distributed.Client]:
     try:
         is_file = Path(scheduler).suffix == ".json"
         if is_file and not Path(scheduler).is_file():
             raise FileNotFoundError("no such file")
         where = {"scheduler_file" if is_file else "address": scheduler}
-        client = Client(**where, timeout=CONNECT_WAIT, set_as_default=False)
+        client = distributed.Client(**where, timeout=CONNECT_WAIT, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"scheduler must be one that answers, got {scheduler}: {reason}") from error
@@ -80,7 +75,7 @@ def _remote(scheduler: str) -> Iterator[Client]:
         yield client
 
 
-def _check_workers(client: Client, runs: Path) -> None:
+def _check_workers(client: distributed.Client, runs: Path) -> None:
     """Refuse workers that could not do what a sweep asks for; a scheduler may get some only by and by."""
     try:
         client.wait_for_workers(1, timeout=WORKER_WAIT)
@@ -92,14 +87,10 @@ def _check_workers(client: Client, runs: Path) -> None:
         if isinstance(answer, BaseException):
             raise ValueError(f"worker {where} does not have the package: {answer}")
         check_versions(own_versions(), answer, where)
-    token = runs / f".seen-{uuid.uuid4().hex}"
-    token.touch()
-    try:
-        for where, sees in client.run(_sees, str(token)).items():
+    with tempfile.NamedTemporaryFile(prefix=".seen-", dir=runs) as token:
+        for where, sees in client.run(_sees, token.name).items():
             if not sees:
                 raise ValueError(f"worker {where} must see {runs}: put it on storage that all machines share")
-    finally:
-        token.unlink()
 
 
 def _versions_here() -> dict[str, str]:
@@ -118,10 +109,10 @@ def run_alone(task: Task) -> Outcome:
 
 
 def outcomes(
-    client: Client, tasks: Iterator[Task], run: Callable[[Task], Outcome] = run_alone
+    client: distributed.Client, tasks: Iterator[Task], run: Callable[[Task], Outcome] = run_alone
 ) -> Iterator[Outcome]:
     """Outcomes as they come; `VersionsDiffer` for a late worker, `ConnectionError` for a lost scheduler."""
-    running = as_completed(loop=client.loop, raise_errors=False)
+    running = distributed.as_completed(loop=client.loop, raise_errors=False)
     held: dict[str, Task] = {}
 
     def submit(count: int) -> None:
@@ -135,11 +126,11 @@ def outcomes(
         task = held.pop(future.key)
         try:
             outcome = future.result()
-        except KilledWorker as error:
+        except distributed.scheduler.KilledWorker as error:
             times, last = error.allowed_failures + 1, error.last_worker.address
             reason = f"{times} workers died while they ran it, the last one {last}"
             outcome = write_outcome(task, CrawlerError(reason), {})
-        except (FutureCancelledError, CommClosedError) as error:
+        except (distributed.client.FutureCancelledError, distributed.comm.CommClosedError) as error:
             raise ConnectionError(f"the scheduler was lost; finished runs are kept: {GOES_ON}") from error
         future.release()
         yield outcome

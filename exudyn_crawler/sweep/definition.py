@@ -12,17 +12,14 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-import numpy as np
 import pandas as pd
 from scipy.stats import qmc
 
 from exudyn_crawler.case import CaseFile, Outputs
 from exudyn_crawler.case.files import case_of
-from exudyn_crawler.case.parameters import checks, fields
+from exudyn_crawler.case.parameters import checks, fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
-from exudyn_crawler.case.parameters.reading import Content, number_of, read_parameters, with_base
 from exudyn_crawler.results.life.duty import Duty
-from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often
 from exudyn_crawler.sweep.vary import Varied, Vary, checked_case, idle
 from meshes import SHOE_SIZES
@@ -259,7 +256,7 @@ def _file_digest(path: Path, _changed_at: int) -> str:
 
 @cache
 def _versions() -> list[str]:
-    return [version(name) for name in (PROGRAM, "exudyn")]
+    return [version(name) for name in ("exudyn-crawler", "exudyn")]
 
 
 def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: int) -> list[Row]:
@@ -272,7 +269,7 @@ def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: 
         if runs is None:
             raise ValueError(f"runs must be given with design {design!r}")
         points = _points(design, len(varied), runs, seed)
-        return [tuple(one.at(u) for one, u in zip(varied, point, strict=True)) for point in points.tolist()]
+        return [tuple(one.at(u) for one, u in zip(varied, point, strict=True)) for point in points]
     if runs is not None:
         raise ValueError(f"runs must be left out with design {design!r}, whose values make its runs")
     levels = [one.levels() for one in varied]
@@ -285,18 +282,18 @@ def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: 
     return list(zip(*levels, strict=True))
 
 
-def _points(design: Design, dimensions: int, runs: int, seed: int) -> np.ndarray:
-    """Points in the unit cube: array (points, dimensions)."""
+def _points(design: Design, dimensions: int, runs: int, seed: int) -> list[list[float]]:
+    """Points in the unit cube."""
     if design == "latin_hypercube":
-        return qmc.LatinHypercube(dimensions, rng=seed).random(runs)
+        return qmc.LatinHypercube(dimensions, rng=seed).random(runs).tolist()
     if runs & (runs - 1):
         like = f"such as {1 << (runs.bit_length() - 1)} or {1 << runs.bit_length()}"
         raise ValueError(f"runs must be a power of 2 with design {design!r}, {like}, got {runs}")
     if design == "sobol":
-        return qmc.Sobol(dimensions, rng=seed).random(runs)
+        return qmc.Sobol(dimensions, rng=seed).random(runs).tolist()
     from SALib.sample.sobol import sample  # not everybody who plans a sweep has it
 
-    return sample(salib_problem(dimensions), runs, calc_second_order=False, seed=seed)
+    return sample(salib_problem(dimensions), runs, calc_second_order=False, seed=seed).tolist()
 
 
 def salib_problem(dimensions: int) -> dict[str, Any]:
@@ -314,14 +311,14 @@ def read_sweep(path: str | Path) -> Sweep:
     """
     path = Path(path)
 
-    def values(content: Content) -> Content:
+    def values(content: reading.Content) -> reading.Content:
         case = case_of(content.pop("case", None), path)
         for one in content["vary"] if isinstance(content.get("vary"), list) else ():
             _resolve_meshes(one, path.parent)
             _measured(one, case)
-        return with_base(content, Sweep) | {"case": case.model_dump(mode="json")}
+        return reading.with_base(content, Sweep) | {"case": case.model_dump(mode="json")}
 
-    return read_parameters(path, Sweep, "sweep file", values)
+    return reading.read_parameters(path, Sweep, "sweep file", values)
 
 
 def _measured(varied: Any, case_file: CaseFile) -> None:
@@ -336,7 +333,7 @@ def _measured(varied: Any, case_file: CaseFile) -> None:
         entry = fields.entry_at(case_file, fields.parse_path(key)) if isinstance(key, str) else None
         unit = "" if entry is None else entry.unit
     for name in MEASURED:
-        number = number_of(varied.get(name), unit)
+        number = reading.number_of(varied.get(name), unit)
         if number != varied.get(name):
             varied |= {name: number, "unit": varied.get("unit", unit)}
 

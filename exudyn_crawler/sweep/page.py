@@ -19,8 +19,7 @@ from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.sweep import results
 from exudyn_crawler.sweep.scatter import AnySweep
 from exudyn_crawler.sweep.worker import OUTCOME
-from exudyn_crawler.views.pages import page
-from exudyn_crawler.views.pages.report import REPORT, write_report
+from exudyn_crawler.views.pages import page, report
 from exudyn_crawler.views.tables import cell_text, write_table
 
 LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
@@ -40,7 +39,7 @@ def write_page(
     for name in (one for one in best if one in names):
         _report_of(names[name], say)
     links = {name: _link(folder, path) for name, path in names.items()}
-    page.write_page(sweep_page(sweep, table, links), folder / REPORT, overwrite=True)
+    page.write_page(sweep_page(sweep, table, links), folder / report.REPORT, overwrite=True)
 
 
 def sweep_page(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> str:
@@ -249,13 +248,12 @@ def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list
 
 def _report_of(run: Path, say: Callable[[str], None]) -> None:
     """Write the report of a run, unless it is there and as new as the run."""
-    report, outcome = run / REPORT, run / OUTCOME
-    if report.is_file() and outcome.is_file() and report.stat().st_mtime >= outcome.stat().st_mtime:
-        note_written(report)
+    path, outcome = run / report.REPORT, run / OUTCOME
+    if path.is_file() and outcome.is_file() and path.stat().st_mtime >= outcome.stat().st_mtime:
+        note_written(path)
         return
     try:
-        write_report(run, overwrite=True)
-        note_file(report)
+        note_file(report.write_report(run, overwrite=True))
     # altered bytes make the readers raise all kinds of errors
     except Exception as error:
         say(f"no report of {run}: {' '.join(str(error).split())}")
@@ -263,5 +261,5 @@ def _report_of(run: Path, say: Callable[[str], None]) -> None:
 
 def _link(folder: Path, run: Path) -> str:
     """Address of a run's report from the page, or of its folder where it has none."""
-    there = run / REPORT if (run / REPORT).is_file() else run
+    there = run / report.REPORT if (run / report.REPORT).is_file() else run
     return Path(os.path.relpath(there, folder.resolve())).as_posix()

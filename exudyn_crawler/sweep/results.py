@@ -1,6 +1,7 @@
 """Results of a sweep: a row a run, answers over the grid, what they depend on and scatter by."""
 
-from collections.abc import Mapping
+from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,7 +27,21 @@ EFFECTS = ("answer", "varied", "level", "mean", "least", "greatest", "runs")
 INDICES = ("answer", "varied", "first", "first_conf", "total", "total_conf")
 
 
-def results_table(sweep: AnySweep, outcomes: Mapping[str, Outcome]) -> pd.DataFrame:
+@dataclass(frozen=True)
+class SweepRun:
+    """A sweep that was run into a folder: its runs, and its answers over a grid or over the runs."""
+
+    sweep: AnySweep
+    table: pd.DataFrame
+    dataset: xr.Dataset
+    folder: Path
+
+    def _repr_html_(self) -> str:
+        """Folder and table, for notebooks."""
+        return f"<p>Sweep in {escape(str(self.folder))}</p>" + self.table.to_html(index=False)
+
+
+def results_table(sweep: AnySweep, outcomes: dict[str, Outcome]) -> pd.DataFrame:
     """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
     rows: list[dict[str, Any]] = []
     for one in sweep.planned:

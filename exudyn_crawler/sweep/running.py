@@ -1,13 +1,8 @@
 """A sweep into its folder: what has finished is taken, what is missing run, and all of it gathered."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from html import escape
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-
-import pandas as pd
-import xarray as xr
 
 from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.case_file import NUMBER, stored_numbers
@@ -28,20 +23,6 @@ REDUCTIONS = "reductions"
 PACKED = 0.75  # size of a history on disk to that in memory
 
 
-@dataclass(frozen=True)
-class SweepRun:
-    """A sweep that was run into a folder: its runs, and its answers over a grid or over the runs."""
-
-    sweep: AnySweep
-    table: pd.DataFrame
-    dataset: xr.Dataset
-    folder: Path
-
-    def _repr_html_(self) -> str:
-        """Folder and table, for notebooks."""
-        return f"<p>Sweep in {escape(str(self.folder))}</p>" + self.table.to_html(index=False)
-
-
 def run_sweep(
     sweep: Sweep,
     out: str | Path,
@@ -52,7 +33,7 @@ def run_sweep(
     retry: bool = False,
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
-) -> SweepRun:
+) -> results.SweepRun:
     """Run all runs of a sweep that have not finished, on Dask, and gather the answers.
 
     A sweep that was stopped goes on when it is run into the same folder; one with more values or other
@@ -94,7 +75,9 @@ def run_sweep(
         return _gathered(sweep, stored, folder, runs, work)
 
 
-def run_duty_scatter(sweep: DutyScatter, out: str | Path, say: Callable[[str], None] = quiet) -> SweepRun:
+def run_duty_scatter(
+    sweep: DutyScatter, out: str | Path, say: Callable[[str], None] = quiet
+) -> results.SweepRun:
     """Lives of all draws over a duty, in one process: its cycles are counted once; raises as `life`."""
     sweep.planned  # noqa: B018 - refuses draws before a folder is made
     folder = writable_folder(Path(out))
@@ -107,8 +90,8 @@ def run_duty_scatter(sweep: DutyScatter, out: str | Path, say: Callable[[str], N
 
 
 def _gathered(
-    sweep: AnySweep, stored: Mapping[str, Outcome], folder: Path, runs: Path | None, work: RunFolder
-) -> SweepRun:
+    sweep: AnySweep, stored: dict[str, Outcome], folder: Path, runs: Path | None, work: RunFolder
+) -> results.SweepRun:
     """Tables and page of a sweep's outcomes; runs, if they have them, are in folders of `runs`."""
     with whole_file(folder / DEFINITION, overwrite=True) as temporary:
         temporary.write_text(sweep.model_dump_json(indent=2) + "\n", encoding="utf-8")
@@ -119,7 +102,7 @@ def _gathered(
         results.write_parquet(table, folder / COLUMNS)
         write_netcdf(dataset, folder / DATASET, overwrite=True)
         page.write_page(sweep, table, folder, runs, work.say)
-        return SweepRun(sweep, table, dataset, folder)
+        return results.SweepRun(sweep, table, dataset, folder)
 
 
 def folder_state(sweep: Sweep, out: Path, *, storage: str | None, workers: int | None, retry: bool) -> str:

@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import Errors, option
-from exudyn_crawler.case.parameters.reading import Content, read_parameters, toml_content, with_base
 from exudyn_crawler.life_run import stage_lives
 from exudyn_crawler.results.life.duty import Damage, Duty, DutyCase, read_duty
 from exudyn_crawler.results.life.duty_runs import UsedRun, node_signals
@@ -211,11 +210,11 @@ def read_scatter(path: str | Path) -> AnySweep:
     """Read a sweep file, or one that names a duty file beside what is drawn of it; raises as `read_sweep`."""
     path = Path(path)
 
-    def values(content: Content) -> Content:
+    def values(content: reading.Content) -> reading.Content:
         duty = read_duty(path.parent / str(content.pop("duty")))
         one = duty.with_(survivals=duty.survivals[-1:], plane_nodes=0)
-        return with_base(content, DutyScatter) | {"duty": one.model_dump(mode="json")}
+        return reading.with_base(content, DutyScatter) | {"duty": one.model_dump(mode="json")}
 
-    if path.is_file() and "duty" in toml_content(path, "sweep file"):
-        return read_parameters(path, DutyScatter, "duty scatter file", values)
+    if path.is_file() and "duty" in reading.toml_content(path, "sweep file"):
+        return reading.read_parameters(path, DutyScatter, "duty scatter file", values)
     return read_sweep(path)

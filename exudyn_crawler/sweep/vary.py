@@ -1,6 +1,5 @@
 """What of a case, or of its life, the runs of a sweep have otherwise, and values that change nothing."""
 
-import math
 from collections.abc import Iterable, Iterator
 from functools import partial
 from typing import Annotated, Any, Literal, TypeVar
@@ -234,7 +233,7 @@ def _multiplied(before: Any, factor: Any) -> Any:
     if not (fields.is_number(before) and fields.is_number(factor)):
         raise ValueError(f"a factor needs numbers, got {shown(factor)} times {shown(before)}")
     product = before * factor
-    if not math.isfinite(product):
+    if not np.isfinite(product):
         raise ValueError(f"the product must be finite, got {product}")
     return round(product) if isinstance(before, int) and product == round(product) else product
 

@@ -14,8 +14,7 @@ from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.run.solve.equilibrium import RESIDUAL, static_equilibrium
 from studies.balance import powers, shoe_imbalance, track_imbalance
 from studies.comparison import compare_kinematics
-from studies.forces import compare_forces
-from studies.forces import study as forces_study
+from studies.forces import compare_forces, study as forces_study
 from studies.grounds import plain
 from tests.model.both import sphere_wrenches
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.model import compiled_system as compiled
-from exudyn_crawler.model import engine
+from exudyn_crawler.model import compiled_system as compiled, engine
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium

@@ -11,8 +11,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from exudyn_crawler import Case, Drive, SphereContact, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil

@@ -21,8 +21,8 @@ from studies.stress import (
     flexible_quantity,
     highest_in_propel_and_loading,
     in_phase,
+    study as stress_study,
 )
-from studies.stress import study as stress_study
 
 pytestmark = pytest.mark.simulation
 
