@@ -19,7 +19,7 @@ import tomlkit
 from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.parameters.fields import case_rows
-from exudyn_crawler.cli import commands, sweeps
+from exudyn_crawler.cli import commands
 from exudyn_crawler.cli.application import COMMANDS as GROUP, registered
 from exudyn_crawler.results.checks.cases import read_check
 from studies.__main__ import STUDIES
@@ -705,7 +705,7 @@ def test_what_is_wrong_with_a_sweep_is_told_in_a_line(call, soils, change, optio
 
 
 def test_sweeps_without_what_they_need_say_how_to_get_it(call, soils, monkeypatch):
-    monkeypatch.setattr(sweeps, "find_spec", lambda name: None)
+    monkeypatch.setattr(commands, "find_spec", lambda name: None)
     code, _, told = call("sweep", soils.name)
     assert code == 2
     assert_one_line(told, "pip install 'exudyn-crawler[sweep]'")

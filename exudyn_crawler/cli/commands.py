@@ -1,4 +1,4 @@
-"""Commands that begin with a case: write, show, run and draw it, or hand it to editors and other programs.
+"""Commands that begin with a case or a sweep: write, show and run it, hand it to editors and other programs.
 
 Nothing heavy is imported before a command needs it, so that help comes at once.
 """
@@ -7,20 +7,23 @@ import json
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
-from exudyn_crawler.cli.application import CASES, RESULTS, Changes, OfName, Out, Overwrite, Run
-from exudyn_crawler.run.folder.progress import RunTimes, heartbeat
+from exudyn_crawler.cli.application import CASES, RESULTS, Changes, OfName, Out, Overwrite
+from exudyn_crawler.run.folder.progress import RunTimes
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
     from exudyn_crawler.case_run import CaseRun
+    from exudyn_crawler.sweep.results import SweepRun
 
 START = "kinematics"  # study whose case `init` starts from where none is named
+NEEDED = ("distributed", "SALib", "pyarrow")  # modules of the extra `sweep`
+SHOWN = 60  # rows of the table of runs that are printed
 
 app = typer.Typer(
     cls=application.Commands,
@@ -164,51 +167,6 @@ def show_answers(run: "CaseRun") -> None:
         )
 
 
-@command("report results/stress")
-def report(
-    run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
-    out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
-    overwrite: Overwrite = False,
-) -> None:
-    """Make one self-contained page of a run, to be read offline in a browser."""
-    folder = application.run_folder(run)  # refused before all that draws is loaded
-    with heartbeat(f"report of {folder}"):
-        page = crawler.write_report(folder, out, overwrite, typer.echo)
-    application.report_made(page, ": open it in a browser")
-
-
-@command("animate results/kinematics/translation --end 5")
-def animate(
-    run: Run,
-    out: Annotated[
-        Path | None,
-        typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4 or RUN/shoe_N.mp4, if not given"),
-    ] = None,
-    stress: Annotated[
-        int | None,
-        typer.Option(help="number of a flexible shoe to show with its stress, instead of the track"),
-    ] = None,
-    scale: Annotated[
-        float | None,
-        typer.Option(help="magnification of the ground's displacements; chosen to fit, if not given"),
-    ] = None,
-    start: Annotated[float, typer.Option(help="s, first time shown")] = 0.0,
-    end: Annotated[float | None, typer.Option(help="s, last time shown; the run's end, if not given")] = None,
-    speed: Annotated[float, typer.Option(help="simulated seconds in a second of the film")] = 1.0,
-    overwrite: Overwrite = False,
-) -> None:
-    """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display."""
-    if stress is not None and scale is not None:
-        raise ValueError("--scale cannot go with --stress, whose picture shows no ground")
-    beside = application.history_path(run)
-    default = beside.with_suffix(".mp4") if stress is None else beside.with_name(f"shoe_{stress}.mp4")
-    path = out or default
-    history = application.loaded(run)  # refused before all that draws is loaded
-    with heartbeat(f"animation of {run}"):
-        crawler.write_animation(history, path, overwrite, scale, stress, speed=speed, start=start, end=end)
-    application.report_made(path)
-
-
 @command("demo")
 def demo(
     out: Out = RESULTS / "demo",
@@ -220,7 +178,11 @@ def demo(
     """Roll a machine over a track with a flexible shoe, and make a page to look at."""
     case_file = application.study_case("demo")
     if prepare:
-        _prepare(case_file)
+        from exudyn_crawler.model.formulation import compile_equations
+
+        typer.echo("compiling the equations of motion and reducing a shoe, once: about two minutes")
+        compile_equations("dragged")
+        crawler.run_case(case_file.with_({"duration": 0.02}), progress=False)
         return
     case = case_file.case
     typer.echo(
@@ -266,10 +228,83 @@ def fmu(
     )
 
 
-def _prepare(case_file: "crawler.CaseFile") -> None:
-    """Compile what runs need, and reduce the demo's shoe; both stay on this machine."""
-    from exudyn_crawler.model.formulation import compile_equations
+def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = False) -> None:
+    """Register the command, named and described as `show`, that runs a sweep and shows its results."""
 
-    typer.echo("compiling the equations of motion and reducing a shoe, once: about two minutes")
-    compile_equations("dragged")
-    crawler.run_case(case_file.with_({"duration": 0.02}), progress=False)
+    def run(
+        file: Annotated[Path, typer.Argument(help="sweep file", metavar="SWEEP.toml")],
+        dry_run: Annotated[
+            bool, typer.Option("--dry-run", help="show the runs, their number and their time; run none")
+        ] = False,
+        out: OfName = None,
+        scheduler: Annotated[
+            str | None,
+            typer.Option(help="Dask: tcp://host:8786 or a scheduler file; this machine, if not given"),
+        ] = None,
+        workers: Annotated[
+            int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
+        ] = None,
+        storage: Annotated[
+            str | None, typer.Option(help="another folder for the runs, which all workers share")
+        ] = None,
+        retry: Annotated[bool, typer.Option("--retry", help="run failed runs again")] = False,
+    ) -> None:
+        if missing := [module for module in NEEDED if find_spec(module) is None]:
+            raise ValueError(f"sweeps need {', '.join(missing)}: pip install 'exudyn-crawler[sweep]'")
+        from exudyn_crawler.case.parameters.fields import value_text
+        from exudyn_crawler.sweep.scatter import DutyScatter, read_scatter
+
+        plan, folder = read_scatter(file), out or RESULTS / file.stem
+        if sampled and not plan.is_sampled:
+            raise ValueError(
+                f"{file}: design must draw a sample, such as 'latin_hypercube', got {plan.design!r}"
+            )
+        if scheduler is not None and workers is not None:
+            raise ValueError("--workers must be left out with --scheduler, which has workers of its own")
+        from exudyn_crawler.sweep import running
+
+        how: dict[str, Any] = {"storage": storage, "workers": workers, "retry": retry}
+        if dry_run:
+            table, units = plan.table(), plan.units()
+            top, more = table.head(SHOWN), f", the first {SHOWN}" if len(table) > SHOWN else ""
+            read = {name: [value_text(one, units[name]) for one in top[name]] for name in plan.columns}
+            print_table(top.assign(**read), f"{len(table)} runs{more}; {', '.join(plan.columns)}")
+            if not isinstance(plan, DutyScatter):
+                typer.echo(running.folder_state(plan, folder, **how))
+            return
+        if isinstance(plan, DutyScatter):
+            done = running.run_duty_scatter(plan, folder, typer.echo)
+        else:
+            done = running.run_sweep(plan, folder, scheduler=scheduler, say=typer.echo, **how)
+        show(done)
+        failed = int((done.table["status"] != "done").sum())
+        more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""
+        where = "open report.html in a browser; results.csv, .parquet and .nc hold the answers"
+        typer.echo(f"{done.folder}: {where}{more}")
+
+    run.__name__, run.__doc__ = show.__name__, show.__doc__
+    command(example)(run)
+
+
+def sweep(run: "SweepRun") -> None:
+    """Run a case with some of its values varied, on all cores or a cluster; the same command continues it."""
+    from exudyn_crawler.sweep.results import best_and_worst, for_reading
+
+    read, columns = for_reading(run.table), ("answer", "which", "run", "value", "unit", "folder")
+    units = read.attrs["units"]
+    best = [(*one[:3], one.value, units[one.answer], one.folder) for one in best_and_worst(run.sweep, read)]
+    print_rows(columns, best, "Best and worst runs", ("run", "value"))
+
+
+def scatter(run: "SweepRun") -> None:
+    """Run a case or weigh a duty with values drawn at random: quantiles of answers, shoes that crack."""
+    from exudyn_crawler.sweep.results import for_reading, scatter_tables
+
+    tables = scatter_tables(run.sweep, for_reading(run.table))
+    titles = {"quantiles": "Quantiles over the runs", "failures": "Shoes that crack"}
+    for name in (one for one in titles if one in tables and len(tables[one])):
+        print_table(tables[name], titles[name])
+
+
+_sweeping(sweep, "sweep soils.toml --dry-run")
+_sweeping(scatter, "scatter studies/duty_scatter.toml", sampled=True)

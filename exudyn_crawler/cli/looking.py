@@ -1,4 +1,4 @@
-"""The commands that look into runs: stress, forces and loads of one, two compared, and lives."""
+"""The commands that look into runs: page, film, stress, forces and loads of one, two compared, and lives."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -9,6 +9,7 @@ import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import RESULTS, OfName, Overwrite, Run
 from exudyn_crawler.cli.commands import command
+from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_table, write_table
 
 if TYPE_CHECKING:
@@ -21,6 +22,51 @@ LIVES = ("region", "life in h at least", "life in h at most", "verdict", "main p
 
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
+
+
+@command("report results/stress")
+def report(
+    run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
+    out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Make one self-contained page of a run, to be read offline in a browser."""
+    folder = application.run_folder(run)  # refused before all that draws is loaded
+    with heartbeat(f"report of {folder}"):
+        page = crawler.write_report(folder, out, overwrite, typer.echo)
+    application.report_made(page, ": open it in a browser")
+
+
+@command("animate results/kinematics/translation --end 5")
+def animate(
+    run: Run,
+    out: Annotated[
+        Path | None,
+        typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4 or RUN/shoe_N.mp4, if not given"),
+    ] = None,
+    stress: Annotated[
+        int | None,
+        typer.Option(help="number of a flexible shoe to show with its stress, instead of the track"),
+    ] = None,
+    scale: Annotated[
+        float | None,
+        typer.Option(help="magnification of the ground's displacements; chosen to fit, if not given"),
+    ] = None,
+    start: Annotated[float, typer.Option(help="s, first time shown")] = 0.0,
+    end: Annotated[float | None, typer.Option(help="s, last time shown; the run's end, if not given")] = None,
+    speed: Annotated[float, typer.Option(help="simulated seconds in a second of the film")] = 1.0,
+    overwrite: Overwrite = False,
+) -> None:
+    """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display."""
+    if stress is not None and scale is not None:
+        raise ValueError("--scale cannot go with --stress, whose picture shows no ground")
+    beside = application.history_path(run)
+    default = beside.with_suffix(".mp4") if stress is None else beside.with_name(f"shoe_{stress}.mp4")
+    path = out or default
+    history = application.loaded(run)  # refused before all that draws is loaded
+    with heartbeat(f"animation of {run}"):
+        crawler.write_animation(history, path, overwrite, scale, stress, speed=speed, start=start, end=end)
+    application.report_made(path)
 
 
 @command("node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05")
