@@ -72,20 +72,11 @@ def run_case(
     A run that was stopped goes on when the same case is run into the same folder, and gives what it would
     have given; with a longer duration a finished run goes on, too.
 
-    Parameters
-    ----------
-    out : path, optional
-        Folder of the run; None writes nothing.
-    overwrite, take_finished : bool
-        Empty the folder of an earlier run first; take a run of the same case that has finished as it is.
-    reuse : path, optional
-        Folder of an earlier run whose history takes the place of the simulation.
-    progress : bool, optional
-        Show a progress bar of each part; None shows one on a terminal and a line every 10 s elsewhere.
-    say : callable
-        Gets a line on each thing that goes on.
-    reductions : path, optional
-        Folder in which reductions of flexible shoes are stored, else `model.reductions.reductions_folder`.
+    `out` is the folder of the run, None writes nothing; `overwrite` empties that of an earlier run first,
+    `take_finished` takes a run of the same case that has finished as it is. The history of an earlier run in
+    the folder `reuse` takes the place of the simulation. `progress` shows a bar of each part; None shows one
+    on a terminal and a line every 10 s elsewhere. `say` gets a line on each thing that goes on. Reductions of
+    flexible shoes are stored in the folder `reductions`, else in `model.reductions.reductions_folder`.
 
     Raises
     ------

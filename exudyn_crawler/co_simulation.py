@@ -53,21 +53,10 @@ class SteppedRun:
     """Run of a machine on its track from rest, whose speed and load come from outside, step by step.
 
     Over a step both run straight from what they were to what they are to be at its end: what comes from
-    outside is late by a step at most, and has no jumps.
-
-    Parameters
-    ----------
-    case : Case
-        Rolled or closed. Its drive and machine are those from outside.
-    wrench : array (6,)
-        Force (N) and moment (N m) on the side frame's origin beside its weight, global, at rest.
-
-    Raises
-    ------
-    ValueError
-        If the case has no machine, or the machine tips.
-    EquilibriumError
-        If the track finds no rest.
+    outside is late by a step at most, and has no jumps. The case is rolled or closed; its own drive and
+    machine do not count. `wrench` (6,) is force (N) and moment (N m) on the side frame's origin beside its
+    weight, global, at rest. A ValueError if the case has no machine, or the machine tips; an EquilibriumError
+    if the track finds no rest.
     """
 
     @threadpool_limits.wrap(limits=1, user_api="blas")
@@ -102,12 +91,7 @@ class SteppedRun:
     def advance(self, step: float, speed: float, wrench: np.typing.ArrayLike, turn_rate: float = 0.0) -> None:
         """Integrate a step (s) to a speed (m/s), a wrench (6,) and on two tracks a turn (rad/s) at its end.
 
-        Raises
-        ------
-        ValueError
-            If the rollers would leave the track.
-        SimulationStopped
-            If a step fails at its least size.
+        A ValueError if the rollers would leave the track; SimulationStopped if a step fails at the least.
         """
         end, travel = self.time + step, self.travel + 0.5 * step * (self._after[0] + speed)
         if self.case.undercarriage is not None:
@@ -221,12 +205,7 @@ class MachineOnTrack(Fmi2Slave):
 def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:
     """Write the unit of a case, a file with the ending ``.fmu``.
 
-    Raises
-    ------
-    ValueError
-        If the case has no machine.
-    FileExistsError
-        If the file is there and is not to be replaced.
+    A ValueError if the case has no machine; a FileExistsError if the file is there and not to be replaced.
     """
     path = Path(path)
     _check_machine(case_file.case)

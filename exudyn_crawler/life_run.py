@@ -106,16 +106,13 @@ def _folder(
 def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> list[results.LifeResults]:
     """Life over each stage of a duty alone, or over all of it; arguments and errors as of `life`."""
     inputs = [(one, _histories(one)) for one in duty.by_stage()]
+    found = []
     with heartbeat(f"life of {duty.name}"):
-        return [_life_of(one, histories, say) for one, histories in inputs]
-
-
-def _life_of(duty: Duty, histories: Sequence[History], say: Callable[[str], None]) -> results.LifeResults:
-    """Life over a duty without stages."""
-    shapes = None
-    if duty.cases:
-        shapes = solve.case_shapes(_check_of(duty), duty_runs.check_cases_of(duty), say)
-    return results.life_of(duty, histories, say, _spreads(duty, histories), shapes)
+        for one, histories in inputs:
+            names, spreads = duty_runs.check_cases_of(one), _spreads(one, histories)
+            shapes = solve.case_shapes(_check_of(one), names, say) if one.cases else None
+            found.append(results.life_of(one, histories, say, spreads, shapes))
+    return found
 
 
 def _check_of(duty: Duty) -> ShoeCheck:

@@ -90,13 +90,9 @@ def spread(
     own; finished ones are not repeated, and one that was stopped goes on. `overwrite` replaces what earlier
     ones have found, and repeated runs of other cases. The verdicts on lives of duties with the run count it.
 
-    Raises
-    ------
-    FileNotFoundError, ValueError, FileExistsError
-        Before anything runs, if the folder has no case or no finished history of it, there are no flexible
-        shoes, or nothing is to be repeated; or if the folder has results and `overwrite` is false.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    Before anything runs, a FileNotFoundError or ValueError if the folder has no case or no finished history
+    of it, there are no flexible shoes, or nothing is to be repeated; a FileExistsError if the folder has
+    results and `overwrite` is false; else errors as of `run_case`.
     """
     folder = Path(run)
     case_file = read_case(folder / CASE)

@@ -7,7 +7,6 @@ should import what is heavy in its functions; `docs/usage.md` shows how it regis
 """
 
 import inspect
-import itertools
 import os
 import re
 import signal
@@ -21,7 +20,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 import exudyn_crawler as crawler
 from exudyn_crawler import errors
@@ -174,7 +172,7 @@ def study_case(name: str) -> "crawler.CaseFile":
     return cases[name].load()()
 
 
-class Commands(TyperGroup):
+class Commands(typer.core.TyperGroup):
     """Own commands and those that packages register, which are loaded when one of them is asked for."""
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -221,10 +219,10 @@ def run_script(reference: str) -> None:
 def call(commands: typer.Typer) -> None:
     """Call a command line; wrong words are reported in a line, a request to terminate ends it as Ctrl-C."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    for before, word in itertools.pairwise(sys.argv):
+    for k, word in enumerate(sys.argv[1:]):
         # an empty path would be the folder that the command is called in
         if not word or re.fullmatch("--[a-z-]+=", word):
-            got = word or f"{before} ''"
+            got = word or f"{sys.argv[k]} ''"
             print(f"error: no value may be empty, got {got}; --help shows what is allowed", file=sys.stderr)
             sys.exit(BAD_INPUT)
     try:

@@ -57,8 +57,7 @@ def _show_versions(wanted: bool) -> None:
 @app.callback()
 def common(
     _version: Annotated[
-        bool,
-        typer.Option("--version", help="show the versions", callback=_show_versions, is_eager=True),
+        bool, typer.Option("--version", help="show the versions", callback=_show_versions, is_eager=True)
     ] = False,
 ) -> None:
     """Options before the name of a command."""

@@ -1,7 +1,7 @@
 """The commands that look into runs: page, film, stress, forces and loads of one, two compared, and lives."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
@@ -11,9 +11,6 @@ from exudyn_crawler.cli.application import RESULTS, OfName, Overwrite, Run
 from exudyn_crawler.cli.commands import command
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_table, write_table
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 COMPARED = ("quantity", "axis", "greatest in A", "greatest in B", "change in %", "unit")
 """Columns of what differs between two runs that are shown where not all fit, as `print_rows` takes them."""
@@ -100,17 +97,17 @@ def node_stress(
         f"greatest von Mises stress {mises[greatest] / 1e6:.4g} MPa at t = {float(stress.time[greatest]):g} s"
     )
     out = out or path.parent / f"stress_shoe_{shoe}_node_{number}.csv"
-    _write(recovery.node_table(stress), out, overwrite)
+    application.report_made(write_table(recovery.node_table(stress), out, overwrite))
 
 
 @command("pin-forces results/stress/cycle --shoe 13")
 def pin_forces(run: Run, shoe: Shoe, out: Out = None, overwrite: Overwrite = False) -> None:
     """Write the forces and moments of a shoe's pins over time, in the shoe's axes."""
     history = application.loaded(run, shoe)
-    from exudyn_crawler.results.loads.exports import pin_table
+    from exudyn_crawler.results.loads import exports
 
     out = out or application.history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
-    _write(pin_table(history, shoe), out, overwrite)
+    application.report_made(write_table(exports.pin_table(history, shoe), out, overwrite))
 
 
 @command("shoe-loads results/stress/cycle --shoe 13 --program abaqus")
@@ -143,7 +140,7 @@ def shoe_loads(
     if flexible:
         deck = folder / f"{name}_{program}.inp"
         application.report_made(exports.shoe_loads(history, shoe, time).write(deck, program, overwrite))
-    _write(table, folder / f"{name}.csv", overwrite)
+    application.report_made(write_table(table, folder / f"{name}.csv", overwrite))
 
 
 @command("compare results/soft_ground results/hard_ground --out soft_and_hard.html")
@@ -177,10 +174,6 @@ def compare(
         else:
             print_table(table, title, COMPARED, whole)
     typer.echo(f"{page}: open it in a browser; {whole}: the table of results")
-
-
-def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
-    application.report_made(write_table(table, path, overwrite))
 
 
 @command("ground oil_sand.toml")

@@ -12,10 +12,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from exudyn_crawler import errors, files
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
-from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
-from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.reductions import program_digest
 from exudyn_crawler.run.folder.record import note_file, timestamp
 from exudyn_crawler.sweep.answers import ANSWERS
@@ -30,7 +29,7 @@ Outcome = dict[str, Any]
 wall_time_s, processor_time_s, host, process and finished."""
 
 
-class VersionsDiffer(CrawlerError, ValueError):  # noqa: N818 - it says what is the matter
+class VersionsDiffer(errors.CrawlerError, ValueError):  # noqa: N818 - it says what is the matter
     """A worker would not compute what the client asks for."""
 
 
@@ -102,14 +101,14 @@ def write_outcome(
 ) -> Outcome:
     """Write the outcome of a run, which fails with an error, into its folder."""
     reason = "" if error is None else " ".join(str(error).split())
-    if error is not None and not (isinstance(error, CrawlerError | ValueError | OSError) and reason):
+    if error is not None and not (isinstance(error, errors.CrawlerError | ValueError | OSError) and reason):
         reason = f"{type(error).__name__}: {reason}"
     outcome = {"digest": task.digest, "asked": json.loads(task.answers)}
     outcome |= {"status": DONE if error is None else FAILED, "reason": reason, "answers": answers, **more}
     outcome |= {"finished": timestamp()}
     folder = folder_of(task.runs, task.digest)
     folder.mkdir(parents=True, exist_ok=True)
-    with whole_file(folder / OUTCOME, overwrite=True) as temporary:
+    with files.whole_file(folder / OUTCOME, overwrite=True) as temporary:
         temporary.write_text(json.dumps(outcome, indent=2) + "\n", encoding="utf-8")
     return outcome
 
@@ -122,7 +121,7 @@ def _answered(task: Task, overwrite: bool) -> dict[str, float | None]:
     give_up = time.monotonic() + LOCK_WAIT
     with warnings.catch_warnings():
         # the sweep warns of them once
-        warnings.simplefilter("ignore", ImplausibleWarning)
+        warnings.simplefilter("ignore", errors.ImplausibleWarning)
         while True:
             try:
                 run = run_case(case_file, folder, reductions=task.reductions, **how)

@@ -1,6 +1,5 @@
 """Pages of a life and of a check of a shoe: the shoe in 3D, coloured, tables, curves; pictures of a check."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -77,7 +76,7 @@ def write_life_page(
     return page.write_page(html, path, overwrite)
 
 
-def _coloured_page(title: str, lead: list[str], sections: Sequence[page.Section], solid: Solid) -> str:
+def _coloured_page(title: str, lead: list[str], sections: list[page.Section], solid: Solid) -> str:
     """HTML of a page whose first section shows a solid with its colourings."""
     arrays = packing.SceneArrays()
     scene = packing.packed_scene(Scene(("",), (solid,)), arrays)
@@ -137,7 +136,7 @@ def life_solid(found: LifeResults) -> Solid:
 def causes_figure(found: LifeResults) -> go.Figure:
     """Life by each part of the damage alone, a row each, in every region: colours and hours."""
     lives = found.causes()
-    words, decades = lives.map(lambda hours: "" if hours >= BEYOND else cell_text(hours)), np.log10(lives)
+    words, decades = (lives.map(lambda hours: "" if hours >= BEYOND else cell_text(hours)), np.log10(lives))
     low, high = float(decades.min().min()), float(np.log10(BEYOND))
     ticks = np.arange(np.floor(low), high + 1.0)
     bar = {"title": "h", "tickvals": ticks, "ticktext": [f"1e{one:g}" for one in ticks]}
@@ -177,9 +176,7 @@ def damage_parts(found: LifeResults) -> pd.DataFrame:
     return found.table[["region", "node"]].assign(**columns)
 
 
-def check_solid(
-    found: CheckResults, colourings: Sequence[Colouring], bend: np.ndarray | float = 0.0
-) -> Solid:
+def check_solid(found: CheckResults, colourings: list[Colouring], bend: np.ndarray | float = 0.0) -> Solid:
     """Surface of a checked shoe, bent by a displacement (nodes, 3), m, with colourings of its nodes."""
     mesh = found.shoe.mesh
     faces = np.searchsorted(mesh.surface_nodes, flat_triangles(mesh.boundary))

@@ -49,14 +49,9 @@ def write_report(
     those of the first run with flexible shoes. Returned is the file, `out` or `report.html` in the folder;
     `say` is told of files beside the histories that cannot be read, which are left out.
 
-    Raises
-    ------
-    NotADirectoryError, FileNotFoundError
-        If there is no such folder, or it holds neither a history nor a comparison.
-    FileExistsError
-        If the report exists and `overwrite` is false.
-    ValueError
-        If a history cannot be read, or nothing else can.
+    A NotADirectoryError if there is no such folder, a FileNotFoundError if it holds neither a history nor a
+    comparison, a FileExistsError if the report exists and `overwrite` is false, a ValueError if a history
+    cannot be read, or nothing else can.
     """
     folder = Path(folder)
     if not folder.is_dir():

@@ -15,7 +15,7 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes.scene import Arrows, Solid, box, disc, star
+from exudyn_crawler.views.scenes.scene import Solid, box, disc, star
 
 BEAM = (0.05, 0.85)
 """m above the rollers' axes that the drawn beam of a rolling side frame reaches from and to."""
@@ -223,13 +223,6 @@ def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndar
         off = np.divide(np.cross(f, m), size, out=np.full_like(f, np.nan), where=size > 0.0)
         found.append((f"forces of {name}", colour, place + off, f))
     return found
-
-
-def gear_arrows(dataset: xr.Dataset, scale: float) -> list[Arrows]:
-    """The same as arrows, `scale` m long for 1 N; none of an open track."""
-    if not goes_round(dataset):
-        return []
-    return [Arrows(*one, scale) for one in gear_forces(dataset)]
 
 
 def near_gear(case: Case, dataset: xr.Dataset, shoes: np.ndarray, beside: float) -> list[Solid]:

@@ -132,7 +132,8 @@ def track_scene(
     arrows = [Arrows("contact forces", style.CONTACT_FORCE, *on_shoes, force_scale, through=tall)]
     solids = [*shoe_boxes(case, dataset), ground_faces(case, dataset, units)]
     solids += gear.gear_solids(case, dataset)
-    arrows += gear.gear_arrows(dataset, force_scale)
+    if gear.goes_round(dataset):
+        arrows += [Arrows(*one, force_scale) for one in gear.gear_forces(dataset)]
     if gear.rolls(dataset):
         on_rails = roller_forces(dataset)
         arrows.append(Arrows("forces of rollers", style.ROLLER_FORCE, *on_rails, force_scale))
