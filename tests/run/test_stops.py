@@ -73,7 +73,7 @@ def not_again(monkeypatch):
     [
         ("run.folder.checkpoints._write", interrupt),
         ("run.folder.checkpoints.save_joined", no_room),
-        ("case_run.move_file", interrupt),
+        ("files.move_file", interrupt),
         ("run.folder.checkpoints.Checkpoints.settle", interrupt),
         ("run.folder.checkpoints.Checkpoints.remove", interrupt),
         ("views.tables.write_table", no_room),
