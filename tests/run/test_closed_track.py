@@ -146,6 +146,27 @@ def test_upper_run_of_an_m113_hangs_as_a_catenary():
     assert rest.take_up.item() == pytest.approx(0.1547, abs=2e-4)
 
 
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+def test_a_driven_m113_has_the_torque_of_its_tension_and_hangs_as_a_catenary_on_average():
+    """Two lugs a shoe, beside its pins, and an idler on a spring; 0.2 m/s, at which the run swings little."""
+    drive = Drive(speed=StepProfile(times=(0.0, 0.5), values=(0.0, 0.2)))
+    case = read_case("studies/m113.toml").case.with_(drive=drive)
+    history, ends = simulate(case, 3.0, progress=False), np.array([0.7, 2.0, 3.3])
+    table = torque_by_tension(history, (0.2,)).iloc[0]
+    assert table["by work in kN m"] == pytest.approx(table["torque in kN m"], rel=3e-3)
+    assert table["by means of tension in kN m"] == pytest.approx(table["torque in kN m"], rel=1e-2)
+    place = (history.position - history.side_frame_position).values[history.time.values > 1.0]
+    upper = [one[(one[:, 2] > 0.3) & (one[:, 0] > 0.2) & (one[:, 0] < 3.9)] for one in place]
+    height = np.mean([np.interp(ends, *one[np.argsort(one[:, 0])].T[[0, 2]]) for one in upper], axis=0)
+    hanging = history.link_tension.values[history.time.values > 1.0]
+    hanging = np.mean(hanging, where=(place[..., 2] > 0.37) & (place[..., 0] > 0.6) & (place[..., 0] < 3.4))
+    weight, length = case.shoe.mass * case.gravity / case.track.pitch, ends[2] - ends[0]
+    assert height[[0, 2]].mean() - height[1] == pytest.approx(weight * length**2 / (8.0 * hanging), rel=0.02)
+    # driven, the idler stands where it is at rest
+    late = history.take_up.values[history.time.values > 1.0]
+    assert late.mean() == pytest.approx(history.take_up.values[0], abs=1e-3)
+
+
 def test_travel_a_radian_is_that_of_the_pitches(rig):
     first, *_, last = crossings(rig)
     count = len(crossings(rig)) - 1
