@@ -35,7 +35,15 @@ def on_sand():
     return simulate(small_flexible_case().on_cells(BekkerSoil.lete_sand()), 0.03, progress=False)
 
 
-@pytest.mark.parametrize("name", ["rolled", "bent", "on_sand"])
+@pytest.fixture(scope="module")
+def on_sandy_slope():
+    """The same on sand that rises along the track and across it."""
+    case = small_flexible_case()
+    terrain = case.terrain.with_(grade=0.05, side_slope=0.05)
+    return simulate(case.with_(terrain=terrain).on_cells(BekkerSoil.lete_sand()), 0.03, progress=False)
+
+
+@pytest.mark.parametrize("name", ["rolled", "bent", "on_sand", "on_sandy_slope"])
 def test_frame_is_in_balance_at_every_stored_instant(name, request):
     history = request.getfixturevalue(name)
     off = frame_imbalance(history)
@@ -50,7 +58,7 @@ def test_shoes_and_track_are_in_balance(rolled):
         assert np.abs(off["moment"]).max() < 2e-6 * weight(rolled)
 
 
-@pytest.mark.parametrize("name", ["bent", "on_sand"])
+@pytest.mark.parametrize("name", ["bent", "on_sand", "on_sandy_slope"])
 def test_flexible_shoes_are_in_balance(name, request):
     history = request.getfixturevalue(name)
     assert np.abs(shoe_imbalance(history)["force"]).max() < 3e-6 * weight(history)

@@ -47,6 +47,29 @@ def test_sand_sinks_as_published():
     k, n = SAND.constants(0.65)[:2]
     sinkage = [1e3 * (p / k) ** (1 / n) for p in (213e3, 400e3, 800e3)]
     assert_allclose(sinkage, [17, 37, 90], atol=1.3)  # three constants to four digits, read as whole mm
+    # the shoe's longer side for b: k_c / b is 3 % of k_phi
+    assert SAND.sinkage(400e3, 3.5) == pytest.approx(SAND.sinkage(400e3, 0.65), rel=0.04)
+    # soft end of oil sand: the papers' sinkage; its strength is between what is known of it
+    low, high = BekkerSoil.oil_sand_low(), BekkerSoil.oil_sand_high()
+    assert low.sinkage(191e3, 0.65) == pytest.approx(0.066, abs=5e-4)
+    assert (low.cohesion, high.cohesion, low.friction_angle, high.friction_angle) == (
+        2.6e3,
+        5.9e3,
+        30.0,
+        40.0,
+    )
+
+
+@pytest.mark.parametrize("law", [SAND, ROCK], ids=["sand", "rock"])
+def test_damping_raises_and_lowers_the_pressure_and_never_pulls(law):
+    place, depth = [1.5, 3.0], 0.02 if law is SAND else 2e-4
+    shoe = Shoe(law, [*place, 0.0])
+    still = shoe.move([*place, -depth])[2]
+    shoe.cover()
+    for rate in (1.0, 0.1, -0.1, -1.0):
+        pressed = shoe.press([*place, -depth], v=(0.0, 0.0, -rate))[2]
+        assert pressed == pytest.approx(still * (1.0 + law.damping * rate), rel=1e-9)
+    assert shoe.press([*place, -depth], v=(0.0, 0.0, 1.01 / law.damping))[2] == 0.0
 
 
 @LAWS
