@@ -5,15 +5,15 @@ of the P&H 4100C and of the papers, in `ph4100c`, fill the classes by their name
 """
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.case_file import CaseFile, Outputs
-from exudyn_crawler.case.files import read_case, write_case
+from exudyn_crawler.case.case_file import CaseFile, Outputs, differences
+from exudyn_crawler.case.files import read_case, saved_case, write_case
 from exudyn_crawler.case.parameters.closed_track import ClosedTrack, Idler, Tumbler
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver, StepProfile
 from exudyn_crawler.case.parameters.heights import Heights, Ramp, Ridge, Roughness, Stone, Waves
 from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, Terrain
-from exudyn_crawler.case.parameters.track import FlexibleShoes, Rails, Shoe, Track
+from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import (
     CarBody,
     MachineCycle,

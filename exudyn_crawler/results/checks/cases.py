@@ -4,26 +4,13 @@ Places are in the shoe's frame: x along the travel, y to the left, z up, origin 
 """
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import (
-    Component,
-    Errors,
-    Length,
-    Name,
-    Parameters,
-    Place,
-    Three,
-    Two,
-    Vector,
-    option,
-    quantity,
-)
-from exudyn_crawler.case.parameters.reading import read_parameters, with_base
+from exudyn_crawler.case.parameters import base, reading
+from exudyn_crawler.case.parameters.base import Name, Parameters, Place, Two, option, quantity
 from exudyn_crawler.results.life.duty import FatigueMaterial
 from fem import Mesh
 from meshes.rails import RailOutline, rail_outline
@@ -40,14 +27,13 @@ UNDER_A_SIDE = 0.05  # m, by which a box of a pressure reaches beyond the face t
 
 Side = Literal["left", "right"]
 Facing = Literal["front", "rear", "left", "right", "up", "down"]
-Force = Annotated[float, Field(gt=0.0, le=1e10)]
 
 
 class TreadForce(Parameters):
     """Force of a roller's tread, downward on one of the rails."""
 
     side: Side = option("rail: left (+y) or right")
-    force: Force = quantity("N", "downward", (1e3, 5e6))
+    force: float = quantity("N", "downward", (1e3, 5e6), gt=0.0, le=1e10)
     end: Literal["front", "rear"] | None = option("end of the rail that `x` counts from inward", default=None)
     x: Place = quantity("m", "ahead of the rail's middle, or inward of its end", (-1.0, 1.0), default=0.0)
     width: float | None = quantity(
@@ -61,17 +47,17 @@ class Pressure(Parameters):
     """Force spread evenly over what of the surface faces one way inside of a box."""
 
     facing: Facing = option("which way the loaded faces look")
-    low: Three = quantity("m", "least x, y, z of the box", (-5.0, 5.0))
-    high: Three = quantity("m", "greatest x, y, z of the box", (-5.0, 5.0))
+    low: base.Three = quantity("m", "least x, y, z of the box", (-5.0, 5.0))
+    high: base.Three = quantity("m", "greatest x, y, z of the box", (-5.0, 5.0))
     round: bool = option("the disc, or ellipse, inside of the box's outline", default=False)
-    force: Vector = quantity("N", "in all", (-1e7, 1e7))
+    force: base.Vector = quantity("N", "in all", (-1e7, 1e7))
 
 
 class PinForce(Parameters):
     """Force of a link pin at one joint centre."""
 
     pin: Literal["front left", "front right", "rear left", "rear right"] = option("joint centre")
-    force: Vector = quantity("N", "of the pin on the shoe", (-1e7, 1e7))
+    force: base.Vector = quantity("N", "of the pin on the shoe", (-1e7, 1e7))
 
 
 class GroundPart(Parameters):
@@ -101,19 +87,17 @@ class CheckCase(Parameters):
     energy: float | None = quantity(
         "J",
         "of a blow by the pressures, whose forces grow until shoe and ground have taken it; none: as given",
-        gt=0,
-        le=1e9,
-        default=None,
-    )
+        gt=0, le=1e9, default=None,
+    )  # fmt: skip
     held_by: tuple[Name, ...] = option(
         "pins and axes, such as 'rear left x', whose least forces take what is left of the loads", default=()
     )
     ground: OneSidedGround | None = option("below it; none: it hangs in its pins", default=None)
-    hand_moment: Component | None = quantity(
+    hand_moment: base.Component | None = quantity(
         "N m", "bending moment at y = 0 by hand, positive with the underside in tension", default=None
     )
 
-    def _errors(self) -> Errors:
+    def _errors(self) -> base.Errors:
         lacking = self.ground is None or not self.pressures or not self.treads or self.held_by
         if self.energy is not None and lacking:
             yield "energy needs treads, pressures and ground, and no pins that hold"
@@ -130,7 +114,7 @@ class RollerForce(Parameters):
     """Level of the force on a rail at which the ready cases are checked."""
 
     name: Name = option("of the level")
-    force: Force = quantity("N", "on each rail", (1e4, 5e6))
+    force: float = quantity("N", "on each rail", (1e4, 5e6), gt=0.0, le=1e10)
 
 
 LEVELS = tuple(
@@ -150,8 +134,8 @@ class ShoeCheck(Parameters):
     )
     material: FatigueMaterial = option("against cyclic stress", default=FatigueMaterial.cast_nicrmo())
     spider: Literal["averaging", "rigid"] = option("how pins hold their bores", default="averaging")
-    roller_radius: Length = quantity("m", "of the treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS)
-    tread_width: Length = quantity(
+    roller_radius: base.Length = quantity("m", "of the treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS)
+    tread_width: base.Length = quantity(
         "m", "of a tread that bears on all of it", (0.02, 1.0), default=ph4100c.TREAD_WIDTH
     )
     hours: float = quantity("h", "machine hours in which no crack shall be", gt=0, le=1e9, default=25_000.0)
@@ -163,7 +147,7 @@ class ShoeCheck(Parameters):
         "further ones, beside those from unloaded to each case", default=()
     )
 
-    def _errors(self) -> Errors:
+    def _errors(self) -> base.Errors:
         names = [one.name for one in self.cases]
         if double := sorted({name for name in names if names.count(name) > 1}):
             yield f"cases: names must differ, got {double} twice"
@@ -173,8 +157,8 @@ def read_check(path: str | Path) -> ShoeCheck:
     """Read the file of a check (TOML); the mesh's file counts from it; raises as `read_parameters`."""
     path = Path(path)
     named = {"name": path.stem}
-    check = read_parameters(
-        path, ShoeCheck, "check file", lambda content: with_base(named | content, ShoeCheck)
+    check = reading.read_parameters(
+        path, ShoeCheck, "check file", lambda content: reading.with_base(named | content, ShoeCheck)
     )
     beside = path.parent / check.mesh
     return check.with_(mesh=str(beside)) if beside.is_file() else check

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+import fem.line_contact as hertz
 from exudyn_crawler.case import Case, RunningGear
 from exudyn_crawler.files import blocks
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -21,15 +22,7 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import FatigueMaterial
 from exudyn_crawler.results.loads.actions import frame_of
 from exudyn_crawler.results.stress.basis import stress_basis
-from fem.elasticity import Material
-from fem.line_contact import (
-    LineContact,
-    PathStress,
-    greatest_line_load,
-    line_contact,
-    path_stress,
-    tilted_moment,
-)
+from fem import Material
 from meshes import STEEL
 from meshes.rails import rail_nodes
 
@@ -49,8 +42,8 @@ MIDDLE, RAIL, INTENSITY = "x of its middle in m", "rail", "line load over radius
 
 def limits(material: FatigueMaterial) -> tuple[float, float]:
     """Pressures of a level contact alone at first yield and at shakedown, Pa."""
-    contact = LineContact(np.array(MEGA), np.array(MILLI))
-    found = path_stress(contact, material.yield_strength, STEEL.poissons_ratio)
+    contact = hertz.LineContact(np.array(MEGA), np.array(MILLI))
+    found = hertz.path_stress(contact, material.yield_strength, STEEL.poissons_ratio)
     return MEGA * found.to_yield, MEGA * found.to_shakedown
 
 
@@ -68,9 +61,9 @@ def hertz_table(check: ShoeCheck, cases: Iterable[CheckCase]) -> pd.DataFrame:
     rows = []
     for (force, width), first in sorted(treads.items()):
         for tilt in TILTS:
-            line_load = float(greatest_line_load(force, tilted_moment(force, tilt, width), width))
-            contact = line_contact(line_load, check.roller_radius, plane_modulus(STEEL))
-            stress = path_stress(contact, check.material.yield_strength, STEEL.poissons_ratio)
+            line_load = float(hertz.greatest_line_load(force, hertz.tilted_moment(force, tilt, width), width))
+            contact = hertz.line_contact(line_load, check.roller_radius, plane_modulus(STEEL))
+            stress = hertz.path_stress(contact, check.material.yield_strength, STEEL.poissons_ratio)
             row = {"force in kN": force / KILO, "width in m": width, "tilt in mrad": tilt / MILLI}
             row |= {"edge over mean": line_load * width / force} | _contact_columns(contact, stress)
             row |= {"to yield": stress.to_yield, "to shakedown": stress.to_shakedown}
@@ -78,7 +71,7 @@ def hertz_table(check: ShoeCheck, cases: Iterable[CheckCase]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _contact_columns(contact: LineContact, stress: PathStress) -> dict[str, float]:
+def _contact_columns(contact: hertz.LineContact, stress: hertz.PathStress) -> dict[str, float]:
     """Pressure, half width, and shear with its depth."""
     return {
         PRESSURE: float(contact.pressure) / MEGA,
@@ -112,11 +105,12 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
     rows = []
     for place, tread in worst.iterrows():
         contact, typical = (
-            line_contact(one * tread["radius"], tread["radius"], plane_modulus(steel))
+            hertz.line_contact(one * tread["radius"], tread["radius"], plane_modulus(steel))
             for one in (tread[INTENSITY], medians[place])
         )
         below = beside.get(place)
-        stress = path_stress(contact, MEGA, steel.poissons_ratio, None if below is None else below.stress)
+        structure = None if below is None else below.stress
+        stress = hertz.path_stress(contact, MEGA, steel.poissons_ratio, structure)
         row = _place_columns(case, place)
         row |= {PASSES: int((passes["place"] == place).sum()), "greatest force in kN": tread["force"] / KILO}
         row |= {"edge over mean": tread["line load"] * gear.tread_width / tread["force"]}
@@ -196,7 +190,7 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
         x = np.einsum("pi,pi->p", foot - part.position.values[row, shoe - 1], axes)
         place = np.searchsorted(edges[1:-1], x) + 1
         place[x <= edges[0] + AT_END], place[x >= edges[-1] - AT_END] = 0, len(edges)
-        line_load = greatest_line_load(total, moment, gear.tread_width)
+        line_load = hertz.greatest_line_load(total, moment, gear.tread_width)
         columns = {"shoe": shoe, "roller": roller, "rail": rail, "place": place, "x": x, "radius": radius}
         columns |= {"row": done + row, "time": part.time.values[row], "force": total}
         columns |= {INTENSITY: line_load / radius}

@@ -1,7 +1,6 @@
 """Check cases solved: loads in balance, stresses, hand formulas, peaks by region, cycles to a crack."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -9,20 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.case import Track
+from exudyn_crawler.case.parameters.fields import errors_at
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases as ready
 from exudyn_crawler.results.checks.cases import CheckCase, Facing, Pressure, ShoeCheck, TreadForce
 from exudyn_crawler.results.checks.roller_path import hertz_table
 from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
-from fem import ElasticBody, Mesh, Partition, Shapes, trust
-from fem.defects import CycleStage
+from fem import ElasticBody, Mesh, Partition, Shapes, defects, supports, trust
 from fem.interfaces import Spider, rigid_motion_of_centers
 from fem.stress import principal, von_mises
-from fem.supports import UPRIGHT, OneSidedBed, Rest, SurfacePoints, section, surface_points
 from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfaces
 
 POINTS, RAIL_POINTS = 0.02, 0.01
@@ -51,8 +48,8 @@ WIDEST = 10  # nodes of a region with the widest cycles in tension, at which a d
 class AppliedLoads(NamedTuple):
     """Nodal forces (n, 3) and forces and moments (24,) on joint centres, N and N m."""
 
-    forces: NDArray
-    centers: NDArray
+    forces: np.ndarray
+    centers: np.ndarray
 
 
 class CheckedShoe:
@@ -66,7 +63,7 @@ class CheckedShoe:
         empty = (np.empty((len(mesh.nodes), count, 0)) for count in (3, 6))
         shapes = Shapes(mesh, STEEL, tuple(pins), *empty)
         self.regions = shoe_regions(shapes, track)[mesh.surface_nodes]
-        self._points: dict[str, SurfacePoints] = {}
+        self._points: dict[str, supports.SurfacePoints] = {}
 
     @classmethod
     def of(cls, check: ShoeCheck) -> "CheckedShoe":
@@ -77,31 +74,31 @@ class CheckedShoe:
         return cls(with_load_surfaces(mesh), check.name, check.spider)
 
     @cached_property
-    def bed(self) -> OneSidedBed:
+    def bed(self) -> supports.OneSidedBed:
         """Points of the underside that ground may support."""
-        points = surface_points(self.mesh, self.mesh.surface("underside"), POINTS)
-        return OneSidedBed(self.partition, points, BED)
+        points = supports.surface_points(self.mesh, self.mesh.surface("underside"), POINTS)
+        return supports.OneSidedBed(self.partition, points, BED)
 
     @cached_property
-    def of_centers(self) -> NDArray:
+    def of_centers(self) -> np.ndarray:
         """Motions (24, 6) of the joint centres when the body moves as a whole."""
         return rigid_motion_of_centers(self.partition.interfaces, self.body.center_of_mass)
 
-    def facing(self, way: Facing) -> SurfacePoints:
+    def facing(self, way: Facing) -> supports.SurfacePoints:
         """Points of all faces that look one way, those beneath others too."""
         if way not in self._points:
             axis, sign = NORMALS[way]
             a, b, c = np.moveaxis(self.mesh.nodes[self.mesh.boundary[:, :3]], 1, 0)
             normal = np.cross(b - a, c - a)
             looking = sign * normal[:, axis] >= 0.9 * np.linalg.norm(normal, axis=1)
-            self._points[way] = surface_points(self.mesh, self.mesh.boundary[looking], POINTS)
+            self._points[way] = supports.surface_points(self.mesh, self.mesh.boundary[looking], POINTS)
         return self._points[way]
 
-    def rail(self, tread: TreadForce) -> NDArray:
+    def rail(self, tread: TreadForce) -> np.ndarray:
         """Nodal forces (n, 3) of a tread, N."""
         rails, half = self.outline.rails, 0.5 * tread.length
         if "rail" not in self._points:
-            self._points["rail"] = surface_points(self.mesh, self.mesh.surface("rails"), RAIL_POINTS)
+            self._points["rail"] = supports.surface_points(self.mesh, self.mesh.surface("rails"), RAIL_POINTS)
         points, sign = self._points["rail"], 1.0 if tread.side == "left" else -1.0
         middle = 0.5 * (rails.front + rails.rear)
         x = {None: middle + tread.x, "front": rails.front - tread.x, "rear": rails.rear + tread.x}[tread.end]
@@ -118,7 +115,7 @@ class CheckedShoe:
             raise ValueError(f"a tread must press on the rail, got y = {y:.4g} m in the shoe")
         return near.spread(np.array([0.0, 0.0, -tread.force]), _centred(near, target))
 
-    def pressure(self, load: Pressure) -> NDArray:
+    def pressure(self, load: Pressure) -> np.ndarray:
         """Nodal forces (n, 3) of a pressure, N."""
         points, low, high = self.facing(load.facing), np.array(load.low), np.array(load.high)
         away = np.abs(points.positions - 0.5 * (low + high)) / (0.5 * (high - low))
@@ -163,11 +160,11 @@ class CheckedShoe:
             )
         return AppliedLoads(forces, pulls)
 
-    def resultant(self, forces: NDArray, centers: NDArray) -> NDArray:
+    def resultant(self, forces: np.ndarray, centers: np.ndarray) -> np.ndarray:
         """Force and moment (6,) about the centre of mass."""
         return self.body.rigid_modes.T @ forces.ravel() + self.of_centers.T @ centers
 
-    def moment(self, forces: NDArray, centers: NDArray, y: float, z: float) -> float:
+    def moment(self, forces: np.ndarray, centers: np.ndarray, y: float, z: float) -> float:
         """Bending moment of the section at y about its axis at z, N m: of all that acts to the left of it."""
         at = np.concatenate((self.mesh.nodes, [one.center for one in self.partition.interfaces]))
         acting = np.concatenate((forces, centers.reshape(-1, 6)[:, :3]))
@@ -176,7 +173,7 @@ class CheckedShoe:
         return float((arms[0] * acting[:, 2] - arms[1] * acting[:, 1])[beyond].sum())
 
 
-def _centred(points: SurfacePoints, at: NDArray) -> NDArray:
+def _centred(points: supports.SurfacePoints, at: np.ndarray) -> np.ndarray:
     """Density (p,) that changes evenly so that a force acts at a place (2,), as far as it pushes."""
     off = points.positions[:, :2] - at
     plane = np.column_stack((np.ones(len(off)), off))
@@ -199,9 +196,9 @@ class CheckResults:
     check: ShoeCheck
     shoe: CheckedShoe
     cases: tuple[CheckCase, ...]
-    stress: NDArray
-    displacement: NDArray
-    forces: NDArray
+    stress: np.ndarray
+    displacement: np.ndarray
+    forces: np.ndarray
     table: pd.DataFrame
     moments: pd.DataFrame
     cycles: pd.DataFrame
@@ -284,11 +281,11 @@ def case_shapes(
 
 def _solved(
     shoe: CheckedShoe, cases: Sequence[CheckCase], say: Callable[[str], None]
-) -> tuple[NDArray, NDArray, NDArray, dict[str, "Blow"]]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, "Blow"]]:
     """Forces (n, 3, k) on nodes, the ground's too, and on joint centres (24, k); answers (n, 3, k); blows."""
     loads, blows = [], {}
     for case in cases:
-        with _named(case):
+        with errors_at(f"case {case.name!r}"):
             if case.energy is not None:
                 blows[case.name] = _blow(shoe, case, case.energy)
             loads.append(shoe.loads(blows[case.name].case if case.energy is not None else case))
@@ -298,7 +295,7 @@ def _solved(
     below = np.zeros_like(forces)
     for k, case in enumerate(cases):
         if case.ground is not None:
-            with _named(case):
+            with errors_at(f"case {case.name!r}"):
                 below[..., k] = _ground_forces(shoe, case, loads[k], answers[..., k])
     say("answers to what the ground pushes with")
     carried = [k for k, case in enumerate(cases) if case.ground is not None]
@@ -307,28 +304,19 @@ def _solved(
     return forces + below, centers, answers, blows
 
 
-@contextmanager
-def _named(case: CheckCase) -> Iterator[None]:
-    """Name the case in what is wrong with it."""
-    try:
-        yield
-    except ValueError as error:
-        raise ValueError(f"case {case.name!r}: {error}") from error
-
-
-def _answers(shoe: CheckedShoe, forces: NDArray, centers: NDArray) -> NDArray:
+def _answers(shoe: CheckedShoe, forces: np.ndarray, centers: np.ndarray) -> np.ndarray:
     """Displacements (n, 3, k) under nodal forces (n, 3, k) and forces on joint centres (24, k)."""
     return shoe.partition.static_response(forces.reshape(-1, forces.shape[2]), centers).reshape(forces.shape)
 
 
-def _ground_forces(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: NDArray) -> NDArray:
+def _ground_forces(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: np.ndarray) -> np.ndarray:
     """Nodal forces (n, 3) of the ground below a case."""
     forces = np.zeros_like(shoe.mesh.nodes)
     forces[:, 2] = shoe.bed.points.shapes.T @ _rest(shoe, case, loads, answer).forces
     return forces
 
 
-def _rest(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: NDArray) -> Rest:
+def _rest(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: np.ndarray) -> supports.Rest:
     """Rest of the shoe on the ground of a case."""
     assert case.ground is not None
     points = shoe.bed.points
@@ -363,7 +351,7 @@ def _blow(shoe: CheckedShoe, case: CheckCase, energy: float) -> Blow:
     both = zip(alone, blow, strict=True)
     answers = _answers(shoe, *(np.stack(one, axis=-1) for one in both))
     own, whole = float(np.sum(blow.forces * answers[..., 1])), float(np.linalg.norm(blow.forces.sum(axis=0)))
-    below, resultant = shoe.bed.points.shapes @ answers[:, 2, 1], shoe.resultant(*blow)[UPRIGHT]
+    below, resultant = shoe.bed.points.shapes @ answers[:, 2, 1], shoe.resultant(*blow)[supports.UPRIGHT]
 
     def way(times: float) -> float:
         """Way of the unit blow's forces beside its own, m N; what ground does there by reciprocity."""
@@ -382,12 +370,12 @@ def _blow(shoe: CheckedShoe, case: CheckCase, energy: float) -> Blow:
 def _moments(
     shoe: CheckedShoe,
     cases: Sequence[CheckCase],
-    forces: NDArray,
-    centers: NDArray,
+    forces: np.ndarray,
+    centers: np.ndarray,
     blows: Mapping[str, Blow],
 ) -> pd.DataFrame:
     """Bending moment at y = 0 by all that acts, by hand, and the stress of a beam; forces of blows."""
-    cut = section(shoe.mesh, 0.0)
+    cut = supports.section(shoe.mesh, 0.0)
     rows = []
     for k, case in enumerate(cases):
         moment = shoe.moment(forces[..., k], centers[:, k], 0.0, cut.middle)
@@ -408,7 +396,7 @@ def _moments(
 
 
 def _peaks(
-    check: ShoeCheck, shoe: CheckedShoe, names: Sequence[str], stress: NDArray, answers: NDArray
+    check: ShoeCheck, shoe: CheckedShoe, names: Sequence[str], stress: np.ndarray, answers: np.ndarray
 ) -> pd.DataFrame:
     """Highest von Mises stress of each case and region, with what the mesh leaves open."""
     surface, limit = shoe.mesh.surface_nodes, check.material.yield_strength
@@ -444,7 +432,7 @@ def _peaks(
 
 
 def cycle_table(
-    check: ShoeCheck, shoe: CheckedShoe, stress: Mapping[str, NDArray], pairs: Sequence[tuple[str, str]]
+    check: ShoeCheck, shoe: CheckedShoe, stress: Mapping[str, np.ndarray], pairs: Sequence[tuple[str, str]]
 ) -> pd.DataFrame:
     """Cycles to a crack between states, by region: the least that 97.5 % survive, of any node.
 
@@ -478,7 +466,7 @@ def cycle_table(
                 tension = signed[own] + amplitude[own] + curves[region].residual_stress > 0.0
                 widest = [at, *own[np.argsort(tension * amplitude[own])[-WIDEST:]]]
                 ends = np.stack((signed - amplitude, signed + amplitude))[:, widest, None]
-                each = ([CycleStage(low, high, np.ones(1))] for low, high in ends.swapaxes(0, 1))
+                each = ([defects.CycleStage(low, high, np.ones(1))] for low, high in ends.swapaxes(0, 1))
                 lives = (check.material.defect_life(region, "elementary", one, SURVIVAL) for one in each)
                 rows[-1] |= {"cycles to a crack, defect": min(lives)}
     return pd.DataFrame(rows)

@@ -159,11 +159,15 @@ def check_dimensions(dataset: xr.Dataset) -> None:
             raise ValueError(f"{name} has dimensions {one.dims}, not {quantity.dimensions}")
 
 
+def rotation_matrices(angles: np.ndarray) -> np.ndarray:
+    """As of `ground.rotations`, for which who asks for names alone does not wait until it is compiled."""
+    from exudyn_crawler.ground import rotations
+
+    return rotations.rotation_matrices(angles)
+
+
 def axes(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
     """Rotation matrices of the shoes: (time, shoe, axis, body_axis), for each body axis its direction."""
-    # who asks for names alone does not wait until it is compiled
-    from exudyn_crawler.ground.rotations import rotation_matrices
-
     angles = dataset.angles.transpose("time", "shoe", "axis")
     names = {name: dataset[name].values for name in ("time", "shoe", "axis")}
     return xr.DataArray(
@@ -197,8 +201,6 @@ def rail_force(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataA
 
 def link_tension(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
     """Force of every link without its part along the rear shoe's pins: (time, joint), N."""
-    from exudyn_crawler.ground.rotations import rotation_matrices
-
     force = dataset.joint_force.transpose("time", "joint", "axis").values
     angles = dataset.angles.transpose("time", "shoe", "axis").values[:, : force.shape[1]]
     across = rotation_matrices(angles)[..., 1]

@@ -18,11 +18,8 @@ from typing import Self
 import h5py
 import numpy as np
 import xarray as xr
-from xarray.backends import BackendArray
-from xarray.core import indexing
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.case.files import saved_case
+from exudyn_crawler.case import Case, saved_case
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.files import blocks, write_netcdf_along
 from exudyn_crawler.model.state import VERSION
@@ -151,19 +148,19 @@ def _doubled(stored: xr.Variable, key: tuple) -> np.ndarray:
 
 
 def _lazy(name: str, shape: tuple[int, ...], part: Callable[[tuple], np.ndarray]) -> xr.Variable:
-    array = indexing.LazilyIndexedArray(_Computed(shape, part))
+    array = xr.core.indexing.LazilyIndexedArray(_Computed(shape, part))
     return xr.Variable(QUANTITIES[name].dimensions, array, QUANTITIES[name].attributes)
 
 
-class _Computed(BackendArray):
+class _Computed(xr.backends.BackendArray):
     """Array whose parts are computed: `part` takes a number, a slice or numbers (n,) for each dimension."""
 
     def __init__(self, shape: tuple[int, ...], part: Callable[[tuple], np.ndarray]) -> None:
         self.shape, self.dtype, self._part = shape, np.dtype(float), part
 
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
-        outer = indexing.IndexingSupport.OUTER
-        return indexing.explicit_indexing_adapter(key, self.shape, outer, self._part)
+    def __getitem__(self, key: xr.core.indexing.ExplicitIndexer) -> np.ndarray:
+        outer = xr.core.indexing.IndexingSupport.OUTER
+        return xr.core.indexing.explicit_indexing_adapter(key, self.shape, outer, self._part)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ shoes' motion: how deep their undersides have been, as stiff ones, at stored sta
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 import xarray as xr
@@ -16,9 +16,6 @@ from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.rotations import FloatArray, rotation_matrices
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
-
-if TYPE_CHECKING:
-    from exudyn_crawler.model.track_system import TrackSystem
 
 MOST_STATES = 4000
 """Stored states whose undersides are looked at, evenly spread."""
@@ -34,12 +31,11 @@ def memory_now(memory: Mapping[str, np.ndarray], time: float) -> np.ndarray:
     return np.column_stack((np.full(count, time), memory["cells"], memory["memory"][:, :2]))
 
 
-def end_memory(system: "TrackSystem", then: np.ndarray) -> xr.Dataset:
+def end_memory(memory: Mapping[str, np.ndarray], then: np.ndarray) -> xr.Dataset:
     """Cells that remember something, by column and row, as a history has them; nothing of other ground.
 
-    With what they remembered at chosen times, `then` (cells of all times, THEN).
+    Of a ground's memory, with what cells remembered at chosen times, `then` (cells of all times, THEN).
     """
-    memory = system.memory()
     if not memory:
         return xr.Dataset()
     times, when = np.unique(then[:, 0], return_inverse=True)

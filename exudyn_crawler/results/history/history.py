@@ -11,8 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import Case, LoadCycle, MachineCycle
-from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.case import SIDES, Case, LoadCycle, MachineCycle
 from exudyn_crawler.results.history import catalogue, files
 from fem.interrupts import interrupts_wait
 
@@ -125,13 +124,10 @@ class History:
         Its shoes, links and contacts alone, numbered from 1; its side frame is the machine's place in the
         middle of the track.
         """
-        # who asks for names alone does not wait until it is compiled
-        from exudyn_crawler.ground.rotations import rotation_matrices
-
         case, own = self.case.of_track(side), self.dataset.sel(track=side, drop=True)
         number, count = SIDES.index(side), case.track.shoe_count
         mine, wheels = slice(number * count, (number + 1) * count), case.wheel_names
-        turn = rotation_matrices(own.side_frame_angles.transpose(..., "axis").values)
+        turn = catalogue.rotation_matrices(own.side_frame_angles.transpose(..., "axis").values)
         arm = self.case.track_middles[number] * turn[..., 1]
         place = own.side_frame_position.transpose(..., "axis")
         own = own.isel(shoe=mine, joint=mine, wheel=slice(number * len(wheels), (number + 1) * len(wheels)))

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.case import SIDES
+from exudyn_crawler.ground import rotations, terrain
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
-from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
-from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.state import IDLERS, MOTOR, RATES, SIDE_FRAME, TUMBLERS, VERSION, pin_name
 from exudyn_crawler.results.history import catalogue, files
 from exudyn_crawler.results.history.history import History
@@ -93,8 +92,8 @@ def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -
         f"{prefix}velocity": v[..., :3],
         f"{prefix}acceleration": a[..., :3],
         f"{prefix}angles": angles,
-        f"{prefix}angular_velocity": angular_velocity(angles, rates),
-        f"{prefix}angular_acceleration": angular_acceleration(angles, rates, accelerations),
+        f"{prefix}angular_velocity": rotations.angular_velocity(angles, rates),
+        f"{prefix}angular_acceleration": rotations.angular_acceleration(angles, rates, accelerations),
     }
 
 
@@ -110,7 +109,7 @@ def _pins(states: _States) -> tuple[np.ndarray, np.ndarray]:
     joints, angles = case.joints, states.part("shoes")[..., 3:]
     if case.is_closed:
         angles = angles + case.shoe_reference[:, 3:]
-    frames = rotation_matrices(angles)
+    frames = rotations.rotation_matrices(angles)
     rear, front = np.moveaxis(frames[:, case.links - 1], 2, 0)
     y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
     level = np.stack((np.cos(angles[..., 2]), np.sin(angles[..., 2]), np.zeros(angles.shape[:2])), axis=-1)
@@ -165,7 +164,7 @@ def _terrain(states: _States) -> dict[str, np.ndarray]:
     contact = states.system.contact
     if not len(states.system.case.terrain.units):
         return {}
-    if isinstance(contact.coordinates, ReducedCoordinates):
+    if isinstance(contact.coordinates, terrain.ReducedCoordinates):
         modes = contact.coordinates.modes
         motion = {rate.replace(" ", "_"): states.part(f"terrain{rate}").copy() for rate in RATES}
         return files.terrain_motion(modes.heave, modes.tilt, motion)
@@ -262,10 +261,10 @@ def _on_flexible_shoes(states: _States, found: dict[str, np.ndarray]) -> dict[st
     case = states.system.case
     shoes = np.array(states.system.layout.flexible_shoes) - 1
     angles = states.part("shoes")[:, shoes, 3:] + case.shoe_reference[shoes, 3:]
-    across = rotation_matrices(angles)[..., 1]
+    across = rotations.rotation_matrices(angles)[..., 1]
     names, of_track = TUMBLERS[case.tracks], shoes // case.loop.shoe_count
     turned = np.stack([states.part(name)[:, 3:] for name in names], axis=1) + case.tumbler_reference[:, 3:]
-    axis = rotation_matrices(turned[:, of_track])[..., 1]
+    axis = rotations.rotation_matrices(turned[:, of_track])[..., 1]
     times, count, slots, strips = found["strip_guide"].shape
     split = (times, count, slots, len(SIDES), strips // len(SIDES), 3)
     guide = found["strip_guide"][..., None] * across[:, :, None, None]
@@ -288,7 +287,8 @@ def _take_up(states: _States) -> np.ndarray:
     frame, start = states.part(SIDE_FRAME), case.idler_reference[:, :3] - case.frame_start
     for k, name in enumerate(IDLERS[case.tracks]):
         apart = states.part(name)[:, :3] - frame[:, :3] + start[k]
-        take_up[:, k] += np.einsum("tik,ti->tk", rotation_matrices(frame[:, 3:]), apart)[:, 0] - start[k, 0]
+        turn = rotations.rotation_matrices(frame[:, 3:])
+        take_up[:, k] += np.einsum("tik,ti->tk", turn, apart)[:, 0] - start[k, 0]
     return take_up
 
 

@@ -10,7 +10,13 @@ import xarray as xr
 from scipy.signal import welch
 
 from exudyn_crawler.files import blocks
-from exudyn_crawler.results.history.catalogue import READ_IN, for_reading, link_name, select
+from exudyn_crawler.results.history.catalogue import (
+    READ_IN,
+    for_reading,
+    link_name,
+    rotation_matrices,
+    select,
+)
 from exudyn_crawler.results.history.history import History, phases
 
 KEY_UNITS = READ_IN | {"m": ("mm", 1e3)}
@@ -132,9 +138,6 @@ def tension_along_chain(history: History) -> xr.Dataset:
     far the tumbler has turned. Gives `least`, `mean` and `greatest` (N) with the dimension joint, the same of
     places with names that end so: `least_at`; of places also x and z in the side frame (m) and `part`.
     """
-    # who asks for names alone does not wait until it is compiled
-    from exudyn_crawler.ground.rotations import rotation_matrices
-
     case, closed = history.case, history.case.closed_track
     if closed is None:
         raise ValueError(f"tension along the chain needs a closed track, {case.name!r} is open")

@@ -13,11 +13,8 @@ from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
 from exudyn_crawler.results.stress.basis import StressBasis, parts_of, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
-from fem import Shapes
-from fem.damage import SIGNED_CRITERIA, Counting, SignedCriterion, signed_signals
-from fem.fatigue import SNCurve
-from fem.rainflow import CycleCounter, Cycles, joined_cycles
-from fem.rank import segments
+from fem import Counting, Cycles, Shapes, SNCurve, rainflow, rank
+from fem.damage import SIGNED_CRITERIA, SignedCriterion, signed_signals
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
 LEAST_TIMES = 3  # stored times that can hold a cycle
@@ -223,12 +220,10 @@ def node_signals(criterion: SignedCriterion, basis: StressBasis, shoe: int, node
 
 def _counted(one: UsedRun, shoe: int, nodes: Sequence[int]) -> dict[int, dict[str, Cycles]]:
     """Cycles of the signals of all criteria at nodes of a shoe over a run."""
-    counters = {node: {criterion: CycleCounter(1) for criterion in SIGNED_CRITERIA} for node in nodes}
-    closed: dict[int, dict[str, list[Cycles]]] = {
-        node: {name: [] for name in SIGNED_CRITERIA} for node in nodes
-    }
+    counters = {node: {name: rainflow.CycleCounter(1) for name in SIGNED_CRITERIA} for node in nodes}
+    closed = {node: {name: list[Cycles]() for name in SIGNED_CRITERIA} for node in nodes}
     start = 0
-    for rows in segments(one.basis.coordinates[shoe]):
+    for rows in rank.segments(one.basis.coordinates[shoe]):
         for node, own in counters.items():
             stress = rows @ one.basis.shapes.stress_modes[node].T
             for criterion, counter in own.items():
@@ -236,7 +231,7 @@ def _counted(one: UsedRun, shoe: int, nodes: Sequence[int]) -> dict[int, dict[st
                 closed[node][criterion].append(counter.add(0, signal, start))
         start += len(rows)
     return {
-        node: {name: joined_cycles([*closed[node][name], counter.close(0)]) for name, counter in own.items()}
+        node: {name: rainflow.joined_cycles([*closed[node][name], one.close(0)]) for name, one in own.items()}
         for node, own in counters.items()
     }
 

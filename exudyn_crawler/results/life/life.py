@@ -5,11 +5,8 @@ run repeats itself, each check case is a cycle; from one to another goes a cycle
 often as the duty says. Stages of wear add up by Miner's rule.
 """
 
-import operator
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,16 +14,14 @@ import pandas as pd
 import xarray as xr
 from scipy.spatial import cKDTree
 
-from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.case import Track
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_cases, used_runs
 from exudyn_crawler.results.stress import hot_spots
-from fem import Shapes, SNCurve, critical_plane, trust
+from fem import Shapes, SNCurve, critical_plane, defects, rank, trust
 from fem.damage import damage_between, recover_damage
-from fem.defects import CycleStage
-from fem.rank import segments
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
@@ -165,7 +160,7 @@ def _with_castings(
             own = found.nodes if one is stages[-1] else node_lives(one.duty, one.runs, {at: curve})
             names = ("begin in Pa", "end in Pa", "times an hour")
             begin, end, rate = (own[at].cycles[name].to_numpy(dtype=float) for name in names)
-            cycles.append(CycleStage(begin, end, rate, hours))
+            cycles.append(defects.CycleStage(begin, end, rate, hours))
         life = material.defect_life(region, duty.miner, cycles, duty.survivals[-1])
         casting = material.casting(region)
         row = {"residual stress in MPa": casting.residual_stress / MEGA}
@@ -316,7 +311,7 @@ def _on_critical_planes(
 
     def damage_on(nodes: np.ndarray, angles: np.ndarray) -> np.ndarray:
         found = np.zeros((*angles.shape, len(duty.survivals)))
-        for one, group in product(runs, groups):
+        for one, group in ((one, group) for one in runs for group in groups):
             own = np.flatnonzero(np.isin(nodes, group.nodes))
             counting = one.counting(group.curve, duty.survivals, 1.0 / BEYOND / len(runs))
             modes, coordinates = one.basis.shapes.stress_modes, one.basis.coordinates
@@ -353,7 +348,7 @@ def _life_trust(
     """
     changes = (_changes(one.basis.coordinates.values()) for one in runs)
     resolved = [trust.resolution_over(one.basis.shapes, q) for one, q in zip(runs, changes, strict=True)]
-    found = reduce(operator.add, resolved)
+    found = sum(resolved[1:], start=resolved[0])
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
     most = max(one.basis.bound or 0.0 for one in runs)
@@ -372,8 +367,8 @@ def _life_trust(
 def _changes(coordinates: Collection[Any]) -> Iterator[np.ndarray]:
     """Coordinates of a run's shoes less their means, in segments."""
     for q in coordinates:
-        mean = sum(rows.sum(axis=0) for rows in segments(q)) / len(q)
-        yield from (rows - mean for rows in segments(q))
+        mean = sum(rows.sum(axis=0) for rows in rank.segments(q)) / len(q)
+        yield from (rows - mean for rows in rank.segments(q))
 
 
 def life_hours(damage: np.ndarray | float) -> np.ndarray:

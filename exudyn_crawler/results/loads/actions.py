@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.case import Case, Undercarriage
-from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.case import SIDES, Case, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history.history import History

@@ -8,13 +8,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.case import SIDES
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads.actions import OnRail, actions, frame_of, shoe_frames, shoe_mass
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind, unit_loads
-from fem import ElasticBody, Interface, Program, write_load_deck
-from fem.interfaces import rigid_motion_of_centers
+from fem import ElasticBody, Interface, Program, interfaces, write_load_deck
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class ShoeLoads:
     @property
     def residual(self) -> np.ndarray:
         """Sum of all forces (N) and of their moments about the centre of mass (N m): array (6,), zero."""
-        at_centers = rigid_motion_of_centers(self.interfaces, self.body.center_of_mass)
+        at_centers = interfaces.rigid_motion_of_centers(self.interfaces, self.body.center_of_mass)
         return self.body.rigid_modes.T @ self.nodal.ravel() + at_centers.T @ self.centers.ravel()
 
 
@@ -108,9 +107,9 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     now = at_instant(history, time)
     units = unit_loads(history.case)
     nodal, centers = units.forces(sum(loads_by_kind(now, shoe).values()).toarray()[0])
-    body, interfaces = units.body, list(units.whole.interfaces)
+    body, joints = units.body, list(units.whole.interfaces)
     table = action_table(now, shoe, now.duration)
-    loads = ShoeLoads(now.duration, shoe, body, interfaces, nodal, centers, table)
+    loads = ShoeLoads(now.duration, shoe, body, joints, nodal, centers, table)
     rigid = body.rigid_modes
     moved = body.mass_matrix @ rigid
     relief = moved @ np.linalg.solve(rigid.T @ moved, loads.residual)

@@ -32,8 +32,7 @@ from scipy.sparse import csr_array, hstack
 
 from exudyn_crawler.case import Case, FlexibleShoes, RunningGear, Shoe, Track
 from exudyn_crawler.ground.cells.ground import COARSE
-from exudyn_crawler.model import shoe_mesh
-from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
+from exudyn_crawler.model import flexible_shoes, shoe_mesh
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions
 from fem import ElasticBody, Nested, ReducedBody
@@ -133,8 +132,8 @@ class ShoeUnitLoads:
 def unit_loads(case: Case) -> ShoeUnitLoads:
     """Unit loads of a case's flexible shoes, remembered; ValueError if there are none, or no mesh fits."""
     flexible = case.flexible_shoes()
-    body, _ = shoe_model(flexible, case.track)
-    node, whole = shoe_mesh.pulled_node(case, body.mesh), whole_reduction(case).body
+    body, _ = flexible_shoes.shoe_model(flexible, case.track)
+    node, whole = shoe_mesh.pulled_node(case, body.mesh), flexible_shoes.whole_reduction(case).body
     cells = case.terrain.model == "cells"
     return _unit_loads(flexible, case.track, case.shoe, case.running_gear, whole, node, cells)
 
@@ -149,7 +148,7 @@ def _unit_loads(
     node: int | None,
     cells: bool,
 ) -> ShoeUnitLoads:
-    body, _ = shoe_model(flexible, track)
+    body, _ = flexible_shoes.shoe_model(flexible, track)
     mesh, strips = body.mesh, None
     under = mesh.nodes_of("underside")
     # of each node its own integrals: products with modes are those of the equations
@@ -158,7 +157,7 @@ def _unit_loads(
     ground = hat_grid(underside, COARSE)[1] if cells else underside.integral
     # forces by a unit over the loaded surface, and what a metre of shift adds
     even = whole.weights(flexible.load_surface)
-    machine = np.column_stack((even, weights_a_metre(even, whole.nodes)))
+    machine = np.column_stack((even, flexible_shoes.weights_a_metre(even, whole.nodes)))
     loaded = np.flatnonzero(machine.any(axis=1))
     spread = {
         MACHINE: NodalShares(loaded, machine[loaded].T),
@@ -172,7 +171,8 @@ def _unit_loads(
     if node is not None:
         spread[DRIVE] = NodalShares(np.array([node]), np.eye(1))
     rectangles = None if cells else underside
-    return ShoeUnitLoads(body, whole, integrated_in(flexible, whole), rectangles, strips, spread)
+    integrated = flexible_shoes.integrated_in(flexible, whole)
+    return ShoeUnitLoads(body, whole, integrated, rectangles, strips, spread)
 
 
 def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, np.ndarray, np.ndarray] | None:

@@ -23,18 +23,16 @@ from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
 import fem
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import writable_folder
-from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.model.reductions import cached_fields, reductions_folder
+from exudyn_crawler.model import flexible_shoes, reductions
 from exudyn_crawler.results.history.files import RATES, SHAPES
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import load_map
-from fem.patches import Underside
-from fem.rank import SEGMENT
+from fem import patches, rank
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
 MOST_FIELDS = 0.4  # greatest number of fields over that of modes
-LONG, PART = SEGMENT, 2**12
+LONG, PART = rank.SEGMENT, 2**12
 """Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms; and of a
 longer one, of whose contacts with units there are 30 kB a time."""
 LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
@@ -75,7 +73,7 @@ def static_loads(case: Case) -> StaticLoads | None:
     """Static fields beside all modes of a case's flexible shoes; cached on disk. None if not asked for."""
     if not case.flexible_shoes().static_fields:
         return None
-    return _static_loads(load_map.unit_loads(case), whole_reduction(case))
+    return _static_loads(load_map.unit_loads(case), flexible_shoes.whole_reduction(case))
 
 
 @lru_cache(maxsize=2)
@@ -98,10 +96,11 @@ def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> 
         blocks.append(kron(shares, eye_array(3)))
     families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
     blocks.append(eye_array(len(units.integrated.body.frequencies)))
-    return StaticLoads(cached_fields(units.body, whole, families).fields, csr_array(block_diag(blocks)))
+    cached = reductions.cached_fields(units.body, whole, families)
+    return StaticLoads(cached.fields, csr_array(block_diag(blocks)))
 
 
-def _ground_shares(underside: Underside, grid: fem.PressureGrid) -> np.ndarray:
+def _ground_shares(underside: patches.Underside, grid: fem.PressureGrid) -> np.ndarray:
     """Tractions (p, points of a grid) nearest to a unit over each rectangle from the underside's corner."""
     numbers = np.indices(underside.integral.shape[:2]).reshape(2, -1)
     sides = numbers.T * underside.cell
@@ -124,7 +123,7 @@ class StoredRows:
     """Rows (t, m) in a file without a name, of which parts are read: coordinates of a long run."""
 
     def __init__(self, columns: int) -> None:
-        self._file = tempfile.TemporaryFile(dir=writable_folder(reductions_folder()))  # noqa: SIM115 - as long as it
+        self._file = tempfile.TemporaryFile(dir=writable_folder(reductions.reductions_folder()))  # noqa: SIM115 - as long as it
         self.shape = (0, columns)
         weakref.finalize(self, self._file.close)
 

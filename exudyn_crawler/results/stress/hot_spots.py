@@ -8,14 +8,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.case import Track
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.shoe_mesh import pulled_node
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.stress.basis import StressBasis
-from fem import OneOfEach, Peaks, Shapes, critical_plane, hot_spots, judged
-from fem.damage import SignedCriterion
+from fem import OneOfEach, Peaks, Shapes, critical_plane, damage, hot_spots, judged
 from fem.stress import von_mises
 
 HOT_SPOTS = 5  # rows of the S-paper's hot-spot tables
@@ -88,7 +87,7 @@ def flat_triangles(faces: np.ndarray) -> np.ndarray:
     return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
 
 
-def stress_directions(criterion: SignedCriterion, stress: np.ndarray) -> np.ndarray:
+def stress_directions(criterion: damage.SignedCriterion, stress: np.ndarray) -> np.ndarray:
     """Rows (t, 6) whose products with stresses (t, 6) are a criterion's signal: its derivatives by them.
 
     A criterion is of first order in the stress: the products with the stresses of loads add up to it (Euler).

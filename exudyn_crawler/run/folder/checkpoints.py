@@ -17,9 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.case.case_file import differences
-from exudyn_crawler.case.files import saved_case
+from exudyn_crawler.case import Case, differences, saved_case
 from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.results.history.files import Chunk, save_joined

@@ -11,8 +11,7 @@ from pathlib import Path
 import h5py
 import xarray as xr
 
-from exudyn_crawler.case import Case, CaseFile, read_case, write_case
-from exudyn_crawler.case.case_file import differences
+from exudyn_crawler.case import Case, CaseFile, differences, read_case, write_case
 from exudyn_crawler.errors import ASK_TO_OVERWRITE, CaseFileError
 from exudyn_crawler.files import clear_partial_files, writable_folder
 from exudyn_crawler.results.history.history import History

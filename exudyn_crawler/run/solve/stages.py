@@ -165,7 +165,7 @@ class RunStages:
         """
         rows = self._recorder.taken()
         unfinished = [Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
-        chunks, end = self._in_memory + unfinished, end_memory(self._system, self._recorder.then)
+        chunks, end = self._in_memory + unfinished, end_memory(self._system.memory(), self._recorder.then)
         if self._checkpoints is None:
             return History(self._system.case, joined(chunks).assign(end))
         return History.load(self._checkpoints.save_history(self._system.case, self._kept, chunks, end))
