@@ -22,11 +22,11 @@ from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.simulation import integrate_from
 from exudyn_crawler.views.figures import stress_figures
 from exudyn_crawler.views.tables import print_table
 from fem import ReducedBody, recover_extremes
-from studies.stress import compare_stresses
+from studies.sliding import integrated_from
+from studies.stress import compare_stresses, with_modes
 
 WINDOW = 0.1
 """s of each window."""
@@ -46,10 +46,10 @@ def windows(mesh: str = "coarse") -> pd.DataFrame:
     for name, case, start in (("propel", Case.stress(mesh), 3.0), ("loading", loading_case(mesh), 4.0)):
         flexible = case.flexible_shoes()
         state, history = _state(case, start)
-        few = _peaks(integrate_from(case, state, WINDOW))
-        whole = case.with_(flexible=flexible.with_modes("all"))
+        few = _peaks(integrated_from(case, state, WINDOW))
+        whole = case.with_(flexible=with_modes(flexible, "all"))
         begun = clock.perf_counter()
-        many = _peaks(integrate_from(whole, _in_all_modes(history, state, whole), WINDOW))
+        many = _peaks(integrated_from(whole, _in_all_modes(history, state, whole), WINDOW))
         spent = clock.perf_counter() - begun
         rows += [
             {
@@ -70,7 +70,7 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
     with tempfile.TemporaryDirectory() as folder:
         kept = Checkpoints(Path(folder))
         simulate(case, time + case.solver.step, False, kept)
-        state = kept.load(case)[-1].state
+        state, _ = kept.load(case)[-1].end()
     return state, system_history(compiled_system(case), state[None])
 
 

@@ -11,15 +11,20 @@ from typing import cast
 
 import numpy as np
 import scipy.linalg
+from threadpoolctl import threadpool_limits
 
-from exudyn_crawler import Case
+from exudyn_crawler import Case, History
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
+from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.model.state import pin_name
+from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.simulation import set_times, solver_settings
+from exudyn_crawler.run.solve.stages import Recorder
 
 RESIDUAL = 1e-3  # N, greatest force out of balance that ends Newton's method: 1e-9 of a shoe's load
 GAP = 1e-10  # m and rad, greatest gap of the links at the end of Newton's method
@@ -229,3 +234,27 @@ def eigenmodes(linear: LinearTrack) -> tuple[np.ndarray, np.ndarray]:
     upper = np.flatnonzero(values.imag >= -STILL * np.abs(values).max())
     order = upper[np.argsort(-values.real[upper], kind="stable")]
     return values[order], linear.basis @ vectors[:f, order]
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")
+def integrated_from(case: Case, state: np.ndarray, duration: float) -> History:
+    """History of a case for some time (s) from a state's row, of which the multipliers do not matter.
+
+    Raises a `NewtonError` if a step fails at its least size.
+    """
+
+    def store(time: float) -> bool:
+        recorder.store(time)
+        return True
+
+    system, start = track_system(case), float(state[0])
+    recorder = Recorder(system, start + duration)
+    recorder.go_on(start)
+    system.set_state(state)
+    system.switch_drive(case.drive.drives_after(start))
+    settings = solver_settings(case.solver)
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    set_times(settings, case.solver, start, start + duration)
+    system.after_step(store)
+    system.solve(settings)
+    return system_history(system, recorder.taken())

@@ -7,9 +7,8 @@ import pytest
 
 from exudyn_crawler import Case, SphereContact
 from exudyn_crawler.model.formulation import track_system
-from exudyn_crawler.run.solve.simulation import integrate_from
 from studies.grounds import plain
-from studies.sliding import eigenmodes, linearized, steady_sliding
+from studies.sliding import eigenmodes, integrated_from, linearized, steady_sliding
 from studies.sliding_modes import (
     SPEED,
     even_ground,
@@ -117,7 +116,7 @@ def test_a_run_from_steady_sliding_stays_there():
     state = steady_sliding(case, SPEED)
     still = np.zeros_like(state.q)
     row = row_of(case, state.q, state.q_t, still)
-    run = integrate_from(case, row, 0.02).dataset
+    run = integrated_from(case, row, 0.02).dataset
     assert run.joint_force.sel(axis="x")[-1].values == pytest.approx(state.tension, rel=1e-4)
     assert np.abs(run.velocity.sel(axis="z").values).max() < 1e-4
     assert run.velocity.sel(axis="x").values == pytest.approx(SPEED, abs=1e-4)
@@ -165,7 +164,7 @@ def test_a_small_disturbance_grows_in_the_simulation_as_predicted():
     def heights(size):
         q, q_t, q_tt = (size * (value**k * shape).real for k in range(3))
         row = row_of(case, state.q + q, state.q_t + q_t, q_tt)
-        return integrate_from(case, row, 0.8).dataset.position.sel(axis="z")
+        return integrated_from(case, row, 0.8).dataset.position.sel(axis="z")
 
     size = 1e-5
     grown = (heights(size) - heights(0.0)) / size
