@@ -269,6 +269,8 @@ def test_sand_carries_a_closed_track_and_each_shoe_is_in_balance():
     for name, parts in acts.items():
         assert float(abs(left[name]).max()) < 1e-5 * float(abs(parts).max())
         assert float(abs(parts).sel(source="contact").max()) > 1e4
+    work = energy_balance(history)
+    assert float(abs(work.imbalance).max()) < 1e-3 * float(work.pressure[-1])
 
 
 def test_work_of_the_torque_is_losses_and_what_is_stored():

@@ -28,7 +28,10 @@ from studies.ground import (
 )
 from tests.rolled import small_case
 
-PAGE = (Path(__file__).parents[2] / "docs" / "cells.md").read_text(encoding="utf-8")
+PAGE, ROLLED = (
+    (Path(__file__).parents[2] / "docs" / name).read_text(encoding="utf-8")
+    for name in ("cells.md", "rolled.md")
+)
 COLUMNS = {
     "mean pull, kN": "mean pull in kN",
     "greatest tilt, mrad": "greatest tilt of a shoe in mrad",
@@ -96,9 +99,9 @@ def test_every_ground_carries_the_machine(name):
         assert f"{found['mean sinkage in mm']:.1f}" == printed("mean pull")["mean sinkage, mm"][name]
 
 
-def printed(head):
-    """Texts of a table of the page, by ground and column; the head is how it begins."""
-    lines = PAGE[PAGE.index(f"| ground | {head}") :].split("\n\n")[0].splitlines()
+def printed(head, page=PAGE):
+    """Texts of a table of a page, by ground and column; the head is how it begins."""
+    lines = page[page.index(f"| ground | {head}") :].split("\n\n")[0].splitlines()
     names, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines)
     return pd.DataFrame(rows, columns=names).set_index("ground")
 
@@ -132,11 +135,21 @@ def test_what_the_page_says_of_pulls_follows_from_its_table():
     }.items():
         beyond = pulls[name] - resistance
         assert any(words.format(round(beyond + by)) in text for by in (-0.5, 0.5)), words.format(beyond)
+    rolled, tilts = printed("greatest tilt", ROLLED), printed("mean pull")["greatest tilt, mrad"]
+    for name, (tilt, beyond, _) in rolled.iterrows():
+        same = name.replace(" in the same rut", "").replace(" that springs", ", springs")
+        assert tilt == tilts[same], name
+        assert float(beyond) == pytest.approx(pulls[same] - resistance, abs=0.8), name
 
 
 @pytest.mark.slow
-def test_the_page_has_the_numbers_of_the_whole_study(tmp_path):
-    """Twelve runs of a minute: a quarter of an hour."""
+def test_the_page_has_the_numbers_of_the_whole_study(tmp_path, monkeypatch):
+    """Twelve runs of a minute, without their figures: ten minutes."""
+    off = dict.fromkeys(("figures", "pictures", "paraview", "tables", "forces", "page"), False)
+    cases = {
+        name: one.with_(outputs=one.outputs.with_(**off)) for name, one in study_cases(out=tmp_path).items()
+    }
+    monkeypatch.setattr("studies.ground.study_cases", lambda *_: cases)
     _, table, regions, _ = study(tmp_path)
     found, page = table.set_index("ground"), printed("mean pull").astype(float)
     stress = regions.pivot(index="ground", columns="region", values="von Mises in MPa")

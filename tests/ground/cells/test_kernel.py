@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 
 from benchmarks import cells as benchmark
 from exudyn_crawler.case.parameters.heights import Heights, Ridge, Roughness, Stone
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from tests.ground.cells.driving import LENGTH, LOAD, ROCK, SAND, WIDTH, Shoe, frame, ground, turn
 
 ROUGH = Heights(roughness=Roughness(spectrum=256e-6, seed=3))
@@ -39,7 +40,12 @@ def test_a_shoe_that_is_nowhere_meets_no_ground():
         assert not cells.press(frame(place, R)).any()
 
 
-@pytest.mark.parametrize(("law", "rough", "step"), [(SAND, 0.01, 1e-8), (ROCK, 1e-4, 1e-10)])
+CURVED = ROCK.with_(exponent=1.5, stiffness=7e10)  # 2e8 Pa/m at 0.2 mm
+
+
+@pytest.mark.parametrize(
+    ("law", "rough", "step"), [(SAND, 0.01, 1e-8), (ROCK, 1e-4, 1e-10), (CURVED, 1e-4, 1e-10)]
+)
 def test_tangents_are_the_differences_of_the_wrench(law, rough, step):
     """While shoes turn at 0.1 rad/s, the turning arms' velocities make the difference of 0.2 %."""
     random = np.random.default_rng(2)
@@ -77,6 +83,21 @@ def test_tangents_are_the_differences_of_the_wrench(law, rough, step):
             shoe.ground.commit()
     assert max(errors[10:]) < 1e-6
     assert max(errors[:10]) < 5e-3
+
+
+def test_a_cell_that_a_shoe_has_left_is_sheared_anew_and_sand_keeps_its_rut():
+    place = np.array([1.5, 3.0])
+    for law, depth in ((BekkerSoil.lete_sand(), 0.02), (ROCK, 2e-4)):
+        shoe = Shoe(law, [*place, 0.0])
+        for slip in np.linspace(0.0, 0.01, 20):
+            slid = shoe.move([place[0] + slip, place[1], -depth])
+        lifted = shoe.move([place[0] + 0.01, place[1], 0.05])
+        again = shoe.move([place[0] + 0.01, place[1], -depth])
+        assert -slid[0] > 0.3 * slid[2]
+        assert not lifted.any()
+        assert abs(again[0]) < 1e-12 * slid[2]
+        half = shoe.move([place[0] + 0.01, place[1], -0.5 * depth])[2]
+        assert (half == 0.0) == (law is not ROCK)
 
 
 def test_supports_carry_their_shares():

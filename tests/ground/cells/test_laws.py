@@ -43,6 +43,17 @@ def test_plate_sinks_unloads_and_reloads_by_the_closed_form(law):
     assert_allclose(law.drive(depths, np.zeros_like(depths))[0], pressure, rtol=1e-9, atol=1e-6)
 
 
+def test_the_curve_begins_with_a_parabola_of_its_value_and_slope():
+    law, at, e = SAND.constants(0.65), 1e-3, 1e-9
+    (low, slope), (high, steep) = (backbone(law, at + one) for one in (-e, e))
+    assert high - low == pytest.approx(2.0 * e * slope, rel=1e-5)
+    assert steep == pytest.approx(slope, rel=1e-5)
+    assert high == pytest.approx(law.k * at**law.exponent, rel=1e-5)
+    p, s = zip(*(backbone(law, share * at) for share in (1e-9, 0.5, 1.0)), strict=True)
+    assert s[1] == pytest.approx(0.5 * (s[0] + s[2]), rel=1e-6)  # linear, and from zero
+    assert p[2] == pytest.approx(0.5 * at * (s[0] + s[2]), rel=1e-6)
+
+
 def test_sand_sinks_as_published():
     k, n = SAND.constants(0.65)[:2]
     sinkage = [1e3 * (p / k) ** (1 / n) for p in (213e3, 400e3, 800e3)]
