@@ -15,11 +15,8 @@ from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, Terrain
 from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import (
-    CarBody,
     MachineCycle,
     MachinePhase,
-    Pose,
     RunningGear,
-    Shovel,
     Undercarriage,
 )

@@ -9,12 +9,11 @@ from typing import Annotated, Literal, NamedTuple, SupportsFloat
 import tomlkit
 from pydantic import BaseModel
 
-import meshes
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity, shown
 from exudyn_crawler.case.parameters.drive import StepProfile
-from meshes.geometry import VOLUMES
+from meshes import geometry, mesh_named
 
 _bytes = partial(fields.in_units, units={"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0})
 NUMBER = 8  # bytes
@@ -218,7 +217,7 @@ def shoe_weights(case: Case) -> str:
         return ""
     mesh = case.flexible.mesh
     # a case without a mesh of its own need not wait for one to be read
-    volume = VOLUMES[mesh] if mesh in VOLUMES else meshes.mesh_named(mesh).volume
+    volume = geometry.VOLUMES[mesh] if mesh in geometry.VOLUMES else mesh_named(mesh).volume
     mass = volume * case.flexible.density
     more = 100.0 * (mass / case.shoe.mass - 1.0)
     return (

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, Pose, StepProfile, read_case
+from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, StepProfile, read_case
 from exudyn_crawler.case.parameters import assembly
+from exudyn_crawler.case.parameters.undercarriage import Pose
 from exudyn_crawler.case.ph4100c import MACHINE_MASS
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices

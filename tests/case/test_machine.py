@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import MachineCycle, MachinePhase, Pose, Shovel, Undercarriage, ph4100c
+from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
+from exudyn_crawler.case.parameters.undercarriage import MachinePhase, Pose, Shovel
 from exudyn_crawler.errors import ParameterError
 
 FRAME = Undercarriage.ph4100c()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, FlexibleShoes, MachineCycle, StepProfile, recover_stresses, simulate
-from exudyn_crawler.case import CarBody, Drive, LoadCycle
-from exudyn_crawler.case.parameters.undercarriage import MachinePhase, Part
+from exudyn_crawler.case import Drive, LoadCycle
+from exudyn_crawler.case.parameters.undercarriage import CarBody, MachinePhase, Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.catalogue import link_name

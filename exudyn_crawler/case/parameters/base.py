@@ -9,7 +9,6 @@ from typing import Annotated, Any, NamedTuple, Self
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
-from pydantic_core import ErrorDetails, PydanticUndefined
 
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import ParameterError
@@ -100,7 +99,7 @@ def quantity(unit: str, description: str, plausible: tuple[float, float] | None 
     return Field(description=description, json_schema_extra=extra, **bounds)
 
 
-def option(description: str, default: Any = PydanticUndefined, **bounds: Any) -> Any:
+def option(description: str, default: Any = ..., **bounds: Any) -> Any:
     """Pydantic field of what is no quantity."""
     return Field(default, description=description, **bounds)
 
@@ -213,7 +212,7 @@ def _spot(loc: fields.KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
     return spot
 
 
-def _message(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
+def _message(one: Mapping[str, Any], spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
     kind, given, path = one["type"], one["input"], fields.path_text(spot.place)
     head = f"{path}: " if path else ""
     message = one["msg"].removeprefix("Value error, ")
@@ -252,7 +251,7 @@ def _wanted(unit: str) -> str:
     return f"must be a number{f' in {unit}' if unit else ''}{example}"
 
 
-def _remedy(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:
+def _remedy(one: Mapping[str, Any], spot: _Spot, in_file: bool) -> str:
     """What to do about a value that is not there."""
     if isinstance(spot.place[-1], int):
         return f", got {shown(one['input'])}"

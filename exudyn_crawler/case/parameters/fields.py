@@ -4,11 +4,9 @@ import inspect
 import json
 import math
 import re
-import typing
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from types import UnionType
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, NamedTuple, TypeGuard, get_args
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -128,7 +126,7 @@ def models_of(annotation: Any) -> tuple[type[BaseModel], ...]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         # a class of which others are plugged in names them
         return tuple(annotation.plugged_in()) if hasattr(annotation, "plugged_in") else (annotation,)
-    return tuple(model for part in typing.get_args(annotation) for model in models_of(part))
+    return tuple(model for part in get_args(annotation) for model in models_of(part))
 
 
 def tag_of(kind: type[BaseModel]) -> str:
@@ -138,8 +136,7 @@ def tag_of(kind: type[BaseModel]) -> str:
 
 def allows_none(annotation: Any) -> bool:
     """Whether a field may have no value."""
-    is_union = typing.get_origin(annotation) in (typing.Union, UnionType)
-    return is_union and type(None) in typing.get_args(annotation)
+    return type(None) in get_args(annotation)
 
 
 def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:

@@ -6,15 +6,13 @@ rasterio is installed.
 """
 
 import math
-from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
-from scipy.interpolate import RectBivariateSpline
-from scipy.ndimage import gaussian_filter
+from scipy import interpolate, ndimage
 
 from exudyn_crawler.case.parameters.base import Errors, File, Name, Parameters, Place, option, quantity
 from exudyn_crawler.errors import ParameterError
@@ -198,7 +196,7 @@ class MeasuredGrid(Parameters):
             )
 
     @property
-    def _heights(self) -> tuple[HeightGrid, RectBivariateSpline]:
+    def _heights(self) -> tuple[HeightGrid, interpolate.RectBivariateSpline]:
         """Smoothed heights; a file that changes is read again."""
         stamp = self.file.stat().st_mtime_ns
         return _smoothed(self.file, stamp, self.spacing, self.origin, self.smoothing)
@@ -215,7 +213,7 @@ class MeasuredGrid(Parameters):
 @lru_cache(maxsize=4)
 def _smoothed(
     file: Path, _stamp: int, spacing: float | None, origin: tuple[float, float], smoothing: float
-) -> tuple[HeightGrid, RectBivariateSpline]:
+) -> tuple[HeightGrid, interpolate.RectBivariateSpline]:
     """Heights of a file as of `MeasuredGrid`, and what goes through them."""
     if file.suffix.lower() not in READERS:
         raise ValueError(f"its name must end with one of {', '.join(READERS)}")
@@ -227,8 +225,8 @@ def _smoothed(
         x, y = grid.x[holes[0, 0]], grid.y[holes[0, 1]]
         raise ValueError(f"heights are missing at {len(holes)} places, the first at x = {x:g} m, y = {y:g} m")
     x, y = grid.x + origin[0], grid.y + origin[1]
-    z = gaussian_filter(grid.z, [smoothing / (one[1] - one[0]) for one in (x, y)], mode="nearest")
-    return HeightGrid(x, y, z), RectBivariateSpline(x, y, z)
+    z = ndimage.gaussian_filter(grid.z, [smoothing / (one[1] - one[0]) for one in (x, y)], mode="nearest")
+    return HeightGrid(x, y, z), interpolate.RectBivariateSpline(x, y, z)
 
 
 def _ascii(path: Path, _spacing: float | None) -> HeightGrid:
@@ -290,7 +288,6 @@ def _tiff(path: Path, _spacing: float | None) -> HeightGrid:
     return HeightGrid(x, y[::-1], z[::-1].T)
 
 
-READERS: dict[str, Callable[[Path, float | None], HeightGrid]]
 READERS = {".asc": _ascii, ".npy": _npy, ".nc": _netcdf, ".tif": _tiff, ".tiff": _tiff}
 """Readers by the ending of a file's name."""
 

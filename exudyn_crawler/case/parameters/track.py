@@ -1,17 +1,15 @@
 """The chain of shoes on the ground: shoe, rails and track, and which shoes are flexible."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
+import fem
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Errors, Length, Parameters, Place, option, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
-
-if TYPE_CHECKING:
-    from fem import Mesh
 
 UNEVENNESS: float = ph4100c.UNEVENNESS  # m, of the underside's middle beside the COM: `Shoe.uneven`
 STEEL_DENSITY: float = ph4100c.FLEXIBLE_SHOES["density"]  # kg/m3
@@ -103,7 +101,7 @@ class Shoe(Parameters):
 
     @classmethod
     def from_mesh(
-        cls, mesh: "str | Mesh", density: float = STEEL_DENSITY, load_surface: str = "whole top"
+        cls, mesh: "str | fem.Mesh", density: float = STEEL_DENSITY, load_surface: str = "whole top"
     ) -> Self:
         """Shoe as its mesh has it: mass, inertia, underside and load point; density in kg/m3.
 
@@ -113,16 +111,13 @@ class Shoe(Parameters):
         COM.
         """
         # a case without a mesh need not wait for finite elements
-        from fem import ElasticBody
-        from meshes import STEEL, mesh_named, with_load_surfaces
-        from meshes.checks import check_extent, check_surfaces
-        from meshes.rails import rail_outline
+        from meshes import STEEL, checks, mesh_named, rails, with_load_surfaces
 
         name = mesh if isinstance(mesh, str) else ""
         found = mesh_named(mesh) if isinstance(mesh, str) else with_load_surfaces(mesh)
-        check_extent(found, name)
-        check_surfaces(found, load_surface, name)
-        body = ElasticBody(found, replace(STEEL, density=density))
+        checks.check_extent(found, name)
+        checks.check_surfaces(found, load_surface, name)
+        body = fem.ElasticBody(found, replace(STEEL, density=density))
         off = body.center_of_mass
         if np.abs(off).max() > ORIGIN_TOLERANCE:
             com = f"its COM is at {off.round(4).tolist()} m"
@@ -139,7 +134,7 @@ class Shoe(Parameters):
             width=high[1] - low[1],
             underside_center=tuple((0.5 * (low + high)[:2]).tolist()),
             load_point=tuple((weights @ found.nodes / weights.sum()).tolist()),
-            rails=Rails(**rail_outline(found)._asdict()) if "roller path" in found.surfaces else None,
+            rails=Rails(**rails.rail_outline(found)._asdict()) if "roller path" in found.surfaces else None,
         )
 
     def of_mass(self, mass: float) -> Self:

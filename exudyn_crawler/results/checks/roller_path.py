@@ -7,7 +7,6 @@ to about 3.3 k), and the free edges of rails, where a contact is no half space's
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,8 +22,7 @@ from exudyn_crawler.results.life.duty import FatigueMaterial
 from exudyn_crawler.results.loads.actions import frame_of
 from exudyn_crawler.results.stress.basis import stress_basis
 from fem import Material
-from meshes import STEEL
-from meshes.rails import rail_nodes
+from meshes import STEEL, rails
 
 MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
 TILTS = (0.0, 0.5e-3, 1e-3, 2e-3)
@@ -108,16 +106,15 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
             hertz.line_contact(one * tread["radius"], tread["radius"], plane_modulus(steel))
             for one in (tread[INTENSITY], medians[place])
         )
-        below = beside.get(place)
-        structure = None if below is None else below.stress
+        node, structure = beside.get(place, (None, None))
         stress = hertz.path_stress(contact, MEGA, steel.poissons_ratio, structure)
         row = _place_columns(case, place)
         row |= {PASSES: int((passes["place"] == place).sum()), "greatest force in kN": tread["force"] / KILO}
         row |= {"edge over mean": tread["line load"] * gear.tread_width / tread["force"]}
         row |= _contact_columns(contact, stress) | {TYPICAL: float(typical.pressure) / MEGA}
-        if below is not None:
-            along, across, _ = below.stress[0] / MEGA
-            row |= {"structure along in MPa": along, "structure across in MPa": across, "node": below.node}
+        if structure is not None:
+            along, across, _ = structure[0] / MEGA
+            row |= {"structure along in MPa": along, "structure across in MPa": across, "node": node}
         for one in materials:
             own = stress.of_strength(one.yield_strength / MEGA)
             row |= {f"{one.name} to yield": own.to_yield, f"{one.name} to shakedown": own.to_shakedown}
@@ -129,9 +126,9 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
 
 def _places(case: Case) -> np.ndarray:
     """Edges (n + 1,) of the parts of a rail along x in the shoe's frame, m; part 0 and n + 1 are its ends."""
-    rails = case.shoe.rails
-    assert rails is not None  # of a rolled case
-    return np.linspace(rails.rear, rails.front, 1 + max(1, round((rails.front - rails.rear) / PLACE)))
+    rail = case.shoe.rails
+    assert rail is not None  # of a rolled case
+    return np.linspace(rail.rear, rail.front, 1 + max(1, round((rail.front - rail.rear) / PLACE)))
 
 
 def _place_columns(case: Case, place: int) -> dict[str, object]:
@@ -205,15 +202,11 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
     return whole.loc[whole.groupby(keys)[INTENSITY].idxmax()].reset_index(drop=True)
 
 
-class Beside(NamedTuple):
-    """Stress of the structure beside a tread at a node: xx, yy, xy (5, 3), Pa, and corners of its range."""
+def _beside(history: History, gear: RunningGear, worst: pd.DataFrame) -> Mapping[int, tuple[int, np.ndarray]]:
+    """Node of the surface nearest to the tread's more loaded edge by place, and the structure's stress there.
 
-    node: int
-    stress: np.ndarray
-
-
-def _beside(history: History, gear: RunningGear, worst: pd.DataFrame) -> Mapping[int, Beside]:
-    """Stress of the structure by place, at the surface's node nearest to the tread's more loaded edge."""
+    That is xx, yy, xy (5, 3), Pa, of the instant and of the corners of its range.
+    """
     case = history.case
     if case.flexible is None or not set(worst["shoe"]) <= set(case.flexible.shoes):
         return {}
@@ -221,7 +214,7 @@ def _beside(history: History, gear: RunningGear, worst: pd.DataFrame) -> Mapping
     rows = np.union1d(even, worst["row"])
     basis = stress_basis(History(case, history.dataset.isel(time=rows)), sorted(set(worst["shoe"])))
     mesh, found = basis.shapes.mesh, {}
-    sides = rail_nodes(mesh)
+    sides = rails.rail_nodes(mesh)
     for place, tread in worst.iterrows():
         nodes = sides[int(tread["rail"])]
         y = mesh.nodes[nodes, 1].mean() + 0.5 * tread["leans"] * gear.tread_width
@@ -230,5 +223,5 @@ def _beside(history: History, gear: RunningGear, worst: pd.DataFrame) -> Mapping
         here = stress[np.searchsorted(rows, tread["row"])]
         low, high = stress.min(axis=0), stress.max(axis=0)
         corners = [(a, b, 0.0) for a in (low[0], high[0]) for b in (low[1], high[1])]
-        found[int(place)] = Beside(int(node), np.array([here, *corners]))
+        found[int(place)] = int(node), np.array([here, *corners])
     return found

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +12,10 @@ from exudyn_crawler.case import Track
 from exudyn_crawler.case.parameters.fields import errors_at
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases as ready
-from exudyn_crawler.results.checks.cases import CheckCase, Facing, Pressure, ShoeCheck, TreadForce
 from exudyn_crawler.results.checks.roller_path import hertz_table
 from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
-from fem import ElasticBody, Mesh, Partition, Shapes, defects, supports, trust
-from fem.interfaces import Spider, rigid_motion_of_centers
+from fem import ElasticBody, Mesh, Partition, Shapes, defects, interfaces, supports, trust
 from fem.stress import principal, von_mises
 from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfaces
 
@@ -30,7 +27,7 @@ LINE = 4e-3
 """m, half the length of the contact of a tread at the very end of a rail: that of Hertz's."""
 BALANCE = 1e-3
 """Part of the sum of all forces (times 1 m for moments) that may be out of balance; meshes round places."""
-NORMALS: dict[Facing, tuple[int, float]] = {
+NORMALS: dict[ready.Facing, tuple[int, float]] = {
     "front": (0, 1.0),
     "rear": (0, -1.0),
     "left": (1, 1.0),
@@ -55,7 +52,7 @@ class AppliedLoads(NamedTuple):
 class CheckedShoe:
     """Finite elements of a shoe that check cases load: its factorized stiffness, its surface and regions."""
 
-    def __init__(self, mesh: Mesh, name: str, spider: Spider = "averaging") -> None:
+    def __init__(self, mesh: Mesh, name: str, spider: interfaces.Spider = "averaging") -> None:
         track = Track.ph4100c()
         self.mesh, self.body = mesh, ElasticBody(mesh, STEEL)
         pins = [replace(one, spider=spider) for one in pin_interfaces(mesh, name, track)]
@@ -66,7 +63,7 @@ class CheckedShoe:
         self._points: dict[str, supports.SurfacePoints] = {}
 
     @classmethod
-    def of(cls, check: ShoeCheck) -> "CheckedShoe":
+    def of(cls, check: ready.ShoeCheck) -> "CheckedShoe":
         """Shoe of a check; raises as `mesh_named` and `mesh_shoe`."""
         if not check.dimensions:
             return cls(mesh_named(check.mesh), check.mesh, check.spider)
@@ -82,9 +79,9 @@ class CheckedShoe:
     @cached_property
     def of_centers(self) -> np.ndarray:
         """Motions (24, 6) of the joint centres when the body moves as a whole."""
-        return rigid_motion_of_centers(self.partition.interfaces, self.body.center_of_mass)
+        return interfaces.rigid_motion_of_centers(self.partition.interfaces, self.body.center_of_mass)
 
-    def facing(self, way: Facing) -> supports.SurfacePoints:
+    def facing(self, way: ready.Facing) -> supports.SurfacePoints:
         """Points of all faces that look one way, those beneath others too."""
         if way not in self._points:
             axis, sign = NORMALS[way]
@@ -94,7 +91,7 @@ class CheckedShoe:
             self._points[way] = supports.surface_points(self.mesh, self.mesh.boundary[looking], POINTS)
         return self._points[way]
 
-    def rail(self, tread: TreadForce) -> np.ndarray:
+    def rail(self, tread: ready.TreadForce) -> np.ndarray:
         """Nodal forces (n, 3) of a tread, N."""
         rails, half = self.outline.rails, 0.5 * tread.length
         if "rail" not in self._points:
@@ -115,7 +112,7 @@ class CheckedShoe:
             raise ValueError(f"a tread must press on the rail, got y = {y:.4g} m in the shoe")
         return near.spread(np.array([0.0, 0.0, -tread.force]), _centred(near, target))
 
-    def pressure(self, load: Pressure) -> np.ndarray:
+    def pressure(self, load: ready.Pressure) -> np.ndarray:
         """Nodal forces (n, 3) of a pressure, N."""
         points, low, high = self.facing(load.facing), np.array(load.low), np.array(load.high)
         away = np.abs(points.positions - 0.5 * (low + high)) / (0.5 * (high - low))
@@ -126,7 +123,7 @@ class CheckedShoe:
             raise ValueError(f"no face looks {load.facing} between {load.low} and {load.high} m")
         return points.chosen(np.flatnonzero(inside)).spread(np.array(load.force))
 
-    def loads(self, case: CheckCase) -> AppliedLoads:
+    def loads(self, case: ready.CheckCase) -> AppliedLoads:
         """Loads of a case without the ground, what pins hold included.
 
         A ValueError says what is not in balance.
@@ -193,9 +190,9 @@ class CheckResults:
     for each force, width and tilt of a tread.
     """
 
-    check: ShoeCheck
+    check: ready.ShoeCheck
     shoe: CheckedShoe
-    cases: tuple[CheckCase, ...]
+    cases: tuple[ready.CheckCase, ...]
     stress: np.ndarray
     displacement: np.ndarray
     forces: np.ndarray
@@ -220,7 +217,7 @@ class CheckResults:
         return self.table.to_html(index=False)
 
 
-def all_cases(check: ShoeCheck, outline: ready.ShoeOutline) -> tuple[CheckCase, ...]:
+def all_cases(check: ready.ShoeCheck, outline: ready.ShoeOutline) -> tuple[ready.CheckCase, ...]:
     """Ready cases at every level of the force, by "case, level", and the check's own."""
     found = [
         one.with_(name=f"{one.name}, {level.name}")
@@ -231,7 +228,7 @@ def all_cases(check: ShoeCheck, outline: ready.ShoeOutline) -> tuple[CheckCase, 
 
 
 def solve_cases(
-    check: ShoeCheck, shoe: CheckedShoe, say: Callable[[str], None] = lambda _text: None
+    check: ready.ShoeCheck, shoe: CheckedShoe, say: Callable[[str], None] = lambda _text: None
 ) -> CheckResults:
     """Solve all cases of a check.
 
@@ -245,8 +242,7 @@ def solve_cases(
     names = [case.name for case in cases]
     by_name, pairs = dict(zip(names, stress, strict=True)), [(UNLOADED, name) for name in names]
     pairs += [
-        (f"{a}, {level.name}", f"{b}, {level.name}")
-        for level, (a, b) in product(check.levels, ready.READY_CYCLES)
+        (f"{a}, {level.name}", f"{b}, {level.name}") for level in check.levels for a, b in ready.READY_CYCLES
     ]
     pairs += [(one.first, one.second) for one in check.cycles]
     return CheckResults(
@@ -264,7 +260,7 @@ def solve_cases(
 
 
 def case_shapes(
-    check: ShoeCheck, names: Sequence[str], say: Callable[[str], None] = lambda _text: None
+    check: ready.ShoeCheck, names: Sequence[str], say: Callable[[str], None] = lambda _text: None
 ) -> Shapes:
     """Displacement and stress of a shoe under some of its check cases, a column each.
 
@@ -275,12 +271,12 @@ def case_shapes(
     if wrong := sorted(set(names) - set(known)):
         raise ValueError(f"{check.name}: no check case {wrong}; there are {[*known]}")
     _, _, answers, _ = _solved(shoe, [known[name] for name in names], say)
-    interfaces = tuple(shoe.partition.interfaces)
-    return Shapes(shoe.mesh, STEEL, interfaces, answers, shoe.body.stress(answers))
+    joints = tuple(shoe.partition.interfaces)
+    return Shapes(shoe.mesh, STEEL, joints, answers, shoe.body.stress(answers))
 
 
 def _solved(
-    shoe: CheckedShoe, cases: Sequence[CheckCase], say: Callable[[str], None]
+    shoe: CheckedShoe, cases: Sequence[ready.CheckCase], say: Callable[[str], None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, "Blow"]]:
     """Forces (n, 3, k) on nodes, the ground's too, and on joint centres (24, k); answers (n, 3, k); blows."""
     loads, blows = [], {}
@@ -309,14 +305,16 @@ def _answers(shoe: CheckedShoe, forces: np.ndarray, centers: np.ndarray) -> np.n
     return shoe.partition.static_response(forces.reshape(-1, forces.shape[2]), centers).reshape(forces.shape)
 
 
-def _ground_forces(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: np.ndarray) -> np.ndarray:
+def _ground_forces(
+    shoe: CheckedShoe, case: ready.CheckCase, loads: AppliedLoads, answer: np.ndarray
+) -> np.ndarray:
     """Nodal forces (n, 3) of the ground below a case."""
     forces = np.zeros_like(shoe.mesh.nodes)
     forces[:, 2] = shoe.bed.points.shapes.T @ _rest(shoe, case, loads, answer).forces
     return forces
 
 
-def _rest(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: np.ndarray) -> supports.Rest:
+def _rest(shoe: CheckedShoe, case: ready.CheckCase, loads: AppliedLoads, answer: np.ndarray) -> supports.Rest:
     """Rest of the shoe on the ground of a case."""
     assert case.ground is not None
     points = shoe.bed.points
@@ -334,12 +332,12 @@ def _rest(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: np.nd
 class Blow(NamedTuple):
     """Case with the force (N) that a blow's energy makes, by the compliance (m/N) of shoe and ground."""
 
-    case: CheckCase
+    case: ready.CheckCase
     force: float
     compliance: float
 
 
-def _blow(shoe: CheckedShoe, case: CheckCase, energy: float) -> Blow:
+def _blow(shoe: CheckedShoe, case: ready.CheckCase, energy: float) -> Blow:
     """Forces of a case's pressures whose work until they rest, half of force times way, is an energy in J.
 
     All of it goes into shoe and ground, from the rest under all else: rope, crowd and dipper give nothing.
@@ -369,7 +367,7 @@ def _blow(shoe: CheckedShoe, case: CheckCase, energy: float) -> Blow:
 
 def _moments(
     shoe: CheckedShoe,
-    cases: Sequence[CheckCase],
+    cases: Sequence[ready.CheckCase],
     forces: np.ndarray,
     centers: np.ndarray,
     blows: Mapping[str, Blow],
@@ -396,7 +394,7 @@ def _moments(
 
 
 def _peaks(
-    check: ShoeCheck, shoe: CheckedShoe, names: Sequence[str], stress: np.ndarray, answers: np.ndarray
+    check: ready.ShoeCheck, shoe: CheckedShoe, names: Sequence[str], stress: np.ndarray, answers: np.ndarray
 ) -> pd.DataFrame:
     """Highest von Mises stress of each case and region, with what the mesh leaves open."""
     surface, limit = shoe.mesh.surface_nodes, check.material.yield_strength
@@ -432,7 +430,10 @@ def _peaks(
 
 
 def cycle_table(
-    check: ShoeCheck, shoe: CheckedShoe, stress: Mapping[str, np.ndarray], pairs: Sequence[tuple[str, str]]
+    check: ready.ShoeCheck,
+    shoe: CheckedShoe,
+    stress: Mapping[str, np.ndarray],
+    pairs: Sequence[tuple[str, str]],
 ) -> pd.DataFrame:
     """Cycles to a crack between states, by region: the least that 97.5 % survive, of any node.
 

@@ -14,8 +14,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.rotations import FloatArray, rotation_matrices
-from exudyn_crawler.results.history.catalogue import variable
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History, catalogue
 
 MOST_STATES = 4000
 """Stored states whose undersides are looked at, evenly spread."""
@@ -50,7 +49,7 @@ def end_memory(memory: Mapping[str, np.ndarray], then: np.ndarray) -> xr.Dataset
     named |= {"cell_sinkage": pressed[0], "cell_pressure": pressed[1]}
     if len(times):
         named |= {"ground_time": times, "cell_sinkage_then": before[0], "cell_pressure_then": before[1]}
-    return xr.Dataset({name: variable(name, values) for name, values in named.items()})
+    return xr.Dataset({name: catalogue.variable(name, values) for name, values in named.items()})
 
 
 def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:

@@ -13,8 +13,7 @@ from exudyn_crawler.ground import rotations, terrain
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.model.state import IDLERS, MOTOR, RATES, SIDE_FRAME, TUMBLERS, VERSION, pin_name
-from exudyn_crawler.results.history import catalogue, files
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History, catalogue, files
 
 if TYPE_CHECKING:
     from exudyn_crawler.model.track_system import TrackSystem

@@ -1,6 +1,5 @@
 """What a run comes to: key results, extremes, loads, differences from another run, and its bouncing."""
 
-import operator
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -10,16 +9,9 @@ import xarray as xr
 from scipy.signal import welch
 
 from exudyn_crawler.files import blocks
-from exudyn_crawler.results.history.catalogue import (
-    READ_IN,
-    for_reading,
-    link_name,
-    rotation_matrices,
-    select,
-)
-from exudyn_crawler.results.history.history import History, phases
+from exudyn_crawler.results.history import History, catalogue, phases
 
-KEY_UNITS = READ_IN | {"m": ("mm", 1e3)}
+KEY_UNITS = catalogue.READ_IN | {"m": ("mm", 1e3)}
 """Units in which key results are read, which are small in m."""
 
 
@@ -29,7 +21,7 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by their
     length, forces by their magnitude.
     """
-    ranked = sorted(select(key_result=True).values(), key=lambda one: one.key_result)
+    ranked = sorted(catalogue.select(key_result=True).values(), key=lambda one: one.key_result)
     named = {one.name: one for one in ranked if history.has(one.name, stress)}
     found: dict[str, dict[str, Any]] = {}
     for part, own in history.parts(stress):
@@ -85,7 +77,7 @@ def _item(values: xr.DataArray, dim: str, index: int) -> str:
         return f"shoe {int(values.contact_shoe[index])}" + (f" on unit {unit}" if unit else "")
     number = values[dim].values[index]
     if dim == "joint":
-        return link_name(values.joint, int(number))
+        return catalogue.link_name(values.joint, int(number))
     return f"{dim.split('_')[-1]} {number}"
 
 
@@ -97,10 +89,10 @@ def extremes(history: History) -> pd.DataFrame:
         for name, axis, values in _series(part):
             new = {"variable": name, "axis": axis, "unit": values.attrs.get("units", "")}
             row = rows.setdefault((name, axis), new)
-            for which, better in (("least", operator.lt), ("greatest", operator.gt)):
+            for which, sense in (("least", -1.0), ("greatest", 1.0)):
                 at, of, time = _extreme(values, which)
                 value = float(values.isel(at))
-                if which not in row or better(value, row[which]):
+                if which not in row or sense * value > sense * row[which]:
                     row |= {which: value, f"{which}_of": of, f"{which}_at in s": time}
     return pd.DataFrame(list(rows.values()))
 
@@ -146,7 +138,7 @@ def tension_along_chain(history: History) -> xr.Dataset:
     count, turned = tension.shape[1], data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)
     place = np.rint(np.arange(count) - turned[:, None]).astype(int) % count
     there = [tension[place == one] for one in range(count)]
-    start, turn = data.isel(time=0), rotation_matrices(data.angles.isel(time=0).values)
+    start, turn = data.isel(time=0), catalogue.rotation_matrices(data.angles.isel(time=0).values)
     pins = start.position.values + turn @ [track.pin_ahead, 0.0, track.pin_height]
     rise = (0.0 if case.shoe.rails is None else case.shoe.rails.height) - track.pin_height
     x, _, z = (pins - start.side_frame_position.values).T
@@ -183,8 +175,8 @@ ROUNDING = 1e-12
 
 def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
     """Quantities over time of a run to compare with another's; contacts by shoe, in units for reading."""
-    named = [name for name in select(compared=True) if history.has(name, stress)]
-    return {name: for_reading(one) for name, one in history.over_time(named, stress).items()}
+    named = [name for name in catalogue.select(compared=True) if history.has(name, stress)]
+    return {name: catalogue.for_reading(one) for name, one in history.over_time(named, stress).items()}
 
 
 def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:

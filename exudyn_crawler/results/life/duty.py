@@ -12,13 +12,12 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 import pandas as pd
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from exudyn_crawler.case.parameters.base import Name, Parameters, option, quantity
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.reading import read_parameters, with_base
 from exudyn_crawler.results.stress.hot_spots import Region
-from fem.defects import CycleStage, Defect, defect_life
-from fem.fatigue import Miner, SNCurve
+from fem import defects, fatigue
 
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
 PYLIFE_CLASSES = ("Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "GS")
@@ -48,13 +47,13 @@ class Casting(Parameters):
 class FatigueMaterial(Parameters):
     """Material of the shoes against cyclic stress."""
 
-    name: Name = Field(description="of the material")
-    source: str = Field(default="", max_length=1000, description="where the values are from, what is assumed")
+    name: Name = option("of the material")
+    source: str = option("where the values are from, what is assumed", "", max_length=1000)
     tensile_strength: float = quantity(
         "Pa", "R_m, of the standard or of a specimen", plausible=(2e8, 2.5e9), ge=1e7, le=1e10
     )
     yield_strength: float = quantity("Pa", "R_e or R_p0.2", plausible=(1e8, 2e9), ge=1e7, le=1e10)
-    fkm_class: FKMClass = Field(description="material class of the FKM guideline, whose constants it takes")
+    fkm_class: FKMClass = option("material class of the FKM guideline, whose constants it takes")
     size_factor: float = quantity(
         "1", "strength in the part over the specimen's (FKM: K_d K_A)", (0.6, 1.0), gt=0.1, le=1, default=1.0
     )
@@ -84,29 +83,20 @@ class FatigueMaterial(Parameters):
         "1", "M of mean stresses; none: FKM 4.4.2.1.2", plausible=(0.0, 0.8), ge=0, lt=1, default=None
     )
     hardness: float | None = quantity(
-        "1",
-        "Vickers, HV; none: R_m / 3.2 MPa (ISO 18265)",
-        plausible=(100, 700),
-        ge=50,
-        le=2000,
-        default=None,
+        "1", "Vickers, HV; none: R_m / 3.2 MPa (ISO 18265)", (100, 700), ge=50, le=2000, default=None
     )
     crack_size: float = quantity(
         "m", "sqrt(area) to which a defect grows until it counts as a crack", gt=1e-3, le=0.5, default=0.06
     )
     castings: tuple[Casting, ...] = option("defects and residual stress by region", default=())
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.yield_strength > self.tensile_strength:
-            raise ValueError(
-                f"yield_strength must not exceed tensile_strength = {self.tensile_strength:g} Pa, "
-                f"got {self.yield_strength:g} Pa"
-            )
+    def _errors(self) -> Errors:
+        strength, least = self.tensile_strength, self.yield_strength
+        if least > strength:
+            yield f"yield_strength must not exceed tensile_strength = {strength:g} Pa, got {least:g} Pa"
         regions = [one.region for one in self.castings]
         if double := sorted({one for one in regions if regions.count(one) > 1}):
-            raise ValueError(f"castings: regions must differ, got {double} twice")
-        return self
+            yield f"castings: regions must differ, got {double} twice"
 
     @classmethod
     def a36(cls) -> Self:
@@ -182,11 +172,7 @@ class FatigueMaterial(Parameters):
         return known.get(region, known.get("all", Casting()))
 
     def defect_life(
-        self,
-        region: str,
-        miner: Miner,
-        stages: Sequence[CycleStage],
-        survival: float,
+        self, region: str, miner: fatigue.Miner, stages: Sequence[defects.CycleStage], survival: float
     ) -> float:
         """Time to a crack from a region's defect by the cycles of stages; NaN without one."""
         size = self.casting(region).defect_size
@@ -195,12 +181,12 @@ class FatigueMaterial(Parameters):
         hardness = self.tensile_strength / MEGA / HARDNESS if self.hardness is None else self.hardness
         curve = self.curve(miner, region)
         sound = replace(curve, strength=curve.strength * self.casting_factor)
-        return defect_life(Defect(size, hardness, self.crack_size), sound, stages, survival)
+        return defects.defect_life(defects.Defect(size, hardness, self.crack_size), sound, stages, survival)
 
-    def curve(self, miner: Miner = "elementary", region: str = "") -> SNCurve:
+    def curve(self, miner: fatigue.Miner = "elementary", region: str = "") -> fatigue.SNCurve:
         """S-N curve of the part's surface by local stresses, in a region with its residual stress."""
         factors = _factors_of(self.with_(casting_factor=1.0, castings=()))
-        return SNCurve(
+        return fatigue.SNCurve(
             strength=factors["fatigue_strength"] / factors["design"] / self.casting_factor,
             slope=self.slope,
             knee=self.knee,
@@ -239,44 +225,36 @@ class Often(Parameters):
 class DutyStage(Parameters):
     """Hours in which the shoes are as a check file has them, such as worn by so much."""
 
-    name: Name = Field(description="of the stage")
+    name: Name = option("of the stage")
     hours: float = quantity("h", "machine hours that it lasts; the last goes on", gt=0, le=1e9)
-    check: str | None = Field(
-        default=None, description="check file, or mesh, of its shoes; none: that of the duty"
-    )
+    check: str | None = option("check file, or mesh, of its shoes; none: that of the duty", None)
 
 
 class DutyCase(Parameters):
     """Check case that happens in a shovel's hours."""
 
-    name: Name = Field(description="of what happens")
-    case: Name = Field(description="name of a check case of the shoes, such as 'even, sand, pass'")
-    after: Name = Field(
-        default=UNLOADED, description="check case from which the shoe comes and to which it returns"
-    )
+    name: Name = option("of what happens")
+    case: Name = option("name of a check case of the shoes, such as 'even, sand, pass'")
+    after: Name = option("check case from which the shoe comes and to which it returns", UNLOADED)
     an_hour: float = quantity("1/h", "times a machine hour that a shoe has it", gt=0, le=1e6)
     load: float = quantity(
         "1", "factor of the stress in both", plausible=(0.2, 5.0), gt=0, le=100, default=1.0
     )
-    stage: Name | None = Field(default=None, description="stage in which it happens; none: in all")
+    stage: Name | None = option("stage in which it happens; none: in all", None)
 
 
 class DutyRun(Often):
     """Run, or a part of one, that is repeated in a shovel's hours."""
 
-    name: Name = Field(description="of what happens in it")
-    stage: Name | None = Field(default=None, description="stage in which it happens; none: in all")
-    folder: str = Field(
-        min_length=1, description="folder of the run; in a file it counts from that of the file"
-    )
+    name: Name = option("of what happens in it")
+    stage: Name | None = option("stage in which it happens; none: in all", None)
+    folder: str = option("folder of the run; in a file it counts from that of the file", min_length=1)
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Errors:
         if (self.an_hour is None) == (self.share is None):
-            raise ValueError("an_hour or share must be given, got neither or both")
+            yield "an_hour or share must be given, got neither or both"
         if self.end is not None and self.end <= self.begin:
-            raise ValueError(f"end must be after begin = {self.begin:g} s, got {self.end:g} s")
-        return self
+            yield f"end must be after begin = {self.begin:g} s, got {self.end:g} s"
 
     def times_an_hour(self, duration: float) -> float:
         """How often a machine hour it happens, at a duration in s."""
@@ -286,41 +264,35 @@ class DutyRun(Often):
 class Damage(Parameters):
     """Material of the shoes, and how the damage of its cycles is summed up."""
 
-    material: FatigueMaterial = Field(description="of the shoes against cyclic stress")
-    criterion: Literal["signed von mises", "signed principal"] = Field(
-        default="signed von mises",
-        description="stress whose cycles are counted at all nodes: von Mises with the sign of the "
-        "hydrostatic stress, or the principal stress of the greatest magnitude",
-    )
-    miner: Miner = Field(
-        default="elementary",
-        description="what cycles below the knee do: elementary as much as the slope says (the safest), "
-        "haibach less (slope 2 k - 1), original nothing",
-    )
+    material: FatigueMaterial = option("of the shoes against cyclic stress")
+    criterion: Literal["signed von mises", "signed principal"] = option(
+        "stress whose cycles are counted at all nodes: von Mises with the sign of the hydrostatic stress, or "
+        "the principal stress of the greatest magnitude", "signed von mises"
+    )  # fmt: skip
+    miner: fatigue.Miner = option(
+        "what cycles below the knee do: elementary as much as the slope says (the safest), haibach less "
+        "(slope 2 k - 1), original nothing", "elementary"
+    )  # fmt: skip
 
 
 class Duty(Damage):
     """Mix of runs and check cases that a shovel's hours are made of, its shoes' material and their wear."""
 
-    name: Name = Field(default="duty", description="of the duty")
-    runs: tuple[DutyRun, ...] = Field(default=(), description="of flexible shoes")
-    cases: tuple[DutyCase, ...] = Field(default=(), description="static cases, each a cycle")
-    check: str = Field(
-        default="study", description="check file of the shoes, or a mesh, whose check cases these are"
+    name: Name = option("of the duty", "duty")
+    runs: tuple[DutyRun, ...] = option("of flexible shoes", ())
+    cases: tuple[DutyCase, ...] = option("static cases, each a cycle", ())
+    check: str = option("check file of the shoes, or a mesh, whose check cases these are", "study")
+    stages: tuple[DutyStage, ...] = option(
+        "of wear, one after the other from new shoes on; none: they stay as they are", ()
     )
-    stages: tuple[DutyStage, ...] = Field(
-        default=(), description="of wear, one after the other from new shoes on; none: they stay as they are"
-    )
-    survivals: tuple[Survival, ...] = Field(
-        default=(0.5, 0.9, 0.975),
-        min_length=1,
-        description="parts of the shoes that survive the lives asked for",
+    survivals: tuple[Survival, ...] = option(
+        "parts of the shoes that survive the lives asked for", (0.5, 0.9, 0.975), min_length=1
     )
     plane_nodes: int = quantity(
         "1", "worst nodes whose critical plane is sought as well", ge=0, le=100_000, default=100
     )
-    nodes: tuple[int, ...] = Field(
-        default=(), description="surface nodes whose cycles are kept beside those of the worst of each region"
+    nodes: tuple[int, ...] = option(
+        "surface nodes whose cycles are kept beside those of the worst of each region", ()
     )
     changes_an_hour: float | None = quantity(
         "1/h",
@@ -331,21 +303,19 @@ class Duty(Damage):
         default=None,
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Errors:
         names, stages = [one.name for one in self.parts], [stage.name for stage in self.stages]
         if not names:
-            raise ValueError("runs or cases must be given, got neither")
+            yield "runs or cases must be given, got neither"
         for what, several in (("runs'", names), ("stages'", stages)):
             if len(set(several)) != len(several):
-                raise ValueError(f"the {what} names must differ, got {several}")
+                yield f"the {what} names must differ, got {several}"
         if unknown := {one.stage for one in self.parts} - {*stages, None}:
-            raise ValueError(f"stage must be one of {stages}, got {sorted(map(str, unknown))}")
+            yield f"stage must be one of {stages}, got {sorted(map(str, unknown))}"
         if list(self.survivals) != sorted(set(self.survivals)):
-            raise ValueError(f"survivals must be different and rise, got {self.survivals}")
-        for one in self.by_stage() if self.stages else [self]:
+            yield f"survivals must be different and rise, got {self.survivals}"
+        for one in self.by_stage():
             _check_shares({run.name: run.share for run in one.runs if run.share is not None})
-        return self
 
     @property
     def parts(self) -> tuple[DutyRun | DutyCase, ...]:
@@ -382,15 +352,7 @@ def _check_shares(shares: dict[str, float]) -> None:
 
 
 def read_duty(path: str | Path) -> Duty:
-    """Read a duty file (TOML); folders of runs and check files count from the file's folder.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    CaseFileError
-        Naming every key at fault by its path, and what is allowed there.
-    """
+    """Read a duty file (TOML); folders and check files count from its folder; raises as `read_case`."""
     path = Path(path)
     named = {"name": path.stem}
     duty = read_parameters(path, Duty, "duty file", lambda content: with_base(named | content, Duty))

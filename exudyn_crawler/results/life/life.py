@@ -15,8 +15,7 @@ import xarray as xr
 from scipy.spatial import cKDTree
 
 from exudyn_crawler.case import Track
-from exudyn_crawler.results.history.catalogue import variable
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History, catalogue
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_cases, used_runs
 from exudyn_crawler.results.stress import hot_spots
@@ -113,7 +112,7 @@ def life_of(
     }
     names = [part for one in runs for part in one.parts]
     names += [BETWEEN] if len(runs) > 1 else []
-    variables = {name: variable(name, value) for name, value in values.items()}
+    variables = {name: catalogue.variable(name, value) for name, value in values.items()}
     dataset = hot_spots.mesh_dataset(whole).assign(variables)
     dataset = dataset.assign_attrs(duty=duty.model_dump_json()).assign_coords(
         shoe=positions, survival=list(duty.survivals), part=np.array(names, dtype=object)
@@ -223,7 +222,7 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
             values[name] = np.where(np.isnan(own), last.dataset[name].values, own)
     nodes = {node: nodes[node] for node in shown}  # the worst first
     dataset = last.dataset.drop_dims("part").assign_coords(part=np.array(names, dtype=object))
-    dataset = dataset.assign({name: variable(name, value) for name, value in values.items()})
+    dataset = dataset.assign({name: catalogue.variable(name, value) for name, value in values.items()})
     dataset = dataset.assign_attrs(duty=duty.model_dump_json())
     table = shortest_lives(dataset, nodes, last.whole, last.regions, last.bounded)
     found = replace(last, duty=duty, dataset=dataset, table=table, nodes=nodes)

@@ -1,7 +1,6 @@
 """What acts on a shoe in its axes: all of it at one instant, for other programs, and its pins over time."""
 
 from dataclasses import dataclass, replace
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,7 @@ import xarray as xr
 from exudyn_crawler.case import SIDES
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.actions import OnRail, actions, frame_of, shoe_frames, shoe_mass
-from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind, unit_loads
+from exudyn_crawler.results.loads import actions, load_map
 from fem import ElasticBody, Interface, Program, interfaces, write_load_deck
 
 
@@ -71,14 +69,14 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     """
     history.case.track.check_shoe(shoe)
     now = at_instant(history, time)
-    origin, frame = (one[0] for one in shoe_frames(now, shoe))
+    origin, frame = (one[0] for one in actions.shoe_frames(now, shoe))
     words, vectors = [], []
-    for action in actions(now, shoe):
+    for action in actions.actions(now, shoe):
         force, moment = action.force[0] @ frame, action.moment[0] @ frame
         if force.any() or moment.any():
             words.append((action.kind, action.where))
             vectors.append(np.concatenate(((action.point[0] - origin) @ frame, force, moment)))
-    center = shoe_mass(now.case, shoe).center
+    center = actions.shoe_mass(now.case, shoe).center
     force, moment = _sums(np.array(vectors))
     words += [("inertia", "COM"), ("sum", "")]
     vectors.append(np.concatenate((center, -force, np.cross(center, force) - moment)))
@@ -103,10 +101,10 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     solution with these loads has the stress of the moving shoe. ValueError if the shoe is not a flexible one
     of the history or the time is not within the run.
     """
-    check_flexible(history.case, shoe)
+    load_map.check_flexible(history.case, shoe)
     now = at_instant(history, time)
-    units = unit_loads(history.case)
-    nodal, centers = units.forces(sum(loads_by_kind(now, shoe).values()).toarray()[0])
+    units = load_map.unit_loads(history.case)
+    nodal, centers = units.forces(sum(load_map.loads_by_kind(now, shoe).values()).toarray()[0])
     body, joints = units.body, list(units.whole.interfaces)
     table = action_table(now, shoe, now.duration)
     loads = ShoeLoads(now.duration, shoe, body, joints, nodal, centers, table)
@@ -126,15 +124,15 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
     track has no such shoe, or if the shoe of a closed track is rigid: where wheels are is not stored of it.
     """
     closed = history.case.is_closed
-    frame, wheel = (history.case.closed_gear(), "wheel") if closed else (frame_of(history), "roller")
+    frame, wheel = (history.case.closed_gear(), "wheel") if closed else (actions.frame_of(history), "roller")
     if closed:
-        check_flexible(history.case, shoe)
+        load_map.check_flexible(history.case, shoe)
     history.case.track.check_shoe(shoe)
-    origin, axes = shoe_frames(history, shoe)
+    origin, axes = actions.shoe_frames(history, shoe)
     shape = (len(axes), history.dataset.sizes[wheel], len(SIDES), 3)
     force, weighted, weight = np.zeros(shape), np.zeros(shape), np.zeros((*shape[:3], 1))
-    for action in actions(history, shoe):
-        if isinstance(action.entry, OnRail):
+    for action in actions.actions(history, shoe):
+        if isinstance(action.entry, actions.OnRail):
             at = (slice(None), action.entry.roller, action.entry.line // frame.strips)
             size = np.linalg.norm(action.force, axis=1, keepdims=True)
             force[at] += np.einsum("tij,ti->tj", axes, action.force)
@@ -157,10 +155,10 @@ def pin_forces(history: History, shoe: int) -> xr.Dataset:
     """
     track = history.case.track
     track.check_shoe(shoe)
-    _, frames = shoe_frames(history, shoe)
+    _, frames = actions.shoe_frames(history, shoe)
     names = list(track.joint_centers)
     loads = np.full((2, len(frames), len(names), 3), np.nan)
-    found = [one for one in actions(history, shoe) if one.kind == "joint"]
+    found = [one for one in actions.actions(history, shoe) if one.kind == "joint"]
     ends = [one.where.split()[0] for one in found]
     for action, end in zip(found, ends, strict=True):
         if ends.count(end) > 1:
@@ -189,6 +187,9 @@ def pin_table(history: History, shoe: int) -> pd.DataFrame:
         )
     columns = {"time in s": found.time.values}
     for name, letter, unit in (("force", "F", "N"), ("moment", "M", "N m")):
-        for pin, axis in product(found.pin.values, found.axis.values):
-            columns[f"{pin} {letter}{axis} in {unit}"] = found[name].sel(pin=pin, axis=axis).values
+        columns |= {
+            f"{pin} {letter}{axis} in {unit}": found[name].sel(pin=pin, axis=axis).values
+            for pin in found.pin.values
+            for axis in found.axis.values
+        }
     return pd.DataFrame(columns)

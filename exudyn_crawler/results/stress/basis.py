@@ -24,8 +24,7 @@ import fem
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.model import flexible_shoes, reductions
-from exudyn_crawler.results.history.files import RATES, SHAPES
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History, files
 from exudyn_crawler.results.loads import load_map
 from fem import patches, rank
 
@@ -197,7 +196,7 @@ class StressBasis:
 def _in_memory(history: History, rows: np.ndarray | slice) -> History:
     """Stored times of a history, all of it in memory but the motion of the units, which are hundreds."""
     part = history.dataset.isel(time=rows)
-    units = {f"{name}{rate}" for name in SHAPES for rate in RATES}
+    units = {f"{name}{rate}" for name in files.SHAPES for rate in files.RATES}
     return History(history.case, part.assign({name: part[name].load() for name in {*part.data_vars} - units}))
 
 

@@ -11,8 +11,7 @@ import xarray as xr
 from exudyn_crawler.case import Track
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.shoe_mesh import pulled_node
-from exudyn_crawler.results.history.catalogue import variable
-from exudyn_crawler.results.history.history import History, phases
+from exudyn_crawler.results.history import History, catalogue, phases
 from exudyn_crawler.results.stress.basis import StressBasis
 from fem import OneOfEach, Peaks, Shapes, critical_plane, damage, hot_spots, judged
 from fem.stress import von_mises
@@ -77,7 +76,7 @@ def mesh_dataset(whole: Shapes) -> xr.Dataset:
         "triangle": flat_triangles(whole.mesh.boundary),
         "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
     }
-    variables = {name: variable(name, values) for name, values in named.items()}
+    variables = {name: catalogue.variable(name, values) for name, values in named.items()}
     return xr.Dataset(variables, {"node": np.arange(len(whole.nodes)), "axis": ["x", "y", "z"]})
 
 

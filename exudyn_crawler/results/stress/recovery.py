@@ -10,8 +10,7 @@ import xarray as xr
 
 from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.results.history import catalogue, files
-from exudyn_crawler.results.history.history import History, as_history, phases
+from exudyn_crawler.results.history import History, as_history, catalogue, files, phases
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress import hot_spots
 from exudyn_crawler.results.stress.basis import Rows, stress_basis, unit_stress

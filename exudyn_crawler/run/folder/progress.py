@@ -59,11 +59,10 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
     begin = BEGIN_CLOSED if case.is_closed else BEGIN
     times[SIMULATE] = begin + case_file.duration / solver.step * (step + more * flexible)
     if case.flexible is not None:
-        from meshes import mesh_named
-        from meshes.geometry import NODES
+        from meshes import geometry, mesh_named
 
         mesh = case.flexible.mesh
-        nodes = NODES[mesh] if mesh in NODES else len(mesh_named(mesh).nodes)
+        nodes = geometry.NODES[mesh] if mesh in geometry.NODES else len(mesh_named(mesh).nodes)
         times[SIMULATE] += PER_NODE[SIMULATE] * nodes
         recovery = RECOVERY * solver.stored_times(case_file.duration) + PER_NODE[RECOVER] * nodes
         fields = {FIELDS: PER_NODE[FIELDS] * nodes} if case.flexible.static_fields else {}

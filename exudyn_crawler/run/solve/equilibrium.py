@@ -6,8 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case, SphereContact
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.ground.sphere_contact import SphereGroundContact
-from exudyn_crawler.ground.terrain import ReducedCoordinates, terrain_coordinates
+from exudyn_crawler.ground import sphere_contact, terrain
 from exudyn_crawler.model.compiled_system import MANY, CompiledSystem, compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.equations import STIFFNESS
@@ -134,7 +133,7 @@ def static_equilibrium(case: Case) -> np.ndarray:
     """
     if case.terrain.model == "cells":
         return _compiled_rest(case)
-    if isinstance(terrain_coordinates(case), ReducedCoordinates):
+    if isinstance(terrain.terrain_coordinates(case), terrain.ReducedCoordinates):
         q = _compiled_rest(case)
         if case.is_compiled or case.flexible is None:
             return q
@@ -152,7 +151,7 @@ def static_equilibrium(case: Case) -> np.ndarray:
             f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
         ) from error
     contact = system.contact
-    if isinstance(contact, SphereGroundContact) and (sunken := contact.sunken(q)):
+    if isinstance(contact, sphere_contact.SphereGroundContact) and (sunken := contact.sunken(q)):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
             f"the ground; they need a contact.radius greater than {radius} m, or flatter ground"

@@ -12,8 +12,7 @@ from threadpoolctl import threadpool_limits
 from exudyn_crawler.case import Case, Solver, case_file
 from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
-from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.ground.sphere_contact import SphereGroundContact
+from exudyn_crawler.ground import rotations, sphere_contact
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, kind_of, track_system
@@ -158,7 +157,7 @@ class ChainWatch:
 
     def _off(self, row: np.ndarray, shoes: np.ndarray) -> str:
         frame, limit = self.layout.part(row, SIDE_FRAME), self.closed.offset_limit
-        turn = rotation_matrices(frame[3:])
+        turn = rotations.rotation_matrices(frame[3:])
         aside = (shoes[:, :3] - frame[:3] - self._frame) @ turn[:, 1] - self._middles
         step = np.abs(aside - aside[self._ahead])
         shoe = int(np.maximum(np.abs(aside), step).argmax())
@@ -187,8 +186,8 @@ class ChainWatch:
         """A lug in another gap than before, or than its neighbours say, or none in any."""
         own = np.array([self.layout.part(row, name) for name in TUMBLERS[self.case.tracks]])
         own = np.repeat(own + self._tumblers, len(self._middles) // len(own), axis=0)
-        lugs = shoes[:, :3] + rotation_matrices(shoes[:, 3:]) @ self._lug - own[:, :3]
-        x, _, z = np.einsum("sji,sj->is", rotation_matrices(own[:, 3:]), lugs)
+        lugs = shoes[:, :3] + rotations.rotation_matrices(shoes[:, 3:]) @ self._lug - own[:, :3]
+        x, _, z = np.einsum("sji,sj->is", rotations.rotation_matrices(own[:, 3:]), lugs)
         radius, angle = np.hypot(x, z), np.arctan2(z, x)
         inside = radius < self._addendum
         gaps = np.where(inside, np.rint(angle * self._teeth / (2.0 * np.pi)) % self._teeth, -1.0).astype(int)
@@ -242,7 +241,7 @@ def _watched(system: TrackSystem, recorder: Recorder, tell: Callable[[float], No
         if watch.chain is not None:
             if time >= watch.chain.next_look:
                 watch.fault = watch.chain.fault(system.state())
-        elif isinstance(system.contact, SphereGroundContact) and (
+        elif isinstance(system.contact, sphere_contact.SphereGroundContact) and (
             sunken := system.contact.sunken(system.layout.part(system.state(), "coordinates"))
         ):
             watch.fault = (

@@ -7,9 +7,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.track_system import TrackSystem
-from exudyn_crawler.results.history.files import Chunk, joined
-from exudyn_crawler.results.history.ground_map import THEN, end_memory, memory_now
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History, files, ground_map
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
 
@@ -60,7 +58,7 @@ class Recorder:
         self._next = 0.0
         self._states: list[np.ndarray] = []
         self._ground_times = list(ground_times)
-        self.then = np.zeros((0, THEN))
+        self.then = np.zeros((0, ground_map.THEN))
         self.time = 0.0
 
     def go_on(self, time: float, memory: Mapping[str, np.ndarray] | None = None) -> None:
@@ -85,7 +83,7 @@ class Recorder:
         if self._ground_times and time >= self._ground_times[0] - self._tolerance:
             self._ground_times = [one for one in self._ground_times if one > time + self._tolerance]
             if memory := self._system.memory():
-                self.then = np.concatenate((self.then, memory_now(memory, time)))
+                self.then = np.concatenate((self.then, ground_map.memory_now(memory, time)))
 
     def end_stage(self) -> None:
         """Store the state at the end of a stage shorter than the output interval: each has one at least."""
@@ -118,7 +116,7 @@ class RunStages:
         self._system, self._recorder, self._checkpoints = system, recorder, checkpoints
         self._last = len(ends) - 2
         self._kept: list[Checkpoint] = []
-        self._in_memory: list[Chunk] = []
+        self._in_memory: list[files.Chunk] = []
         self.first = 0
         if checkpoints is not None:
             self._go_on(checkpoints, ends)
@@ -145,7 +143,7 @@ class RunStages:
         self._system.set_state(state)
         history = system_history(self._system, self._recorder.taken()).dataset
         if self._checkpoints is None or number == self._last:
-            self._in_memory.append(Chunk.of(history))
+            self._in_memory.append(files.Chunk.of(history))
             return
         layout = self._system.layout.to_json()
         case, time = self._system.case, self._recorder.time
@@ -164,8 +162,11 @@ class RunStages:
         read from there.
         """
         rows = self._recorder.taken()
-        unfinished = [Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
-        chunks, end = self._in_memory + unfinished, end_memory(self._system.memory(), self._recorder.then)
+        unfinished = [files.Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
+        chunks, end = (
+            self._in_memory + unfinished,
+            ground_map.end_memory(self._system.memory(), self._recorder.then),
+        )
         if self._checkpoints is None:
-            return History(self._system.case, joined(chunks).assign(end))
+            return History(self._system.case, files.joined(chunks).assign(end))
         return History.load(self._checkpoints.save_history(self._system.case, self._kept, chunks, end))
