@@ -13,8 +13,8 @@ import numpy as np
 from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, FmuBuilder, Real
 from threadpoolctl import threadpool_limits
 
-from exudyn_crawler.case import Case, CaseFile, MachineCycle, MachinePhase, read_case, write_case
-from exudyn_crawler.case.parameters.undercarriage import length_errors
+from exudyn_crawler.case import Case, CaseFile, MachineCycle, read_case, write_case
+from exudyn_crawler.case.parameters.undercarriage import MachinePhase, length_errors
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.model import compiled_system, formulation, track_system

@@ -14,9 +14,4 @@ from exudyn_crawler.case.parameters.heights import Heights, Ramp, Ridge, Roughne
 from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, Terrain
 from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Rails, Shoe, Track
-from exudyn_crawler.case.parameters.undercarriage import (
-    MachineCycle,
-    MachinePhase,
-    RunningGear,
-    Undercarriage,
-)
+from exudyn_crawler.case.parameters.undercarriage import MachineCycle, RunningGear, Undercarriage

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from exudyn_crawler.case import MachineCycle, MachinePhase
+from exudyn_crawler.case.parameters.undercarriage import MachineCycle, MachinePhase
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.views.figures import history_series, link_names, run_figures, shoe_names, stress_figures
 from exudyn_crawler.views.pages.runs import comparison_figures

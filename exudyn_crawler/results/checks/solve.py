@@ -410,22 +410,15 @@ def _peaks(
             error, jump = float(open_.error[node]), float(open_.relative_jump[node])
             verdict = trust.verdict_numbers([error], [error], [jump], [region == BORES])
             least, _, greatest = principal(stress[k, at]) / MEGA
-            rows.append(
-                {"case": name, "region": region, "von Mises in MPa": mises[at] / MEGA}
-                | {
-                    "greatest principal in MPa": greatest,
-                    "least principal in MPa": least,
-                    "mesh error": error,
-                }
-                | {
-                    "verdict": trust.verdict_words(verdict)[0],
-                    "above yield": "yes" if mises[at] > limit else "",
-                }
-                | {
-                    "node": node,
-                    **dict(zip(("x in m", "y in m", "z in m"), shoe.mesh.nodes[node], strict=True)),
-                }
-            )
+            row = {"case": name, "region": region, "von Mises in MPa": mises[at] / MEGA}
+            row |= {
+                "greatest principal in MPa": greatest,
+                "least principal in MPa": least,
+                "mesh error": error,
+            }
+            row |= {"verdict": trust.verdict_words(verdict)[0]}
+            row |= {"above yield": "yes" if mises[at] > limit else "", "node": node}
+            rows.append(row | dict(zip(("x in m", "y in m", "z in m"), shoe.mesh.nodes[node], strict=True)))
     return pd.DataFrame(rows)
 
 

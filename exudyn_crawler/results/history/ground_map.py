@@ -5,21 +5,18 @@ shoes' motion: how deep their undersides have been, as stiff ones, at stored sta
 """
 
 from collections.abc import Mapping, Sequence
-from typing import cast
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.rotations import FloatArray, rotation_matrices
 from exudyn_crawler.results.history import History, catalogue
 
 MOST_STATES = 4000
 """Stored states whose undersides are looked at, evenly spread."""
-
-
 THEN = 5
 """Numbers of a cell then: the time (s), column, row, greatest sinkage (m), pressure there (Pa)."""
 
@@ -55,25 +52,11 @@ def end_memory(memory: Mapping[str, np.ndarray], then: np.ndarray) -> xr.Dataset
 def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     """Map of the ground as a run on cells ends, over the rectangle that its shoes have touched.
 
-    Parameters
-    ----------
-    history : History
-    times : sequence of float
-        s, at which the map has also how deep undersides had pressed the ground until then, as of
-        `pressed_depths`, at the nearest stored times; and what cells remembered, of times of `ground_times`.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions x and y (m, global, middles of cells): height before any shoe came, greatest sinkage along
-        the normal of a cell, and the rut, what stays of that where nothing presses; m. With times also
-        `depth` (time, x, y), m, vertical, and `sinkage_then` and `rut_then` as of the end, NaN at times at
-        which the run has not kept the memory.
-
-    Raises
-    ------
-    ValueError
-        If the case has no ground of cells.
+    Dimensions x and y (m, global, middles of cells): height before any shoe came, greatest sinkage along the
+    normal of a cell, and the rut, what stays of that where nothing presses; m. With `times` (s) also `depth`
+    (time, x, y), m, vertical, as of `pressed_depths` at the nearest stored times, and `sinkage_then` and
+    `rut_then` as of the end, NaN at times at which the run has not kept what cells remembered
+    (`ground_times`). ValueError if the case has no ground of cells.
     """
     case = history.case
     terrain = case.cell_terrain()
@@ -129,7 +112,7 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
 
 def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:
     """What of greatest sinkages (m), with pressures there (Pa), stays where nothing presses: array, m."""
-    law = cast(CellLaw, case.cell_contact().law)
+    law: Any = case.cell_contact().law
     if law.kernel.forgets:
         return np.zeros_like(sinkage)
     constants = law.constants(min(case.shoe.length, case.shoe.width))
@@ -142,16 +125,10 @@ def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:
 def pressed_depths(
     history: History, rows: np.ndarray, x: np.ndarray, y: np.ndarray, height: np.ndarray
 ) -> np.ndarray:
-    """How deep undersides have been below the ground at some stored times: array (rows, x, y), m, vertical.
+    """How deep undersides have been below the ground at some stored times: array (rows, nx, ny), m, vertical.
 
-    Parameters
-    ----------
-    rows : int array (n,)
-        Numbers of the stored times, increasing.
-    x, y : array (nx,), array (ny,)
-        Places, m, evenly spaced.
-    height : array (nx, ny)
-        Of the ground there, m.
+    The numbers of the times, `rows` (n,), increase; `x` (nx,) and `y` (ny,) are places, m, evenly spaced, and
+    `height` (nx, ny) is that of the ground there, m.
     """
     step = -(-int(rows[-1] + 1) // MOST_STATES)
     looked = np.unique(np.concatenate((np.arange(0, rows[-1] + 1, step), rows)))

@@ -74,17 +74,9 @@ class History:
         return derives or name in self.dataset or (stress is not None and name in stress)
 
     def quantity(self, name: str, stress: xr.Dataset | None = None) -> xr.DataArray:
-        """Quantity of the catalogue, stored or derived.
+        """Quantity of the catalogue, stored or derived; `stress` of `StressResults` for what stresses have.
 
-        Parameters
-        ----------
-        stress : xarray.Dataset, optional
-            Of `StressResults`, for what stresses have.
-
-        Raises
-        ------
-        ValueError
-            For a name that the catalogue does not have, or what the case or its stresses do not have.
+        ValueError for a name that the catalogue does not have, or what the case or its stresses do not have.
         """
         if name not in catalogue.QUANTITIES:
             near = difflib.get_close_matches(name, catalogue.QUANTITIES, n=1, cutoff=0.0)
@@ -105,16 +97,11 @@ class History:
         return {name: contacts[name] if name in contacts else self.quantity(name, stress) for name in chosen}
 
     def contacts_by_shoe(self) -> xr.Dataset:
-        """Contact of every shoe, over all units that it stands on.
+        """Contact of every shoe over all units that it stands on: dimensions time, shoe, axis.
 
-        Forces, torques and areas are summed over the shoe's contacts. Penetration, its rate and the slip
-        velocity are those of the contact that penetrates deepest at the time.
-
-        Returns
-        -------
-        xarray.Dataset
-            Dimensions time, shoe, axis: normal_force, friction_force, contact_force (N), friction_torque
-            (N m), area (m2), penetration (m), penetration_rate and slip_velocity (m/s).
+        normal_force, friction_force, contact_force (N), friction_torque (N m) and area (m2) are summed over
+        the shoe's contacts. penetration (m), penetration_rate and slip_velocity (m/s) are those of the
+        contact that penetrates deepest at the time.
         """
         return catalogue.by_shoe(self.case, self.dataset, catalogue.BY_SHOE)
 
@@ -148,10 +135,7 @@ class History:
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
         """Write everything to one NetCDF file, as of `results.history.files`: contacts in single precision.
 
-        Raises
-        ------
-        FileExistsError
-            If the file exists and `overwrite` is false.
+        FileExistsError if the file exists and `overwrite` is false.
         """
         return files.save_joined(self.case, [files.Chunk.of(self.dataset)], Path(path), overwrite)
 
@@ -175,13 +159,8 @@ class History:
         """Read a file that `save` wrote.
 
         Of one too large for memory (`MOST_IN_MEMORY`) a variable is read each time that it is asked for.
-
-        Raises
-        ------
-        FileNotFoundError
-            If there is no such file.
-        ValueError
-            If the file does not hold a history, or one of states laid out in another version.
+        FileNotFoundError if there is no such file; ValueError if the file does not hold a history, or one of
+        states laid out in another version.
         """
         path = Path(path)
         # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
@@ -206,7 +185,7 @@ def _check(case: Case, dataset: xr.Dataset) -> None:
     catalogue.check_dimensions(dataset)
     needed = (False, (case.terrain.model,))
     always = {name for needs in needed for name in catalogue.select(files="history", needs=needs)}
-    always -= set(files.TERRAIN_COORDINATES)
+    always -= {*files.TERRAIN_COORDINATES}
     if missing := sorted(always - set(map(str, dataset.variables))):
         raise ValueError(f"it has no {missing[0]}")
     numbers = {"shoe": case.track.shoes, "joint": case.joints, "unit": case.terrain.units}

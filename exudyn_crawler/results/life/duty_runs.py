@@ -13,8 +13,7 @@ from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
 from exudyn_crawler.results.stress.basis import StressBasis, parts_of, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
-from fem import Counting, Cycles, Shapes, SNCurve, rainflow, rank
-from fem.damage import SIGNED_CRITERIA, SignedCriterion, signed_signals
+from fem import Counting, Cycles, Shapes, SNCurve, damage, rainflow, rank
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
 LEAST_TIMES = 3  # stored times that can hold a cycle
@@ -157,10 +156,10 @@ class NodeLife:
     @property
     def load_shares(self) -> dict[str, float]:
         """Part of each load in the damage: its part of the ranges, weighted by the cycles' damage."""
-        damage = self.cycles["damage an hour"]
-        if not damage.any():
+        harm = self.cycles["damage an hour"]
+        if not harm.any():
             return {}
-        shares = self.cycles.filter(like=SHARE).fillna(0.0).mul(damage, axis=0).sum() / damage.sum()
+        shares = self.cycles.filter(like=SHARE).fillna(0.0).mul(harm, axis=0).sum() / harm.sum()
         return {name.removeprefix(SHARE): float(share) for name, share in shares.items()}
 
     def rainflow_matrix(self) -> pd.DataFrame:
@@ -189,7 +188,7 @@ class NodeLife:
 def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve]) -> dict[int, NodeLife]:
     """Cycles and causes at some nodes with their S-N curves, with stresses at full rank."""
     cycles: dict[int, list[pd.DataFrame]] = {node: [] for node in curves}
-    by_criterion = {node: dict.fromkeys(map(str, SIGNED_CRITERIA), 0.0) for node in curves}
+    by_criterion = {node: dict.fromkeys(map(str, damage.SIGNED_CRITERIA), 0.0) for node in curves}
     for one in runs:
         often = one.times_an_hour / len(one.basis.coordinates)
         for shoe in one.basis.coordinates:
@@ -198,36 +197,38 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
                 duty, one.basis, shoe, {node: of[duty.criterion] for node, of in counted.items()}
             )
             for node, of in counted.items():
-                damage = {
+                harm = {
                     name: often * curves[node].damage(found.amplitude, found.mean, duty.survivals[-1:])[0]
                     for name, found in of.items()
                 }
-                for name, each in damage.items():
+                for name, each in harm.items():
                     by_criterion[node][name] += float(each.sum())
                 table = _table(one, shoe, often, of[duty.criterion], of_loads[node])
-                cycles[node].append(table.assign(**{"damage an hour": damage[duty.criterion]}))
+                cycles[node].append(table.assign(**{"damage an hour": harm[duty.criterion]}))
     return {node: NodeLife(pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in curves}
 
 
-def node_signals(criterion: SignedCriterion, basis: StressBasis, shoe: int, nodes: np.ndarray) -> np.ndarray:
+def node_signals(
+    criterion: damage.SignedCriterion, basis: StressBasis, shoe: int, nodes: np.ndarray
+) -> np.ndarray:
     """Signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
     modes, q, found = basis.shapes.stress_modes[nodes], basis.coordinates[shoe], []
     for rows in parts_of(len(q)):
         stress = modes.reshape(-1, modes.shape[2]) @ q[rows].T
-        found.append(signed_signals(criterion, stress.reshape(len(nodes), 6, -1)))
+        found.append(damage.signed_signals(criterion, stress.reshape(len(nodes), 6, -1)))
     return np.concatenate(found, axis=1)
 
 
 def _counted(one: UsedRun, shoe: int, nodes: Sequence[int]) -> dict[int, dict[str, Cycles]]:
     """Cycles of the signals of all criteria at nodes of a shoe over a run."""
-    counters = {node: {name: rainflow.CycleCounter(1) for name in SIGNED_CRITERIA} for node in nodes}
-    closed = {node: {name: list[Cycles]() for name in SIGNED_CRITERIA} for node in nodes}
+    counters = {node: {name: rainflow.CycleCounter(1) for name in damage.SIGNED_CRITERIA} for node in nodes}
+    closed = {node: {name: list[Cycles]() for name in damage.SIGNED_CRITERIA} for node in nodes}
     start = 0
     for rows in rank.segments(one.basis.coordinates[shoe]):
         for node, own in counters.items():
             stress = rows @ one.basis.shapes.stress_modes[node].T
             for criterion, counter in own.items():
-                signal = signed_signals(criterion, stress.T[None])[0]
+                signal = damage.signed_signals(criterion, stress.T[None])[0]
                 closed[node][criterion].append(counter.add(0, signal, start))
         start += len(rows)
     return {

@@ -16,25 +16,20 @@ from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history.history import History
 
 
-@dataclass(frozen=True)
-class AtInterface:
+class AtInterface(NamedTuple):
     """Enters a flexible shoe at the centre of one of its interfaces, through the rigid spider there."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class OverSurface:
+class OverSurface(NamedTuple):
     """Enters a flexible shoe spread over one of its named surfaces."""
 
     name: str
-    shift: np.ndarray | None = (
-        None  # (times,), m to the left of the surface's middle; None if its pressure is even
-    )
+    shift: np.ndarray | None = None  # (times,), m left of the surface's middle; None if its pressure is even
 
 
-@dataclass(frozen=True)
-class OverRectangle:
+class OverRectangle(NamedTuple):
     """Enters a flexible shoe spread evenly over a rectangle of its underside."""
 
     low: np.ndarray  # (times, 2), least x and y in the shoe's frame, m
@@ -42,15 +37,13 @@ class OverRectangle:
     pressed: np.ndarray  # (times,), whether there is one at all
 
 
-@dataclass(frozen=True)
-class AtGridNode:
+class AtGridNode(NamedTuple):
     """Enters a flexible shoe about a node, from 0, of the coarse grid of its underside, spread by hats."""
 
     node: int
 
 
-@dataclass(frozen=True)
-class OnRail:
+class OnRail(NamedTuple):
     """Enters a flexible shoe at x (times,) in its frame, m, along one of its rails."""
 
     line: int  # strip of the treads, counted from 0 over both rails
@@ -58,8 +51,7 @@ class OnRail:
     roller: int = 0  # number from 0
 
 
-@dataclass(frozen=True)
-class AtDrivePoint:
+class AtDrivePoint(NamedTuple):
     """Enters a flexible shoe at the point that the drive moves."""
 
 

@@ -121,12 +121,7 @@ def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[np.nd
 
 
 def _of_shoe(
-    history: History,
-    whole: Shapes,
-    q: Rows,
-    found: Extremes,
-    frames: np.ndarray,
-    at_load: np.ndarray,
+    history: History, whole: Shapes, q: Rows, found: Extremes, frames: np.ndarray, at_load: np.ndarray
 ) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
     time, displacements = history.time.values, whole.displacement(q[frames])
@@ -208,19 +203,14 @@ def node_stress(
     The history may be the file of one. `near` is a point in the shoe's frame, m: x along the track, z up,
     from the nominal COM of the undeformed shoe; `node` a number as in tables of hot spots, from 0.
 
-    Returns
-    -------
-    xarray.Dataset
-        `stress` (time, component), Pa, in the shoe's axes; `principal` (time, order), Pa, from the greatest
-        down; `von_mises` (time), Pa; `place` (axis), m, of the node in the shoe's frame. Attributes: shoe,
-        node, `distance_m` of the node from `near`, and `in_spider`, whether a joint's rigid spider holds it,
-        so that it shows the stress beside a rigid ring.
+    `stress` (time, component), Pa, in the shoe's axes; `principal` (time, order), Pa, from the greatest down;
+    `von_mises` (time), Pa; `place` (axis), m, of the node in the shoe's frame. Attributes: shoe, node,
+    `distance_m` of the node from `near`, and `in_spider`, whether a joint's rigid spider holds it, so that it
+    shows the stress beside a rigid ring.
 
-    Raises
-    ------
-    FileNotFoundError, ValueError
-        If there is no such file, or it holds no history; if the shoe is not a flexible one, the point is not
-        three finite numbers or far from the shoe, there is no such node, or neither or both are given.
+    FileNotFoundError or ValueError if there is no such file, or it holds no history; ValueError if the shoe
+    is not a flexible one, the point is not three finite numbers or far from the shoe, there is no such node,
+    or neither or both are given.
     """
     # what cannot be is reported before a long history is read
     case = history.case if isinstance(history, History) else files.case_in_file(Path(history))
@@ -237,12 +227,7 @@ def node_stress(
             "von_mises": ("time", von_mises(stress), pascal | {"long_name": "von Mises stress"}),
             "place": ("axis", whole.nodes[number], {"units": "m", "long_name": "place in the shoe's frame"}),
         },
-        coords={
-            "time": history.time,
-            "component": list(COMPONENTS),
-            "order": [1, 2, 3],
-            "axis": ["x", "y", "z"],
-        },
+        coords={"time": history.time, "component": list(COMPONENTS), "order": [1, 2, 3], "axis": [*"xyz"]},
         attrs={"shoe": shoe, "node": number, "distance_m": distance, "in_spider": in_spider},
     )
 
@@ -250,13 +235,12 @@ def node_stress(
 def node_table(found: xr.Dataset) -> pd.DataFrame:
     """Dataset of `node_stress` as a table: a row a stored time, stresses in MPa."""
     columns = {"time in s": found.time.values}
-    columns |= {
-        f"{name} in MPa": found.stress.sel(component=name).values / hot_spots.MEGA for name in COMPONENTS
+    stress = {name: found.stress.sel(component=name) for name in COMPONENTS}
+    stress |= {f"principal {k}": found.principal.sel(order=k) for k in (1, 2, 3)} | {
+        "von Mises": found.von_mises
     }
-    columns |= {
-        f"principal {k} in MPa": found.principal.sel(order=k).values / hot_spots.MEGA for k in (1, 2, 3)
-    }
-    return pd.DataFrame(columns | {"von Mises in MPa": found.von_mises.values / hot_spots.MEGA})
+    columns |= {f"{name} in MPa": one.values / hot_spots.MEGA for name, one in stress.items()}
+    return pd.DataFrame(columns)
 
 
 def _chosen(whole: Shapes, near: np.typing.ArrayLike | None, node: int | None) -> tuple[int, float]:

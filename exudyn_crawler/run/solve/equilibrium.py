@@ -118,18 +118,11 @@ def _derivative(
 
 
 def static_equilibrium(case: Case) -> np.ndarray:
-    """Coordinates of track and terrain at rest under their weights and the loads at t = 0.
+    """Coordinates of track and terrain at rest under their weights and the loads at t = 0: (coordinates,).
 
-    Returns
-    -------
-    array (coordinates,)
-        Laid out as `model.state` says: m and rad, from the places at t = 0 before settling.
-
-    Raises
-    ------
-    EquilibriumError
-        Where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
-        shoes that the ground carries least.
+    Laid out as `model.state` says: m and rad, from the places at t = 0 before settling. EquilibriumError
+    where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
+    shoes that the ground carries least.
     """
     if case.terrain.model == "cells":
         return _compiled_rest(case)
