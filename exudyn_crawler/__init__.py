@@ -7,8 +7,7 @@
 """
 
 import ast
-from importlib import import_module
-from importlib.util import find_spec
+import importlib.util
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ def _check_neighbours() -> None:
     """Refuse to work with other packages of the names of those that are installed beside this one."""
     beside = Path(__file__).resolve().parents[1]
     for name in ("fem", "meshes", "studies"):
-        found = find_spec(name)
+        found = importlib.util.find_spec(name)
         origin = None if found is None else found.origin
         if origin is None or Path(origin).resolve().parent != beside / name:
             raise ImportError(
@@ -42,7 +41,7 @@ def __getattr__(name: str) -> Any:
     """Import what is asked for when it is: the engine alone takes a second, and help needs none of it."""
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_MODULES[name]), name)
+    return getattr(importlib.import_module(_MODULES[name]), name)
 
 
 def __dir__() -> list[str]:

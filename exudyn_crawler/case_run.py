@@ -13,8 +13,7 @@ from exudyn_crawler.case.case_file import check_case_file
 from exudyn_crawler.model import flexible_shoes, reductions as cache
 from exudyn_crawler.results.history.history import MOST_IN_MEMORY, History
 from exudyn_crawler.results.stress import basis, recovery
-from exudyn_crawler.run.folder import checkpoints, progress as parts, record
-from exudyn_crawler.run.folder.folder import held_of, matching_history, run_in
+from exudyn_crawler.run.folder import checkpoints, folder as folders, progress as parts, record
 from exudyn_crawler.run.solve.simulation import compiled, simulate
 from exudyn_crawler.views.outputs import write_outputs
 
@@ -91,15 +90,15 @@ def run_case(
     check_case_file(case_file)
     case, outputs = case_file.case, case_file.outputs
     path, source = _folder(out), _folder(reuse)
-    reused = None if source is None else matching_history(source, case_file)
+    reused = None if source is None else folders.matching_history(source, case_file)
     _check_files(case)
     with cache.reductions_in(reductions):
-        if path is not None and take_finished and held_of(path, case_file) is record.Holds.FINISHED:
+        if path is not None and take_finished and folders.held_of(path, case_file) is record.Holds.FINISHED:
             say(f"{case.name}: finished already, in {path}")
-            history = matching_history(path, case_file)
+            history = folders.matching_history(path, case_file)
             work = _Work(record.RunFolder(report=say), case_file, progress, {})
             return CaseRun(history, _stresses(history, work), path)
-        with run_in(path, case_file, overwrite, say) as folder:
+        with folders.run_in(path, case_file, overwrite, say) as folder:
             work = _Work.begun(folder, case_file, progress, reused is not None)
             if case.flexible is not None:
                 with work.part(parts.REDUCE):
@@ -182,7 +181,7 @@ def _history(work: _Work) -> History:
     points = checkpoints.Checkpoints(path / record.CHECKPOINTS, folder.say)
     if folder.simulated:
         folder.say(f"{case.name}: simulated already, going on with what is made of it")
-        history = matching_history(path, case_file)
+        history = folders.matching_history(path, case_file)
     else:
         history = _simulated(work, path, points)
     points.settle(case, path / record.END)

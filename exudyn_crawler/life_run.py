@@ -14,9 +14,7 @@ from exudyn_crawler.results.checks.cases import ShoeCheck, ShoeOutline, read_che
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life import duty_runs, life as results
 from exudyn_crawler.results.life.duty import Duty, read_duty
-from exudyn_crawler.run.folder.folder import spread_beside
-from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.run.folder.record import HISTORY
+from exudyn_crawler.run.folder import folder as folders, progress, record
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import life as pages
 from exudyn_crawler.views.tables import write_table
@@ -107,7 +105,7 @@ def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> 
     """Life over each stage of a duty alone, or over all of it; arguments and errors as of `life`."""
     inputs = [(one, _histories(one)) for one in duty.by_stage()]
     found = []
-    with heartbeat(f"life of {duty.name}"):
+    with progress.heartbeat(f"life of {duty.name}"):
         for one, histories in inputs:
             names, spreads = duty_runs.check_cases_of(one), _spreads(one, histories)
             shapes = solve.case_shapes(_check_of(one), names, say) if one.cases else None
@@ -144,7 +142,7 @@ def _histories(duty: Duty) -> list[History]:
     for run in duty.runs:
         if run.folder not in loaded:
             path = Path(run.folder)
-            path = path / HISTORY if path.is_dir() else path
+            path = path / record.HISTORY if path.is_dir() else path
             if not path.is_file():
                 raise FileNotFoundError(f"run {run.name!r}: no history at {path}")
             loaded[run.folder] = History.load(path)
@@ -154,8 +152,8 @@ def _histories(duty: Duty) -> list[History]:
 def _spreads(duty: Duty, histories: Sequence[History]) -> list[xr.DataArray | None]:
     """Relative spread of each run's peaks, where it has been found beside its history."""
     paths = [Path(run.folder) for run in duty.runs]
-    folders = [path if path.is_dir() else path.parent for path in paths]
-    found = [spread_beside(folder, one.case) for folder, one in zip(folders, histories, strict=True)]
+    places = [path if path.is_dir() else path.parent for path in paths]
+    found = [folders.spread_beside(one, own.case) for one, own in zip(places, histories, strict=True)]
     return [None if one is None else results.relative_spread(one) for one in found]
 
 

@@ -17,9 +17,8 @@ from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.stress import hot_spots, recovery
-from exudyn_crawler.run.folder.folder import SPREAD, SPREAD_FOLDER, held_of, matching_history
+from exudyn_crawler.run.folder import folder as folders, record
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.run.folder.record import CASE, Holds, quiet
 from exudyn_crawler.views.tables import write_table
 from fem import interrupts, judged
 
@@ -80,7 +79,7 @@ def spread(
     laws: bool = True,
     overwrite: bool = False,
     progress: bool | None = None,
-    say: Callable[[str], None] = quiet,
+    say: Callable[[str], None] = record.quiet,
 ) -> Spread:
     """Repeat a finished run into a folder "spread" in its own, and judge its stresses by what changes.
 
@@ -95,24 +94,24 @@ def spread(
     results and `overwrite` is false; else errors as of `run_case`.
     """
     folder = Path(run)
-    case_file = read_case(folder / CASE)
-    history = matching_history(folder, case_file)
+    case_file = read_case(folder / record.CASE)
+    history = folders.matching_history(folder, case_file)
     case = case_file.case
     if case.flexible is None:
         raise ValueError(f"the run in {folder} must have flexible shoes to have stresses")
     other_laws = laws_beside(case) if laws else {}
     if starts < 1 or (starts == 1 and not other_laws):
         raise ValueError(f"starts must be at least {2 - bool(other_laws)}, got {starts}")
-    for name in (SPREAD, TABLE):
-        refuse_existing(folder / SPREAD_FOLDER / name, overwrite)
-    out = writable_folder(folder / SPREAD_FOLDER)
+    for name in (folders.SPREAD, TABLE):
+        refuse_existing(folder / folders.SPREAD_FOLDER / name, overwrite)
+    out = writable_folder(folder / folders.SPREAD_FOLDER)
 
     def peaks(cases: dict[str, Case]) -> dict[str, xr.DataArray]:
         """Greatest von Mises stress of every node in runs, which are made where they have not finished."""
         found = {}
         for name, one in cases.items():
             path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=BARE)
-            if held_of(path, own) is not Holds.FINISHED:
+            if folders.held_of(path, own) is not record.Holds.FINISHED:
                 say(f"{one.name}: {name}")
                 run_case(own, path, overwrite=overwrite and path.exists(), progress=progress, say=say)
             with (
@@ -126,7 +125,7 @@ def spread(
     with_laws = peaks(other_laws)
     with heartbeat(f"{case.name}: recovering stresses"):
         found = spread_of(recovery.recover_stresses(history), from_starts, with_laws)
-    write_netcdf(found.dataset.assign_attrs(case=case.model_dump_json()), out / SPREAD, overwrite)
+    write_netcdf(found.dataset.assign_attrs(case=case.model_dump_json()), out / folders.SPREAD, overwrite)
     write_table(found.by_shoe(), out / TABLE, overwrite)
     for shoe, table in found.hot_spot_tables().items():
         write_table(table, out / f"hot_spots_shoe_{shoe}.csv", overwrite)

@@ -5,7 +5,6 @@ import itertools
 import json
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, cached_property
 from importlib.metadata import version
@@ -134,7 +133,7 @@ class Variation(Parameters):
             content = one.applied(content, value)
         return checked_case(content, type(self._varied))
 
-    def _refuse(self, errors: Mapping[int, ValueError]) -> None:
+    def _refuse(self, errors: dict[int, ValueError]) -> None:
         """Raise the first of the errors by the numbers of their runs, with the values of these."""
 
         def line(number: int, error: ValueError) -> str:
@@ -221,7 +220,7 @@ class Sweep(Variation):
         checks.warn_of([*lines, *self._odd_lines(odd)])
         return tuple(planned)
 
-    def _odd_lines(self, odd: Mapping[str, Sequence[int]]) -> Iterator[str]:
+    def _odd_lines(self, odd: dict[str, list[int]]) -> Errors:
         """What to warn of: implausible values and numbers of their runs, the first few of them."""
         for answer in self.answers:
             yield from (f"{answer.label}: {line}" for line in checks.out_of_range(answer))
@@ -259,7 +258,7 @@ def _versions() -> list[str]:
     return [version(name) for name in ("exudyn-crawler", "exudyn")]
 
 
-def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: int) -> list[Row]:
+def design_rows(design: Design, varied: tuple[Vary, ...], runs: int | None, seed: int) -> list[Row]:
     """Values of all runs; raises `ValueError` if their number does not fit the design.
 
     Samples draw `runs` points: by `scipy.stats.qmc`, or (saltelli) those of SALib by which Sobol indices are

@@ -1,6 +1,5 @@
 """What of a case, or of its life, the runs of a sweep have otherwise, and values that change nothing."""
 
-from collections.abc import Iterable, Iterator
 from functools import partial
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -9,10 +8,8 @@ from pydantic import Field, ValidationError
 from scipy.stats import norm
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters import fields, loads, reading
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, option, shown
-from exudyn_crawler.case.parameters.loads import with_equal_loads
-from exudyn_crawler.case.parameters.reading import from_content
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.sweep.answers import Life
 
@@ -41,10 +38,10 @@ class Varied(CaseFile):
 def checked_case(content: dict[str, Any], kind: type[Base]) -> Base:
     """Case file, or duty, of a content; raises `ValueError` naming a few errors by their paths."""
     if (case := content.get("case")) is not None:
-        loads = with_equal_loads(case["loads"], case["track"]["shoe_count"])
-        content = content | {"case": case | {"loads": loads}}
+        of_shoes = loads.with_equal_loads(case["loads"], case["track"]["shoe_count"])
+        content = content | {"case": case | {"loads": of_shoes}}
     try:
-        return from_content(kind, content)
+        return reading.from_content(kind, content)
     except ValidationError as error:
         named = list(error_lines(error, kind))
         more = f"; {len(named) - MOST_ERRORS} more" if len(named) > MOST_ERRORS else ""
@@ -238,7 +235,7 @@ def _multiplied(before: Any, factor: Any) -> Any:
     return round(product) if isinstance(before, int) and product == round(product) else product
 
 
-def idle(paths: Iterable[str], case: Case) -> Iterator[str]:
+def idle(paths: tuple[str, ...], case: Case) -> Errors:
     """Those of some paths whose values change nothing in a case, a line each."""
     for path in filter(IDLE.__contains__, paths):
         for other, value in IDLE[path].items():

@@ -5,7 +5,6 @@ import os
 import platform
 import time
 import warnings
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
@@ -42,7 +41,7 @@ class Task:
     answers: str  # as JSON
     runs: str  # folder of the folders of runs
     reductions: str | None  # folder of reductions of flexible shoes; None: that of the worker's machine
-    versions: Mapping[str, str]  # of the client
+    versions: dict[str, str]  # of the client
     again: bool = False  # also if it has failed
 
 
@@ -54,7 +53,7 @@ def own_versions() -> dict[str, str]:
     return python | {name: version(name) for name in names} | {"sources": program_digest()[:12]}
 
 
-def check_versions(wanted: Mapping[str, str], there: Mapping[str, str], where: str) -> None:
+def check_versions(wanted: dict[str, str], there: dict[str, str], where: str) -> None:
     """Refuse, by `VersionsDiffer`, a worker whose versions are not the client's."""
     pairs = [(name, there.get(name, "missing"), here) for name, here in wanted.items()]
     differing = [f"{name} {other} there, {here} here" for name, other, here in pairs if other != here]
@@ -97,7 +96,7 @@ def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
 
 
 def write_outcome(
-    task: Task, error: BaseException | None, answers: Mapping[str, float | None], **more: Any
+    task: Task, error: BaseException | None, answers: dict[str, float | None], **more: Any
 ) -> Outcome:
     """Write the outcome of a run, which fails with an error, into its folder."""
     reason = "" if error is None else " ".join(str(error).split())
@@ -117,7 +116,7 @@ def _answered(task: Task, overwrite: bool) -> dict[str, float | None]:
     """Answers of a run by name; None where a run has none."""
     case_file, folder = CaseFile.model_validate_json(task.case), folder_of(task.runs, task.digest)
     folder.mkdir(parents=True, exist_ok=True)
-    how: Mapping[str, Any] = {"overwrite": overwrite, "take_finished": True, "progress": False}
+    how: dict[str, Any] = {"overwrite": overwrite, "take_finished": True, "progress": False}
     give_up = time.monotonic() + LOCK_WAIT
     with warnings.catch_warnings():
         # the sweep warns of them once

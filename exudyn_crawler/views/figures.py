@@ -6,7 +6,6 @@ can be those of files.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import matplotlib as mpl
@@ -14,8 +13,6 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case import CellTerrain
-from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, for_reading, link_name, select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
@@ -153,7 +150,7 @@ def history_series(history: History, stress: xr.Dataset | None = None) -> dict[s
     rows = [one for group in GROUPS for one in select(curves=group).values() if history.has(one.name, stress)]
     values = history.over_time([one.name for one in rows], stress)
     found = {series.label: series for one in rows for series in _series(one, values[one.name])}
-    if isinstance(history.case.terrain, CellTerrain):
+    if not history.has("unit_heave"):
         found[DEPTH] = replace(found[DEPTH], label=DEPTH_ON_CELLS)
     return found
 
@@ -265,7 +262,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
         if case.tracks == 1:
             figures = {"tension along the chain": chain_figure(history)}
         else:
-            by_side = ((side, chain_figure(history.of_track(side))) for side in SIDES)
+            by_side = ((side, chain_figure(history.of_track(side))) for side in history.dataset.track.values)
             figures = {f"tension along the {side} chain": figure for side, figure in by_side}
     return _figures(case.name, panels, history) | figures
 
@@ -297,7 +294,7 @@ def chain_figure(history: History) -> Figure:
             ax.set(xlabel=label, ylabel="tension in kN", xlim=(0.5, along.sizes[dim] + 0.5))
         parts = along.part.values
         begins = [k for k in range(len(parts)) if k == 0 or parts[k] != parts[k - 1]]
-        for number, (begin, end) in enumerate(pairwise([*begins, len(parts)])):
+        for number, (begin, end) in enumerate(zip(begins, [*begins[1:], len(parts)], strict=True)):
             _band(by_place, number, begin + 0.5, end + 0.5, parts[begin])
         by_link.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     return figure

@@ -6,7 +6,6 @@ magnitude. Long curves keep the least and the greatest value of every bin of tim
 
 import base64
 import re
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -57,7 +56,7 @@ class SceneArrays:
 
 
 def packed_scene(
-    scene: Scene, arrays: SceneArrays, window: Sequence[Sequence[float]] | None = None, first: int = 0
+    scene: Scene, arrays: SceneArrays, window: list[tuple[float, float]] | None = None, first: int = 0
 ) -> dict[str, Any]:
     """Scene for a 3D view from the time of index `first` on; `window`: the least and greatest x, y, z, m."""
     return {
@@ -110,7 +109,7 @@ def _colour_scale(colours: str | tuple[str, ...]) -> list[list[Any]]:
 
 
 def packed_curves(
-    histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
+    histories: dict[str, History], stresses: dict[str, xr.Dataset]
 ) -> tuple[dict[str, Any], str]:
     """Time histories of runs by name for the page, and what a reader has to know about left-out times."""
     at_first = {

@@ -3,7 +3,6 @@
 import base64
 import io
 import json
-from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -47,9 +46,9 @@ class Cell(NamedTuple):
 
 def page(
     title: str,
-    lead: Sequence[str],
-    sections: Sequence[Section],
-    data: Mapping[str, Any] | None = None,
+    lead: list[str],
+    sections: list[Section],
+    data: dict[str, Any] | None = None,
     top: str = "",
 ) -> str:
     """HTML of a page: lines below the title, `top`, sections, and `data` that the page's own scripts draw."""
@@ -89,7 +88,7 @@ def table(
     frame: pd.DataFrame,
     *,
     digits: int = 4,
-    kinds: Sequence[str] | None = None,
+    kinds: list[str] | None = None,
     anchor: str = "",
     compact: bool = False,
     headed: bool = True,

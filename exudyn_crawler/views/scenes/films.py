@@ -1,6 +1,5 @@
 """Moving pictures, as MP4 or GIF: a track on its deforming terrain, and a flexible shoe with its stress."""
 
-from abc import ABC, abstractmethod
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -10,7 +9,6 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history.history import History, as_history, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
@@ -35,7 +33,7 @@ PARTS = (0.02, 0.51, 0.84, 0.41), (0.02, 0.255, 0.84, 0.25)
 """Both views of a shoe, and their parts of its picture: left, bottom, width and height over its own."""
 
 
-class Picture(ABC):
+class Picture:
     """Figure that can be brought to a time of a history; `name` stands before the time in the title."""
 
     history: History
@@ -45,9 +43,9 @@ class Picture(ABC):
     cursor: mpl.lines.Line2D
     _drawn: tuple[mpl.artist.Artist, ...] = ()
 
-    @abstractmethod
     def draw(self, now: xr.Dataset) -> pictures.Drawn:
         """Draw what changes, of one instant as of `track.instants`; it is returned."""
+        raise NotImplementedError
 
     def show(self, time: float) -> Figure:
         """Bring the picture to the stored time nearest to `time` (s)."""
@@ -129,8 +127,8 @@ class TrackPicture(Picture):
 
 def ground_scale(history: History) -> float:
     """Round magnification that makes the ground's displacements visible."""
-    if isinstance(history.case.terrain, CellTerrain):
-        moved = track.instants(history, [history.duration]).ground_depth.values
+    if "ground_depth" in (end := track.instants(history, [history.duration])):
+        moved = end.ground_depth.values
     else:
         moved = history.unit_heave.values - track.unloaded_level(history.case)
     return max(1.0, style.drawn_scale(moved, DEEPEST))

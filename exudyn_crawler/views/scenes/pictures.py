@@ -6,7 +6,6 @@ own weight leaves it, and can be drawn larger from the side. All that is above i
 the ground beneath it, so that shoes keep their true depth in the ground and rollers theirs in the rails.
 """
 
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -38,7 +37,7 @@ ABOVE, DEPTH = 0.4, 0.4
 PIN, PIN_SIDES = 0.03, 12  # m, radius of a drawn link pin; sides of its prism
 
 
-def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None = None) -> mpl.artist.Artist:
+def paint(ax: Axes, solids: list[Solid], view: View, window: Window | None = None) -> mpl.artist.Artist:
     """Draw the faces of solids that are turned to the viewer, each in one colour, m; a window: the limits."""
     if window is not None:
         ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
@@ -81,7 +80,7 @@ def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
     return colours
 
 
-def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View) -> Drawn:
+def draw_arrows(ax: Axes, kinds: tuple[Arrows, ...], view: View) -> Drawn:
     """Draw arrows over all that is there, seen from every side; what is drawn is returned."""
     how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "zorder": 4}
     drawn: Drawn = []

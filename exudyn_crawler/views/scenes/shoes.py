@@ -162,7 +162,7 @@ def stress_picture(
         bent = [one for one in scene.solids if one.colourings]
         for row, one in enumerate(bent):
             (origin,), (turn,) = one.placed()
-            forces = [arrows for arrows in scene.arrows if arrows.solid == one.name]
+            forces = tuple(arrows for arrows in scene.arrows if arrows.solid == one.name)
             for column, (title, view) in enumerate(VIEWS.items()):
                 ax = figure.add_subplot(grid[row, column])
                 _draw_shoe(ax, one.at(), forces, view.on(Placement(origin, turn)))
@@ -196,7 +196,7 @@ def stress_picture(
     return figure
 
 
-def _draw_shoe(ax: mpl.axes.Axes, solid: Solid, arrows: list[Arrows], view: View) -> None:
+def _draw_shoe(ax: mpl.axes.Axes, solid: Solid, arrows: tuple[Arrows, ...], view: View) -> None:
     """Draw a shoe, as of `Solid.at`, with the forces on it and its highest place, if that is seen."""
     seen = view.project(solid.points)
     middle, top = 0.5 * (seen[:, 0].min() + seen[:, 0].max()), seen[:, 1].max() + HEADROOM

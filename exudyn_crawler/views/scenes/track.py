@@ -6,7 +6,6 @@ been; what carries and drives the track is in `gear`. `now` is one instant witho
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -241,7 +240,7 @@ def cell_section(dataset: xr.Dataset, y: float, deep: float, at_rest: bool = Fal
     return Solid("ground", points.reshape(-1, 3), faces, style.GROUND, edges=style.GROUND)
 
 
-def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, float]]:
+def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, float]]:
     """Least and greatest x, y and z of what a run is shown in, with a margin: beyond, beside, below; m."""
     shoe, terrain = history.case.shoe, history.case.terrain
     length, beside = _around(history, margin)
@@ -258,7 +257,7 @@ def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, fl
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
 
 
-def _around(history: History, margin: Sequence[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+def _around(history: History, margin: tuple[float, ...]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Least and greatest x and y of all shoes in a run, with m beyond both ends and beside them, m."""
     shoe, (x, y) = history.case.shoe, (history.position.sel(axis=axis) for axis in "xy")
     low, high = shoe.footprint[:2]
