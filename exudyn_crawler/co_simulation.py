@@ -3,11 +3,9 @@
 pythonfmu makes the unit and carries it: the program that runs it needs this package in its Python.
 """
 
-import shutil
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, FmuBuilder, Real
@@ -36,10 +34,10 @@ FRAME = {
 }
 
 
-_held: list[dict[str, Any]] = []
+_held: list[dict[str, object]] = []
 
 
-def hold(names: dict[str, Any]) -> None:
+def hold(names: dict[str, object]) -> None:
     """Keep the names of a unit's script, which pythonfmu 0.7 releases once more than it takes them."""
     _held.append(names)
 
@@ -157,7 +155,7 @@ class MachineOnTrack(Fmi2Slave):
     author = "exudyn-crawler"
     description = "Crawler track of a mining shovel: side frame, rollers, shoes, links and ground"
 
-    def __init__(self, **about: Any) -> None:
+    def __init__(self, **about: object) -> None:
         super().__init__(**about)
         self._case = read_case(Path(self.resources) / CASE).case
         self._run: SteppedRun | None = None
@@ -219,5 +217,5 @@ def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) ->
         finally:
             # pythonfmu leaves the folder there
             sys.path[:] = [one for one in sys.path if one != folder]
-        shutil.copyfile(made, temporary)
+        temporary.write_bytes(made.read_bytes())
     return path

@@ -9,15 +9,13 @@ import xarray as xr
 
 from exudyn_crawler import files
 from exudyn_crawler.case.parameters import checks
-from exudyn_crawler.results.checks import roller_path, solve
-from exudyn_crawler.results.checks.cases import ShoeCheck, ShoeOutline, read_check
+from exudyn_crawler.results.checks import cases, roller_path, solve
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life import duty_runs, life as results
 from exudyn_crawler.results.life.duty import Duty, read_duty
 from exudyn_crawler.run.folder import folder as folders, progress, record
-from exudyn_crawler.views import style
+from exudyn_crawler.views import style, tables
 from exudyn_crawler.views.pages import life as pages
-from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
 LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
@@ -54,7 +52,7 @@ def life(
 
 
 def check_cases(
-    check: ShoeCheck | str | Path,
+    check: cases.ShoeCheck | str | Path,
     out: str | Path | None = None,
     *,
     pictures: bool = True,
@@ -69,15 +67,16 @@ def check_cases(
     FileNotFoundError if there is no such file; FileExistsError, before anything is solved, if the folder has
     results and `overwrite` is false; ValueError, naming it, if a case is not in balance or has no support.
     """
-    check = check if isinstance(check, ShoeCheck) else read_check(check)
+    check = check if isinstance(check, cases.ShoeCheck) else cases.read_check(check)
     folder = _folder(check, out, (*CHECK_TABLES, CHECK_PAGE), overwrite)
     found = solve.solve_cases(check, solve.CheckedShoe.of(check), say)
     if folder is None:
         return found
     files.writable_folder(folder)
-    tables = (found.table, found.moments, found.cycles, found.hertz)
-    for name, table in zip(CHECK_TABLES, tables, strict=True):
-        write_table(table, folder / name, overwrite)
+    for name, table in zip(
+        CHECK_TABLES, (found.table, found.moments, found.cycles, found.hertz), strict=True
+    ):
+        tables.write_table(table, folder / name, overwrite)
     pages.write_check_page(found, folder / CHECK_PAGE, overwrite)
     if pictures:
         say(f"pictures of {len(found.cases)} cases")
@@ -90,7 +89,7 @@ def check_cases(
 
 
 def _folder(
-    inputs: Duty | ShoeCheck, out: str | Path | None, names: Sequence[str], overwrite: bool
+    inputs: Duty | cases.ShoeCheck, out: str | Path | None, names: Sequence[str], overwrite: bool
 ) -> Path | None:
     """Folder for results, if one is given; warns of inputs out of range, refuses files that are there."""
     checks.warn_of(checks.out_of_range(inputs))
@@ -113,27 +112,27 @@ def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> 
     return found
 
 
-def _check_of(duty: Duty) -> ShoeCheck:
+def _check_of(duty: Duty) -> cases.ShoeCheck:
     """Check whose cases a duty has, with its material."""
     is_file = Path(duty.check).suffix == ".toml"
-    check = read_check(duty.check) if is_file else ShoeCheck(name=duty.check, mesh=duty.check)
+    check = cases.read_check(duty.check) if is_file else cases.ShoeCheck(name=duty.check, mesh=duty.check)
     return check.with_(material=duty.material)
 
 
 def roller_paths(found: results.LifeResults) -> dict[str, pd.DataFrame]:
     """Line contact of the treads of rolled runs by their names, and of check cases, in the last stage."""
     duty = found.duty.by_stage()[-1]
-    tables = {
+    paths = {
         one.run.name: roller_path.roller_path(one.history, [duty.material])
         for one in found.runs
         if one.history is not None and one.history.case.is_rolled
     }
     if duty.cases:
         check, names = _check_of(duty), set(duty_runs.check_cases_of(duty))
-        there = solve.all_cases(check, ShoeOutline.of(found.whole.mesh))
+        there = solve.all_cases(check, cases.ShoeOutline.of(found.whole.mesh))
         pressed = [one for one in there if one.name in names]
-        tables["check cases"] = roller_path.hertz_table(check, pressed)
-    return {name: table for name, table in tables.items() if len(table)}
+        paths["check cases"] = roller_path.hertz_table(check, pressed)
+    return {name: table for name, table in paths.items() if len(table)}
 
 
 def _histories(duty: Duty) -> list[History]:
@@ -160,14 +159,14 @@ def _spreads(duty: Duty, histories: Sequence[History]) -> list[xr.DataArray | No
 def write_life(found: results.LifeResults, folder: Path, overwrite: bool = False) -> None:
     """Write all that there is of a life into a folder: dataset, tables, fields and a page with it in 3D."""
     files.write_netcdf(found.dataset, folder / LIFE, overwrite)
-    write_table(results.in_words(found.table), folder / TABLE, overwrite)
-    write_table(found.causes().map(results.life_words).reset_index(), folder / CAUSES, overwrite)
-    for name, tables in (
+    tables.write_table(results.in_words(found.table), folder / TABLE, overwrite)
+    tables.write_table(found.causes().map(results.life_words).reset_index(), folder / CAUSES, overwrite)
+    for name, of_nodes in (
         (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
         (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),
     ):
-        joined = pd.concat(tables, names=["node"]).reset_index(level="node")
-        write_table(joined, folder / name, overwrite)
+        joined = pd.concat(of_nodes, names=["node"]).reset_index(level="node")
+        tables.write_table(joined, folder / name, overwrite)
     data = found.dataset
     fields = {
         f"life in h, {100 * one:g} % survive": data.life.sel(survival=one) for one in data.survival.values

@@ -6,7 +6,6 @@ Tables are in units for reading (`results.for_reading`), `links` has the address
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -162,7 +161,7 @@ def _runs(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Mar
 def parallel_coordinates(sweep: AnySweep, table: pd.DataFrame) -> go.Figure:
     """A line a run through what varies and the answers, coloured by the first of these."""
     done, labels = _drawn(sweep, table), [answer.label for answer in sweep.answers]
-    dimensions: list[dict[str, Any]] = []
+    dimensions: list[dict[str, object]] = []
     for name in (*sweep.columns, *labels):
         dimensions.append({"label": _label(table, name), "values": done[name]})
         if _is_life(table, name):
@@ -234,7 +233,7 @@ def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list
     for k, (one, traces) in enumerate(zip(sweep.vary, panels, strict=True)):
         place = {"row": k // ACROSS + 1, "col": k % ACROSS + 1}
         figure.add_traces(traces, rows=place["row"], cols=place["col"])
-        axis: dict[str, Any] = {"title_text": _label(table, one.label)}
+        axis: dict[str, object] = {"title_text": _label(table, one.label)}
         if one.scale == "log":
             axis |= {"type": "log", **FEW_TICKS}
             levels = np.unique(_drawn(sweep, table)[one.label])

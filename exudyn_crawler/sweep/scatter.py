@@ -13,9 +13,8 @@ import pandas as pd
 from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import Errors, option
 from exudyn_crawler.life_run import stage_lives
+from exudyn_crawler.results.life import duty_runs, life
 from exudyn_crawler.results.life.duty import Damage, Duty, DutyCase, read_duty
-from exudyn_crawler.results.life.duty_runs import UsedRun, node_signals
-from exudyn_crawler.results.life.life import BEYOND, LifeResults, hours_in_stages, nearest_nodes
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import Design, PlannedRun, Sweep, Variation, read_sweep
@@ -82,7 +81,11 @@ class DutyScatter(Variation):
         counted = CountedDuty.of(stage_lives(_with_all_cases(self.duties), say), self.duty)
         say(f"{len(self.duties)} draws at {len(counted.regions)} nodes")
         found = pd.DataFrame([counted.lives(one) for one in self.duties])
-        return found.reindex(columns=[one.label for one in self.answers]).fillna(BEYOND).clip(upper=BEYOND)
+        return (
+            found.reindex(columns=[one.label for one in self.answers])
+            .fillna(life.BEYOND)
+            .clip(upper=life.BEYOND)
+        )
 
 
 AnySweep = Sweep | DutyScatter
@@ -105,7 +108,7 @@ class CountedStage(NamedTuple):
     `extremes` (2, parts, places, nodes) are the greatest and the least stress.
     """
 
-    runs: Sequence[UsedRun]
+    runs: Sequence[duty_runs.UsedRun]
     part: np.ndarray
     node: np.ndarray
     begin: np.ndarray
@@ -121,9 +124,9 @@ class CountedDuty:
     stages: tuple[CountedStage, ...]
 
     @classmethod
-    def of(cls, stages: Sequence[LifeResults], duty: Duty) -> "CountedDuty":
+    def of(cls, stages: Sequence[life.LifeResults], duty: Duty) -> "CountedDuty":
         """Cycles in the stages of a duty at nodes of the last one's mesh."""
-        last, near = stages[-1], [nearest_nodes(one, stages[-1]) for one in stages]
+        last, near = stages[-1], [life.nearest_nodes(one, stages[-1]) for one in stages]
         surface, chosen = last.whole.mesh.surface_nodes, set[int]()
         for one, nearest in zip(stages, near, strict=True):
             damage = [*one.dataset.part_damage.values, one.dataset.damage_an_hour.values[-1]]
@@ -148,19 +151,19 @@ class CountedDuty:
             each = curve.damage(amplitude, mean + residual[node[moves]], survival)[0]
             own += np.bincount(node[moves], often[moves] * each, len(own))
         hours = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
-        lives, found = hours_in_stages(damage, hours).sum(axis=0), {"life": BEYOND}
+        lives, found = life.hours_in_stages(damage, hours).sum(axis=0), {"life": life.BEYOND}
         for region in dict.fromkeys(self.regions):
             here = np.flatnonzero(self.regions == region)
             worst = here[np.argsort(lives[here])]
-            life = float(lives[worst[0]])
+            least = float(lives[worst[0]])
             for node in worst[:DEFECTS] if material.casting(region).defect_size else ():
                 stages = [
                     CycleStage(begin[of == node], end[of == node], often[of == node], lasts)
                     for (of, begin, end, often), lasts in zip(weighed, hours, strict=True)
                 ]
-                life = min(life, material.defect_life(region, duty.miner, stages, survival[0]))
-            found[f"life_{region}".replace(" ", "_")] = life
-            found["life"] = min(found["life"], life)
+                least = min(least, material.defect_life(region, duty.miner, stages, survival[0]))
+            found[f"life_{region}".replace(" ", "_")] = least
+            found["life"] = min(found["life"], least)
         return found
 
     def _weighed(self, stage: CountedStage, duty: Duty) -> tuple[np.ndarray, ...]:
@@ -188,14 +191,14 @@ class CountedDuty:
         )
 
 
-def _counted(one: LifeResults, nodes: np.ndarray) -> CountedStage:
+def _counted(one: life.LifeResults, nodes: np.ndarray) -> CountedStage:
     """Cycles in a stage at some nodes, without those that no draw notices."""
     found, extremes = [], []
     for part, run in enumerate(one.runs):
-        counting = run.counting(one.duty.material.curve(one.duty.miner), (0.999,), 1e-3 / BEYOND)
+        counting = run.counting(one.duty.material.curve(one.duty.miner), (0.999,), 1e-3 / life.BEYOND)
         at_places = []
         for shoe in run.basis.coordinates:
-            signals = node_signals(one.duty.criterion, run.basis, shoe, nodes)
+            signals = duty_runs.node_signals(one.duty.criterion, run.basis, shoe, nodes)
             at_places.append((signals.max(axis=1), signals.min(axis=1)))
             for node, signal in enumerate(signals):
                 cycles = counting.cycles(signal)

@@ -6,7 +6,6 @@ magnitude. Long curves keep the least and the greatest value of every bin of tim
 
 import base64
 import re
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -31,7 +30,7 @@ class SceneArrays:
     """Arrays of the scenes of a page; what several solids have in common is there once."""
 
     def __init__(self) -> None:
-        self.packed: list[dict[str, Any]] = []
+        self.packed: list[dict[str, object]] = []
         self._numbers: dict[int, tuple[int, np.ndarray]] = {}
 
     def add(self, array: np.ndarray | None, kind: str = "f4", rows: int = 1) -> int | None:
@@ -57,7 +56,7 @@ class SceneArrays:
 
 def packed_scene(
     scene: Scene, arrays: SceneArrays, window: list[tuple[float, float]] | None = None, first: int = 0
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Scene for a 3D view from the time of index `first` on; `window`: the least and greatest x, y, z, m."""
     return {
         "titles": scene.titles,
@@ -72,7 +71,7 @@ def packed_scene(
     }
 
 
-def _packed_solid(solid: Solid, arrays: SceneArrays) -> dict[str, Any]:
+def _packed_solid(solid: Solid, arrays: SceneArrays) -> dict[str, object]:
     return {
         **_as_they_are(solid, "name", "colour", "opacity", "labels", "notes", "larger"),
         "points": arrays.add(solid.points),
@@ -96,11 +95,11 @@ def _packed_solid(solid: Solid, arrays: SceneArrays) -> dict[str, Any]:
     }
 
 
-def _as_they_are(one: object, *names: str) -> dict[str, Any]:
+def _as_they_are(one: object, *names: str) -> dict[str, object]:
     return {name: getattr(one, name) for name in names}
 
 
-def _colour_scale(colours: str | tuple[str, ...]) -> list[list[Any]]:
+def _colour_scale(colours: str | tuple[str, ...]) -> list[list[object]]:
     """Colours as Plotly takes them: places from 0 to 1, and a colour at each, of which some are doubled."""
     if isinstance(colours, str):
         return [[float(at), to_hex(style.colour_map(colours)(at))] for at in np.linspace(0.0, 1.0, 17)]
@@ -110,7 +109,7 @@ def _colour_scale(colours: str | tuple[str, ...]) -> list[list[Any]]:
 
 def packed_curves(
     histories: dict[str, History], stresses: dict[str, xr.Dataset]
-) -> tuple[dict[str, Any], str]:
+) -> tuple[dict[str, object], str]:
     """Time histories of runs by name for the page, and what a reader has to know about left-out times."""
     at_first = {
         name: next(one.every(one.time.size).parts(stresses.get(name))) for name, one in histories.items()
@@ -146,7 +145,7 @@ def packed_curves(
     elif figures.TENSION in labels:
         moving, carried = figures.DRIVE_MOMENT, figures.TENSION
     first = [figures.HIGHEST_STRESS if figures.HIGHEST_STRESS in labels else moving, carried]
-    curves = {"cases": cases, "first": first if cases else []}
+    curves: dict[str, object] = {"cases": cases, "first": first if cases else []}
     return curves, said if most > points else "Every stored time is drawn."
 
 
@@ -181,7 +180,7 @@ class _Kept:
             self.series.setdefault(at, []).append((start + few, whole[at][few]))
 
 
-def _packed_series(series: figures.Series, kept: _Kept, times: list[np.ndarray]) -> dict[str, Any]:
+def _packed_series(series: figures.Series, kept: _Kept, times: list[np.ndarray]) -> dict[str, object]:
     """Quantity for the page: names, and for every item and axis packed indices of time and values.
 
     Its stored times are those of the same number in `times`, to which they are added where they are new.

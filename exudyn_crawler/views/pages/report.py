@@ -6,7 +6,6 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -107,7 +106,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     return page.page(title, lead, sections, data, _key_table(histories, stresses))
 
 
-def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, Any]:
+def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, object]:
     """Track in evenly spread instants of a run, for a view in 3D."""
     case, window = history.case, track.shown_box(history, MARGIN)
     shown = track.instants(history, np.linspace(0.0, history.duration, INSTANTS))
@@ -140,7 +139,7 @@ def _roller_paths(homes: Mapping[str, Path], left_out: runs.LeftOut) -> Markup:
 
 def packed_shoes(
     stress: xr.Dataset | None, history: History | None, arrays: packing.SceneArrays
-) -> dict[str, Any] | None:
+) -> dict[str, object] | None:
     """Flexible shoes at the chosen times, for a view in 3D; None without them."""
     if stress is None or history is None:
         return None
