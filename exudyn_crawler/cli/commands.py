@@ -289,10 +289,7 @@ def sweep(run: "SweepRun") -> None:
     """Run a case with some of its values varied, on all cores or a cluster; the same command continues it."""
     from exudyn_crawler.sweep.results import best_and_worst, for_reading
 
-    read, columns = for_reading(run.table), ("answer", "which", "run", "value", "unit", "folder")
-    units = read.attrs["units"]
-    best = [(*one[:3], one.value, units[one.answer], one.folder) for one in best_and_worst(run.sweep, read)]
-    print_rows(columns, best, "Best and worst runs", ("run", "value"))
+    print_table(best_and_worst(run.sweep, for_reading(run.table)), "Best and worst runs")
 
 
 def scatter(run: "SweepRun") -> None:

@@ -33,11 +33,11 @@ def write_page(
     """Write the page and the scatter of a sweep into its folder, and reports of its best and worst `runs`."""
     for name, one in results.scatter_tables(sweep, table).items():
         write_table(one, folder / f"{name}.csv", overwrite=True)
-    names = {} if runs is None else {name: runs / name for name in table["folder"]}
-    best = dict.fromkeys(one.folder for one in results.best_and_worst(sweep, table))
-    for name in (one for one in best if one in names):
-        _report_of(names[name], say)
-    links = {name: _link(folder, path) for name, path in names.items()}
+    links = {}
+    if runs is not None:
+        for name in results.best_and_worst(sweep, table)["folder"].unique():
+            _report_of(runs / name, say)
+        links = {name: _link(folder, runs / name) for name in table["folder"]}
     page.write_page(sweep_page(sweep, table, links), folder / report.REPORT, overwrite=True)
 
 
@@ -134,15 +134,14 @@ def distribution_figure(sweep: AnySweep, table: pd.DataFrame, quantiles: pd.Data
 
 def _best(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Markup:
     best = results.best_and_worst(sweep, table)
-    if not best:
+    if best.empty:
         return page.paragraph("No run has finished.")
-    units, meanings = table.attrs["units"], table.attrs["meanings"]
     rows = {
-        "answer": [one.answer for one in best],
-        "": [one.which for one in best],
-        "run": [page.Cell(str(one.run), True, links.get(one.folder)) for one in best],
-        "value": [page.Cell(f"{one.value:.4g} {units[one.answer]}", True) for one in best],
-        " ": [meanings[one.answer] for one in best],
+        "answer": best["answer"],
+        "": best["which"],
+        "run": [page.Cell(str(one.run), True, links.get(one.folder)) for one in best.itertuples()],
+        "value": [page.Cell(f"{one.value:.4g} {one.unit}", True) for one in best.itertuples()],
+        " ": best["answer"].map(table.attrs["meanings"]),
     }
     return page.table(pd.DataFrame(rows), compact=True)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -282,19 +282,9 @@ METHODS = {
 }
 
 
-class Best(NamedTuple):
-    """Best or worst run of an answer."""
-
-    answer: str
-    which: str
-    run: int
-    folder: str
-    value: float
-
-
-def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> list[Best]:
-    """Best and worst finished run of every answer."""
-    done, rows = table[table["status"] == DONE], []
+def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
+    """Best and worst finished run of every answer: columns answer, which, run, value, unit and folder."""
+    done, units, rows = table[table["status"] == DONE], table.attrs["units"], []
     for answer in sweep.answers:
         values = done[answer.label].dropna()
         if values.empty:
@@ -302,5 +292,6 @@ def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> list[Best]:
         least, greatest = values.idxmin(), values.idxmax()
         best, worst = (greatest, least) if answer.better == "more" else (least, greatest)
         for which, row in (("best", done.loc[best]), ("worst", done.loc[worst])):
-            rows.append(Best(answer.label, which, int(row["run"]), row["folder"], float(row[answer.label])))
-    return rows
+            value = float(row[answer.label])
+            rows.append((answer.label, which, int(row["run"]), value, units[answer.label], row["folder"]))
+    return pd.DataFrame(rows, columns=["answer", "which", "run", "value", "unit", "folder"])
