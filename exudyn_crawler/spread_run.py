@@ -17,8 +17,7 @@ from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.stress import hot_spots, recovery
-from exudyn_crawler.run.folder import folder as folders, record
-from exudyn_crawler.run.folder.progress import heartbeat
+from exudyn_crawler.run.folder import folder as folders, progress as parts, record
 from exudyn_crawler.views.tables import write_table
 from fem import interrupts, judged
 
@@ -123,7 +122,7 @@ def spread(
 
     from_starts = peaks({f"start {k + 1}": nudged(case, k) for k in range(1, starts)})
     with_laws = peaks(other_laws)
-    with heartbeat(f"{case.name}: recovering stresses"):
+    with parts.heartbeat(f"{case.name}: recovering stresses"):
         found = spread_of(recovery.recover_stresses(history), from_starts, with_laws)
     write_netcdf(found.dataset.assign_attrs(case=case.model_dump_json()), out / folders.SPREAD, overwrite)
     write_table(found.by_shoe(), out / TABLE, overwrite)
@@ -162,9 +161,9 @@ def spread_of(
     same = runs[: 1 + len(starts)]
     low, high = same.min(axis=0), same.max(axis=0)
     spread, beyond = high - low, np.maximum(runs - high, low - runs).max(axis=0)
-    parts = {"peak_spread": spread, "peak_choice": beyond, "run_peak": runs}
+    columns = {"peak_spread": spread, "peak_choice": beyond, "run_peak": runs}
     dataset = first.dataset[["peak_von_mises", "node_position", "triangle", "in_spider", "truncation"]]
-    dataset = dataset.assign({name: variable(name, values) for name, values in parts.items()})
+    dataset = dataset.assign({name: variable(name, values) for name, values in columns.items()})
     dataset = dataset.assign(peak_verdict=recovery.verdicts(first.dataset, spread + beyond))
     bound, tables = float(first.dataset.truncation), {}
     for row, (shoe, table) in enumerate(first.hot_spots.items()):

@@ -1,7 +1,6 @@
 """Answers of a sweep: what of every run stands in its table, a class each, checked before anything runs."""
 
 import difflib
-import math
 from typing import Annotated, Any, ClassVar, Literal
 
 import xarray as xr
@@ -131,7 +130,7 @@ class Answer(AnyAnswer):
         item = next((dim for dim in DIMENSIONS if dim in values.dims), None)
         if item is not None and self.of is not None:
             values = values.sel({item: list(self.of)})
-        return float(STATISTICS[self.statistic](values)) if values.notnull().any() else math.nan
+        return float(STATISTICS[self.statistic](values)) if values.notnull().any() else float("nan")
 
 
 class HotSpot(AnyAnswer):
@@ -162,7 +161,7 @@ class HotSpot(AnyAnswer):
         """Stress in a run."""
         table = run.recovered().hot_spots[self.shoe]
         stress = table.loc[table["rank"] == self.rank, "value"]
-        return float(stress.iloc[0]) if len(stress) else math.nan
+        return float(stress.iloc[0]) if len(stress) else float("nan")
 
 
 class Life(AnyAnswer, Damage, Often):

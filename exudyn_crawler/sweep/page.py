@@ -15,9 +15,8 @@ from plotly.subplots import make_subplots
 
 from exudyn_crawler.files import note_written
 from exudyn_crawler.run.folder.record import note_file
-from exudyn_crawler.sweep import results
+from exudyn_crawler.sweep import results, worker
 from exudyn_crawler.sweep.scatter import AnySweep
-from exudyn_crawler.sweep.worker import OUTCOME
 from exudyn_crawler.views.pages import page, report
 from exudyn_crawler.views.tables import cell_text, write_table
 
@@ -246,7 +245,7 @@ def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list
 
 def _report_of(run: Path, say: Callable[[str], None]) -> None:
     """Write the report of a run, unless it is there and as new as the run."""
-    path, outcome = run / report.REPORT, run / OUTCOME
+    path, outcome = run / report.REPORT, run / worker.OUTCOME
     if path.is_file() and outcome.is_file() and path.stat().st_mtime >= outcome.stat().st_mtime:
         note_written(path)
         return

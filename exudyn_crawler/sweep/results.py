@@ -13,10 +13,9 @@ from scipy.stats import binomtest, quantile_test, spearmanr
 from exudyn_crawler.case.parameters.fields import PREFIXES, prefix_of, value_text
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.catalogue import READ_IN
+from exudyn_crawler.sweep import definition, worker
 from exudyn_crawler.sweep.answers import Life
-from exudyn_crawler.sweep.definition import FOLDER_DIGITS, salib_problem
 from exudyn_crawler.sweep.scatter import AnySweep
-from exudyn_crawler.sweep.worker import DONE, Outcome
 from exudyn_crawler.views.tables import write_table
 
 MISSING = "missing"  # status of a run without an outcome
@@ -41,14 +40,14 @@ class SweepRun:
         return f"<p>Sweep in {escape(str(self.folder))}</p>" + self.table.to_html(index=False)
 
 
-def results_table(sweep: AnySweep, outcomes: dict[str, Outcome]) -> pd.DataFrame:
+def results_table(sweep: AnySweep, outcomes: dict[str, worker.Outcome]) -> pd.DataFrame:
     """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
     rows: list[dict[str, Any]] = []
     for one in sweep.planned:
         outcome = outcomes.get(one.digest, {})
         answers = outcome.get("answers", {})
         rows.append(
-            {"run": one.number, "folder": one.digest[:FOLDER_DIGITS]}
+            {"run": one.number, "folder": one.digest[: definition.FOLDER_DIGITS]}
             | {name: _cell(value) for name, value in zip(sweep.columns, one.values, strict=True)}
             | {answer.label: answers.get(answer.label) for answer in sweep.answers}
             | {"status": outcome.get("status", MISSING), "reason": outcome.get("reason", "")}
@@ -109,7 +108,7 @@ def scatter_tables(sweep: AnySweep, table: pd.DataFrame) -> dict[str, pd.DataFra
     distribution of independent draws. A Latin hypercube or a Sobol sequence covers the values that are drawn
     more evenly, so that its error is less as a rule and the bounds are on the safe side.
     """
-    if not sweep.is_sampled or (table["status"] == DONE).sum() < LEAST_SCATTERED:
+    if not sweep.is_sampled or (table["status"] == worker.DONE).sum() < LEAST_SCATTERED:
         return {}
     tables = {"quantiles": quantiles(sweep, table), "sensitivities": sensitivities(sweep, table)}
     return tables | {"failures": failures(sweep, table)}
@@ -124,7 +123,7 @@ LEAST_SCATTERED = 10  # finished runs from which answers of a sample have a scat
 
 def drawn_answers(table: pd.DataFrame) -> pd.DataFrame:
     """Rows of the finished runs, in the order in which they were drawn."""
-    return table[table["status"] == DONE].sort_values("run")
+    return table[table["status"] == worker.DONE].sort_values("run")
 
 
 def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
@@ -209,7 +208,7 @@ def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
 
 def main_effects(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Mean and extremes of answers over all else, `EFFECTS`, at levels of what varies, or in bins of many."""
-    done = table[table["status"] == DONE]
+    done = table[table["status"] == worker.DONE]
     frames = [pd.DataFrame(columns=list(EFFECTS))]
     for name in sweep.columns if len(done) else ():
         values, texts = numbers_of(done, name)
@@ -234,7 +233,7 @@ def sobol_indices(sweep: AnySweep, table: pd.DataFrame) -> tuple[pd.DataFrame, s
     computed, or why there are none.
     """
     none = pd.DataFrame(columns=list(INDICES))
-    done = table[table["status"] == DONE]
+    done = table[table["status"] == worker.DONE]
     values = done[[answer.label for answer in sweep.answers]]
     spread = values.max() - values.min()
     varying = values.columns[values.notna().all() & (spread > SMALL * values.abs().max())]
@@ -264,7 +263,9 @@ def _of_grid(sweep: AnySweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[s
 def _of_saltelli(sweep: AnySweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
     from SALib.analyze.sobol import analyze
 
-    found = analyze(salib_problem(len(sweep.vary)), answer, calc_second_order=False, seed=sweep.seed)
+    found = analyze(
+        definition.salib_problem(len(sweep.vary)), answer, calc_second_order=False, seed=sweep.seed
+    )
     return dict(zip(INDICES[2:], (found[name] for name in ("S1", "S1_conf", "ST", "ST_conf")), strict=True))
 
 
@@ -272,7 +273,7 @@ def _of_sample(sweep: AnySweep, done: pd.DataFrame, answer: np.ndarray) -> dict[
     from SALib.analyze.rbd_fast import analyze
 
     points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])
-    found = analyze(salib_problem(len(sweep.vary)), points, answer, seed=sweep.seed)
+    found = analyze(definition.salib_problem(len(sweep.vary)), points, answer, seed=sweep.seed)
     return {"first": found["S1"], "first_conf": found["S1_conf"]}
 
 
@@ -284,7 +285,7 @@ METHODS = {
 
 def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Best and worst finished run of every answer: columns answer, which, run, value, unit and folder."""
-    done, units, rows = table[table["status"] == DONE], table.attrs["units"], []
+    done, units, rows = table[table["status"] == worker.DONE], table.attrs["units"], []
     for answer in sweep.answers:
         values = done[answer.label].dropna()
         if values.empty:

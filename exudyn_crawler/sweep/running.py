@@ -8,8 +8,7 @@ from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.case_file import NUMBER, stored_numbers
 from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
-from exudyn_crawler.run.folder.progress import RECOVER, SIMULATE, TIMES, progress_bar, rule_of_thumb
-from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
+from exudyn_crawler.run.folder import progress as parts, record
 from exudyn_crawler.sweep import page, results
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
@@ -32,7 +31,7 @@ def run_sweep(
     storage: str | None = None,
     retry: bool = False,
     progress: bool | None = None,
-    say: Callable[[str], None] = quiet,
+    say: Callable[[str], None] = record.quiet,
 ) -> results.SweepRun:
     """Run all runs of a sweep that have not finished, on Dask, and gather the answers.
 
@@ -51,8 +50,8 @@ def run_sweep(
     sweep.planned  # noqa: B018 - refuses runs before a folder is made
     folder = writable_folder(Path(out))
     runs = writable_folder(_runs_folder(folder, storage))
-    work = RunFolder(folder, say)
-    with held(folder, "sweep"), recorded(work):
+    work = record.RunFolder(folder, say)
+    with record.held(folder, "sweep"), record.recorded(work):
         write_case(sweep.case, folder / BASE_CASE, overwrite=True)
         stored, missing, line = _state(sweep, runs, retry)
         work.say(line)
@@ -65,7 +64,7 @@ def run_sweep(
             with (
                 work.timed("runs"),
                 connected(scheduler, workers, runs, work.say) as client,
-                progress_bar("sweep", len(missing), progress, unit="runs") as tell,
+                parts.progress_bar("sweep", len(missing), progress, unit="runs") as tell,
             ):
                 for count, outcome in enumerate(outcomes(client, tasks), 1):
                     stored[outcome["digest"]] = outcome
@@ -76,13 +75,13 @@ def run_sweep(
 
 
 def run_duty_scatter(
-    sweep: DutyScatter, out: str | Path, say: Callable[[str], None] = quiet
+    sweep: DutyScatter, out: str | Path, say: Callable[[str], None] = record.quiet
 ) -> results.SweepRun:
     """Lives of all draws over a duty, in one process: its cycles are counted once; raises as `life`."""
     sweep.planned  # noqa: B018 - refuses draws before a folder is made
     folder = writable_folder(Path(out))
-    work = RunFolder(folder, say)
-    with held(folder, "sweep"), recorded(work):
+    work = record.RunFolder(folder, say)
+    with record.held(folder, "sweep"), record.recorded(work):
         with work.timed("draws"):
             answers = sweep.lives(work.say).to_dict("records")
         stored = {str(k): {"status": DONE, "answers": one} for k, one in enumerate(answers, 1)}
@@ -90,7 +89,7 @@ def run_duty_scatter(
 
 
 def _gathered(
-    sweep: AnySweep, stored: dict[str, Outcome], folder: Path, runs: Path | None, work: RunFolder
+    sweep: AnySweep, stored: dict[str, Outcome], folder: Path, runs: Path | None, work: record.RunFolder
 ) -> results.SweepRun:
     """Tables and page of a sweep's outcomes; runs, if they have them, are in folders of `runs`."""
     with whole_file(folder / DEFINITION, overwrite=True) as temporary:
@@ -150,8 +149,8 @@ def tasks_of(
 
 def run_time(case_file: CaseFile) -> float:
     """Wall time of a run by a rule of thumb, s, without what is done once and what is written of it."""
-    times = rule_of_thumb(case_file)
-    return sum(times[part] for part in (SIMULATE, RECOVER) if part in times)
+    times = parts.rule_of_thumb(case_file)
+    return sum(times[part] for part in (parts.SIMULATE, parts.RECOVER) if part in times)
 
 
 def run_bytes(case_file: CaseFile) -> float:
@@ -169,6 +168,6 @@ def estimate(case_file: CaseFile, missing: int, workers: int | None, stored: Ite
     whole = each * missing / min(count, max(missing, 1))
     size = run_bytes(case_file) * missing
     return (
-        f"{missing} runs of about {each:.2g} s each ({whence}): {in_units(whole, TIMES)} on {count} workers, "
-        f"{each * missing / 3600:.2g} core hours, {size / 1e9:.2g} GB"
+        f"{missing} runs of about {each:.2g} s each ({whence}): {in_units(whole, parts.TIMES)} on {count} "
+        f"workers, {each * missing / 3600:.2g} core hours, {size / 1e9:.2g} GB"
     )

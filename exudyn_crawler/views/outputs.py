@@ -15,8 +15,7 @@ from exudyn_crawler.case import Case, CellTerrain, Outputs
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history import catalogue, ground_map, summary
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.stress import hot_spots
-from exudyn_crawler.results.stress.recovery import StressResults
+from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.scenes import films, gear, pictures, shoes, track
 from exudyn_crawler.views.scenes.scene import Solid
@@ -24,6 +23,7 @@ from fem import Mesh, export, interrupts
 from meshes import mesh_named
 
 logger = logging.getLogger("exudyn_crawler")
+Stresses = recovery.StressResults | None  # of the flexible shoes, if there are any
 
 MOST_DRAWN = 5 * 10**8
 """Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
@@ -32,7 +32,7 @@ SERIES, PARTS = "track.pvd", "track_parts"
 """File of the series for ParaView, and the folder of the VTU files beside it."""
 
 
-def write_tables(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+def write_tables(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """Extremes, loads at the ends of phases, the roller path; highest stresses by phase, region and run."""
     found = {"extremes": summary.extremes(history), "loads": summary.load_table(history)}
     if stresses is not None:
@@ -46,7 +46,7 @@ def write_tables(history: History, stresses: StressResults | None, folder: Path,
         tables.write_table(table, folder / f"{name}.csv", overwrite=True)
 
 
-def write_forces(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+def write_forces(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """What derives from the forces of the history, which has them themselves."""
     names = {name: one for name, one in catalogue.select(files="forces").items() if history.has(name)}
 
@@ -60,7 +60,7 @@ def write_forces(history: History, stresses: StressResults | None, folder: Path,
     files.write_netcdf_along("time", history.time.size, chunks, folder / "forces.nc", overwrite=True)
 
 
-def write_figures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+def write_figures(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """Curves of some shoes and links, of rollers and of flexible shoes; uneven ground as the run ends."""
     terrain, drawn = history.case.terrain, {}
     if isinstance(terrain, CellTerrain):
@@ -83,13 +83,13 @@ def write_figures(history: History, stresses: StressResults | None, folder: Path
         style.save_figure(figure, folder / file, overwrite=True)
 
 
-def write_pictures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+def write_pictures(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """Pictures of stressed shoes at the chosen times."""
     if stresses is not None:
         shoes.write_stress_pictures(stresses.dataset, history, folder, overwrite=True)
 
 
-def write_3d(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+def write_3d(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """Track with its stressed shoes at the chosen times; greatest stress of every node of each shoe."""
     if stresses is None:
         return
@@ -202,12 +202,12 @@ def _forces(name: str, points: np.ndarray, forces: np.ndarray) -> Iterator[tuple
         yield name, meshio.Mesh(points, vertices, point_data={"force": forces})
 
 
-def write_film(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+def write_film(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """The track on its deforming terrain."""
     films.write_animation(history, folder / "track.mp4", overwrite=True)
 
 
-def write_page(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+def write_page(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """All of the run on one page."""
     # what draws pages takes a while to load, and sweeps make none of their runs
     from exudyn_crawler.views.pages.report import write_report
@@ -215,7 +215,7 @@ def write_page(history: History, stresses: StressResults | None, folder: Path, o
     write_report(folder, overwrite=True, say=logger.warning)
 
 
-WRITERS: dict[str, Callable[[History, StressResults | None, Path, Outputs], None]] = {
+WRITERS: dict[str, Callable[[History, Stresses, Path, Outputs], None]] = {
     "tables": write_tables,
     "forces": write_forces,
     "figures": write_figures,
@@ -227,7 +227,7 @@ WRITERS: dict[str, Callable[[History, StressResults | None, Path, Outputs], None
 """What is written of a run, by the output that asks for it, in this order."""
 
 
-def write_outputs(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+def write_outputs(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """Write stresses, the ground's map, and what derives from all of it as far as the outputs ask for it."""
     if stresses is not None:
         stresses.save(folder / "stress.nc", overwrite=True)

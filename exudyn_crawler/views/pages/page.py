@@ -3,7 +3,6 @@
 import base64
 import io
 import json
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -59,7 +58,7 @@ def page(
     parts = {"title": title, "lead": lead, "top": top, "sections": shown, "data": Markup(packed)}
     parts |= {"style": _text("page.css"), "scripts": [_text(name) for name in SCRIPTS]}
     library = Markup(plotly.offline.get_plotlyjs() if has_plots else "")
-    return _environment().get_template("page.html").render(parts, plotly=library)
+    return ENVIRONMENT.get_template("page.html").render(parts, plotly=library)
 
 
 def write_page(html: str, path: Path, overwrite: bool = False) -> Path:
@@ -71,7 +70,7 @@ def write_page(html: str, path: Path, overwrite: bool = False) -> Path:
 
 def part(name: str, *values: object) -> Markup:
     """Part of a section, made by the macro of that name."""
-    return Markup(getattr(_environment().get_template("parts.html").module, name)(*values))
+    return Markup(getattr(ENVIRONMENT.get_template("parts.html").module, name)(*values))
 
 
 def paragraph(text: str) -> Markup:
@@ -140,18 +139,15 @@ def _address(picture: io.BytesIO, kind: str) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(picture.getvalue()).decode('ascii')}"
 
 
-@cache
-def _environment() -> Environment:
-    loader = FileSystemLoader(TEMPLATES)
-    how: dict[str, Any] = {"undefined": StrictUndefined, "trim_blocks": True, "finalize": _printable}
-    return Environment(loader=loader, autoescape=True, **how)
-
-
 def _printable(value: object) -> object:
     """Value without control characters, which names may have; markup has none."""
     if isinstance(value, str) and not isinstance(value, Markup):
         return value.translate(CONTROLS)
     return value
+
+
+HOW: dict[str, Any] = {"undefined": StrictUndefined, "trim_blocks": True, "finalize": _printable}
+ENVIRONMENT = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, **HOW)
 
 
 def _text(name: str) -> Markup:

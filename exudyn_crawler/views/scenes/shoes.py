@@ -7,7 +7,6 @@ elastic displacement.
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Self
 
 import matplotlib as mpl
 import numpy as np
@@ -58,7 +57,7 @@ class Scales:
     shoe_force: float
 
     @classmethod
-    def of(cls, stress: xr.Dataset, history: History) -> Self:
+    def of(cls, stress: xr.Dataset, history: History) -> "Scales":
         """Scales that fit all chosen times of a stress dataset."""
         surface = np.unique(stress.triangle.values)
         greatest = float(stress.frame_von_mises.isel(node=surface).max())

@@ -5,7 +5,6 @@ been; what carries and drives the track is in `gear`. `now` is one instant witho
 `dataset` some of them, as of `instants`.
 """
 
-import math
 from dataclasses import replace
 from functools import lru_cache
 
@@ -193,8 +192,8 @@ def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> np.ndarray:
 def cell_grid(terrain: CellTerrain, x: tuple[float, float], y: tuple[float, float]) -> tuple[np.ndarray, ...]:
     """Evenly spaced x and y (m) of the field between bounds, and heights (x, y); unmeasured are least."""
     ends = [(max(a, low), min(b, high)) for (a, b), (low, high) in zip((x, y), terrain.bounds, strict=True)]
-    spacing = max(SPACING, math.sqrt(math.prod(b - a for a, b in ends) / MOST_POINTS))
-    places = [np.linspace(a, b, max(2, math.ceil((b - a) / spacing) + 1)) for a, b in ends]
+    spacing = max(SPACING, float(np.sqrt(np.prod(np.diff(ends)) / MOST_POINTS)))
+    places = [np.linspace(a, b, max(2, int(np.ceil((b - a) / spacing)) + 1)) for a, b in ends]
     height = terrain.surface(*np.meshgrid(*places, indexing="ij"))
     return *places, np.nan_to_num(height, nan=np.nanmin(height))
 
