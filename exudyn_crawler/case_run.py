@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import NamedTuple, Self
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import Case, CaseFile, CellTerrain
-from exudyn_crawler.case.case_file import check_case_file
+from exudyn_crawler.case import Case, CaseFile, CellTerrain, check_case_file
 from exudyn_crawler.model import flexible_shoes, reductions as cache
 from exudyn_crawler.results.history.history import MOST_IN_MEMORY, History
 from exudyn_crawler.results.stress import basis, recovery

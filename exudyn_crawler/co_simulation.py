@@ -16,8 +16,7 @@ from exudyn_crawler.case.parameters.undercarriage import MachinePhase, length_er
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.model import compiled_system, formulation, track_system
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.states import system_history
+from exudyn_crawler.results.history import History, states
 from exudyn_crawler.run.solve import equilibrium, simulation
 
 AXES = "xyz"
@@ -108,7 +107,7 @@ class SteppedRun:
 
     def history(self) -> History:
         """History of the instant at which the run is."""
-        return system_history(self._system, self._system.state()[None])
+        return states.system_history(self._system, self._system.state()[None])
 
 
 def outputs(history: History) -> dict[str, float]:

@@ -10,7 +10,7 @@ import xarray as xr
 from exudyn_crawler import files
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.results.checks import cases, roller_path, solve
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History
 from exudyn_crawler.results.life import duty_runs, life as results
 from exudyn_crawler.results.life.duty import Duty, read_duty
 from exudyn_crawler.run.folder import folder as folders, progress, record

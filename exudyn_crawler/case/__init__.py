@@ -5,8 +5,8 @@ of the P&H 4100C and of the papers, in `ph4100c`, fill the classes by their name
 """
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.case_file import CaseFile, Outputs, differences
-from exudyn_crawler.case.files import read_case, saved_case, write_case
+from exudyn_crawler.case.case_file import CaseFile, Outputs, check_case_file, differences
+from exudyn_crawler.case.files import case_of, read_case, saved_case, write_case
 from exudyn_crawler.case.parameters.closed_track import ClosedTrack, Idler, Tumbler
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver, StepProfile

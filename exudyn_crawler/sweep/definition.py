@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import pandas as pd
 from scipy.stats import qmc
 
-from exudyn_crawler.case import CaseFile, Outputs
-from exudyn_crawler.case.files import case_of
+from exudyn_crawler.case import CaseFile, Outputs, case_of
 from exudyn_crawler.case.parameters import checks, fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.results.life.duty import Duty

@@ -14,9 +14,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.checks import roller_path
+from exudyn_crawler.results.history import History, RunPhase, common_phases, summary
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, for_reading, link_name, select
-from exudyn_crawler.results.history.history import History, RunPhase, common_phases
-from exudyn_crawler.results.history.summary import tension_along_chain
 from exudyn_crawler.views import style
 
 PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.1
@@ -269,7 +268,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
 
 def chain_figure(history: History) -> Figure:
     """Tension of a closed chain over a run: where on the loop, place by place, and link by link."""
-    along = tension_along_chain(history)
+    along = summary.tension_along_chain(history)
     with style.titled_figure(f"{history.case.name}: tension along the chain", PANEL_WIDTH, 8.4) as figure:
         loop, by_place, by_link = figure.subplots(3, 1, height_ratios=[1.25, 1.0, 1.0])
         mean, look = along.mean_at / style.KILO, {"cmap": style.SINKAGE_MAP, "edgecolors": style.SHOE_EDGE}

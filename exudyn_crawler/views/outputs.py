@@ -13,8 +13,7 @@ import xarray as xr
 from exudyn_crawler import files
 from exudyn_crawler.case import Case, CellTerrain, Outputs
 from exudyn_crawler.results.checks import roller_path
-from exudyn_crawler.results.history import catalogue, ground_map, summary
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History, catalogue, ground_map, summary
 from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.scenes import films, gear, pictures, shoes, track

@@ -1,3 +1,3 @@
 """History of a run: named variables, catalogue of quantities, files."""
 
-from exudyn_crawler.results.history.history import History, as_history, phases
+from exudyn_crawler.results.history.history import History, RunPhase, as_history, common_phases, phases

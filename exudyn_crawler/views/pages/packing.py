@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_hex
 
-from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.results.history import History, common_phases
 from exudyn_crawler.views import figures, style
 from exudyn_crawler.views.scenes.scene import Scene, Solid
 

@@ -15,8 +15,7 @@ from markupsafe import Markup
 from exudyn_crawler.case import CellTerrain, Terrain
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
-from exudyn_crawler.results.history import ground_map, summary
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History, ground_map, summary
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.pages import packing, page, runs
 from exudyn_crawler.views.pages.page import Section, part, table, together

@@ -11,8 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case.case_file import differences
-from exudyn_crawler.results.history import catalogue, summary
-from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.results.history import History, catalogue, common_phases, summary
 from exudyn_crawler.views.figures import history_series, overlay, panel_figure
 from exudyn_crawler.views.pages import page
 from fem.interrupts import interrupts_wait

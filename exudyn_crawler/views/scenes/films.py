@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from exudyn_crawler.files import refuse_existing, whole_file
-from exudyn_crawler.results.history.history import History, as_history, common_phases
+from exudyn_crawler.results.history import History, as_history, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views import figures, style
 from exudyn_crawler.views.scenes import gear, pictures, shoes, track

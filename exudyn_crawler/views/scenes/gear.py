@@ -10,10 +10,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import Case, ClosedTrack, Rails, Undercarriage
-from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.case import SIDES, Case, ClosedTrack, Rails, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes.scene import Solid, box, disc, star
 

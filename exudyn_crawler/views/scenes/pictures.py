@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case import Case, CellTerrain
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import track
 from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, disc, upward

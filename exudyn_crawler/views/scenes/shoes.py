@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear, pictures, track
 from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid, View

@@ -13,8 +13,7 @@ import xarray as xr
 
 from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.history.ground_map import pressed_depths
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history import History, ground_map
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear
 from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Colouring, Placement, Scene, Solid, box, upward
@@ -203,7 +202,7 @@ def with_ground(
 ) -> xr.Dataset:
     """Instants of a history at stored times `rows` with the ground's height and how deep it is pressed, m."""
     x, y, height = grid
-    depth = pressed_depths(history, rows, x, y, height)
+    depth = ground_map.pressed_depths(history, rows, x, y, height)
     return dataset.assign_coords(ground_x=x, ground_y=y).assign(
         ground_height=(("ground_x", "ground_y"), height),
         ground_depth=(("time", "ground_x", "ground_y"), depth),
