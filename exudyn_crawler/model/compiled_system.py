@@ -56,8 +56,9 @@ FIRST_STEP, SLOWED_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.05, 0.2, 1e-7
 """s, of creeping; the second one of a chain whose drag still falls."""
 FEW, SOME, MANY = 8, 12, 25
 """Iterations below which the next step of creeping is longer, below which drag falls, and most of them."""
-SETTLING, SETTLING_LIMITS = 4.0, (1e-2, MANY)
-"""s in which shoes creep to their rest on cells that remember them; limits as of `creep`."""
+SETTLING, UNEVEN_SETTLING, SETTLING_LIMITS = 4.0, 60.0, (1e-2, MANY)
+"""s in which shoes creep to their rest on cells that remember them, and dragged ones that tilt on edges of
+uneven ones; limits as of `creep`."""
 
 
 def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateLayout:
@@ -214,7 +215,8 @@ class CompiledSystem(TrackSystem):
                 q, multipliers = self._state[0].copy(), self._multipliers.copy()
             return iterations
 
-        self.creep_for(SETTLING, attempt)
+        tilts = self.case.running_gear is None and not self.case.terrain.is_even
+        self.creep_for(UNEVEN_SETTLING if tilts else SETTLING, attempt)
         return q
 
     def creep_for(self, duration: float, attempt: Callable[[float, float], int | None]) -> None:

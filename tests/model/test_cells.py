@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.growth import longer
 from exudyn_crawler import Case, Drive, LoadCycle, StepProfile, simulate
-from exudyn_crawler.case.parameters.heights import Heights, Roughness
+from exudyn_crawler.case.parameters.heights import Heights, Roughness, Stone
 from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
@@ -95,6 +95,47 @@ def test_a_dragged_track_is_held_back_by_the_strength_of_the_soil(dragged):
     normal = dragged.normal_force.isel(time=-1, axis=2).sum().item()
     strength = law.cohesion * area + np.tan(np.radians(law.friction_angle)) * normal
     assert 0.9 * strength < pull < 1.05 * strength
+
+
+def stress_by_region(case):
+    """Highest von Mises stress (Pa) of shoe 2 at rest by region, and the run."""
+    run = simulate(case, 4e-3, False)
+    table = recover_stresses(run, [0.0], peak=False).by_region[2]
+    return table.set_index("region")["value"], run
+
+
+def test_a_stone_under_a_corner_tilts_a_dragged_shoe_and_bends_it():
+    base = Case.stress("coarse")
+    track, flexible = base.track.with_(shoe_count=3), base.flexible_shoes().with_(shoes=(2,))
+    case = base.with_(track=track, loads=LoadCycle.propel(3), flexible=flexible, drive=FREE)
+    x, y = case.shoe_reference[1, :2] + (0.0, 0.5 * case.shoe.width - 0.3)
+    stone = Heights(parts=(Stone(x=x, y=y, height=0.08, width=0.2, flank=0.2),))
+    level, _ = stress_by_region(case.on_cells(RockFloor.hard_floor()))
+    lifted, run = stress_by_region(case.on_cells(RockFloor.hard_floor(), stone))
+    assert np.abs(run.acceleration.isel(time=0)).max() < 3e-3  # m/s2
+    assert 0.02 < float(np.abs(run.angles.isel(time=0)).max()) < 0.08 / case.shoe.width
+    for region in ("wings", "lugs"):
+        assert lifted[region] > 4.0 * level[region]
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        {"model": "ridge", "x": 12.0, "height": 0.1, "width": 0.2, "flank": 0.3},
+        {"model": "ramp", "x": 14.0, "height": 0.1, "flank": 0.3},
+        {"model": "stone", "x": 13.0, "y": 10.7, "height": 0.08, "width": 0.2, "flank": 0.2},
+    ],
+    ids=lambda part: part["model"],
+)
+@pytest.mark.parametrize("law", [BekkerSoil.lete_sand(), RockFloor.hard_floor()], ids=["sand", "rock"])
+def test_a_dragged_track_finds_its_rest_on_uneven_ground(law, part):
+    case = Case.translation().on_cells(law, Heights(parts=(part,))).with_(drive=FREE)
+    start = simulate(case, 4e-3, False)
+    carried = (start.normal_force + start.friction_force).isel(time=0).sum("contact").values
+    assert carried[2] == pytest.approx(weight(case), rel=1e-3)
+    assert np.abs(carried[:2]).max() < 1e-3 * weight(case)
+    assert np.abs(start.acceleration.isel(time=0)).max() < 0.01  # m/s2
+    assert float(np.abs(start.angles.isel(time=0)).max()) > 0.005
 
 
 @pytest.mark.parametrize("grade", [0.0, 0.1])

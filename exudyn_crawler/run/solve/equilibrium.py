@@ -47,7 +47,7 @@ SLOW = 1e-6
 
 
 def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
-    """Coordinates that a track under rollers has crept to from a guess, or a `NewtonError`.
+    """Coordinates to which a track under rollers or on uneven cells creeps from a guess, or a `NewtonError`.
 
     Frictionless it may have no rest at all: the rollers fold the chain up, and only friction holds the shoes
     where they are. So all bodies creep to where they stay, without inertia and slowed in proportion to their
@@ -158,7 +158,13 @@ def _compiled_rest(case: Case) -> np.ndarray:
     try:
         if case.is_rolled or case.is_closed:
             return _crept(case, guess)
-        return rest(system, guess)
+        try:
+            return rest(system, guess)
+        except NewtonError:
+            if case.terrain.is_even or not system.sticks:
+                raise
+            # over stones and ledges shoes tilt far from any guess
+            return crept(system, guess)
     except NewtonError as failed:
         if case.running_gear is not None or system.sticks:
             raise _no_rest(system, failed) from failed
@@ -211,9 +217,10 @@ def _oiled(case: Case, speed: float) -> Case:
 
 def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
     slides = "; the ground's shear may be too weak to hold the shoes: compare contact.law with the slope"
+    even = system.sticks and system.case.terrain.is_even and failed.singular
     return EquilibriumError(
         f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
-        f"{failed.fault(system.layout)}{slides if system.sticks and failed.singular else ''}"
+        f"{failed.fault(system.layout)}{slides if even else ''}"
     )
 
 
