@@ -119,7 +119,7 @@ class CompiledSystem(TrackSystem):
             self._cells = TrackOnCells(contact.ground, bodies, plain(self.tables.cells), cells)
         else:
             self._workspace = Workspace.allocate(self.tables, contact.greatest_count)
-        self._loads = plain(profiles_of([case.loads.profile(number) for number in case.track.shoes]))
+        self._loads = plain(profiles_of(case.loads.of_shoes))
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
         self._speeds = plain(profiles_of([case.drive.speed, turn, case.loads.side_shift]))
         machine = [StepProfile.constant(0.0)] * 6 if case.machine is None else case.machine.components

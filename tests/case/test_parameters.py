@@ -357,12 +357,6 @@ def test_load_cycles_with_unlike_phases_are_refused():
     refusal(lambda: LoadCycle(phases=()), "phases", "at least 1 item")
 
 
-@pytest.mark.parametrize("shoe", [0, 14])
-def test_loads_of_shoes_that_do_not_exist_are_refused(shoe):
-    with pytest.raises(ValueError, match=re.escape(f"shoe must be in 1..13, got {shoe}")):
-        LoadCycle.propel().profile(shoe)
-
-
 @pytest.mark.parametrize("count", [12, 14])
 def test_a_wrong_number_of_loads_is_refused(count):
     refusal(

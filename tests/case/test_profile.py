@@ -72,4 +72,4 @@ def test_loads_follow_steps_between_the_ends_of_phases():
         rel=1e-12,
     )
     quarter = 386.4e3 + (500e3 - 386.4e3) * 0.25**2 * 2.5
-    assert cycle.profile(2).value(15.0 + 7.5 / 4) == pytest.approx(quarter, rel=1e-12)
+    assert cycle.of_shoes[1].value(15.0 + 7.5 / 4) == pytest.approx(quarter, rel=1e-12)

@@ -10,6 +10,7 @@ import xarray as xr
 from exudyn_crawler import History
 from exudyn_crawler.files import write_netcdf_along
 from exudyn_crawler.results.history.files import (
+    CASE,
     SHAPES,
     TERRAIN_COORDINATES,
     Chunk,
@@ -18,7 +19,6 @@ from exudyn_crawler.results.history.files import (
     save_joined,
     unit_motion,
     unpacked,
-    with_case,
 )
 
 
@@ -30,7 +30,8 @@ def test_a_file_holds_coordinates_of_the_terrain_and_single_contacts(flexible_ru
         assert not [name for name in file.variables if str(name).startswith("unit_")]
         assert file.normal_force.dtype == np.float32
         assert file.position.dtype == float
-    whole = with_case(history.dataset.drop_vars(TERRAIN_COORDINATES), history.case)
+    case = history.case.model_dump_json()
+    whole = history.dataset.drop_vars(TERRAIN_COORDINATES).assign_attrs({CASE: case})
     old = write_netcdf_along("time", history.time.size, [whole], tmp_path / "old.nc")
     sizes = [
         sum(one.nbytes for one in dataset.variables.values() if "time" in one.dims)

@@ -125,7 +125,7 @@ def test_a_unit_that_a_shoe_never_touches_loads_nothing(flexible_run):
     """Of a part of a run, in which the shoe stood on other units before."""
     history = flexible_run[0]
     contact = next(one for one in actions(history, 7) if isinstance(one.entry, OverRectangle))
-    never = replace(contact, entry=replace(contact.entry, pressed=np.zeros_like(contact.entry.pressed)))
+    never = replace(contact, entry=contact.entry._replace(pressed=np.zeros_like(contact.entry.pressed)))
     units, frames = unit_loads(history.case), rotation_matrices(history.angles.sel(shoe=7).values)
     assert coordinates(units, contact, frames).nnz
     assert coordinates(units, never, frames).nnz == 0

@@ -144,11 +144,10 @@ class LoadCycle(Cycle):
         """Number of shoes that the cycle loads."""
         return len(self.phases[0].loads)
 
-    def profile(self, shoe: int) -> StepProfile:
-        """Load on a shoe (1..n) over time, N."""
-        if not 1 <= shoe <= self.shoe_count:
-            raise ValueError(f"shoe must be in 1..{self.shoe_count}, got {shoe}")
-        return self.over_time(phase.loads[shoe - 1] for phase in self.phases)
+    @property
+    def of_shoes(self) -> list[StepProfile]:
+        """Load on every shoe over time, N."""
+        return self.profiles(phase.loads for phase in self.phases)
 
     @property
     def side_shift(self) -> StepProfile:
@@ -157,7 +156,7 @@ class LoadCycle(Cycle):
 
     def loads(self, time: np.typing.ArrayLike) -> np.ndarray:
         """Loads at each time: array (times, shoes), N downward."""
-        return values_of(self.profiles(phase.loads for phase in self.phases), time)
+        return values_of(self.of_shoes, time)
 
 
 def cycle_content(path: str | Path) -> dict[str, Any]:

@@ -35,7 +35,7 @@ def add_loads(mbs: "exu.MainSystem", case: Case, markers: list[int], static: boo
     = 0: Exudyn's static solver asks for those at 1 s.
     """
     shift, down = case.loads.side_shift, case.terrain.down
-    shares = [(case.loads.profile(number), side) for number in case.track.shoes for side in SIDES]
+    shares = [(profile, side) for profile in case.loads.of_shoes for side in SIDES]
     for marker, (profile, side) in zip(markers, shares, strict=True):
         size = _at_time(_share(profile, shift, side))
         load = items.LoadForceVector(markerNumber=marker, loadVector=(size(0.0) * down).tolist())

@@ -36,18 +36,6 @@ TERRAIN_COORDINATES = tuple(select(per="terrain coordinate"))
 """Coordinates of a history's dataset: what the units' motion is made of."""
 
 
-def with_case(dataset: xr.Dataset, case: Case) -> xr.Dataset:
-    """Dataset of a history as a file holds it: with its case."""
-    # ASCII, so that the text has a checksum
-    return dataset.assign_attrs({CASE: json.dumps(case.model_dump(mode="json"))})
-
-
-def without_case(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset of a history from that of a file."""
-    attributes = {name: value for name, value in dataset.attrs.items() if name != CASE}
-    return dataset.drop_attrs(deep=False).assign_attrs(attributes)
-
-
 @contextmanager
 def reading_history(path: Path) -> Iterator[None]:
     """Say of whatever goes wrong in the block that the file does not hold a history, by a ValueError.
@@ -129,7 +117,8 @@ def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
             shapes, motion = dataset.variables[shape].values, dataset.variables[f"{TERRAIN}{rate}"]
             part, sizes = partial(_part_of_motion, shapes, motion), (motion.shape[0], len(shapes))
             computed[f"{name}{rate}"] = _lazy(f"{name}{rate}", sizes, part)
-    return dataset.assign(computed)
+    attributes = {name: value for name, value in dataset.attrs.items() if name != CASE}
+    return dataset.assign(computed).drop_attrs(deep=False).assign_attrs(attributes)
 
 
 def _single(dataset: xr.Dataset) -> list[str]:
@@ -185,7 +174,7 @@ class Chunk:
 
         def parts() -> Iterator[xr.Dataset]:
             with xr.open_dataset(path, engine="h5netcdf", cache=False) as dataset:
-                yield from blocks(without_case(unpacked(dataset)).isel(time=slice(times)))
+                yield from blocks(unpacked(dataset).isel(time=slice(times)))
 
         return cls(times, pairs, parts)
 
@@ -219,7 +208,9 @@ def save_joined(
     parts = _parts(chunks)
     if end is not None:
         parts = (part.drop_dims(("cell", "ground_time"), errors="ignore").assign(end) for part in parts)
-    whole = (with_case(packed(part), case) for part in parts)
+    # ASCII, so that the text has a checksum
+    text = json.dumps(case.model_dump(mode="json"))
+    whole = (packed(part).assign_attrs({CASE: text}) for part in parts)
     times = sum(chunk.times for chunk in chunks)
     return write_netcdf_along("time", times, whole, path, overwrite)
 

@@ -167,9 +167,9 @@ class History:
         case = files.case_in_file(path)
         with files.reading_history(path):
             stored = xr.open_dataset(path, engine="h5netcdf", cache=False)
-            dataset = files.without_case(files.unpacked(stored))
+            dataset = files.unpacked(stored)
             if dataset.nbytes <= MOST_IN_MEMORY:
-                dataset = files.without_case(files.unpacked(stored.load(), widened=True))
+                dataset = files.unpacked(stored.load(), widened=True)
                 stored.close()
             _check(case, dataset)
         return cls(case=case, dataset=dataset)

@@ -67,11 +67,9 @@ class FatigueMaterial(Parameters):
         "1", "casting defects' (FKM: tested castings 1.25, others 1.4)", (1.0, 2.0), ge=1, le=10, default=1.0
     )
     slope: float = quantity(
-        "1", "k of the S-N curve (FKM: 5 for normal stress)", plausible=(3.0, 15.0), ge=1, le=50, default=5.0
+        "1", "k of the S-N curve (FKM: 5 for normal stress)", (3.0, 15.0), ge=1, le=50, default=5.0
     )
-    knee: float = quantity(
-        "1", "cycles at its knee (FKM: 1e6)", plausible=(1e5, 1e7), ge=1e3, le=1e10, default=1e6
-    )
+    knee: float = quantity("1", "cycles at its knee (FKM: 1e6)", (1e5, 1e7), ge=1e3, le=1e10, default=1e6)
     scatter: float = quantity(
         "1", "strength that 10 % survive over that of 90 %", (1.0, 2.0), ge=1, le=10, default=1.25
     )
@@ -237,9 +235,7 @@ class DutyCase(Parameters):
     case: Name = option("name of a check case of the shoes, such as 'even, sand, pass'")
     after: Name = option("check case from which the shoe comes and to which it returns", UNLOADED)
     an_hour: float = quantity("1/h", "times a machine hour that a shoe has it", gt=0, le=1e6)
-    load: float = quantity(
-        "1", "factor of the stress in both", plausible=(0.2, 5.0), gt=0, le=100, default=1.0
-    )
+    load: float = quantity("1", "factor of the stress in both", (0.2, 5.0), gt=0, le=100, default=1.0)
     stage: Name | None = option("stage in which it happens; none: in all", None)
 
 
@@ -298,10 +294,8 @@ class Duty(Damage):
         "1/h",
         "how often an hour the shovel goes from one of the runs through all others and back, a cycle between "
         "their extremes each; none: as often as the rarest of them",
-        ge=0,
-        le=1e6,
-        default=None,
-    )
+        ge=0, le=1e6, default=None,
+    )  # fmt: skip
 
     def _errors(self) -> Errors:
         names, stages = [one.name for one in self.parts], [stage.name for stage in self.stages]
