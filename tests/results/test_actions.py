@@ -110,7 +110,7 @@ def test_flexible_shoes_obey_newton_with_their_own_mass(flexible_run):
 
 def test_energies_of_flexible_shoes_are_refused(flexible_run):
     for function in (energies, powers):
-        with pytest.raises(ValueError, match="needs a history of rigid shoes"):
+        with pytest.raises(ValueError, match="must have rigid shoes"):
             function(flexible_run[0])
 
 
