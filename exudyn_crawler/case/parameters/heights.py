@@ -146,8 +146,7 @@ class Roughness(Parameters):
 
 STEEPEST = 1.0  # rise over run beyond which heights are a wall, which cells do not know
 STEP = 0.2
-"""Second difference of slopes from place to place, twice the slope of a step: one that is not smoothed makes
-the spline swing by a tenth of its height, 1 % of the spacing here; smoothed by half a spacing 2.4 % of it."""
+"""Second difference of slopes, twice a step's slope: without smoothing splines swing by 1 % of the spacing."""
 
 
 class HeightGrid(NamedTuple):
@@ -182,14 +181,13 @@ class MeasuredGrid(Parameters):
         except (OSError, KeyError, ValueError) as error:
             yield f"file: {self.file} cannot be used: {' '.join(str(error).split())}"
             return
+        least = 0.5 * max((side for side, one in zip(sides, bend, strict=True) if one > STEP), default=0.0)
         if max(steepest) > STEEPEST:
             yield (
                 f"smoothing: heights of {self.file} must not rise by more than {STEEPEST:g} m a metre, since "
                 f"cells know no walls, got {max(steepest):.3g} with smoothing = {self.smoothing:g} m"
             )
-            return
-        least = 0.5 * max((side for side, one in zip(sides, bend, strict=True) if one > STEP), default=0.0)
-        if self.smoothing < least:
+        elif self.smoothing < least:
             yield (
                 f"smoothing: must be at least {least:g} m, half a spacing of {self.file}, since its heights "
                 f"have steps, got {self.smoothing:g} m"
