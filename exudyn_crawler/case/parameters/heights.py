@@ -146,7 +146,7 @@ class Roughness(Parameters):
 
 STEEPEST = 1.0  # rise over run beyond which heights are a wall, which cells do not know
 STEP = 0.2
-"""Second difference of slopes, twice a step's slope: without smoothing splines swing by 1 % of the spacing."""
+"""Second difference of slopes, twice that of a step: unsmoothed splines swing by 1 % of a spacing."""
 
 
 class HeightGrid(NamedTuple):
