@@ -153,6 +153,12 @@ def swept(name, value):
     return SimpleNamespace(table=table, sweep=SAMPLE, folder=Path("results") / name)
 
 
+TAKEN = {
+    "pull beyond rolling in kN": 93.734,
+    "taken by pressure in kN": 13.131,
+    "taken by shear in kN": 83.257,
+}
+POWERS = pd.DataFrame([{"ground": "oil sand, soft end, springs back, undamped", "way in m": 2.75} | TAKEN])
 VALUES = pd.DataFrame({"value": [133.94821e6]})
 STRESSES = SimpleNamespace(hot_spots={13: VALUES}, dataset=None)
 RUN = SimpleNamespace(recovered=lambda: STRESSES, history=None)
@@ -171,6 +177,7 @@ FAKES = {
     "shovel-life": {"studies.life.study": result({}, LIFE.assign(propel_and_material="dragged_a36"))},
     "rollers": {"studies.rollers.study": result({}, SPOTS.assign(case="rolled", shoe=7))},
     "closed": {"studies.closed.study": result({}, LOOP, TORQUE, PEAKS, TURNS)},
+    "grounds --powers": {"studies.ground.power_study": result(POWERS)},
     "studies plate-sweep": {"studies.plate_sweep.study": result(SimpleNamespace(table=PLATES))},
     "studies sliding-modes": {
         "studies.sliding_modes.study": result(
@@ -219,6 +226,7 @@ PAGE = Path("results/case/report.html")
 FAKES["run case.toml --no-page"] = FAKES["run case.toml"]
 NUMBERS = {
     "closed": ["803", "54.68", "1196", "116.3"],
+    "grounds --powers": ["93.73", "13.13", "83.26"],
     "studies plate-sweep": ["79 120 000", "40 000 000"],
     "studies sliding-modes": ["1.842", "-0.01429"],
     "shovel-life": ["300 900", "0.04392"],
