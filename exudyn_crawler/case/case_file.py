@@ -2,7 +2,6 @@
 
 import math
 import os
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, SupportsFloat
 
@@ -15,7 +14,7 @@ from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quan
 from exudyn_crawler.case.parameters.drive import StepProfile
 from meshes import geometry, mesh_named
 
-_bytes = partial(fields.in_units, units={"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0})
+SIZES = {"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0}  # bytes
 NUMBER = 8  # bytes
 FALLBACK_MEMORY = 64e9  # bytes, taken for the machine's memory where the system does not tell it
 GREATEST_HISTORY = 1e12  # bytes of a history on disk
@@ -61,9 +60,10 @@ def check_size(case: Case, duration: float) -> None:
     times = solver.stored_times(duration)
     needed = times * stored_numbers(case) * NUMBER
     if needed > GREATEST_HISTORY:
+        size, most = (fields.in_units(one, SIZES) for one in (needed, GREATEST_HISTORY))
         raise ValueError(
-            f"duration: {duration:g} s would leave {times:.3g} stored states of {_bytes(needed)}, allowed is "
-            f"{_bytes(GREATEST_HISTORY)}; a greater solver.output_interval stores fewer"
+            f"duration: {duration:g} s would leave {times:.3g} stored states of {size}, allowed is {most}; "
+            "a greater solver.output_interval stores fewer"
         )
     stages = f"{duration / (each := solver.checkpoint_interval):.3g} stages, allowed are {MOST_STAGES}"
     if duration / each > MOST_STAGES:
@@ -86,7 +86,8 @@ def check_modes(nodes: int, modes: int) -> None:
 def _check_memory(what: str, needed: float) -> None:
     allowed = machine_memory()
     if needed > allowed:
-        raise ValueError(f"{what} would take {_bytes(needed)} of memory, this machine has {_bytes(allowed)}")
+        size, most = (fields.in_units(one, SIZES) for one in (needed, allowed))
+        raise ValueError(f"{what} would take {size} of memory, this machine has {most}")
 
 
 def machine_memory() -> float:

@@ -4,7 +4,7 @@ import difflib
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
@@ -37,19 +37,19 @@ Extent = Annotated[float, Ge(0.0), Le(100.0)]
 Width = Annotated[float, Ge(1e-9), Le(100.0)]
 Depth = Annotated[float, Ge(1e-9), Le(10.0)]
 Speed = Annotated[float, Ge(1e-9), Le(100.0)]
-Density = Annotated[float, Ge(1e-3), Le(1e6)]
 Stiffness = Annotated[float, Ge(1.0), Le(1e18)]
 Exponent = Annotated[float, Ge(1.0), Le(10.0)]
 Damping = Annotated[float, Ge(0.0), Le(1e12)]
 Coefficient = Annotated[float, Ge(0.0), Le(10.0)]  # of friction or resistance
 Slope = Annotated[float, Gt(-1.0), Lt(1.0)]
-Interval = Annotated[float, Ge(1e-9), Le(1e9)]
-TimeStep = Annotated[float, Ge(1e-9), Le(10.0)]
 Mass = Annotated[float, Ge(1.0), Le(1e9)]  # of a machine's parts
 Load = Annotated[float, Ge(-1e10), Le(1e10)]  # on a shoe, N
 Roller = Annotated[float, Ge(-1e3), Le(1e3)]  # place of a roller along the frame, m
+Survival = Annotated[float, Gt(0.0), Lt(1.0)]  # part of shoes that survives
 Two = tuple[Place, Place]
 Three = tuple[Place, Place, Place]
+Item = TypeVar("Item")
+Several = Annotated[tuple[Item, ...], MinLen(1)]
 Vector = tuple[Component, Component, Component]
 File = Annotated[Path, AfterValidator(Path.absolute)]
 """Wherever what names it is read again."""

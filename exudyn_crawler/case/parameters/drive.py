@@ -6,8 +6,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
+from exudyn_crawler.case.parameters.base import Component, Errors, Parameters, option, quantity
 
 SAME_TIME = 1e-9  # relative difference below which two times are the same
 FASTEST = 100.0  # m/s and rad/s: no track is as fast, and nothing of it could be integrated
@@ -23,7 +22,7 @@ class StepProfile(Parameters):
     is_value: ClassVar[bool] = True
 
     times: tuple[float, ...] = option("increasing times, s", min_length=1)
-    values: tuple[base.Component, ...] = option("value at each time", min_length=1)
+    values: tuple[Component, ...] = option("value at each time", min_length=1)
 
     def _errors(self) -> Errors:
         if len(self.times) != len(self.values):
@@ -171,13 +170,17 @@ def _risen(value: float) -> StepProfile:
 class Solver(Parameters):
     """Implicit generalized-alpha integration; `docs/validation.md` shows what the defaults cost."""
 
-    step: base.TimeStep = quantity("s", "time step", (1e-5, 0.02), default=2.0e-3)
-    quiet_step: base.TimeStep = quantity("s", "step 1 s after the drive went off", (1e-5, 0.1), default=0.01)
+    step: float = quantity("s", "time step", (1e-5, 0.02), ge=1e-9, le=10, default=2.0e-3)
+    quiet_step: float = quantity(
+        "s", "step 1 s after the drive went off", (1e-5, 0.1), ge=1e-9, le=10, default=0.01
+    )
     minimum_step: float = quantity("s", "least step tried before giving up", ge=1e-15, le=10, default=1.0e-6)
     residual: float = quantity("N", "rms to end Newton's method", (1e-6, 50.0), ge=1e-12, le=1e9, default=0.2)
     maximum_iterations: int = quantity("1", "iterations before a step is halved", ge=2, le=10_000, default=40)
     spectral_radius: float = quantity("1", "at infinite frequency: less damps more", gt=0, lt=1, default=0.6)
-    output_interval: base.Interval = quantity("s", "between stored states; at least a step", default=2.0e-3)
+    output_interval: float = quantity(
+        "s", "between stored states; at least a step", ge=1e-9, le=1e9, default=2.0e-3
+    )
     checkpoint_interval: float = quantity(
         "s", "between states from which a run, or a killed one, starts anew", ge=1e-3, le=1e9, default=1.0
     )

@@ -2,22 +2,17 @@
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import fields, reading
-from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, option, quantity
+from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, Several, option, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-Part = TypeVar("Part", bound="PhaseEnd")
-Phases = Annotated[tuple[Part, ...], Field(min_length=1)]
 
 
 class PhaseEnd(Parameters):
@@ -36,7 +31,7 @@ def values_of(profiles: Iterable[StepProfile], time: np.typing.ArrayLike) -> np.
 class Cycle(Parameters):
     """Phases whose ends are joined by cubic STEPs."""
 
-    phases: Phases[Any]
+    phases: Several[Any]
 
     def _errors(self) -> Errors:
         ends = [phase.end for phase in self.phases]
@@ -62,7 +57,7 @@ class Phase(PhaseEnd):
 class LoadCycle(Cycle):
     """Downward loads on the shoes in phases whose ends cubic STEPs join, constant before and after them."""
 
-    phases: Phases[Phase]
+    phases: Several[Phase]
 
     def _errors(self) -> Errors:
         yield from super()._errors()

@@ -9,8 +9,7 @@ import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Errors, Parameters, Slope, Two, option, quantity
+from exudyn_crawler.case.parameters.base import Errors, File, Parameters, Slope, Two, option, quantity
 from exudyn_crawler.case.parameters.heights import Heights
 
 STEEPEST = 0.2
@@ -62,7 +61,7 @@ class Terrain(Ground):
     unit_length: float = quantity("m", "side of a unit in x", (0.1, 50.0), ge=1e-2, le=1e4)
     unit_width: float = quantity("m", "side of a unit in y", (0.1, 50.0), ge=1e-2, le=1e4)
     unit_height: float = quantity("m", "height of a unit", (0.1, 50.0), ge=1e-3, le=1e4)
-    density: base.Density = quantity("kg/m3", "density of the units", (500.0, 4000.0))
+    density: float = quantity("kg/m3", "density of the units", (500.0, 4000.0), ge=1e-3, le=1e6)
     springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
     spring_stiffness: float = quantity("N/m", "stiffness of each spring", (1e5, 1e11), ge=1.0, le=1e15)
     spring_damping: float = quantity("N s/m", "damping of each spring-damper", (0.0, 1e10), ge=0, le=1e15)
@@ -257,7 +256,7 @@ class CellTerrain(Ground):
     length: float = quantity("m", "of the field along x", gt=0, le=1e5)
     width: float = quantity("m", "of the field along y", gt=0, le=1e5)
     cell: float = quantity("m", "side of a cell", plausible=(0.02, 0.2), ge=1e-3, le=10, default=0.1)
-    ruts: base.File | None = quantity(
+    ruts: File | None = quantity(
         "", "history (.nc) of an earlier run on this ground, whose ruts it has; none: fresh", default=None
     )
 

@@ -241,7 +241,7 @@ class FlexibleShoes(Parameters):
     mesh: str = option("coarse, study or fine, or the path of a mesh with the same surfaces")
     youngs_modulus: float = quantity("Pa", "E", (5e10, 5e11), ge=1.0, le=1e15)
     poissons_ratio: float = quantity("1", "nu", (0.0, 0.45), gt=-1, lt=0.5)
-    density: base.Density = quantity("kg/m3", "density", (1000.0, 2e4))
+    density: float = quantity("kg/m3", "density", (1000.0, 2e4), ge=1e-3, le=1e6)
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
     recovered_modes: int = quantity("1", "fixed-interface modes that stress is made of", ge=0, le=10_000)
     load_surface: str = option(

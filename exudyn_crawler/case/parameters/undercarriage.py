@@ -8,9 +8,9 @@ import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, terrain, track
-from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, Several, quantity
 from exudyn_crawler.case.parameters.drive import Drive, StepProfile
-from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd, Phases, values_of
+from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd, values_of
 
 MARGIN = 4.0  # m of ground ahead of the track
 FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
@@ -234,7 +234,7 @@ class Shovel(NamedTuple):
 class MachineCycle(Cycle):
     """Force and moment of the machine on one side frame, in phases whose ends are joined by cubic STEPs."""
 
-    phases: Phases[MachinePhase]
+    phases: Several[MachinePhase]
 
     @classmethod
     def shovel(

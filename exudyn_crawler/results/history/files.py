@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
 from pathlib import Path
 from typing import Self
 
@@ -113,7 +112,7 @@ def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
             computed[name] = wide.load() if widened else wide
     if TERRAIN in dataset.variables:
         dataset = dataset.set_coords(list(TERRAIN_COORDINATES))
-        for rate, (name, shape) in product(RATES, SHAPES.items()):
+        for rate, name, shape in ((rate, *one) for rate in RATES for one in SHAPES.items()):
             shapes, motion = dataset.variables[shape].values, dataset.variables[f"{TERRAIN}{rate}"]
             part, sizes = partial(_part_of_motion, shapes, motion), (motion.shape[0], len(shapes))
             computed[f"{name}{rate}"] = _lazy(f"{name}{rate}", sizes, part)

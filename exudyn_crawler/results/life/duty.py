@@ -8,13 +8,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Any, Literal, Self, get_args
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Survival, option, quantity
 from exudyn_crawler.case.parameters.reading import read_parameters, with_base
 from exudyn_crawler.results.stress.hot_spots import Region
 from fem import defects, fatigue
@@ -204,7 +203,6 @@ def _factors_of(material: FatigueMaterial) -> dict[str, float]:
 HOUR = 3600.0  # s
 UNLOADED = "unloaded"
 """Name of a shoe without loads, among those of check cases."""
-Survival = Annotated[float, Field(gt=0.0, lt=1.0)]
 
 
 class Often(Parameters):

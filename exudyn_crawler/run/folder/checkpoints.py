@@ -9,7 +9,6 @@ import shutil
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import count, takewhile
 from pathlib import Path
 from sys import intern
 from typing import Any, NamedTuple
@@ -144,7 +143,10 @@ class Checkpoints:
         first = 0
         if self._earlier.is_file() and not self._file(0).is_file():
             first = min((int(path.stem.removeprefix("stage_")) for path in self._all()), default=0)
-        return list(takewhile(Path.is_file, map(self._file, count(first))))
+        found: list[Path] = []
+        while (path := self._file(first + len(found))).is_file():
+            found.append(path)
+        return found
 
     def _all(self) -> Iterator[Path]:
         return self.folder.glob("stage_[0-9]*[0-9].npz")
