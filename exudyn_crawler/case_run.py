@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple, Self
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import Case, CaseFile, CellTerrain, check_case_file
+from exudyn_crawler.case import CaseFile, CellTerrain, check_case_file
 from exudyn_crawler.model import flexible_shoes, reductions as cache
 from exudyn_crawler.results.history.history import MOST_IN_MEMORY, History
 from exudyn_crawler.results.stress import basis, recovery
@@ -44,14 +44,6 @@ def _folder(path: str | Path | None) -> Path | None:
     if path == "":
         raise ValueError("out and reuse must name folders, or be None, got ''")
     return None if path is None else Path(path)
-
-
-def _check_files(case: Case) -> None:
-    """Refuse a mesh that does not fit, or ruts of another ground, while nothing is written yet."""
-    if case.flexible is not None:
-        flexible_shoes.check_shoe(case)
-    if isinstance(case.terrain, CellTerrain):
-        case.terrain.earlier(case.cell_contact().law)
 
 
 def run_case(
@@ -90,7 +82,11 @@ def run_case(
     case, outputs = case_file.case, case_file.outputs
     path, source = _folder(out), _folder(reuse)
     reused = None if source is None else folders.matching_history(source, case_file)
-    _check_files(case)
+    # a mesh that does not fit, or ruts of another ground, are refused while nothing is written yet
+    if case.flexible is not None:
+        flexible_shoes.check_shoe(case)
+    if isinstance(case.terrain, CellTerrain):
+        case.terrain.earlier(case.cell_contact().law)
     with cache.reductions_in(reductions):
         if path is not None and take_finished and folders.held_of(path, case_file) is record.Holds.FINISHED:
             say(f"{case.name}: finished already, in {path}")

@@ -135,8 +135,7 @@ def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> 
 
 
 def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
-    from xarray.backends import H5NetCDFStore
-    from xarray.backends.locks import HDF5_LOCK
+    from xarray.backends import H5NetCDFStore, locks
 
     from fem.hdf5 import VERSIONS
 
@@ -152,7 +151,7 @@ def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
             encoding[name] = COMPRESSION | {"dtype": "S1"}
     content = io.BytesIO()
     # within a Dask worker xarray would ask the cluster for a lock of this memory, which may be lost
-    store = H5NetCDFStore.open(content, mode="w", lock=HDF5_LOCK, driver_kwds={"libver": VERSIONS})
+    store = H5NetCDFStore.open(content, mode="w", lock=locks.HDF5_LOCK, driver_kwds={"libver": VERSIONS})
     dataset.dump_to_store(store, encoding=encoding)
     store.close()
     return content.getbuffer()

@@ -16,8 +16,7 @@ from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.model.reductions import program_digest
 from exudyn_crawler.run.folder.record import note_file, timestamp
-from exudyn_crawler.sweep.answers import ANSWERS
-from exudyn_crawler.sweep.definition import FOLDER_DIGITS
+from exudyn_crawler.sweep import answers, definition
 
 LOCK_WAIT = 600.0
 """s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
@@ -66,23 +65,23 @@ def run_task(task: Task) -> Outcome:
     check_versions(task.versions, own_versions(), platform.node())
     begun, computed = time.perf_counter(), time.process_time()
     failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
-    error, answers = None, {}
+    error, numbers = None, {}
     try:
-        answers = _answered(task, overwrite=task.again and failed_before)
+        numbers = _answered(task, overwrite=task.again and failed_before)
     except Exception as raised:
         error = raised
     taken = {"wall_time_s": time.perf_counter() - begun, "processor_time_s": time.process_time() - computed}
     here = {"host": platform.node(), "process": os.getpid()} | {
         name: round(s, 3) for name, s in taken.items()
     }
-    outcome = write_outcome(task, error, answers, **here)
+    outcome = write_outcome(task, error, numbers, **here)
     note_file(folder_of(task.runs, task.digest) / OUTCOME)
     return outcome
 
 
 def folder_of(runs: str | Path, digest: str) -> Path:
     """Folder of a run in that of all runs."""
-    return Path(runs) / digest[:FOLDER_DIGITS]
+    return Path(runs) / digest[: definition.FOLDER_DIGITS]
 
 
 def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
@@ -96,14 +95,14 @@ def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
 
 
 def write_outcome(
-    task: Task, error: BaseException | None, answers: dict[str, float | None], **more: Any
+    task: Task, error: BaseException | None, numbers: dict[str, float | None], **more: Any
 ) -> Outcome:
     """Write the outcome of a run, which fails with an error, into its folder."""
     reason = "" if error is None else " ".join(str(error).split())
     if error is not None and not (isinstance(error, errors.CrawlerError | ValueError | OSError) and reason):
         reason = f"{type(error).__name__}: {reason}"
     outcome = {"digest": task.digest, "asked": json.loads(task.answers)}
-    outcome |= {"status": DONE if error is None else FAILED, "reason": reason, "answers": answers, **more}
+    outcome |= {"status": DONE if error is None else FAILED, "reason": reason, "answers": numbers, **more}
     outcome |= {"finished": timestamp()}
     folder = folder_of(task.runs, task.digest)
     folder.mkdir(parents=True, exist_ok=True)
@@ -129,5 +128,5 @@ def _answered(task: Task, overwrite: bool) -> dict[str, float | None]:
                 if time.monotonic() > give_up:
                     raise
                 time.sleep(1.0)
-        answers = {one.label: one.of_run(run) for one in ANSWERS.validate_json(task.answers)}
-    return {name: None if value != value else value for name, value in answers.items()}
+        numbers = {one.label: one.of_run(run) for one in answers.ANSWERS.validate_json(task.answers)}
+    return {name: None if value != value else value for name, value in numbers.items()}
