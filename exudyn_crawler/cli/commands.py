@@ -13,7 +13,6 @@ import typer
 
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
-from exudyn_crawler.cli.application import CASES, RESULTS, Changes, OfName, Out, Overwrite
 from exudyn_crawler.run.folder.progress import RunTimes
 from exudyn_crawler.views.tables import print_rows, print_table
 
@@ -67,11 +66,11 @@ def common(
 def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
     study: Annotated[str | None, typer.Option(help=f"study to start from; that of NAME, or {START}")] = None,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Write a case file with every value, its unit and its meaning, to be changed and run."""
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
-    of_name = path.stem if path.stem in application.registered(CASES) else START
+    of_name = path.stem if path.stem in application.registered(application.CASES) else START
     case_file = application.study_case(study or of_name)
     written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite, by_hand=True)
     typer.echo(f"{written}: edit it, then run it: exudyn-crawler run {written}")
@@ -82,13 +81,13 @@ def info(
     case: Annotated[
         str, typer.Argument(help="case file, or name of a study", metavar="[CASE.toml|STUDY]")
     ] = START,
-    changes: Changes = None,
+    changes: application.Changes = None,
 ) -> None:
     """Show all values of a case, and where they differ from the nearest case of the papers."""
     from exudyn_crawler.case.case_file import nearest_base, run_lines, shoe_weights
     from exudyn_crawler.case.parameters import checks, fields
 
-    studies = sorted(application.registered(CASES))
+    studies = sorted(application.registered(application.CASES))
     if case in studies:
         if changes:
             raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")
@@ -115,15 +114,15 @@ def info(
 @command("run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7")
 def run(
     case: Annotated[Path, typer.Argument(help="case file", metavar="CASE.toml")],
-    out: OfName = None,
+    out: application.OfName = None,
     reuse: Annotated[
         Path | None, typer.Option(help="folder of a run whose history is used instead of simulating")
     ] = None,
-    changes: Changes = None,
+    changes: application.Changes = None,
     page: Annotated[
         bool | None, typer.Option(help="make report.html or not; if not given, as the case says")
     ] = None,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Run a case file into a folder of its own."""
     from exudyn_crawler.run.folder.folder import refuse_occupied
@@ -132,7 +131,7 @@ def run(
     case_file = crawler.read_case(case, changes or ())
     if page is not None:
         case_file = case_file.with_({"outputs.page": page})
-    out = out or RESULTS / case.stem
+    out = out or application.RESULTS / case.stem
     refuse_occupied(out, case_file, overwrite)
     from exudyn_crawler.case.case_file import run_lines
 
@@ -168,11 +167,11 @@ def show_answers(run: "CaseRun") -> None:
 
 @command("demo")
 def demo(
-    out: Out = RESULTS / "demo",
+    out: application.Out = application.RESULTS / "demo",
     prepare: bool = typer.Option(
         False, "--prepare", help="only compile and reduce, as the installation does"
     ),
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Roll a machine over a track with a flexible shoe, and make a page to look at."""
     case_file = application.study_case("demo")
@@ -197,7 +196,7 @@ def demo(
 @command("schema")
 def schema(
     out: Annotated[Path, typer.Argument(help="file to write", metavar="FILE")] = Path("case.schema.json"),
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Write the JSON schema of case files, by which editors complete and check them."""
     from exudyn_crawler.case.files import case_schema
@@ -211,9 +210,9 @@ def schema(
 @command("fmu mine.toml")
 def fmu(
     case: Annotated[Path, typer.Argument(help="case file of a machine on its track", metavar="CASE.toml")],
-    changes: Changes = None,
+    changes: application.Changes = None,
     out: Annotated[Path | None, typer.Option(help="file to write; CASE.fmu, if not given")] = None,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Write a case as a unit of co-simulation (FMU, FMI 2.0) that other programs step."""
     if find_spec("pythonfmu") is None:
@@ -235,7 +234,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         dry_run: Annotated[
             bool, typer.Option("--dry-run", help="show the runs, their number and their time; run none")
         ] = False,
-        out: OfName = None,
+        out: application.OfName = None,
         scheduler: Annotated[
             str | None,
             typer.Option(help="Dask: tcp://host:8786 or a scheduler file; this machine, if not given"),
@@ -253,7 +252,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         from exudyn_crawler.case.parameters.fields import value_text
         from exudyn_crawler.sweep.scatter import DutyScatter, read_scatter
 
-        plan, folder = read_scatter(file), out or RESULTS / file.stem
+        plan, folder = read_scatter(file), out or application.RESULTS / file.stem
         if sampled and not plan.is_sampled:
             raise ValueError(
                 f"{file}: design must draw a sample, such as 'latin_hypercube', got {plan.design!r}"

@@ -7,7 +7,6 @@ import typer
 
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
-from exudyn_crawler.cli.application import RESULTS, OfName, Overwrite, Run
 from exudyn_crawler.cli.commands import command
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_table, write_table
@@ -25,7 +24,7 @@ Out = Annotated[Path | None, typer.Option(help="file to write; one beside the hi
 def report(
     run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
     out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Make one self-contained page of a run, to be read offline in a browser."""
     folder = application.run_folder(run)  # refused before all that draws is loaded
@@ -36,7 +35,7 @@ def report(
 
 @command("animate results/kinematics/translation --end 5")
 def animate(
-    run: Run,
+    run: application.Run,
     out: Annotated[
         Path | None,
         typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4 or RUN/shoe_N.mp4, if not given"),
@@ -52,7 +51,7 @@ def animate(
     start: Annotated[float, typer.Option(help="s, first time shown")] = 0.0,
     end: Annotated[float | None, typer.Option(help="s, last time shown; the run's end, if not given")] = None,
     speed: Annotated[float, typer.Option(help="simulated seconds in a second of the film")] = 1.0,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display."""
     if stress is not None and scale is not None:
@@ -68,7 +67,7 @@ def animate(
 
 @command("node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05")
 def node_stress(
-    run: Run,
+    run: application.Run,
     shoe: Shoe,
     near: Annotated[
         tuple[float, float, float] | None,
@@ -76,7 +75,7 @@ def node_stress(
     ] = None,
     node: Annotated[int | None, typer.Option(help="number of the node, in place of --near")] = None,
     out: Out = None,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Write the stress at a place of a flexible shoe over time: tensor, principal stresses, von Mises."""
     path = application.history_path(run)
@@ -101,7 +100,9 @@ def node_stress(
 
 
 @command("pin-forces results/stress/cycle --shoe 13")
-def pin_forces(run: Run, shoe: Shoe, out: Out = None, overwrite: Overwrite = False) -> None:
+def pin_forces(
+    run: application.Run, shoe: Shoe, out: Out = None, overwrite: application.Overwrite = False
+) -> None:
     """Write the forces and moments of a shoe's pins over time, in the shoe's axes."""
     history = application.loaded(run, shoe)
     from exudyn_crawler.results.loads import exports
@@ -112,7 +113,7 @@ def pin_forces(run: Run, shoe: Shoe, out: Out = None, overwrite: Overwrite = Fal
 
 @command("shoe-loads results/stress/cycle --shoe 13 --program abaqus")
 def shoe_loads(
-    run: Run,
+    run: application.Run,
     shoe: Shoe,
     time: Annotated[
         float | None, typer.Option(help="s; that of the shoe's highest stress, if not given")
@@ -121,7 +122,7 @@ def shoe_loads(
         Literal["calculix", "abaqus"], typer.Option(help="finite-element program of the deck")
     ] = "calculix",
     out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible."""
     history = application.loaded(run, shoe)
@@ -150,7 +151,7 @@ def compare(
     out: Annotated[
         Path | None, typer.Option(help="page to write, with its tables beside it; A_B.html, if not given")
     ] = None,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Compare two runs: what differs in their cases and results, and their main curves."""
     names = [application.run_folder(run).resolve().name for run in (first, second)]
@@ -182,7 +183,7 @@ def ground(
     out: Annotated[
         Path | None, typer.Option(help="picture to write; one beside the file, if not given")
     ] = None,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Draw a law of the ground: pressure over sinkage with unloading, shear over slip with a reversal."""
     from exudyn_crawler.ground.cells.laws import read_law
@@ -197,15 +198,15 @@ def ground(
 @command("life digging.toml --out results/digging")
 def life(
     duty: Annotated[Path, typer.Argument(help="duty file", metavar="DUTY.toml")],
-    out: OfName = None,
-    overwrite: Overwrite = False,
+    out: application.OfName = None,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Give the life of the shoes in machine hours, where they crack and why, from a mix of runs."""
     asked = crawler.read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
     from exudyn_crawler.results.life.life import in_words
     from exudyn_crawler.views.pages.life import life_lines
 
-    folder = out or RESULTS / duty.stem
+    folder = out or application.RESULTS / duty.stem
     result = crawler.life(asked, folder, overwrite=overwrite, say=typer.echo)
     title, whole = f"{asked.name}: shortest lives by region", folder / "shortest_lives.csv"
     print_table(in_words(result.table), title, LIVES, whole)
@@ -216,12 +217,12 @@ def life(
 @command("check overhanging.toml --no-pictures")
 def check(
     file: Annotated[Path, typer.Argument(help="file of a shoe's check", metavar="SHOE.toml")],
-    out: OfName = None,
+    out: application.OfName = None,
     pictures: Annotated[bool, typer.Option(help="draw each case")] = True,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Check a shoe by static cases without a run: which case cracks which region after how many cycles."""
-    folder = out or RESULTS / file.stem
+    folder = out or application.RESULTS / file.stem
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
     shown = result.worst_cycles[["to", "from", "region", "cycles to a crack", "an hour"]]
     hours = f"how many an hour crack within {result.check.hours:g} h"
@@ -231,12 +232,12 @@ def check(
 
 @command("spread results/stress/cycle")
 def spread(
-    run: Run,
+    run: application.Run,
     starts: Annotated[int, typer.Option(help="starts that differ by rounding, including the run's own")] = 3,
     laws: Annotated[
         bool, typer.Option(help="repeat it with the other contact law, too: shared by area, or not")
     ] = True,
-    overwrite: Overwrite = False,
+    overwrite: application.Overwrite = False,
 ) -> None:
     """Repeat a run from other starts and with the other contact law, and judge its stresses."""
     folder = application.run_folder(run)  # before all that runs is loaded

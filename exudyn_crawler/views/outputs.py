@@ -16,8 +16,7 @@ from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history import History, catalogue, ground_map, summary
 from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.views import figures, style, tables
-from exudyn_crawler.views.scenes import films, gear, pictures, shoes, track
-from exudyn_crawler.views.scenes.scene import Solid
+from exudyn_crawler.views.scenes import films, gear, pictures, scene, shoes, track
 from fem import Mesh, export, interrupts
 from meshes import mesh_named
 
@@ -186,7 +185,7 @@ def _ground(case: Case, moment: xr.Dataset) -> meshio.Mesh:
     )
 
 
-def _cells(solid: Solid, **fields: np.ndarray) -> meshio.Mesh:
+def _cells(solid: scene.Solid, **fields: np.ndarray) -> meshio.Mesh:
     """Copies of a solid, boxes as hexahedra and others as triangles, with values of each field a copy."""
     surface, is_box = solid.at(), len(solid.points) == 8
     cells = np.arange(len(surface.points)).reshape(-1, 8) if is_box else surface.triangles

@@ -14,8 +14,7 @@ from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words
 from exudyn_crawler.results.stress.hot_spots import flat_triangles
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import packing, page
-from exudyn_crawler.views.scenes import pictures, shoes
-from exudyn_crawler.views.scenes.scene import Colouring, Scene, Solid, View
+from exudyn_crawler.views.scenes import pictures, scene, shoes
 from exudyn_crawler.views.tables import cell_text
 from fem.stress import von_mises
 
@@ -76,11 +75,11 @@ def write_life_page(
     return page.write_page(html, path, overwrite)
 
 
-def _coloured_page(title: str, lead: list[str], sections: list[page.Section], solid: Solid) -> str:
+def _coloured_page(title: str, lead: list[str], sections: list[page.Section], solid: scene.Solid) -> str:
     """HTML of a page whose first section shows a solid with its colourings."""
     arrays = packing.SceneArrays()
-    scene = packing.packed_scene(Scene(("",), (solid,)), arrays)
-    data = {"scenes": {sections[0].anchor: {"": scene}}, "arrays": arrays.packed, "first": []}
+    shown = packing.packed_scene(scene.Scene(("",), (solid,)), arrays)
+    data = {"scenes": {sections[0].anchor: {"": shown}}, "arrays": arrays.packed, "first": []}
     return page.page(title, lead, sections, data)
 
 
@@ -107,7 +106,7 @@ def life_lines(found: LifeResults) -> list[str]:
     ]
 
 
-def life_solid(found: LifeResults) -> Solid:
+def life_solid(found: LifeResults) -> scene.Solid:
     """Surface of the shoe coloured by its life, over all places and at each, and by how far to trust it."""
     data = found.dataset
     used, corners = np.unique(data.triangle.values, return_inverse=True)
@@ -123,14 +122,14 @@ def life_solid(found: LifeResults) -> Solid:
     low = min(*(float(np.nanmin(one)) for one in logs.values()), high - LEAST_DECADES)
     colours = (low, high, f"{style.STRESS_MAP}_r")
     colourings = [
-        Colouring("life in h", log[None, None], *colours, name=name, decades=True)
+        scene.Colouring("life in h", log[None, None], *colours, name=name, decades=True)
         for name, log in logs.items()
     ]
     is_long = data.life.isel(survival=-1).values[used] >= BEYOND
     said = "long: life beyond 1e9 h", "how far to trust it"
     colourings.append(shoes.verdict_colouring(data.verdict.values[used], is_long, *said))
     surface = data.node_position.transpose("node", "axis").values[used], (corners.reshape(-1, 3),)
-    return Solid("shoe", *surface, "white", colourings=tuple(colourings), nodes=used)
+    return scene.Solid("shoe", *surface, "white", colourings=tuple(colourings), nodes=used)
 
 
 def causes_figure(found: LifeResults) -> go.Figure:
@@ -176,12 +175,14 @@ def damage_parts(found: LifeResults) -> pd.DataFrame:
     return found.table[["region", "node"]].assign(**columns)
 
 
-def check_solid(found: CheckResults, colourings: list[Colouring], bend: np.ndarray | float = 0.0) -> Solid:
+def check_solid(
+    found: CheckResults, colourings: list[scene.Colouring], bend: np.ndarray | float = 0.0
+) -> scene.Solid:
     """Surface of a checked shoe, bent by a displacement (nodes, 3), m, with colourings of its nodes."""
     mesh = found.shoe.mesh
     faces = np.searchsorted(mesh.surface_nodes, flat_triangles(mesh.boundary))
     points, shades = mesh.nodes[mesh.surface_nodes] + bend, tuple(colourings)
-    return Solid("shoe", points, (faces,), "white", colourings=shades, nodes=mesh.surface_nodes)
+    return scene.Solid("shoe", points, (faces,), "white", colourings=shades, nodes=mesh.surface_nodes)
 
 
 def write_check_page(found: CheckResults, path: Path, overwrite: bool = False) -> Path:
@@ -190,7 +191,7 @@ def write_check_page(found: CheckResults, path: Path, overwrite: bool = False) -
     for case, stress in zip(found.cases, found.stress, strict=True):
         mises = von_mises(stress) / style.MEGA
         limits = 0.0, style.round_up(float(mises.max())), style.STRESS_MAP
-        colourings.append(Colouring("von Mises in MPa", mises[None, None], *limits, name=case.name))
+        colourings.append(scene.Colouring("von Mises in MPa", mises[None, None], *limits, name=case.name))
     sections = [
         page.Section("check", "Cases in 3D", page.part("coloured", "check", BY_CASE)),
         page.Section("cycles", "Cycles to a crack", page.table(found.worst_cycles)),
@@ -210,13 +211,13 @@ def case_figure(found: CheckResults, number: int) -> Figure:
     """One case from above and from below: von Mises stress on the bent shoe, and its peaks by region."""
     case, stress, bend = found.cases[number], von_mises(found.stress[number]), found.displacement[number]
     larger, high = style.drawn_scale(bend, BENT), style.round_up(float(stress.max()) / style.MEGA)
-    colouring = Colouring("von Mises stress in MPa", stress / style.MEGA, 0.0, high, style.STRESS_MAP)
+    colouring = scene.Colouring("von Mises stress in MPa", stress / style.MEGA, 0.0, high, style.STRESS_MAP)
     solid = check_solid(found, [colouring], larger * bend)
     with mpl.rc_context(style.STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(9.0, 7.4))
         axes = figure.subplots(len(VIEWS), 1)
         for ax, (title, (azimuth, elevation)) in zip(axes, VIEWS.items(), strict=True):
-            pictures.paint(ax, [solid], View.seen_from(azimuth, elevation), WINDOW)
+            pictures.paint(ax, [solid], scene.View.seen_from(azimuth, elevation), WINDOW)
             ax.set_title(title, loc="left")
             ax.set_axis_off()
         own = found.table[found.table["case"] == case.name]
