@@ -20,8 +20,7 @@ from exudyn_crawler.results.history import History, states
 from exudyn_crawler.run.solve import equilibrium, simulation
 
 AXES = "xyz"
-STEP = 0.01
-"""s, step of communication that a unit proposes."""
+STEP = 0.01  # s, step of communication that a unit proposes
 CASE, SCRIPT = "case.toml", "machine_on_track"
 """Files within a unit: the case, and the module that pythonfmu looks for."""
 LINES = f"from {__name__} import MachineOnTrack, hold\n\nhold(globals())\n"

@@ -116,8 +116,7 @@ def scatter_tables(sweep: AnySweep, table: pd.DataFrame) -> dict[str, pd.DataFra
 
 PORTIONS = (0.01, 0.05, 0.1, 0.5, 0.9, 0.95, 0.99)
 CONFIDENCE = 0.95
-PARTS = (4, 2, 1)
-"""Convergence shows quantiles of the first quarter, the first half and all of the runs."""
+PARTS = (4, 2, 1)  # convergence shows quantiles of the first quarter, the first half and all of the runs
 LEAST_SCATTERED = 10  # finished runs from which answers of a sample have a scatter
 
 

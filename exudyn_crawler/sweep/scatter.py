@@ -22,8 +22,7 @@ from fem.defects import CycleStage
 
 WORST = 5
 """Nodes of a region that any part of a duty, or all together, damages most: at these draws are counted."""
-DEFECTS = 10
-"""Worst nodes of a region at which its defect is looked at."""
+DEFECTS = 10  # worst nodes of a region at which its defect is looked at
 DRAWN = ("material", "miner", "survivals", "an_hour", "share", "load", "case", "after", "hours")
 """What of a duty may be drawn, by the first or the last name of its path."""
 

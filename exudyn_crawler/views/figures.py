@@ -40,8 +40,7 @@ DEPTH, DEPTH_ON_CELLS = QUANTITIES["penetration"].label, "sinkage"
 """Label of how deep shoes are in the ground, and what it is called on cells, which have no heave."""
 HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
-ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails".format
-"""Its name on one rail."""
+ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails".format  # its name on one rail
 PULL = QUANTITIES["drive_pull"].label
 TENSION, WHEEL_FORCE, WHEEL_LOAD, TOOTH_FORCE, DRIVE_MOMENT = (
     QUANTITIES[name].label

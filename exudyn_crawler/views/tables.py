@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 VERDICT_STYLES = {"yes": "green", "no": "red"}
-BETWEEN = 3
-"""Characters beside a column: its rule and its margins."""
+BETWEEN = 3  # characters beside a column: its rule and its margins
 LARGE, BEYOND = 1e4, 1e9
 """From the first on numbers are grouped by thousands, from the second on powers of ten are shorter."""
 NUMBER = "%.10g"  # in a CSV file: the last digits of sixteen are rounding alone, 1.5860000000000005 for 1.586

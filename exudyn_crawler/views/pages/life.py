@@ -21,6 +21,10 @@ from fem.stress import von_mises
 LEAST_DECADES = 2  # powers of ten of life that the colours span at least
 DRAWN, POINTS = 3, 2000
 """Nodes of the table whose growing damage is drawn, and points of a drawn curve at most."""
+BENT = 0.05  # m, at which the greatest elastic displacement of a check is drawn at most
+BY_CASE = "Colours are the stress of a case, on a scale of its own."
+VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
+WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
 UNKNOWN = (
     "Where the drive pulls at a single node the life is not known. A verdict is of the changes of stress: "
     "what mesh, left-out fields and spread leave open of them."
@@ -29,16 +33,10 @@ SHARES = (
     "The share of a load is its part of the ranges of stress, weighted by their damage; a load that relieves "
     "has a negative one. Lives by single criteria leave out what goes from run to run."
 )
-
 CAUSES = (
     "Machine hours after which each thing that happens would crack a region by itself: the darker, the "
     "sooner. With stages of wear it is what a thing does in all of them until the crack."
 )
-
-BENT = 0.05  # m, at which the greatest elastic displacement of a check is drawn at most
-BY_CASE = "Colours are the stress of a case, on a scale of its own."
-VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
-WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
 CONTACT = (
     "Contact below the treads, in the last stage: to yield and to shakedown are the factors by which "
     "stresses may grow until the steel flows, and until it flows in every pass. No life above counts it."

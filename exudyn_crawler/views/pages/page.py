@@ -18,8 +18,7 @@ from exudyn_crawler.views.tables import cell_text
 
 TEMPLATES = Path(__file__).with_name("templates")
 SCRIPTS = ("data.js", "camera.js", "scene.js", "phases.js", "page.js")
-PICTURE_WIDTH = 1500
-"""Pixels of a picture on a page."""
+PICTURE_WIDTH = 1500  # pixels of a picture on a page
 GRID = "rgba(176, 176, 176, 0.3)"  # colour of a plot's grid
 CONTROLS = dict.fromkeys(
     {*range(0x20), *range(0x7F, 0xA0)} - set(map(ord, "\t\n\r")), "\N{REPLACEMENT CHARACTER}"

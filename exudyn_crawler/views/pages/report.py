@@ -22,13 +22,11 @@ from exudyn_crawler.views.pages.page import Section, part, table, together
 from exudyn_crawler.views.scenes import pictures, shoes, track
 
 REPORT, RECORD, COMPARISON = "report.html", "run.json", "comparison.csv"
-LONGEST_TABLE = 300
-"""Rows of a table on the page; longer ones are series, which plots show."""
+LONGEST_TABLE = 300  # rows of a table on the page; longer ones are series, which plots show
 INSTANTS, MARGIN = 101, (0.6, 0.4, 0.3)
 """Instants that the moving track shows, evenly spread; m beyond the track, beside it and below the ground."""
 VERDICTS = {"yes": "within", "no": "outside"}
-SPOTS = "hot_spots_"
-"""Begin of the names of hot spots' tables."""
+SPOTS = "hot_spots_"  # begin of the names of hot spots' tables
 HOT_SPOTS = (
     "Highest von Mises stresses over the run and where they are. A jump as large as the value means that the "
     "mesh makes the peak."

@@ -30,8 +30,7 @@ LIGHT = np.array([0.30, 0.15, 0.94]) / np.linalg.norm([0.30, 0.15, 0.94])
 """Where light comes from, in the picture's axes: right, up, toward the viewer."""
 FROM_THE_RIGHT = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
 FROM_ABOVE = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
-MARGIN = (0.6, 0.4, 1.0)
-"""m that are shown beyond the track, beside it and below the ground."""
+MARGIN = (0.6, 0.4, 1.0)  # m that are shown beyond the track, beside it and below the ground
 ABOVE, DEPTH = 0.4, 0.4
 """m shown above what rolls, which magnified ground may lift, and below the lowest face in a figure."""
 PIN, PIN_SIDES = 0.03, 12  # m, radius of a drawn link pin; sides of its prism
