@@ -1,7 +1,6 @@
 """From the states of the multibody system to a history's named variables; nothing here solves anything."""
 
 from collections.abc import Callable
-from functools import cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -24,8 +23,7 @@ CONTACTS = catalogue.select(per="pair", files="history")  # variables of every c
 
 LINKS = (catalogue.OPEN_LINKS, catalogue.CLOSED_LINKS, catalogue.PAIR_OF_LOOPS)
 
-_version = cache(version)
-"""Of a package: to find it takes 3 ms, and every stage of a run says it."""
+VERSIONS = {f"{name.replace('-', '_')}_version": version(name) for name in ("exudyn", "exudyn-crawler")}
 
 NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
@@ -67,12 +65,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
             **_coordinates(system),
             **files.contact_coordinates(pairs),
         },
-        attrs={
-            "title": case.name,
-            "exudyn_version": _version("exudyn"),
-            "exudyn_crawler_version": _version("exudyn-crawler"),
-            files.LAYOUT_VERSION: VERSION,
-        },
+        attrs={"title": case.name, **VERSIONS, files.LAYOUT_VERSION: VERSION},
     )
     return History(case=case, dataset=dataset)
 

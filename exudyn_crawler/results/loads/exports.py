@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case import SIDES
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions, load_map
@@ -129,7 +128,7 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
         load_map.check_flexible(history.case, shoe)
     history.case.track.check_shoe(shoe)
     origin, axes = actions.shoe_frames(history, shoe)
-    shape = (len(axes), history.dataset.sizes[wheel], len(SIDES), 3)
+    shape = (len(axes), *(history.dataset.sizes[dim] for dim in (wheel, "rail", "axis")))
     force, weighted, weight = np.zeros(shape), np.zeros(shape), np.zeros((*shape[:3], 1))
     for action in actions.actions(history, shoe):
         if isinstance(action.entry, actions.OnRail):

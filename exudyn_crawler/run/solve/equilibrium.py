@@ -1,7 +1,5 @@
 """Static equilibrium of track and terrain before t = 0, by Newton's method with the whole derivative."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from exudyn_crawler.case import Case, SphereContact
@@ -87,6 +85,17 @@ def rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
         gaps = [system.pulled_place(q) - start, *q[held]]
         return np.concatenate((residual, STIFFNESS * np.array(gaps)))
 
+    def derivative(at: np.ndarray) -> np.ndarray:
+        """Central differences, a column for each argument."""
+        moved, columns = at.copy(), np.empty((len(at), len(at)))
+        for k, step in enumerate(steps):
+            moved[k] = at[k] + step
+            above = balance(moved)
+            moved[k] = at[k] - step
+            columns[k] = (above - balance(moved)) / (2.0 * step)
+            moved[k] = at[k]
+        return columns.T
+
     x = np.concatenate((guess, np.zeros(system.pin_rows + holds)))
     steps = np.repeat(STEPS, [n, len(x) - n])
     for _ in range(ITERATIONS):
@@ -94,27 +103,12 @@ def rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
         if not np.isfinite(residual).all() or np.sqrt(np.mean(residual**2)) < RESIDUAL:
             break
         try:
-            x = x - np.linalg.solve(_derivative(balance, x, steps), residual)
+            x = x - np.linalg.solve(derivative(x), residual)
         except np.linalg.LinAlgError as error:
             raise NewtonError(system.in_units(residual[:-holds]), singular=True) from error
     if not np.sqrt(np.mean(residual**2)) < RESIDUAL:
         raise NewtonError(system.in_units(residual[:-holds]), singular=False)
     return x[:n]
-
-
-def _derivative(
-    function: Callable[[np.ndarray], np.ndarray], at: np.ndarray, steps: np.ndarray
-) -> np.ndarray:
-    """Central differences of a function, a column for each of its arguments."""
-    moved = at.copy()
-    columns = np.empty((len(at), len(at)))
-    for k, step in enumerate(steps):
-        moved[k] = at[k] + step
-        above = function(moved)
-        moved[k] = at[k] - step
-        columns[k] = (above - function(moved)) / (2.0 * step)
-        moved[k] = at[k]
-    return columns.T
 
 
 def static_equilibrium(case: Case) -> np.ndarray:

@@ -7,8 +7,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.track_system import TrackSystem
-from exudyn_crawler.results.history import History, files, ground_map
-from exudyn_crawler.results.history.states import system_history
+from exudyn_crawler.results.history import History, files, ground_map, states
 from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
 
 TIME_TOLERANCE = 1e-9
@@ -141,7 +140,7 @@ class RunStages:
         self._recorder.end_stage()
         state = self._system.state()
         self._system.set_state(state)
-        history = system_history(self._system, self._recorder.taken()).dataset
+        history = states.system_history(self._system, self._recorder.taken()).dataset
         if self._checkpoints is None or number == self._last:
             self._in_memory.append(files.Chunk.of(history))
             return
@@ -162,7 +161,7 @@ class RunStages:
         read from there.
         """
         rows = self._recorder.taken()
-        unfinished = [files.Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
+        unfinished = [files.Chunk.of(states.system_history(self._system, rows).dataset)] if len(rows) else []
         chunks, end = (
             self._in_memory + unfinished,
             ground_map.end_memory(self._system.memory(), self._recorder.then),
