@@ -9,9 +9,8 @@ import tomlkit
 from pydantic import BaseModel
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters import drive, fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity, shown
-from exudyn_crawler.case.parameters.drive import StepProfile
 from meshes import geometry, mesh_named
 
 SIZES = {"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0}  # bytes
@@ -184,7 +183,7 @@ def _in_words(value: object, unit: str) -> str:
     """Value as TOML for a reader: kN, MPa and MN/m, and no digits that are rounding."""
     if isinstance(value, tuple):
         return f"[{', '.join(_in_words(one, unit) for one in value)}]"
-    if isinstance(value, StepProfile):
+    if isinstance(value, drive.StepProfile):
         rounded = {name: tuple(map(_rounded, one)) for name, one in value}
         return _plain(value.model_copy(update=rounded))
     if not isinstance(value, float):
@@ -201,8 +200,8 @@ def _rounded(value: float) -> float:
 
 def _plain(value: object) -> str:
     """Value as TOML."""
-    if isinstance(value, StepProfile):
-        parts = (f"{name} = {_plain(getattr(value, name))}" for name in StepProfile.model_fields)
+    if isinstance(value, drive.StepProfile):
+        parts = (f"{name} = {_plain(getattr(value, name))}" for name in drive.StepProfile.model_fields)
         return f"{{{', '.join(parts)}}}"
     if isinstance(value, tuple):
         return f"[{', '.join(map(_plain, value))}]"

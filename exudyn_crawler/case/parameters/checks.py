@@ -9,8 +9,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.drive import StepProfile
+from exudyn_crawler.case.parameters import drive, fields
 from exudyn_crawler.errors import ImplausibleWarning
 
 logger = logging.getLogger("exudyn_crawler")
@@ -131,7 +130,7 @@ def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
 
 
 def _numbers(value: object) -> list[float]:
-    if isinstance(value, StepProfile):
+    if isinstance(value, drive.StepProfile):
         return list(value.values)
     if isinstance(value, tuple):
         return [number for one in value for number in _numbers(one)]

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import fields, reading
+from exudyn_crawler.case.parameters import drive, fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, Several, option, quantity
-from exudyn_crawler.case.parameters.drive import StepProfile
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,7 +21,7 @@ class PhaseEnd(Parameters):
     end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
 
 
-def values_of(profiles: Iterable[StepProfile], time: np.typing.ArrayLike) -> np.ndarray:
+def values_of(profiles: Iterable[drive.StepProfile], time: np.typing.ArrayLike) -> np.ndarray:
     """Values of profiles at each time: array (times, profiles)."""
     t = np.atleast_1d(np.asarray(time, dtype=float))
     return np.column_stack([one.value(t) for one in profiles])
@@ -38,11 +37,11 @@ class Cycle(Parameters):
         if np.any(np.diff(ends) <= 0.0):
             yield f"the phases' ends must increase, got {ends}"
 
-    def over_time(self, values: Iterable[float]) -> StepProfile:
+    def over_time(self, values: Iterable[float]) -> drive.StepProfile:
         """Quantity over time of its values at the ends of the phases."""
-        return StepProfile(times=tuple(phase.end for phase in self.phases), values=tuple(values))
+        return drive.StepProfile(times=tuple(phase.end for phase in self.phases), values=tuple(values))
 
-    def profiles(self, rows: Iterable[Iterable[float]]) -> list[StepProfile]:
+    def profiles(self, rows: Iterable[Iterable[float]]) -> list[drive.StepProfile]:
         """Quantities over time of their values at the ends of the phases, a row each."""
         return [self.over_time(values) for values in zip(*rows, strict=True)]
 
@@ -140,12 +139,12 @@ class LoadCycle(Cycle):
         return len(self.phases[0].loads)
 
     @property
-    def of_shoes(self) -> list[StepProfile]:
+    def of_shoes(self) -> list[drive.StepProfile]:
         """Load on every shoe over time, N."""
         return self.profiles(phase.loads for phase in self.phases)
 
     @property
-    def side_shift(self) -> StepProfile:
+    def side_shift(self) -> drive.StepProfile:
         """How far beside the load points the loads act over time, m, positive to the left."""
         return self.over_time(phase.side_shift for phase in self.phases)
 

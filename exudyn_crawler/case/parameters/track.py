@@ -7,9 +7,8 @@ import numpy as np
 
 import fem
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters import base, drive
 from exudyn_crawler.case.parameters.base import Errors, Length, Parameters, Place, option, quantity
-from exudyn_crawler.case.parameters.drive import StepProfile
 
 UNEVENNESS: float = ph4100c.UNEVENNESS  # m, of the underside's middle beside the COM: `Shoe.uneven`
 STEEL_DENSITY: float = ph4100c.FLEXIBLE_SHOES["density"]  # kg/m3
@@ -225,9 +224,9 @@ class Track(Parameters):
         }
 
 
-PAPER_DAMPING = StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
+PAPER_DAMPING = drive.StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
 """Modal damping ratio over frequency of the S-paper: 0.005 up to 1000 Hz, a STEP to 1 at 10 kHz."""
-ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
+ADAMS_DAMPING = drive.StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
 """ADAMS' own default: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; its jumps are 2 % wide here."""
 
 CONSTRAINT_MODES = 24  # six of each of the four joint centres
@@ -260,7 +259,9 @@ class FlexibleShoes(Parameters):
         "Hz", "above which integrated modes are left out", (50.0, 1e6), gt=0, le=1e12, default=None
     )
     modes: tuple[int, ...] | None = option("numbers (from 1) of the modes that are integrated", None)
-    damping: StepProfile = quantity("1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0))
+    damping: drive.StepProfile = quantity(
+        "1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0)
+    )
 
     def _errors(self) -> Errors:
         if list(self.shoes) != sorted(set(self.shoes)):

@@ -13,10 +13,9 @@ from exudyn_crawler.case import Case, Solver, case_file
 from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.ground import rotations, sphere_contact
+from exudyn_crawler.model import flexible_shoes, state
 from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, kind_of, track_system
-from exudyn_crawler.model.state import SIDE_FRAME, TUMBLERS, StateLayout
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
@@ -109,7 +108,7 @@ third of a metre's weight."""
 class ChainWatch:
     """Says what has happened to the chains of closed tracks, from rows of the states as they come."""
 
-    def __init__(self, case: Case, layout: StateLayout) -> None:
+    def __init__(self, case: Case, layout: state.StateLayout) -> None:
         self.case, self.layout, self.closed = case, layout, case.closed_gear()
         self._teeth, _, _, self._addendum, _ = self.closed.tumbler.profile(case.track)
         _, self._lug = self.closed.lugs(case.track)[0]
@@ -156,7 +155,7 @@ class ChainWatch:
         )
 
     def _off(self, row: np.ndarray, shoes: np.ndarray) -> str:
-        frame, limit = self.layout.part(row, SIDE_FRAME), self.closed.offset_limit
+        frame, limit = self.layout.part(row, state.SIDE_FRAME), self.closed.offset_limit
         turn = rotations.rotation_matrices(frame[3:])
         aside = (shoes[:, :3] - frame[:3] - self._frame) @ turn[:, 1] - self._middles
         step = np.abs(aside - aside[self._ahead])
@@ -184,7 +183,7 @@ class ChainWatch:
 
     def _jumped(self, row: np.ndarray, shoes: np.ndarray, tension: np.ndarray) -> str:
         """A lug in another gap than before, or than its neighbours say, or none in any."""
-        own = np.array([self.layout.part(row, name) for name in TUMBLERS[self.case.tracks]])
+        own = np.array([self.layout.part(row, name) for name in state.TUMBLERS[self.case.tracks]])
         own = np.repeat(own + self._tumblers, len(self._middles) // len(own), axis=0)
         lugs = shoes[:, :3] + rotations.rotation_matrices(shoes[:, 3:]) @ self._lug - own[:, :3]
         x, _, z = np.einsum("sji,sj->is", rotations.rotation_matrices(own[:, 3:]), lugs)
@@ -338,7 +337,7 @@ def simulate(
         checkpoints.load(case)
     if case.flexible is not None:
         with heartbeat(f"{case.name}: {REDUCE}", show=progress):
-            whole_reduction(case)  # large enough for several threads, as nothing behind it is
+            flexible_shoes.whole_reduction(case)  # large enough for several threads, as nothing behind it is
     compiled(case, progress)
     # matrices of a step are so small that threads wait for each other, and round by how many they are
     with threadpool_limits(1, user_api="blas"):
