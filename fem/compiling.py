@@ -32,8 +32,9 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
         As of `numba.njit`.
     """
     stamp = source_digest(*sources)
-    # the C address of a function, which few need, would take a fifth of the time to compile
-    options = {"no_cfunc_wrapper": True} | options
+    # the C address of a function, which few need, would take a fifth of the time to compile; a function that
+    # says nothing about counts of references would take what its first caller says
+    options = {"no_cfunc_wrapper": True, "_nrt": True} | options
 
     def compiled(function: Callable) -> Any:
         dispatcher = njit(cache=True, **options)(function)

@@ -22,7 +22,7 @@ from exudyn_crawler.ground.rotations import (
     spin,
     spin_rate,
 )
-from exudyn_crawler.model.elimination import solving_inside, solving_within
+from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 
 
 class Bodies(NamedTuple):
@@ -115,7 +115,7 @@ def _column(tensor: FloatArray, a: int, k: int) -> Vector:
     return tensor[a, k, 0], tensor[a, k, 1], tensor[a, k, 2]
 
 
-@solving_within
+@solving_allocating
 def _bend(
     modes: Modes,
     state: FloatArray,
@@ -133,11 +133,10 @@ def _bend(
     bent = np.dot(np.ascontiguousarray(state[:2, 6 : 6 + m]), modes.products)
     shifts, speeds = bent[0].reshape((3, m, 3)), bent[1].reshape((3, m, 3))
     places = modes.places.reshape((3, m, 3))
-    force = (0.0, 0.0, 0.0)
+    force, levers = (0.0, 0.0, 0.0), np.empty((3, 3))
     for k in range(m):
         z, z_t, z_tt = state[0, 6 + k], state[1, 6 + k], state[2, 6 + k]
         modal = z_tt + modes.stiffness[k] * z + modes.damping[k] * z_t
-        levers = np.empty((3, 3))
         for a in range(3):
             inertia.first[a] += modes.shapes[a, k] * z
             modal += modes.shapes[a, k] * motion.acceleration[a]
@@ -171,14 +170,15 @@ def body_residual(
     gravity: Vector,
     residual: FloatArray,
     inertia: Inertia,
+    tensor: FloatArray,
 ) -> None:
     """Add inertia, elastic forces and weight of a body to its residual; `inertia` is kept for the matrix.
 
     `state` (3, 6 + m) are the coordinates of the body and its modes, their rates and accelerations, `gravity`
-    is in m/s2, global, and `residual` (6 + m,) are generalized forces, N, N m and modal.
+    is in m/s2, global, and `residual` (6 + m,) are generalized forces, N, N m and modal; `tensor` (3, 3) is
+    scratch.
     """
     motion = _motion(at, state, gravity)
-    tensor = np.empty((3, 3))
     for a in range(3):
         inertia.first[a] = bodies.first[b, a]
         for c in range(3):
@@ -299,15 +299,19 @@ def add_bodies(
     state: FloatArray,
     gravity: Vector,
     inertias: tuple[FloatArray, FloatArray, FloatArray],
+    rows: FloatArray,
+    tensor: FloatArray,
     residual: FloatArray,
 ) -> None:
-    """Add inertia, elastic forces and weights of all bodies; arrays (bodies, ...) keep their `Inertia`."""
-    m = inertias[2].shape[2]
-    rows, forces = np.empty((3, 6 + m)), np.empty(6 + m)
+    """Add inertia, elastic forces and weights of all bodies; arrays (bodies, ...) keep their `Inertia`.
+
+    `rows` (4, 6 + m) and `tensor` (3, 3) are scratch.
+    """
+    forces = rows[3]
     for b in range(bodies.mass.shape[0]):
         for rate in range(3):
             read_body(bodies, b, state[rate], rows[rate])
         forces.fill(0.0)
         inertia = Inertia(inertias[0][b], inertias[1][b], inertias[2][b])
-        body_residual(bodies, b, modes, attitude_of(bodies, b), rows, gravity, forces, inertia)
+        body_residual(bodies, b, modes, attitude_of(bodies, b), rows, gravity, forces, inertia, tensor)
         add_body(bodies, b, forces, 1.0, residual)

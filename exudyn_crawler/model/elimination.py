@@ -20,12 +20,15 @@ solving = compiler(Path(__file__).parent, *SOURCES, error_model="numpy")
 """Compiles a function of this room. Sums are taken in their order: where the compiler may choose, processes
 that compile apart from each other get other last digits."""
 
-solving_within = compiler(Path(__file__).parent, *SOURCES, error_model="numpy", no_cpython_wrapper=True)
-"""The same for compiled callers alone, as `ground.frames.within`."""
+_OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True}
 
-solving_inside = compiler(
-    Path(__file__).parent, *SOURCES, error_model="numpy", no_cpython_wrapper=True, forceinline=True
-)
+solving_allocating = compiler(Path(__file__).parent, *SOURCES, **_OPTIONS)
+"""The same for compiled callers alone, as `ground.frames.allocating`."""
+
+solving_within = compiler(Path(__file__).parent, *SOURCES, **_OPTIONS, _nrt=False)
+"""The same without counts of references, as `ground.frames.within`."""
+
+solving_inside = compiler(Path(__file__).parent, *SOURCES, **_OPTIONS, _nrt=False, forceinline=True)
 """The same, made part of its callers: handing over tables takes longer than what short functions do."""
 
 
@@ -99,7 +102,7 @@ def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
     return values[start + places.first[k] : start + places.first[k + 1]]
 
 
-@solving_within
+@solving_allocating
 def clear(places: Fronts, values: FloatArray) -> None:
     """Take the terms out of all fronts: few of their rows and columns have any."""
     rows = np.empty(places.unknowns.shape[0], dtype=np.int64)

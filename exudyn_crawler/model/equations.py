@@ -22,7 +22,7 @@ from exudyn_crawler.model.bodies import (
     attitude_of,
     write_angles,
 )
-from exudyn_crawler.model.elimination import clear, front, marks, solving, solving_within
+from exudyn_crawler.model.elimination import clear, front, marks, solving, solving_allocating, solving_within
 from exudyn_crawler.model.forces.cells import cell_forces
 from exudyn_crawler.model.forces.loads import add_loads
 from exudyn_crawler.model.forces.teeth import teeth_contacts
@@ -48,7 +48,7 @@ STIFFNESS = 1e9
 within a step of some ms takes of a shoe's mass."""
 
 
-@solving_within
+@solving_allocating
 def _add_rows(bodies: Bodies, rows: ForceRows, count: int, residual: FloatArray) -> None:
     """Take the forces of elements on their bodies off the residual."""
     row = np.empty(rows.jacobian.shape[3])
@@ -57,23 +57,25 @@ def _add_rows(bodies: Bodies, rows: ForceRows, count: int, residual: FloatArray)
             b = rows.bodies[p, side]
             if b >= 0:
                 last = row.shape[0] if bodies.modal[b] >= 0 else 6
-                for c in range(last):
-                    force = 0.0
-                    for r in range(rows.wrench.shape[1]):
-                        force += rows.jacobian[p, side, r, c] * rows.wrench[p, r]
-                    row[c] = force
+                row.fill(0.0)
+                for r in range(rows.wrench.shape[1]):
+                    for c in range(last):
+                        row[c] += rows.jacobian[p, side, r, c] * rows.wrench[p, r]
                 add_body(bodies, b, row, -1.0, residual)
 
 
 @solving_within
-def _write_joints(tables: Tables, state: FloatArray, inputs: Inputs, work: Workspace) -> None:
-    """Write gaps, Jacobians and the directions of the pull."""
+def _write_joints(
+    tables: Tables, state: FloatArray, inputs: Inputs, work: Workspace, rows: FloatArray
+) -> None:
+    """Write gaps, Jacobians and the directions of the pull; `rows` as of `residual`."""
     bodies, markers, joints = tables.bodies, tables.markers, tables.joints
     pins = ROWS * joints.pins.shape[0]
     gap, jacobian = work.gap, work.jacobian
     closed = tables.closed is not None
-    add_pins(bodies, markers, joints.pins, closed, state, gap[:pins], jacobian[:pins])
-    add_speeds(bodies, markers, joints, state, inputs.speeds, gap[pins : pins + 2], jacobian[pins : pins + 2])
+    add_pins(bodies, markers, joints.pins, closed, state, rows, gap[:pins], jacobian[:pins])
+    both = slice(pins, pins + 2)
+    add_speeds(bodies, markers, joints, state, inputs.speeds, rows, gap[both], jacobian[both])
     add_holds(bodies, joints.holds, state[0], gap[pins + 2 :], jacobian[pins + 2 :])
     _write_pull(tables.pull, tables, state, work)
 
@@ -133,6 +135,7 @@ def _add_closed(
     multipliers: FloatArray,
     work: Workspace,
     weights: Weights,
+    rows: FloatArray,
     out: FloatArray,
 ) -> None:
     """Add compliance of the pins of a closed track, and torques and residuals of its motors.
@@ -146,7 +149,7 @@ def _add_closed(
     bodies, markers, pins = tables.bodies, tables.markers, tables.joints.pins
     for p in range(joints.compliance.shape[0]):
         if weights.position != 0.0:
-            write_turned(bodies, markers, pins[p], multipliers[ROWS * p :], state, work.turned[p])
+            write_turned(bodies, markers, pins[p], multipliers[ROWS * p :], state, rows[0], work.turned[p])
         for r in range(ROWS):
             row = ROWS * p + r
             out[n + row] -= STIFFNESS * joints.compliance[p, r] * multipliers[row]
@@ -185,6 +188,8 @@ def residual(
     tables, inputs = named_tables(values), Inputs(*arguments)
     weights, work = Weights(*factors), Workspace(*workspace)
     units, bodies = UnitWorkspace(*work.units), tables.bodies
+    # scratch: coordinates of bodies and their modes, rates, accelerations, forces
+    rows, tensor = np.empty((4, work.jacobian.shape[2])), np.empty((3, 3))
     out.fill(0.0)
     # elements leave those of other weights, which would be taken for masses
     if weights.acceleration != 0.0 and weights.position == weights.velocity == 0.0:
@@ -200,13 +205,13 @@ def residual(
     for kind in range(len(work.elements)):
         _add_rows(bodies, ForceRows(*work.elements[kind]), work.counts[kind], out)
     inertias = work.first, work.second, work.turning
-    add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, out)
+    add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, rows, tensor, out)
     contacts = ForceRows(*work.elements[0])
     add_terrain(tables.terrain, contacts, work.counts[0], state, inputs.gravity[2], units, out)
     add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
-    _write_joints(tables, state, inputs, work)
+    _write_joints(tables, state, inputs, work, rows)
     _add_joints(tables, inputs, multipliers, work, weights.level, out)
-    _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights, out)
+    _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights, rows, out)
 
 
 @solving_within
@@ -229,7 +234,7 @@ def gear_contacts(
     _gear_contacts(tables, state, Inputs(*arguments), Weights(*factors), Workspace(*workspace))
 
 
-@solving_within
+@solving_allocating
 def _block_motions(
     terrain: TerrainTable, rows: ForceRows, first: int, last: int, sizes: tuple[int, int, int]
 ) -> FloatArray:
@@ -250,7 +255,7 @@ def _block_motions(
     return out
 
 
-@solving_within
+@solving_allocating
 def _block(rows: ForceRows, first: int, last: int, motions: FloatArray) -> FloatArray:
     """Tangents of elements by the coordinates of their motions: ``J^T K J``."""
     kinds, forces = rows.wrench.shape[1], np.zeros_like(motions)
@@ -266,7 +271,7 @@ def _block(rows: ForceRows, first: int, last: int, motions: FloatArray) -> Float
     return np.dot(motions.T, forces)
 
 
-@solving_within
+@solving_allocating
 def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArray) -> None:
     """Add the tangents of elements, those of the same bodies that follow each other at once."""
     places, modal, terrain, fronts = tables.rows, tables.bodies.modal, tables.terrain, tables.fronts
@@ -299,7 +304,7 @@ def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArra
         first = last
 
 
-@solving_within
+@solving_allocating
 def _add_joint_rows(
     tables: Tables, inputs: Inputs, weights: Weights, work: Workspace, values: FloatArray
 ) -> None:
@@ -339,7 +344,7 @@ def _add_joint_rows(
                 marks(fronts, values, f)[row] = 1.0
 
 
-@solving_within
+@solving_allocating
 def _add_closed_rows(
     closed: tuple | None,
     tables: Tables,

@@ -12,8 +12,6 @@ frame alone, so that the direction of the force is not the gradient of what it k
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back, upward
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
@@ -222,11 +220,11 @@ def add_pins(
     pins: IntArray,
     in_plane: bool,
     state: FloatArray,
+    rows: FloatArray,
     gap: FloatArray,
     jacobian: FloatArray,
 ) -> None:
-    """Write gaps and Jacobians of all pins into the first rows of both."""
-    rows = np.empty((2, jacobian.shape[2]))
+    """Write gaps and Jacobians of all pins into the first rows of both; `rows` (2, 6 + m) are scratch."""
     for p in range(pins.shape[0]):
         rear, front = pins[p, 0], pins[p, 1]
         a, b = markers.body[rear], markers.body[front]
@@ -252,26 +250,27 @@ def add_speeds(
     joints: Joints,
     state: FloatArray,
     speeds: FloatArray,
+    rows: FloatArray,
     gap: FloatArray,
     jacobian: FloatArray,
 ) -> None:
-    """Write gaps (m/s, rad/s) and Jacobians of drive and turn, whose `speeds` are (2,)."""
-    row, nothing = np.empty((2, jacobian.shape[2])), (0.0, 0.0, 0.0)
+    """Write gaps (m/s, rad/s) and Jacobians of drive and turn, whose `speeds` are (2,); scratch as above."""
+    nothing = (0.0, 0.0, 0.0)
     for k in range(2):
         b = markers.body[joints.drive] if k == 0 else joints.turn
-        read_body(bodies, b, state[0], row[0])
-        read_body(bodies, b, state[1], row[1])
+        read_body(bodies, b, state[0], rows[0])
+        read_body(bodies, b, state[1], rows[1])
         at = attitude_of(bodies, b)
         if k == 0:
-            end = end_of(markers, joints.drive, at, row[0])
+            end = end_of(markers, joints.drive, at, rows[0])
             direction(markers, joints.drive, end, at, (1.0, 0.0, 0.0), nothing, 1.0, jacobian[k, 0])
         else:
             about = turned(at.axes, upward(at.R))
             for c in range(jacobian.shape[2]):
                 jacobian[k, 0, c] = about[c - 3] if 3 <= c < 6 else 0.0
         speed = -speeds[k]
-        for c in range(row.shape[1]):
-            speed += jacobian[k, 0, c] * row[1, c]
+        for c in range(rows.shape[1]):
+            speed += jacobian[k, 0, c] * rows[1, c]
         gap[k] = speed
 
 
@@ -334,14 +333,15 @@ def write_turned(
     pair: IntArray,
     multipliers: FloatArray,
     state: FloatArray,
+    row: FloatArray,
     out: FloatArray,
 ) -> None:
     """Write how the moments of a pin's force change as its bodies turn: (2, 3, 3), by their angles.
 
-    `pair` are the markers of rear and front body, `multipliers` those of the pin. In a tight chain that moves
-    slowly this is what holds the shoes in line, and no equation solver may leave it out.
+    `pair` are the markers of rear and front body, `multipliers` those of the pin, and `row` (6 + m,) is
+    scratch. In a tight chain that moves slowly this is what holds the shoes in line, and no equation solver
+    may leave it out.
     """
-    row = np.empty(6 + markers.displacement.shape[2])
     rear = attitude_of(bodies, markers.body[pair[0]])
     force = (0.0, 0.0, 0.0)
     for r in range(3):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from exudyn_crawler.ground.rotations import FloatArray, Weights
-from exudyn_crawler.model.elimination import eliminate, solve, solving, solving_within
+from exudyn_crawler.model.elimination import eliminate, solve, solving, solving_allocating
 from exudyn_crawler.model.equations import matrix, residual
 from exudyn_crawler.model.tables import Tables
 
@@ -21,7 +21,7 @@ takes as long as three."""
 FRONTS, CELLS, CLOSED = (Tables._fields.index(name) for name in ("fronts", "cells", "closed"))
 
 
-@solving_within
+@solving_allocating
 def _norm(residual: FloatArray) -> float:
     """Root mean square."""
     return np.sqrt(np.sum(residual * residual) / residual.shape[0])

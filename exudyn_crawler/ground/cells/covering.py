@@ -6,7 +6,7 @@ import numpy as np
 
 from exudyn_crawler.ground.cells.kernel import BEFORE, NORMAL, ShoePoints, frame_at
 from exudyn_crawler.ground.cells.tiles import BITS, SIDE, Tiles, gather
-from exudyn_crawler.ground.frames import FACING, Frame, along, compiled, turned, within
+from exudyn_crawler.ground.frames import FACING, Frame, allocating, along, compiled, turned
 from exudyn_crawler.ground.rotations import FloatArray
 
 LEAST = 1e-9
@@ -50,7 +50,7 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
     return total
 
 
-@within
+@allocating
 def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
     """What the edges of an outline (4, 2), in cells, bound in the cells from (i, j) on.
 
@@ -85,7 +85,7 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
     return sums
 
 
-@within
+@allocating
 def _cover_shoe(
     tiles: Tiles, shoes: ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
 ) -> int:

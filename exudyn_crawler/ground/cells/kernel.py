@@ -27,6 +27,7 @@ from exudyn_crawler.ground.frames import (
     Frame,
     Matrix,
     Vector,
+    allocating,
     along,
     compiled,
     cross,
@@ -185,7 +186,7 @@ def press_shoe(law, points, areas, bent, frame, weights, trial, force, wrench, t
         _write_tangent(points, at.R, by_place, slopes, (F, by_x, by_y), tangent)
 
 
-@within
+@allocating
 def _write_tangent(points, R, by_place, slopes, forces, tangent):
     """Write the derivative of a wrench by motions of its shoe, of the derivatives (9, points) of its points.
 
@@ -213,7 +214,7 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
         tangent[3 + i, 3 + i] -= trace
 
 
-@within
+@allocating
 def _congruence(sums, R, z, out):
     """Write the sum of ``B' g B`` with B = [1, -[arm]x], of sums (9, 6) of g as of `_write_tangent`."""
     first, second = np.empty((9, 3)), np.empty((9, 3, 3))

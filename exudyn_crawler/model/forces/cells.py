@@ -26,7 +26,7 @@ from exudyn_crawler.ground.frames import Vector, along, cross, turned
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
-from exudyn_crawler.model.elimination import solving, solving_within
+from exudyn_crawler.model.elimination import solving, solving_allocating, solving_within
 
 WRENCH = 6
 """Motions of a rigid shoe: displacement of its COM (m) and rotation (rad), global."""
@@ -94,12 +94,16 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
         f, modal = table.flexible[s], bodies.modal[s]
         if f < 0:
             continue
-        for i, j, c in np.ndindex(table.nodes.shape):
-            for rate in range(2):
-                moved = 0.0
-                for m in range(modes):
-                    moved += table.rows[i, j, c, m] * state[rate, modal + m]
-                work.bent[f, rate, i, j, c] = moved
+        bent, rows = (
+            work.bent[f].reshape((2, table.nodes.size)),
+            table.rows.reshape((table.nodes.size, modes)),
+        )
+        bent.fill(0.0)
+        for m in range(modes):
+            z, z_t = state[0, modal + m], state[1, modal + m]
+            for k in range(rows.shape[0]):
+                bent[0, k] += rows[k, m] * z
+                bent[1, k] += rows[k, m] * z_t
 
 
 @solving
@@ -151,7 +155,7 @@ def bend_shoes(cells: tuple, workspace: tuple) -> None:
             _bend_points(table, ShoePoints(*work.shoes), s, work.bent[table.flexible[s]])
 
 
-@solving_within
+@solving_allocating
 def cell_forces(
     cells: tuple | None, bodies: Bodies, state: FloatArray, weights: Weights, workspace: tuple | None
 ) -> None:
@@ -189,6 +193,39 @@ def cell_forces(
         count += 1
 
 
+@solving_allocating
+def _add_nodal_tangent(table: CellTable, shoes: ShoePoints, s: int, tangent: FloatArray) -> None:
+    """Add the tangents of a shoe's points at the nodes of its grid.
+
+    The product of two hats is one of three functions along and one of three across. Their sums over the
+    points of a mesh are what all pairs of its nodes need.
+    """
+    nodes, across = table.nodes, table.nodes.shape[1]
+    sums = np.zeros((nodes.shape[0] - 1, across - 1, 9, 9))
+    for a in range(shoes.counts[s]):
+        hats = _hats(nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
+        u, v, slopes = hats.u, hats.v, shoes.slopes[shoes.bending[s], a]
+        by_u, by_v = (
+            ((1.0 - u) * (1.0 - u), (1.0 - u) * u, u * u),
+            ((1.0 - v) * (1.0 - v), (1.0 - v) * v, v * v),
+        )
+        for p in range(3):
+            for q in range(3):
+                share = by_u[p] * by_v[q]
+                for c in range(9):
+                    sums[hats.i, hats.j, 3 * p + q, c] += share * slopes[c]
+    for i in range(sums.shape[0]):
+        for j in range(sums.shape[1]):
+            for k in range(4):
+                first = 3 * ((i + k // 2) * across + j + k % 2)
+                for m in range(4):
+                    second = 3 * ((i + m // 2) * across + j + m % 2)
+                    product = 3 * (k // 2 + m // 2) + k % 2 + m % 2
+                    for r in range(3):
+                        for c in range(3):
+                            tangent[first + r, second + c] += sums[i, j, product, 3 * r + c]
+
+
 @solving_within
 def _write_nodal(
     table: CellTable,
@@ -209,16 +246,7 @@ def _write_nodal(
     spread_forces(shoes.points[s, :count], shoes.force[s, :count], low, high, at_nodes)
     if derive:
         tangent.fill(0.0)
-    for a in range(count if derive else 0):
-        hats = _hats(nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
-        slopes = shoes.slopes[shoes.bending[s], a]
-        for k in range(4):
-            first, share = 3 * ((hats.i + k // 2) * across + hats.j + k % 2), share_of(hats, k)
-            for m in range(4):
-                second, both = 3 * ((hats.i + m // 2) * across + hats.j + m % 2), share * share_of(hats, m)
-                for r in range(3):
-                    for c in range(3):
-                        tangent[first + r, second + c] += both * slopes[3 * r + c]
+        _add_nodal_tangent(table, shoes, s, tangent)
     for i in range(nodes.shape[0]):
         for j in range(across):
             place = (
@@ -232,11 +260,10 @@ def _write_nodal(
                 for r in range(3):
                     jacobian[first + r, c] = 1.0 if r == c else 0.0
                     jacobian[first + r, 3 + c] = by_angle[r]
-            for m in range(table.rows.shape[3]):
-                by_mode = table.rows[i, j, :, m]
-                moved = turned(at.R, (by_mode[0], by_mode[1], by_mode[2]))
-                for r in range(3):
-                    jacobian[first + r, 6 + m] = moved[r]
+            for r in range(3):
+                for m in range(table.rows.shape[3]):
+                    x, y, z = table.rows[i, j, 0, m], table.rows[i, j, 1, m], table.rows[i, j, 2, m]
+                    jacobian[first + r, 6 + m] = at.R[r][0] * x + at.R[r][1] * y + at.R[r][2] * z
 
 
 class TrackOnCells:

@@ -10,7 +10,7 @@ from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.laws import step
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
-from exudyn_crawler.model.elimination import solving_within
+from exudyn_crawler.model.elimination import solving_allocating
 from exudyn_crawler.model.joints import Markers, direction, end_of
 
 
@@ -67,7 +67,7 @@ def static_friction(case: Case, masses: np.ndarray) -> tuple[np.ndarray, np.ndar
     return force, np.cross([*case.shoe.underside_center, height], force)
 
 
-@solving_within
+@solving_allocating
 def add_loads(
     bodies: Bodies,
     markers: Markers,

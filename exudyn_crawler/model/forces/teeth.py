@@ -18,7 +18,7 @@ from exudyn_crawler.ground.frames import Vector, along, cross, dot, turned, turn
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
-from exudyn_crawler.model.elimination import solving, solving_within
+from exudyn_crawler.model.elimination import solving, solving_allocating, solving_within
 from exudyn_crawler.model.forces.treads import law_slopes, stored_energy, write_point
 from exudyn_crawler.model.joints import Markers, end_of
 
@@ -133,7 +133,7 @@ def teeth_contacts(
     return _teeth_contacts(Teeth(*teeth), bodies, markers, state, weights, TeethWorkspace(*work))
 
 
-@solving_within
+@solving_allocating
 def _teeth_contacts(
     teeth: Teeth, bodies: Bodies, markers: Markers, state: FloatArray, weights: Weights, work: TeethWorkspace
 ) -> int:

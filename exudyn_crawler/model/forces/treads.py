@@ -20,7 +20,7 @@ from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, tu
 from exudyn_crawler.ground.laws import Impact, impact_force, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
-from exudyn_crawler.model.elimination import solving, solving_inside, solving_within
+from exudyn_crawler.model.elimination import solving, solving_allocating, solving_inside, solving_within
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
@@ -338,7 +338,7 @@ def tread_contacts(
     return _tread_contacts(Rollers(*rollers), bodies, state, drag, weights, TreadWorkspace(*work))
 
 
-@solving_within
+@solving_allocating
 def _tread_contacts(
     rollers: Rollers, bodies: Bodies, state: FloatArray, drag: float, weights: Weights, work: TreadWorkspace
 ) -> int:

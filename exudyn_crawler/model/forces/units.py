@@ -5,7 +5,7 @@ from typing import NamedTuple
 from exudyn_crawler.ground.pair_stiffness import touching_pairs
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies
-from exudyn_crawler.model.elimination import solving_within
+from exudyn_crawler.model.elimination import solving_allocating, solving_within
 
 
 class TerrainTable(NamedTuple):
@@ -41,7 +41,7 @@ def _place_units(terrain: TerrainTable, q: FloatArray, out: FloatArray) -> None:
         out[u, 2], out[u, 3] = z, a
 
 
-@solving_within
+@solving_allocating
 def unit_contacts(
     bodies: Bodies,
     flexible: IntArray,

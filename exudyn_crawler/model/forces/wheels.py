@@ -13,7 +13,7 @@ from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, tur
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
-from exudyn_crawler.model.elimination import solving_inside, solving_within
+from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces.teeth import Flange, flange_force
 from exudyn_crawler.model.forces.treads import (
     Bending,
@@ -108,7 +108,7 @@ def wheel_contacts(
     return _wheel_contacts(named, bodies, state, drag, weights, WheelWorkspace(*work))
 
 
-@solving_within
+@solving_allocating
 def _wheel_contacts(
     wheels: Wheels,
     bodies: Bodies,
