@@ -6,7 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.cells.ground import CellGround
-from exudyn_crawler.ground.cells.kernel import GROUND, NORMAL, TRACTION, ShoePoints, arm_of, frame_at
+from exudyn_crawler.ground.cells.kernel import BLOCK, GROUND, NORMAL, TRACTION, ShoePoints, arm_of, frame_at
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, scaled, velocity_at
 from exudyn_crawler.ground.pairs import RESULTS, Contact, keep
@@ -78,12 +78,13 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
         area = sunk = 0.0
         pushed, moment = NOTHING, NOTHING
         for a in range(shoes.counts[s]):
-            point, traction = shoes.points[s, a], shoes.trial[s, a, TRACTION]
+            block, k, traction = a // BLOCK, a % BLOCK, shoes.trial[s, a, TRACTION]
             if traction <= 0.0:
                 continue
-            arm = arm_of(shoes.points[s], shoes.bent[shoes.bending[s]], a, frame.R)
-            n, A = (point[NORMAL], point[NORMAL + 1], point[NORMAL + 2]), shoes.areas[s, a]
-            area, sunk = area + A, sunk + A * (point[GROUND] - dot(n, along(frame.r, 1.0, arm)))
+            points, A = shoes.points[s, block], shoes.areas[s, a]
+            arm = arm_of(points, shoes.bent[shoes.bending[s], block], k, frame.R)
+            n = (points[NORMAL, k], points[NORMAL + 1, k], points[NORMAL + 2, k])
+            area, sunk = area + A, sunk + A * (points[GROUND, k] - dot(n, along(frame.r, 1.0, arm)))
             force = scaled(A * traction, n)
             pushed, moment = along(pushed, 1.0, force), along(moment, 1.0, cross(arm, force))
         size = norm(pushed)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from exudyn_crawler.ground.cells.kernel import BEFORE, NORMAL, ShoePoints, frame_at
+from exudyn_crawler.ground.cells.kernel import BEFORE, BLOCK, NORMAL, ShoePoints, frame_at
 from exudyn_crawler.ground.cells.tiles import BITS, SIDE, Tiles, gather
 from exudyn_crawler.ground.frames import FACING, Frame, allocating, along, compiled, turned
 from exudyn_crawler.ground.rotations import FloatArray
@@ -114,15 +114,16 @@ def _cover_shoe(
             of_tile = (i & (SIDE - 1)) * SIDE + (j & (SIDE - 1))
             if math.isnan(tiles.planes[tile, of_tile, 3]):
                 return NO_HEIGHT
+            block, at = points[count // BLOCK], count % BLOCK
             for m in range(4):
-                points[count, NORMAL + m] = tiles.planes[tile, of_tile, m]
+                block[NORMAL + m, at] = tiles.planes[tile, of_tile, m]
             cell, true = tile * SIDE * SIDE + of_tile, h * h * area / tiles.planes[tile, of_tile, 2]
             cells[count], areas[count] = cell, true
             tiles.loaded[cell] += true
             x, y = h * (i + x / area) - x0, h * (j + y / area) - y0
             X, Y = scale * (R[1][1] * x - R[0][1] * y), scale * (R[0][0] * y - R[1][0] * x)
-            points[count, 0], points[count, 1], points[count, 2] = X, Y, z
-            place = along(before.r, 1.0, turned(before.R, (X, Y, z)))
-            points[count, BEFORE], points[count, BEFORE + 1], points[count, BEFORE + 2] = place
+            block[0, at], block[1, at], block[2, at] = X, Y, z
+            was = along(before.r, 1.0, turned(before.R, (X, Y, z)))
+            block[BEFORE, at], block[BEFORE + 1, at], block[BEFORE + 2, at] = was
             count += 1
     return count

@@ -9,7 +9,9 @@ from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import CrawlerError
 from exudyn_crawler.ground.cells.covering import NO_HEIGHT, NO_TILE, cover
 from exudyn_crawler.ground.cells.kernel import (
+    BLOCK,
     POINT,
+    ROWS,
     TRIAL,
     ShoePoints,
     addresses_of,
@@ -64,6 +66,7 @@ class CellGround:
         underside = np.array(corners, dtype=float)
         sides = np.linalg.norm(np.diff(underside[:3], axis=0), axis=1)
         most, bend = int(1.6 * np.prod(sides / cell + 4.0)), 1 + len(flexible)
+        blocks = -(-most // BLOCK)
         bending = np.zeros(shoes, dtype=np.int64)
         bending[list(flexible)] = np.arange(1, bend)
         self.shoes = ShoePoints(
@@ -73,14 +76,15 @@ class CellGround:
             counts=np.zeros(shoes, dtype=np.int64),
             cells=np.zeros((shoes, most), dtype=np.int64),
             areas=np.zeros((shoes, most)),
-            points=np.zeros((shoes, most, POINT)),
+            points=np.zeros((shoes, blocks, POINT, BLOCK)),
             trial=np.zeros((shoes, most, TRIAL)),
             force=np.zeros((shoes, most, 3)),
             wrench=np.zeros((shoes, 6)),
             tangent=np.zeros((shoes, 6, 6)),
+            block=np.zeros((ROWS, BLOCK)),
             bending=bending,
-            bent=np.zeros((bend, most, 6)),
-            slopes=np.zeros((bend, most, 9)),
+            bent=np.zeros((bend, blocks, 6, BLOCK)),
+            slopes=np.zeros((bend, 9 * most)),
         )
         self.arrays = tuple(self.shoes)
         self._held = np.zeros(0, dtype=np.int64)

@@ -6,6 +6,7 @@ how the areas change as the outline moves (1 % of them) and how turning arms tur
 rad/s).
 """
 
+import math
 from functools import cache
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ from exudyn_crawler.ground.cells.law import (
     compile_entry,
     prepare,
     respond,
+    respond_nearby,
     within_law,
 )
 from exudyn_crawler.ground.frames import (
@@ -32,7 +34,6 @@ from exudyn_crawler.ground.frames import (
     compiled,
     cross,
     dot,
-    scaled,
     turned,
     turned_back,
     within,
@@ -40,13 +41,23 @@ from exudyn_crawler.ground.frames import (
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 PLACE, NORMAL, GROUND, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 10, 12, 14, 17
-"""First column of what a point is: its place in the shoe's frame (m), the cell's normal, the distance of the
+"""First row of what a point is: its place in the shoe's frame (m), the cell's normal, the distance of the
 cell's plane from the origin along it (m), where the place was when a step was last accepted (m, global); and
 the cell's memory: greatest sinkage and pressure, `Probe.prepared`, shear and mobilized share."""
 POINT = 18
+BLOCK = 64
+"""Points of a shoe that stand together, a row for each number: processors take several at once."""
 TRIAL, TRACTION = 6, 5
 """Trial memory of a point: greatest sinkage, pressure, shear along x and y, mobilized share; and beside it,
 in the column `TRACTION`, the normal traction on the shoe (Pa)."""
+DEPTH, RATE, SLIP, VELOCITY, ARM, FORCE = 0, 1, 2, 5, 8, 11
+"""First row of what the workspace of a block has: as of `Probe`, places of the points from their shoe's
+origin (m, global), forces there (N);"""
+NORMAL_STRESS, STRESS, DRAG, BY_DEPTH, BY_RATE = 14, 15, 18, 19, 20
+"""as of `Response`, normal traction, shear, drag, and derivatives of the first by depth and rate;"""
+COUPLED, ALONG, ACROSS, TOWARDS, SLOPES, AGAIN, ROWS = 21, 24, 25, 26, 29, 38, 39
+"""`tangential_by_depth`, `along`, `across` and `direction`; `ShoePoints.slopes`; points that the law is asked
+about again; and the number of rows."""
 NOTHING = (0.0, 0.0, 0.0)
 FRAME = 18
 """Numbers of a frame: r, the rows of R, v and omega, global."""
@@ -69,7 +80,7 @@ class ShoePoints(NamedTuple):
         Cell of each point.
     areas : array (shoes, most)
         True area of each point, m2.
-    points : array (shoes, most, POINT)
+    points : array (shoes, blocks, POINT, BLOCK)
     trial : array (shoes, most, TRIAL)
     force : array (shoes, most, 3)
         On the shoe at each point, N, global.
@@ -77,12 +88,15 @@ class ShoePoints(NamedTuple):
         Force (N) and moment about the frame's origin (N m) on each shoe, global.
     tangent : array (shoes, 6, 6)
         Its weighted derivative by displacements and small rotations (global components).
+    block : array (ROWS, BLOCK)
+        Workspace of the points that are computed together.
     bending : array (shoes,)
         Row of each shoe in the next two arrays: all rigid ones share the first, which stays in the cache.
-    bent : array (1 + flexible shoes, most, 6)
+    bent : array (1 + flexible shoes, blocks, 6, BLOCK)
         Displacement of the points of flexible shoes by their modes (m), and its rate (m/s), shoes' axes.
-    slopes : array (1 + flexible shoes, most, 9)
-        Weighted derivative of each point's force by its displacement, row by row.
+    slopes : array (1 + flexible shoes, 9 most)
+        Weighted derivative of each point's force by its displacement: array (9, points), its rows one after
+        the other.
     """
 
     addresses: IntArray
@@ -96,6 +110,7 @@ class ShoePoints(NamedTuple):
     force: FloatArray
     wrench: FloatArray
     tangent: FloatArray
+    block: FloatArray
     bending: IntArray
     bent: FloatArray
     slopes: FloatArray
@@ -109,77 +124,162 @@ def frame_at(row: FloatArray) -> Frame:
 
 
 @within
-def arm_of(points: FloatArray, bent: FloatArray, a: int, R: Matrix) -> Vector:
-    """Place of a point from its shoe's origin, m, global."""
-    return turned(R, (points[a, 0] + bent[a, 0], points[a, 1] + bent[a, 1], points[a, 2] + bent[a, 2]))
+def arm_of(points: FloatArray, bent: FloatArray, k: int, R: Matrix) -> Vector:
+    """Place of a point of a block from its shoe's origin, m, global."""
+    return turned(R, (points[0, k] + bent[0, k], points[1, k] + bent[1, k], points[2, k] + bent[2, k]))
 
 
 @within_law
-def _probe(points, areas, bent, a, frame, arm, normal):
-    """`Probe` of a point."""
-    x = along(frame.r, 1.0, arm)
-    velocity = along(frame.v, 1.0, cross(frame.omega, arm))
-    velocity = along(velocity, 1.0, turned(frame.R, (bent[a, 3], bent[a, 4], bent[a, 5])))
-    rate = -dot(normal, velocity)
-    moved = (x[0] - points[a, BEFORE], x[1] - points[a, BEFORE + 1], x[2] - points[a, BEFORE + 2])
-    shear = (points[a, SHEAR], points[a, SHEAR + 1], points[a, SHEAR + 2])
+def _move(points, bent, at, size, block):
+    """Write how the points of a block move against the ground, the first rows of its workspace."""
+    r, R, v, omega = at
+    for k in range(size):
+        n = (points[NORMAL, k], points[NORMAL + 1, k], points[NORMAL + 2, k])
+        arm = arm_of(points, bent, k, R)
+        x = along(r, 1.0, arm)
+        velocity = along(v, 1.0, cross(omega, arm))
+        velocity = along(velocity, 1.0, turned(R, (bent[3, k], bent[4, k], bent[5, k])))
+        rate = -dot(n, velocity)
+        moved = (x[0] - points[BEFORE, k], x[1] - points[BEFORE + 1, k], x[2] - points[BEFORE + 2, k])
+        slip, velocity = along(moved, -dot(moved, n), n), along(velocity, rate, n)
+        block[DEPTH, k], block[RATE, k] = points[GROUND, k] - dot(n, x), rate
+        for c in range(3):
+            block[SLIP + c, k], block[VELOCITY + c, k], block[ARM + c, k] = slip[c], velocity[c], arm[c]
+
+
+@within_law
+def _slope(points, areas, by_place, by_velocity, size, block):
+    """Write the weighted derivatives of the forces of a block's points by displacements, its last rows.
+
+    They are ``b n' + h m' + c 1``; the depth falls along n.
+    """
+    for k in range(size):
+        position, velocity = -areas[k] * by_place, -areas[k] * by_velocity
+        across, drag = block[ACROSS, k], block[DRAG, k]
+        normal = position * (block[BY_DEPTH, k] - across) + velocity * (block[BY_RATE, k] - drag)
+        further = position * (block[ALONG, k] - across)
+        for r in range(3):
+            b = normal * points[NORMAL + r, k] - position * block[COUPLED + r, k]
+            h = further * block[TOWARDS + r, k]
+            for c in range(3):
+                block[SLOPES + 3 * r + c, k] = b * points[NORMAL + c, k] + h * block[TOWARDS + c, k]
+            block[SLOPES + 4 * r, k] += position * across + velocity * drag
+
+
+@within_law
+def _probe(points, areas, block, k):
+    """`Probe` of a point of a block that moves."""
+    shear = (points[SHEAR, k], points[SHEAR + 1, k], points[SHEAR + 2, k])
     return Probe(
-        points[a, GROUND] - dot(normal, x),
-        rate,
-        areas[a],
-        along(moved, -dot(moved, normal), normal),
-        along(velocity, rate, normal),
-        Memory(points[a, DEEPEST], points[a, DEEPEST + 1], shear, points[a, MOBILIZED]),
-        (points[a, PREPARED], points[a, PREPARED + 1]),
+        block[DEPTH, k],
+        block[RATE, k],
+        areas[k],
+        (block[SLIP, k], block[SLIP + 1, k], block[SLIP + 2, k]),
+        (block[VELOCITY, k], block[VELOCITY + 1, k], block[VELOCITY + 2, k]),
+        Memory(points[DEEPEST, k], points[DEEPEST + 1, k], shear, points[MOBILIZED, k]),
+        (points[PREPARED, k], points[PREPARED + 1, k]),
     )
 
 
 @within_law
-def press_shoe(law, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes):
+def _write_answer(answer, tangents, block, trial, k):
+    """Write what the law answers to a point."""
+    memory = answer.memory
+    trial[k, 0], trial[k, 1] = memory.deepest, memory.pressure
+    trial[k, 2], trial[k, 3], trial[k, 4] = memory.shear[0], memory.shear[1], memory.mobilized
+    trial[k, TRACTION] = block[NORMAL_STRESS, k] = answer.normal
+    block[DRAG, k] = answer.drag
+    for c in range(3):
+        block[STRESS + c, k] = answer.shear[c]
+    if tangents:
+        block[BY_DEPTH, k], block[BY_RATE, k] = answer.normal_by_depth, answer.normal_by_rate
+        block[ALONG, k], block[ACROSS, k] = answer.along, answer.across
+        for c in range(3):
+            block[COUPLED + c, k], block[TOWARDS + c, k] = answer.tangential_by_depth[c], answer.direction[c]
+
+
+@within_law
+def _answer(law, points, areas, tangents, size, block, trial):
+    """Write what the law answers to a block that moves, and the memory on trial."""
+    for k in range(size):
+        _write_answer(
+            respond_nearby(law, _probe(points, areas, block, k), tangents), tangents, block, trial, k
+        )
+    count = 0
+    for k in range(size):
+        if math.isnan(block[NORMAL_STRESS, k]):
+            block[AGAIN, count] = k
+            count += 1
+    for j in range(count):
+        k = int(block[AGAIN, j])
+        _write_answer(respond(law, _probe(points, areas, block, k), tangents), tangents, block, trial, k)
+
+
+@within_law
+def _push(points, areas, size, block):
+    """Write the forces of a block's points."""
+    for k in range(size):
+        for c in range(3):
+            stress = block[NORMAL_STRESS, k] * points[NORMAL + c, k] - block[STRESS + c, k]
+            block[FORCE + c, k] = areas[k] * (stress - block[DRAG, k] * block[VELOCITY + c, k])
+
+
+@within_law
+def _slope(points, areas, by_place, by_velocity, size, block):
+    """Write the weighted derivatives of the forces of a block's points by displacements, its last rows.
+
+    They are ``b n' + h m' + c 1``; the depth falls along n.
+    """
+    for k in range(size):
+        position, velocity = -areas[k] * by_place, -areas[k] * by_velocity
+        across, drag = block[ACROSS, k], block[DRAG, k]
+        normal = position * (block[BY_DEPTH, k] - across) + velocity * (block[BY_RATE, k] - drag)
+        further = position * (block[ALONG, k] - across)
+        for r in range(3):
+            b = normal * points[NORMAL + r, k] - position * block[COUPLED + r, k]
+            h = further * block[TOWARDS + r, k]
+            for c in range(3):
+                block[SLOPES + 3 * r + c, k] = b * points[NORMAL + c, k] + h * block[TOWARDS + c, k]
+            block[SLOPES + 4 * r, k] += position * across + velocity * drag
+
+
+@within_law
+def press_shoe(law, count, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes, block):
     """Write what the cells do to one shoe at a frame.
 
     Parameters
     ----------
     law : named tuple
         Constants.
+    count : int
+        Points of the shoe.
     frame : array (FRAME,)
     weights : array (2,)
         Of the derivatives by displacements and by velocities; without any, the tangent is left as it is.
-    points, areas, bent, trial, force, wrench, tangent, slopes : array
-        As of `ShoePoints`, of this shoe; the latter five are overwritten.
+    points, areas, bent, trial, force, wrench, tangent, slopes, block : array
+        As of `ShoePoints`, of this shoe; the latter six are overwritten.
     """
-    at, count = frame_at(frame), points.shape[0]
-    by_place, by_velocity = weights[0], weights[1]
+    at, by_place, by_velocity = frame_at(frame), weights[0], weights[1]
     tangents = by_place != 0.0 or by_velocity != 0.0
     F, M, by_x, by_y = NOTHING, NOTHING, NOTHING, NOTHING
-    for a in range(count):
-        arm = arm_of(points, bent, a, at.R)
-        n = (points[a, NORMAL], points[a, NORMAL + 1], points[a, NORMAL + 2])
-        probe = _probe(points, areas, bent, a, at, arm, n)
-        answer = respond(law, probe, tangents)
-        memory, v = answer.memory, probe.slip_velocity
-        trial[a, 0], trial[a, 1] = memory.deepest, memory.pressure
-        trial[a, 2], trial[a, 3], trial[a, 4] = memory.shear[0], memory.shear[1], memory.mobilized
-        trial[a, TRACTION] = answer.normal
-        f = along(scaled(answer.normal, n), -1.0, answer.shear)
-        f = scaled(probe.area, along(f, -answer.drag, v))
-        force[a, 0], force[a, 1], force[a, 2] = f[0], f[1], f[2]
-        F, M = along(F, 1.0, f), along(M, 1.0, cross(arm, f))
+    for b in range(points.shape[0]):
+        first = b * BLOCK
+        these, size, stood = points[b], min(BLOCK, count - first), areas[first:]
+        _move(these, bent[b], at, size, block)
+        _answer(law, these, stood, tangents, size, block, trial[first:])
+        _push(these, stood, size, block)
+        for k in range(size):
+            f = (block[FORCE, k], block[FORCE + 1, k], block[FORCE + 2, k])
+            force[first + k, 0], force[first + k, 1], force[first + k, 2] = f
+            F = along(F, 1.0, f)
+            M = along(M, 1.0, cross((block[ARM, k], block[ARM + 1, k], block[ARM + 2, k]), f))
+            if tangents:
+                by_x, by_y = along(by_x, these[0, k], f), along(by_y, these[1, k], f)
         if tangents:
-            by_x, by_y = along(by_x, points[a, 0], f), along(by_y, points[a, 1], f)
-            # b n' + h m' + c 1 by displacements; the depth falls along n
-            position, velocity, m = -probe.area * by_place, -probe.area * by_velocity, answer.direction
-            normal = position * (answer.normal_by_depth - answer.across)
-            normal += velocity * (answer.normal_by_rate - answer.drag)
-            b = along(scaled(normal, n), -position, answer.tangential_by_depth)
-            c = position * answer.across + velocity * answer.drag
-            x, y, z = scaled(b[0], n), scaled(b[1], n), scaled(b[2], n)
-            if answer.along != answer.across:
-                h = scaled(position * (answer.along - answer.across), m)
-                x, y, z = along(x, h[0], m), along(y, h[1], m), along(z, h[2], m)
-            slopes[a, 0], slopes[a, 1], slopes[a, 2] = x[0] + c, x[1], x[2]
-            slopes[a, 3], slopes[a, 4], slopes[a, 5] = y[0], y[1] + c, y[2]
-            slopes[a, 6], slopes[a, 7], slopes[a, 8] = z[0], z[1], z[2] + c
+            _slope(these, stood, by_place, by_velocity, size, block)
+            for q in range(9):
+                for k in range(size):
+                    slopes[q, first + k] = block[SLOPES + q, k]
     for i in range(3):
         wrench[i], wrench[3 + i] = F[i], M[i]
     if tangents:
@@ -193,14 +293,14 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
     The arms are linear in the places X, Y on the underside, so that sums of these times 1, X, Y, X2, XY, Y2
     make it, whatever the number of points; `forces` are those of forces times 1, X, Y.
     """
-    count = points.shape[0]
+    count = slopes.shape[1]
     monomials = np.empty((count, 6))
     for a in range(count):
-        X, Y = points[a, 0], points[a, 1]
+        X, Y = points[a // BLOCK, 0, a % BLOCK], points[a // BLOCK, 1, a % BLOCK]
         monomials[a, 0], monomials[a, 1], monomials[a, 2] = 1.0, X, Y
         monomials[a, 3], monomials[a, 4], monomials[a, 5] = X * X, X * Y, Y * Y
-    sums = np.dot(slopes.T, monomials)
-    z = points[0, 2] if count > 0 else 0.0
+    sums = np.dot(slopes, monomials)
+    z = points[0, 2, 0] if count > 0 else 0.0
     _congruence(sums, R, z, tangent)
     # the arms turn under the forces: sum of a f' - (a . f) 1
     trace = 0.0
@@ -242,11 +342,12 @@ def _congruence(sums, R, z, out):
 
 
 @within_law
-def prepare_points(law, points):
+def prepare_points(law, count, points):
     """Write `Probe.prepared` of all points of one shoe."""
-    for a in range(points.shape[0]):
-        prepared = prepare(law, points[a, DEEPEST], points[a, DEEPEST + 1])
-        points[a, PREPARED], points[a, PREPARED + 1] = prepared[0], prepared[1]
+    for b in range(points.shape[0]):
+        for k in range(min(BLOCK, count - b * BLOCK)):
+            prepared = prepare(law, points[b, DEEPEST, k], points[b, DEEPEST + 1, k])
+            points[b, PREPARED, k], points[b, PREPARED + 1, k] = prepared[0], prepared[1]
 
 
 @cache
@@ -257,31 +358,34 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
 
     def law_points(constants, count, points):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
-        prepare_points(law, carray(points, (count, POINT)))
+        prepare_points(law, count, carray(points, ((count + BLOCK - 1) // BLOCK, POINT, BLOCK)))
         return 0
 
     def law_press(
-        constants, count, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes
+        constants, count, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes, block
     ):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
+        blocks = (count + BLOCK - 1) // BLOCK
         press_shoe(
             law,
-            carray(points, (count, POINT)),
+            count,
+            carray(points, (blocks, POINT, BLOCK)),
             carray(areas, (count,)),
-            carray(bent, (count, 6)),
+            carray(bent, (blocks, 6, BLOCK)),
             carray(frame, (FRAME,)),
             carray(weights, (2,)),
             carray(trial, (count, TRIAL)),
             carray(force, (count, 3)),
             carray(wrench, (6,)),
             carray(tangent, (6, 6)),
-            carray(slopes, (count, 9)),
+            carray(slopes, (9, count)),
+            carray(block, (ROWS, BLOCK)),
         )
         return 0
 
     return (
         compile_entry(kernel, law_points, (numbers, number, numbers)),
-        compile_entry(kernel, law_press, (numbers, number, *10 * [numbers])),
+        compile_entry(kernel, law_press, (numbers, number, *11 * [numbers])),
     )
 
 
@@ -312,6 +416,7 @@ def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
             shoes.wrench[s],
             shoes.tangent[s],
             shoes.slopes[shoes.bending[s]],
+            shoes.block,
         )
 
 
@@ -344,14 +449,15 @@ def share_of(hats: Hats, k: int) -> float:
 def spread_forces(
     points: FloatArray, forces: FloatArray, low: FloatArray, high: FloatArray, nodes: FloatArray
 ) -> None:
-    """Add forces at points to the nodes (a, b, 3) of an even grid of their underside, global, N.
+    """Add forces (count, 3) at the points of a shoe to the nodes (a, b, 3) of a grid of it, global, N.
 
     A force goes to the four nodes about its point, which keeps forces and moments, and bending moments at the
     lines of nodes.
     """
     last = nodes.shape[0] - 1, nodes.shape[1] - 1
-    for a in range(points.shape[0]):
-        hats = hats_at(low, high, last, points[a, 0], points[a, 1])
+    for a in range(forces.shape[0]):
+        b, k = a // BLOCK, a % BLOCK
+        hats = hats_at(low, high, last, points[b, 0, k], points[b, 1, k])
         for k in range(4):
             i, j, share = hats.i + k // 2, hats.j + k % 2, share_of(hats, k)
             for c in range(3):
@@ -369,7 +475,7 @@ def coarse_forces(values: tuple, frames: FloatArray, out: FloatArray) -> None:
     low, high = shoes.corners[0], shoes.corners[2]
     for s in range(out.shape[0]):
         R, count = frame_at(frames[s]).R, shoes.counts[s]
-        spread_forces(shoes.points[s, :count], shoes.force[s, :count], low, high, out[s])
+        spread_forces(shoes.points[s], shoes.force[s, :count], low, high, out[s])
         for i in range(out.shape[1]):
             for j in range(out.shape[2]):
                 force = turned_back(R, (out[s, i, j, 0], out[s, i, j, 1], out[s, i, j, 2]))

@@ -109,6 +109,10 @@ class LawKernel(NamedTuple):
         Mobilized share of fresh ground.
     forgets : bool
         Whether a cell that is left is fresh again, its sinkage too.
+    nearby : compiled function as `respond`, optional
+        The same near to the committed memory, without powers and exponentials, which a processor computes one
+        at a time: several points are then computed at once. It answers with a normal traction of NaN where
+        `respond` has to be asked.
     """
 
     constants: type
@@ -116,6 +120,7 @@ class LawKernel(NamedTuple):
     respond: Callable
     fresh: float
     forgets: bool
+    nearby: Callable | None = None
 
 
 class CellLaw(SoilLaw):
@@ -219,6 +224,12 @@ def respond(law, probe, tangents):
     return _KERNELS[type(law)].respond(law, probe, tangents)
 
 
+def respond_nearby(law, probe, tangents):
+    """`LawKernel.nearby` of the law that compiled code calls it with, or its `respond`."""
+    kernel = _KERNELS[type(law)]
+    return (kernel.nearby or kernel.respond)(law, probe, tangents)
+
+
 @overload(prepare, inline="always")
 def _prepare(law, deepest, pressure):
     function = _KERNELS[law.instance_class].prepare
@@ -231,9 +242,18 @@ def _respond(law, probe, tangents):
     return lambda law, probe, tangents: function(law, probe, tangents)
 
 
-within_law = njit(error_model="numpy", no_cfunc_wrapper=True)
+@overload(respond_nearby, inline="always")
+def _respond_nearby(law, probe, tangents):
+    kernel = _KERNELS[law.instance_class]
+    function = kernel.nearby or kernel.respond
+    return lambda law, probe, tangents: function(law, probe, tangents)
+
+
+within_law = njit(error_model="numpy", no_cfunc_wrapper=True, forceinline=True, _nrt=False)
 """Compiles a function that meets a law, as part of its entry alone (`compile_entry`): cached by itself it
-would outlive a change of the law, whose file may be anywhere."""
+would outlive a change of the law, whose file may be anywhere. As part of it the compiler also knows how far
+apart the numbers of points are, and takes several points at once. It makes no arrays, as `frames.within`.
+"""
 
 
 def compile_entry(kernel: LawKernel, function: Callable, arguments: tuple) -> int:

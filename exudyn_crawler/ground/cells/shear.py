@@ -11,6 +11,9 @@ COHESION_PRESSURE = 1e3
 a jump where a shoe lifts off. Chosen here; it takes 0.5 % off the cohesion at 200 kPa."""
 
 NOTHING = (0.0, 0.0, 0.0)
+HALF, SIXTH = 0.5, 1.0 / 6.0
+SMALL = 0.02
+"""Plastic slip, in shear deformations, up to which a series has the exponential of it."""
 
 
 class Strength(NamedTuple):
@@ -46,7 +49,17 @@ def shear_strength(law: Strength, pressure: float) -> tuple[float, float]:
 
 
 @inlined
-def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool) -> Shear:
+def _decay(x: float, nearby: bool) -> float:
+    """``exp(-x)``: where x is small by its series, exact to rounding, else NaN if it is for `nearby`."""
+    if x > SMALL:
+        return math.nan if nearby else math.exp(-x)
+    return 1.0 - x * (
+        1.0 - x * (HALF - x * (SIXTH - x * (SIXTH / 4.0 - x * (SIXTH / 20.0 - x * SIXTH / 120.0))))
+    )
+
+
+@inlined
+def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool, nearby: bool) -> Shear:
     """Shear stress after the slip of a step.
 
     Elastic with the stiffness ``T / K`` of the greatest pressure that the cell has had; where that exceeds
@@ -76,7 +89,9 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool) -> She
         return Shear(trial, by_pressure, k, k, NOTHING, drag, memory.mobilized)
     size = math.sqrt(square)
     plastic = (size - bound) / k
-    mobilized = 1.0 - (1.0 - memory.mobilized) * math.exp(-per * plastic)
+    mobilized = 1.0
+    if memory.mobilized < 1.0:
+        mobilized -= (1.0 - memory.mobilized) * _decay(per * plastic, nearby)
     scale, tangential, direction = T * mobilized / size, 0.0, NOTHING
     if tangents:
         direction = scaled(1.0 / size, trial)
@@ -91,7 +106,13 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool) -> She
 
 @inlined
 def answer(
-    law: Strength, damping: float, probe: Probe, normal: tuple[float, float], after: Memory, tangents: bool
+    law: Strength,
+    damping: float,
+    probe: Probe,
+    normal: tuple[float, float],
+    after: Memory,
+    tangents: bool,
+    nearby: bool = False,
 ) -> Response:
     """Response of ground in contact.
 
@@ -104,12 +125,14 @@ def answer(
         Pressure (Pa) and its derivative by depth.
     after : Memory
         On trial, but for the shear.
+    nearby : bool
+        Whether this is for `LawKernel.nearby`.
     """
     pressure, slope = normal
-    shear = sheared(law, probe, pressure, tangents)
+    shear = sheared(law, probe, pressure, tangents, nearby)
     factor = max(0.0, 1.0 + damping * probe.rate)
     return Response(
-        pressure * factor,
+        pressure * factor if shear.mobilized == shear.mobilized else math.nan,
         slope * factor,
         pressure * damping if factor > 0.0 else 0.0,
         shear.shear,

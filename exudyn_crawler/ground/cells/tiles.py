@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.cells.kernel import DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION, ShoePoints
+from exudyn_crawler.ground.cells.kernel import BLOCK, DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION, ShoePoints
 from exudyn_crawler.ground.cells.law import call_at
 from exudyn_crawler.ground.frames import compiled, within
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
@@ -66,15 +66,15 @@ def gather(tiles: Tiles, shoes: ShoePoints) -> None:
     for s in range(shoes.counts.shape[0]):
         points, cells, count = shoes.points[s], shoes.cells[s], shoes.counts[s]
         for a in range(count):
-            cell = cells[a]
+            cell, block, k = cells[a], a // BLOCK, a % BLOCK
             before, now = memory[cell, 5], loaded[cell]
             share = before / now if now > before > 0.0 else 1.0
             x, y = share * memory[cell, 2], share * memory[cell, 3]
-            points[a, DEEPEST], points[a, DEEPEST + 1] = memory[cell, 0], memory[cell, 1]
-            points[a, SHEAR], points[a, SHEAR + 1] = x, y
-            rise = points[a, NORMAL] * x + points[a, NORMAL + 1] * y
-            points[a, SHEAR + 2] = -rise / points[a, NORMAL + 2]
-            points[a, MOBILIZED] = tiles.fresh + share * (memory[cell, 4] - tiles.fresh)
+            points[block, DEEPEST, k], points[block, DEEPEST + 1, k] = memory[cell, 0], memory[cell, 1]
+            points[block, SHEAR, k], points[block, SHEAR + 1, k] = x, y
+            rise = points[block, NORMAL, k] * x + points[block, NORMAL + 1, k] * y
+            points[block, SHEAR + 2, k] = -rise / points[block, NORMAL + 2, k]
+            points[block, MOBILIZED, k] = tiles.fresh + share * (memory[cell, 4] - tiles.fresh)
         call_at(shoes.addresses[0], shoes.constants, count, points)
     for s in range(shoes.counts.shape[0]):
         for a in range(shoes.counts[s]):

@@ -14,6 +14,7 @@ from exudyn_crawler.ground.cells.contact import write_contacts
 from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.kernel import (
     BEFORE,
+    BLOCK,
     FRAME,
     Hats,
     ShoePoints,
@@ -129,21 +130,22 @@ def bend_before(cells: tuple, frames: FloatArray, bent: FloatArray, workspace: t
             continue
         R = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
         for a in range(shoes.counts[s]):
-            point = shoes.points[s, a]
-            moved = turned(R, _moved_by_nodes(_hats(table.nodes, point[0], point[1]), bent[f]))
+            points, k = shoes.points[s, a // BLOCK], a % BLOCK
+            moved = turned(R, _moved_by_nodes(_hats(table.nodes, points[0, k], points[1, k]), bent[f]))
             for c in range(3):
-                point[BEFORE + c] += moved[c]
+                points[BEFORE + c, k] += moved[c]
 
 
 @solving_within
 def _bend_points(table: CellTable, shoes: ShoePoints, s: int, bent: FloatArray) -> None:
     """Write how a shoe's modes move its points."""
     for a in range(shoes.counts[s]):
-        hats = _hats(table.nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
+        b, k = a // BLOCK, a % BLOCK
+        hats = _hats(table.nodes, shoes.points[s, b, 0, k], shoes.points[s, b, 1, k])
         for rate in range(2):
             moved = _moved_by_nodes(hats, bent[rate])
             for c in range(3):
-                shoes.bent[shoes.bending[s], a, 3 * rate + c] = moved[c]
+                shoes.bent[shoes.bending[s], b, 3 * rate + c, k] = moved[c]
 
 
 @solving
@@ -200,11 +202,13 @@ def _add_nodal_tangent(table: CellTable, shoes: ShoePoints, s: int, tangent: Flo
     The product of two hats is one of three functions along and one of three across. Their sums over the
     points of a mesh are what all pairs of its nodes need.
     """
-    nodes, across = table.nodes, table.nodes.shape[1]
+    nodes, across, count = table.nodes, table.nodes.shape[1], shoes.counts[s]
     sums = np.zeros((nodes.shape[0] - 1, across - 1, 9, 9))
-    for a in range(shoes.counts[s]):
-        hats = _hats(nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
-        u, v, slopes = hats.u, hats.v, shoes.slopes[shoes.bending[s], a]
+    slopes = shoes.slopes[shoes.bending[s], : 9 * count].reshape((9, count))
+    for a in range(count):
+        points, k = shoes.points[s, a // BLOCK], a % BLOCK
+        hats = _hats(nodes, points[0, k], points[1, k])
+        u, v = hats.u, hats.v
         by_u, by_v = (
             ((1.0 - u) * (1.0 - u), (1.0 - u) * u, u * u),
             ((1.0 - v) * (1.0 - v), (1.0 - v) * v, v * v),
@@ -213,7 +217,7 @@ def _add_nodal_tangent(table: CellTable, shoes: ShoePoints, s: int, tangent: Flo
             for q in range(3):
                 share = by_u[p] * by_v[q]
                 for c in range(9):
-                    sums[hats.i, hats.j, 3 * p + q, c] += share * slopes[c]
+                    sums[hats.i, hats.j, 3 * p + q, c] += share * slopes[c, a]
     for i in range(sums.shape[0]):
         for j in range(sums.shape[1]):
             for k in range(4):
@@ -243,7 +247,7 @@ def _write_nodal(
     low, high = nodes[0, 0], nodes[nodes.shape[0] - 1, across - 1]
     wrench.fill(0.0)
     at_nodes = wrench.reshape(nodes.shape)
-    spread_forces(shoes.points[s, :count], shoes.force[s, :count], low, high, at_nodes)
+    spread_forces(shoes.points[s], shoes.force[s, :count], low, high, at_nodes)
     if derive:
         tangent.fill(0.0)
         _add_nodal_tangent(table, shoes, s, tangent)

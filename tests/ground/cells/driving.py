@@ -39,6 +39,11 @@ def ground(law, heights=None, cell=0.1, sides=(LENGTH, WIDTH), shoes=1):
     return CellGround(law, heights or Heights(), cell, corners, shoes)
 
 
+def points_of(cells):
+    """Points (count, POINT) of the first shoe, with the numbers of one in a row."""
+    return np.hstack(list(cells.shoes.points[0])).T[: cells.shoes.counts[0]]
+
+
 class Shoe:
     """One shoe on cells of its own."""
 
@@ -53,8 +58,8 @@ class Shoe:
 
     @property
     def points(self):
-        """Of the shoe."""
-        return self.ground.shoes.points[0, : self.ground.shoes.counts[0]]
+        """Of the shoe (points, POINT)."""
+        return points_of(self.ground)
 
     @property
     def force(self):

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from benchmarks import cells as benchmark
 from exudyn_crawler.case.parameters.heights import Heights, Ridge, Roughness, Stone
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
-from tests.ground.cells.driving import LENGTH, LOAD, ROCK, SAND, WIDTH, Shoe, frame, ground, turn
+from tests.ground.cells.driving import LENGTH, LOAD, ROCK, SAND, WIDTH, Shoe, frame, ground, points_of, turn
 
 ROUGH = Heights(roughness=Roughness(spectrum=256e-6, seed=3))
 
@@ -19,7 +19,7 @@ def test_clipped_areas_and_centroids_are_those_of_the_outline():
         R = turn(random.normal(0, 0.02, 3)) @ turn([0, 0, random.uniform(-3, 3)])
         now = frame([*random.uniform(-1, 4, 2), 0.0], R)
         cells.cover(now, now)
-        points = cells.shoes.points[0, : cells.shoes.counts[0]]
+        points = points_of(cells)
         areas = cells.shoes.areas[0, : cells.shoes.counts[0]]
         c = cells.shoes.corners @ R.T
         d, e = c[2] - c[0], c[3] - c[1]

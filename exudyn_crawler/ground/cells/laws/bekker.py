@@ -46,11 +46,11 @@ def backbone(law: Bekker, z: float) -> tuple[float, float]:
 
 
 @inlined
-def deeper(law: Bekker, z: float, memory: Memory) -> tuple[float, float]:
+def deeper(law: Bekker, z: float, memory: Memory, nearby: bool) -> tuple[float, float]:
     """`backbone`, by little more than before from the pressure there: a power takes long."""
     s = z / memory.deepest - 1.0 if memory.deepest >= ROUNDING else 1.0
     if s > SMALL:
-        return backbone(law, z)
+        return (math.nan, math.nan) if nearby else backbone(law, z)
     n = law.exponent
     rest = 1.0 + s * (n - 3.0) / 4.0 * (1.0 + s * (n - 4.0) / 5.0)
     p = memory.pressure * (1.0 + s * n * (1.0 + s * (n - 1.0) / 2.0 * (1.0 + s * (n - 2.0) / 3.0 * rest)))
@@ -72,12 +72,12 @@ def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]
 
 
 @inlined
-def respond(law: Bekker, probe: Probe, tangents: bool) -> Response:
+def _respond(law: Bekker, probe: Probe, tangents: bool, nearby: bool) -> Response:
     """Response of a cell: on the curve deeper than ever before, elastic above."""
     memory = probe.memory
     deepest, greatest = memory.deepest, memory.pressure
     if probe.depth >= deepest:
-        p, slope = deeper(law, probe.depth, memory)
+        p, slope = deeper(law, probe.depth, memory, nearby)
         deepest, greatest = max(deepest, probe.depth), max(p, greatest)
     else:
         slope = probe.prepared[0]
@@ -86,7 +86,19 @@ def respond(law: Bekker, probe: Probe, tangents: bool) -> Response:
         return lifted(Memory(deepest, greatest, NOTHING, 0.0))
     strength = Strength(law.cohesion, law.friction, law.deformation, law.viscosity)
     after = Memory(deepest, greatest, NOTHING, 0.0)
-    return answer(strength, law.damping, probe, (p, slope), after, tangents)
+    return answer(strength, law.damping, probe, (p, slope), after, tangents, nearby)
+
+
+@inlined
+def respond(law: Bekker, probe: Probe, tangents: bool) -> Response:
+    """`LawKernel.respond`."""
+    return _respond(law, probe, tangents, False)
+
+
+@inlined
+def respond_nearby(law: Bekker, probe: Probe, tangents: bool) -> Response:
+    """`LawKernel.nearby`."""
+    return _respond(law, probe, tangents, True)
 
 
 class BekkerSoil(CellLaw):
@@ -104,7 +116,7 @@ class BekkerSoil(CellLaw):
     )
     cohesion: float = quantity("Pa", "c", plausible=(0.0, 1e5), ge=0, le=1e9)
     friction_angle: float = quantity("deg", "phi, of internal friction", plausible=(5.0, 50.0), ge=0, lt=80)
-    kernel: ClassVar[LawKernel] = LawKernel(Bekker, prepare, respond, fresh=0.0, forgets=False)
+    kernel: ClassVar[LawKernel] = LawKernel(Bekker, prepare, respond, 0.0, False, respond_nearby)
 
     @classmethod
     def lete_sand(cls, unloading: Literal["chrono", "wong"] = "chrono") -> Self:

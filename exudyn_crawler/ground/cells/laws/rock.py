@@ -1,5 +1,6 @@
 """Rock and frozen or hard floor: stiff, without memory of depth, Coulomb friction with sticking."""
 
+import math
 from typing import ClassVar, Literal, NamedTuple, Self
 
 from exudyn_crawler.case.parameters.base import quantity
@@ -27,18 +28,33 @@ def prepare(law: Rock, _deepest: float, pressure: float) -> tuple[float, float]:
 
 
 @inlined
-def respond(law: Rock, probe: Probe, tangents: bool) -> Response:
+def _respond(law: Rock, probe: Probe, tangents: bool, nearby: bool) -> Response:
     """Response of a cell: the same curve up and down."""
     if probe.depth <= 0.0:
         return lifted(Memory(0.0, 0.0, NOTHING, 1.0))
     if law.exponent == 1.0:
         p, slope = law.stiffness * probe.depth, law.stiffness
+    elif nearby:
+        p = slope = math.nan
     else:
         p = law.stiffness * probe.depth**law.exponent
         slope = law.exponent * p / probe.depth
     strength = Strength(0.0, law.friction, law.deformation, law.viscosity)
     deepest, greatest = max(probe.depth, probe.memory.deepest), max(p, probe.memory.pressure)
-    return answer(strength, law.damping, probe, (p, slope), Memory(deepest, greatest, NOTHING, 1.0), tangents)
+    after = Memory(deepest, greatest, NOTHING, 1.0)
+    return answer(strength, law.damping, probe, (p, slope), after, tangents, nearby)
+
+
+@inlined
+def respond(law: Rock, probe: Probe, tangents: bool) -> Response:
+    """`LawKernel.respond`."""
+    return _respond(law, probe, tangents, False)
+
+
+@inlined
+def respond_nearby(law: Rock, probe: Probe, tangents: bool) -> Response:
+    """`LawKernel.nearby`."""
+    return _respond(law, probe, tangents, True)
 
 
 class RockFloor(CellLaw):
@@ -48,7 +64,7 @@ class RockFloor(CellLaw):
     stiffness: float = quantity("Pa/m^exponent", "of a unit area", plausible=(1e7, 1e11), ge=1e3, le=1e15)
     exponent: float = quantity("1", "of the depth", plausible=(1.0, 2.0), ge=1, le=3, default=1.0)
     friction: float = quantity("1", "coefficient of friction", plausible=(0.05, 1.0), gt=0, le=10)
-    kernel: ClassVar[LawKernel] = LawKernel(Rock, prepare, respond, fresh=1.0, forgets=True)
+    kernel: ClassVar[LawKernel] = LawKernel(Rock, prepare, respond, 1.0, True, respond_nearby)
 
     @classmethod
     def hard_floor(cls) -> Self:
