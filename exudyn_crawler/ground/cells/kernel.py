@@ -148,25 +148,6 @@ def _move(points, bent, at, size, block):
 
 
 @within_law
-def _slope(points, areas, by_place, by_velocity, size, block):
-    """Write the weighted derivatives of the forces of a block's points by displacements, its last rows.
-
-    They are ``b n' + h m' + c 1``; the depth falls along n.
-    """
-    for k in range(size):
-        position, velocity = -areas[k] * by_place, -areas[k] * by_velocity
-        across, drag = block[ACROSS, k], block[DRAG, k]
-        normal = position * (block[BY_DEPTH, k] - across) + velocity * (block[BY_RATE, k] - drag)
-        further = position * (block[ALONG, k] - across)
-        for r in range(3):
-            b = normal * points[NORMAL + r, k] - position * block[COUPLED + r, k]
-            h = further * block[TOWARDS + r, k]
-            for c in range(3):
-                block[SLOPES + 3 * r + c, k] = b * points[NORMAL + c, k] + h * block[TOWARDS + c, k]
-            block[SLOPES + 4 * r, k] += position * across + velocity * drag
-
-
-@within_law
 def _probe(points, areas, block, k):
     """`Probe` of a point of a block that moves."""
     shear = (points[SHEAR, k], points[SHEAR + 1, k], points[SHEAR + 2, k])
