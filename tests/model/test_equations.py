@@ -1,13 +1,17 @@
 """Compiled equations against those of Exudyn's items, and against their own derivatives."""
 
+import sys
+
 import numpy as np
 import pytest
 import scipy.linalg
 
 from exudyn_crawler import Case, FlexibleShoes, PairContact, Terrain, simulate
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import by_engine, compiled, compiled_matrix, gaps_of, random_state, residual_of
+from tests.rolled import small_flexible_case
 
 pytestmark = pytest.mark.simulation
 
@@ -135,3 +139,43 @@ def test_newtons_matrix_is_the_derivative_of_the_residual(name):
         found[:, k] = (above - below)[: len(q)] / 2e-8
     scale = np.sqrt(np.outer(np.abs(np.diag(found)), np.abs(np.diag(found))))
     assert (np.abs(matrix - found) / scale).max() < 0.02
+
+
+def arrays_of(values):
+    """All arrays of a tuple and the tuples in it."""
+    if isinstance(values, np.ndarray):
+        return [values]
+    return [one for value in values for one in arrays_of(value)] if isinstance(values, tuple) else []
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        FLEXIBLE,
+        small_flexible_case(),
+        small_flexible_case().on_cells(BekkerSoil.lete_sand()),
+        Case.closed(),
+    ],
+    ids=["dragged", "rolled", "rolled on cells", "closed"],
+)
+def test_compiled_code_gives_back_every_reference_to_an_array(case):
+    system = compiled_system(case)
+    cells = system._cells
+    system._state[0] = system.first_guess()
+    arrays = [*arrays_of(system._plain), *arrays_of(system._workspace), system._state, *system._scratch]
+
+    def step():
+        if cells is not None:
+            cells.cover(system._state)
+        # whether it converges does not matter
+        system.creep(system.first_guess(), np.zeros_like(system.multipliers), 1e-3, 100.0, (1e-2, 3))
+        for function, arguments in (one for calls in system.calls().values() for one in calls):
+            function(*arguments)
+        if cells is not None:
+            cells.commit()
+
+    step()
+    before = [sys.getrefcount(one) for one in arrays]
+    for _ in range(3):
+        step()
+    assert [sys.getrefcount(one) for one in arrays] == before

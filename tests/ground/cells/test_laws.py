@@ -11,6 +11,7 @@ from exudyn_crawler import Case, CaseFile, read_case, simulate, write_case
 from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells import laws
+from exudyn_crawler.ground.cells.law import Memory, Probe
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil, backbone
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from tests.ground.cells.driving import AREA, LOAD, ROCK, SAND, Shoe, turn
@@ -41,6 +42,28 @@ def test_plate_sinks_unloads_and_reloads_by_the_closed_form(law):
     pressure = np.array([shoe.move([1.53, 3.02, -z])[2] / AREA for z in depths])
     assert_allclose(pressure, pressure_after(law, depths), rtol=1e-9, atol=1e-6)
     assert_allclose(law.drive(depths, np.zeros_like(depths))[0], pressure, rtol=1e-9, atol=1e-6)
+
+
+@pytest.mark.parametrize("law", [SAND, ROCK, ROCK.with_(exponent=1.5)])
+def test_what_a_law_answers_nearby_is_its_answer_or_that_it_has_to_be_asked(law):
+    random, kernel, constants = np.random.default_rng(5), law.kernel, law.constants(0.65)
+    asked = 0
+    for _ in range(300):
+        deepest = 0.02 * random.random()
+        pressure, share = law.drive(np.array([deepest]), np.zeros(1))[0][0], random.random() ** 3
+        memory = Memory(deepest, pressure, (*(0.1 * pressure * random.normal(size=2)), 0.0), kernel.fresh)
+        slip = tuple(0.2 * share * law.shear_deformation * random.normal(size=3) * (1.0, 1.0, 0.0))
+        depth = deepest * (1.0 + 0.03 * share * random.normal())
+        prepared = kernel.prepare(constants, deepest, pressure)
+        probe = Probe(depth, 1e-3 * random.normal(), 0.01, slip, slip, memory, prepared)
+        near = np.hstack([np.ravel(one) for one in kernel.nearby(constants, probe, True)[:-1]])
+        if np.isnan(near[0]):
+            asked += 1
+            continue
+        whole = kernel.respond(constants, probe, True)
+        assert_allclose(near, np.hstack([np.ravel(one) for one in whole[:-1]]), rtol=1e-13, atol=1e-9)
+    # no power is in the floor's linear law
+    assert asked == 0 if law is ROCK else asked > 10 if law is SAND else asked > 0
 
 
 def test_the_curve_begins_with_a_parabola_of_its_value_and_slope():
