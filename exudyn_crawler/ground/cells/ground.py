@@ -7,17 +7,8 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import CrawlerError
+from exudyn_crawler.ground.cells import kernel
 from exudyn_crawler.ground.cells.covering import NO_HEIGHT, NO_TILE, cover
-from exudyn_crawler.ground.cells.kernel import (
-    BLOCK,
-    POINT,
-    ROWS,
-    TRIAL,
-    ShoePoints,
-    addresses_of,
-    coarse_forces,
-    press,
-)
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, SIDE, Tiles, commit
 
@@ -66,24 +57,24 @@ class CellGround:
         underside = np.array(corners, dtype=float)
         sides = np.linalg.norm(np.diff(underside[:3], axis=0), axis=1)
         most, bend = int(1.6 * np.prod(sides / cell + 4.0)), 1 + len(flexible)
-        blocks = -(-most // BLOCK)
+        blocks = -(-most // kernel.BLOCK)
         bending = np.zeros(shoes, dtype=np.int64)
         bending[list(flexible)] = np.arange(1, bend)
-        self.shoes = ShoePoints(
-            addresses=np.array(addresses_of(law.kernel)),
+        self.shoes = kernel.ShoePoints(
+            addresses=np.array(kernel.addresses_of(law.kernel)),
             constants=np.array(law.constants(float(sides.min())), dtype=float),
             corners=underside,
             counts=np.zeros(shoes, dtype=np.int64),
             cells=np.zeros((shoes, most), dtype=np.int64),
             areas=np.zeros((shoes, most)),
-            points=np.zeros((shoes, blocks, POINT, BLOCK)),
-            trial=np.zeros((shoes, most, TRIAL)),
+            points=np.zeros((shoes, blocks, kernel.POINT, kernel.BLOCK)),
+            trial=np.zeros((shoes, most, kernel.TRIAL)),
             force=np.zeros((shoes, most, 3)),
             wrench=np.zeros((shoes, 6)),
             tangent=np.zeros((shoes, 6, 6)),
-            block=np.zeros((ROWS, BLOCK)),
+            block=np.zeros((kernel.ROWS, kernel.BLOCK)),
             bending=bending,
-            bent=np.zeros((bend, blocks, 6, BLOCK)),
+            bent=np.zeros((bend, blocks, 6, kernel.BLOCK)),
             slopes=np.zeros((bend, 9 * most)),
         )
         self.arrays = tuple(self.shoes)
@@ -130,7 +121,7 @@ class CellGround:
 
         `weights` as of `kernel.press`, which compiled equations call; the tangents are in ``shoes.tangent``.
         """
-        press(self.arrays, frames, np.array(weights, dtype=float))
+        kernel.press(self.arrays, frames, np.array(weights, dtype=float))
         return self.shoes.wrench
 
     def commit(self) -> None:
@@ -140,7 +131,7 @@ class CellGround:
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
         """Forces of the last `press` on a grid of each underside: ``(shoes, *COARSE, 3)``, N, shoes' axes."""
         out = np.zeros((len(self.shoes.counts), *COARSE, 3))
-        coarse_forces(self.arrays, frames, out)
+        kernel.coarse_forces(self.arrays, frames, out)
         return out
 
     def state(self) -> dict[str, np.ndarray]:

@@ -10,19 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground.cells import kernel
 from exudyn_crawler.ground.cells.contact import write_contacts
 from exudyn_crawler.ground.cells.ground import CellGround
-from exudyn_crawler.ground.cells.kernel import (
-    BEFORE,
-    BLOCK,
-    FRAME,
-    Hats,
-    ShoePoints,
-    hats_at,
-    press,
-    share_of,
-    spread_forces,
-)
 from exudyn_crawler.ground.frames import Vector, along, cross, turned
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
@@ -53,31 +43,32 @@ class CellWorkspace(NamedTuple):
     flexible: tuple  # of flexible ones: forces at the nodes
 
     @classmethod
-    def allocate(cls, table: CellTable, shoes: ShoePoints) -> "CellWorkspace":
+    def allocate(cls, table: CellTable, shoes: kernel.ShoePoints) -> "CellWorkspace":
         """Workspace for these shoes."""
         flexible, modes = int((table.flexible >= 0).sum()), table.rows.shape[3]
         rigid = ForceRows.allocate(len(table.flexible) - flexible, WRENCH, modes)
         rigid.bodies[:, 0] = np.flatnonzero(table.flexible < 0)
         bending = ForceRows.allocate(flexible, table.nodes.size, modes)
         bending.bodies[:, 0] = np.flatnonzero(table.flexible >= 0)
-        frames, bent = np.zeros((len(table.flexible), FRAME)), np.zeros((flexible, 2, *table.nodes.shape))
+        frames = np.zeros((len(table.flexible), kernel.FRAME))
+        bent = np.zeros((flexible, 2, *table.nodes.shape))
         return cls(tuple(shoes), frames, bent, tuple(rigid), tuple(bending))
 
 
 @solving_within
-def _hats(nodes: FloatArray, x: float, y: float) -> Hats:
+def _hats(nodes: FloatArray, x: float, y: float) -> kernel.Hats:
     """Mesh of a place (m, the shoe's frame)."""
     last = nodes.shape[0] - 1, nodes.shape[1] - 1
-    return hats_at(nodes[0, 0], nodes[last[0], last[1]], last, x, y)
+    return kernel.hats_at(nodes[0, 0], nodes[last[0], last[1]], last, x, y)
 
 
 @solving_within
-def _moved_by_nodes(hats: Hats, bent: FloatArray) -> Vector:
+def _moved_by_nodes(hats: kernel.Hats, bent: FloatArray) -> Vector:
     """Value at a place of a field (along, across, 3) that is known at the nodes."""
     value = (0.0, 0.0, 0.0)
     for k in range(4):
         node = bent[hats.i + k // 2, hats.j + k % 2]
-        value = along(value, share_of(hats, k), (node[0], node[1], node[2]))
+        value = along(value, kernel.share_of(hats, k), (node[0], node[1], node[2]))
     return value
 
 
@@ -123,24 +114,24 @@ def bend_before(cells: tuple, frames: FloatArray, bent: FloatArray, workspace: t
     3), m, are those of then; `cells` and `workspace` are `CellTable` and `CellWorkspace` as plain tuples.
     """
     table, work = CellTable(*cells), CellWorkspace(*workspace)
-    shoes = ShoePoints(*work.shoes)
+    shoes = kernel.ShoePoints(*work.shoes)
     for s in range(table.flexible.shape[0]):
         f, row = table.flexible[s], frames[s]
         if f < 0:
             continue
         R = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
         for a in range(shoes.counts[s]):
-            points, k = shoes.points[s, a // BLOCK], a % BLOCK
+            points, k = shoes.points[s, a // kernel.BLOCK], a % kernel.BLOCK
             moved = turned(R, _moved_by_nodes(_hats(table.nodes, points[0, k], points[1, k]), bent[f]))
             for c in range(3):
-                points[BEFORE + c, k] += moved[c]
+                points[kernel.BEFORE + c, k] += moved[c]
 
 
 @solving_within
-def _bend_points(table: CellTable, shoes: ShoePoints, s: int, bent: FloatArray) -> None:
+def _bend_points(table: CellTable, shoes: kernel.ShoePoints, s: int, bent: FloatArray) -> None:
     """Write how a shoe's modes move its points."""
     for a in range(shoes.counts[s]):
-        b, k = a // BLOCK, a % BLOCK
+        b, k = a // kernel.BLOCK, a % kernel.BLOCK
         hats = _hats(table.nodes, shoes.points[s, b, 0, k], shoes.points[s, b, 1, k])
         for rate in range(2):
             moved = _moved_by_nodes(hats, bent[rate])
@@ -154,7 +145,7 @@ def bend_shoes(cells: tuple, workspace: tuple) -> None:
     table, work = CellTable(*cells), CellWorkspace(*workspace)
     for s in range(table.flexible.shape[0]):
         if table.flexible[s] >= 0:
-            _bend_points(table, ShoePoints(*work.shoes), s, work.bent[table.flexible[s]])
+            _bend_points(table, kernel.ShoePoints(*work.shoes), s, work.bent[table.flexible[s]])
 
 
 @solving_allocating
@@ -168,14 +159,14 @@ def cell_forces(
     if cells is None or workspace is None:
         return
     table, work = CellTable(*cells), CellWorkspace(*workspace)
-    shoes, rigid, flexible = ShoePoints(*work.shoes), ForceRows(*work.rigid), ForceRows(*work.flexible)
+    shoes, rigid, flexible = kernel.ShoePoints(*work.shoes), ForceRows(*work.rigid), ForceRows(*work.flexible)
     write_frames(bodies, table, state, work)
     for s in range(table.flexible.shape[0]):
         if table.flexible[s] >= 0:
             _bend_points(table, shoes, s, work.bent[table.flexible[s]])
     # derivatives of what stands negative in the residual
     by = np.array((-weights.position, -weights.velocity))
-    press(shoes, work.frames, by)
+    kernel.press(shoes, work.frames, by)
     derive = by[0] != 0.0 or by[1] != 0.0
     count = 0
     for s in range(table.flexible.shape[0]):
@@ -196,7 +187,7 @@ def cell_forces(
 
 
 @solving_allocating
-def _add_nodal_tangent(table: CellTable, shoes: ShoePoints, s: int, tangent: FloatArray) -> None:
+def _add_nodal_tangent(table: CellTable, shoes: kernel.ShoePoints, s: int, tangent: FloatArray) -> None:
     """Add the tangents of a shoe's points at the nodes of its grid.
 
     The product of two hats is one of three functions along and one of three across. Their sums over the
@@ -206,7 +197,7 @@ def _add_nodal_tangent(table: CellTable, shoes: ShoePoints, s: int, tangent: Flo
     sums = np.zeros((nodes.shape[0] - 1, across - 1, 9, 9))
     slopes = shoes.slopes[shoes.bending[s], : 9 * count].reshape((9, count))
     for a in range(count):
-        points, k = shoes.points[s, a // BLOCK], a % BLOCK
+        points, k = shoes.points[s, a // kernel.BLOCK], a % kernel.BLOCK
         hats = _hats(nodes, points[0, k], points[1, k])
         u, v = hats.u, hats.v
         by_u, by_v = (
@@ -233,7 +224,7 @@ def _add_nodal_tangent(table: CellTable, shoes: ShoePoints, s: int, tangent: Flo
 @solving_within
 def _write_nodal(
     table: CellTable,
-    shoes: ShoePoints,
+    shoes: kernel.ShoePoints,
     s: int,
     at: Attitude,
     bent: FloatArray,
@@ -247,7 +238,7 @@ def _write_nodal(
     low, high = nodes[0, 0], nodes[nodes.shape[0] - 1, across - 1]
     wrench.fill(0.0)
     at_nodes = wrench.reshape(nodes.shape)
-    spread_forces(shoes.points[s], shoes.force[s, :count], low, high, at_nodes)
+    kernel.spread_forces(shoes.points[s], shoes.force[s, :count], low, high, at_nodes)
     if derive:
         tangent.fill(0.0)
         _add_nodal_tangent(table, shoes, s, tangent)

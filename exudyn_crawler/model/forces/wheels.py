@@ -14,21 +14,8 @@ from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
+from exudyn_crawler.model.forces import treads
 from exudyn_crawler.model.forces.teeth import Flange, flange_force
-from exudyn_crawler.model.forces.treads import (
-    Bending,
-    Pair,
-    Rail,
-    Rollers,
-    Tread,
-    bending,
-    motion_against,
-    rows_at,
-    stored_energy,
-    tread_force,
-    write_rows,
-    write_tangent,
-)
 
 SLOTS = 2
 """Wheels that may be on one shoe at once."""
@@ -49,7 +36,7 @@ class Wheels(NamedTuple):
     law: tuple[float, float, float, float]  # `Impact` of a strip
     flange: tuple[float, float, float]  # `Flange` of a strip
     height: float  # of the flanges above the treads, m
-    rollers: Rollers  # rails and their stations; its places are those of no wheel
+    rollers: treads.Rollers  # rails and their stations; its places are those of no wheel
 
 
 class WheelWorkspace(NamedTuple):
@@ -85,7 +72,7 @@ class WheelWorkspace(NamedTuple):
 class Strip(NamedTuple):
     """Strip of a wheel against the shoe below it."""
 
-    tread: Tread
+    tread: treads.Tread
     side: float  # force of the flange on the frame along the shoe's y, N
     stiffness: float  # of it, N/m
     damping: float  # N s/m
@@ -104,7 +91,7 @@ def wheel_contacts(
     if wheels is None:
         return 0
     frames, shoes, places, middles, radii, law, flange, height, rollers = wheels
-    named = Wheels(frames, shoes, places, middles, radii, law, flange, height, Rollers(*rollers))
+    named = Wheels(frames, shoes, places, middles, radii, law, flange, height, treads.Rollers(*rollers))
     return _wheel_contacts(named, bodies, state, drag, weights, WheelWorkspace(*work))
 
 
@@ -158,7 +145,7 @@ def _wheel_contacts(
                 if strip.tread.depth <= 0.0 and strip.side == 0.0:
                     continue
                 work.wheel[s, slot] = w
-                work.energy[0] += stored_energy(Impact(*wheels.law), strip.tread.depth)
+                work.energy[0] += treads.stored_energy(Impact(*wheels.law), strip.tread.depth)
                 numbers = w, s, slot, k, count
                 _keep(wheels, strip, (frame, shoe), (at, shoe_at), numbers, weights, work, flexible)
                 count += 1
@@ -183,15 +170,15 @@ def _touch(
     """
     (w, k), (flexible, derive) = numbers, flags
     place = (wheels.places[w, k, 0], wheels.places[w, k, 1], wheels.places[w, k, 2])
-    center, rates = motion_against(frame, shoe, place)
-    rail = Rail(*wheels.rollers.rail)
-    bent = Bending(0.0, 0.0, 0.0, 0.0, 0.0)
+    center, rates = treads.motion_against(frame, shoe, place)
+    rail = treads.Rail(*wheels.rollers.rail)
+    bent = treads.Bending(0.0, 0.0, 0.0, 0.0, 0.0)
     if flexible:
-        rows_at(wheels.rollers, k, min(max(center[0], rail.rear), rail.front), modes)
-        bent = bending(modes, values)
-    disc: Pair = (wheels.radii[w], drag)
+        treads.rows_at(wheels.rollers, k, min(max(center[0], rail.rear), rail.front), modes)
+        bent = treads.bending(modes, values)
+    disc: treads.Pair = (wheels.radii[w], drag)
     middle, speeds = (center[0], center[2]), (rates[0], rates[2])
-    tread = tread_force(Impact(*wheels.law), rail, disc, middle, speeds, bent, derive)
+    tread = treads.tread_force(Impact(*wheels.law), rail, disc, middle, speeds, bent, derive)
     engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0)
     side = stiffness = damping = 0.0
     if engaged > 0.0:
@@ -230,7 +217,7 @@ def _keep(
     force = turned(shoe.R, (pressed[0], strip.side, pressed[1]))
     rows.bodies[count, 0], rows.bodies[count, 1] = wheels.frames[w], s
     arms = along(foot, -1.0, frame.r), strip.arm
-    write_rows(rows, count, force, arms, attitudes, work.modes, flexible)
+    treads.write_rows(rows, count, force, arms, attitudes, work.modes, flexible)
     moment = cross(strip.arm, force)
     for r in range(3):
         work.force[s, slot, k, r], work.foot[s, slot, k, r] = -force[r], foot[r]
@@ -241,7 +228,7 @@ def _keep(
     if not (weights.position != 0.0 or weights.velocity != 0.0):
         return
     tangent = rows.tangent[count]
-    write_tangent(tread, shoe.R, weights, tangent)
+    treads.write_tangent(tread, shoe.R, weights, tangent)
     across = weights.position * strip.stiffness + weights.velocity * strip.damping
     for r in range(3):
         for c in range(3):
