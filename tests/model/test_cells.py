@@ -104,6 +104,7 @@ def stress_by_region(case):
     return table.set_index("region")["value"], run
 
 
+@pytest.mark.slow
 def test_a_stone_under_a_corner_tilts_a_dragged_shoe_and_bends_it():
     base = Case.stress("coarse")
     track, flexible = base.track.with_(shoe_count=3), base.flexible_shoes().with_(shoes=(2,))

@@ -105,6 +105,7 @@ def test_flexible_and_rigid_shoes_go_over_a_hill_in_balance():
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_only_a_drive_beside_the_middle_starts_with_a_jolt_on_an_incline():
     """The node that is pulled lies 5 cm beside the middle, and friction needs slip to hold its moment."""
     incline = short_track(Heights(slope_x=0.06))
