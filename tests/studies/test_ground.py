@@ -156,8 +156,10 @@ def test_the_page_has_the_numbers_of_the_whole_study(tmp_path, monkeypatch):
     for name, texts in page.iterrows():
         values = {column: found.loc[name, key] for column, key in COLUMNS.items()}
         values |= {column: stress.loc[name, parts].max() for column, parts in STRESSED.items()}
+        # rollers and shoes strike over ridges: how far starts 1e-10 to 1e-9 m apart go is on the page
+        apart = 0.1 if "ridges" in name else 0.01
         for column, value in values.items():
-            assert value == pytest.approx(texts[column], rel=0.01, abs=0.6), (name, column)
+            assert value == pytest.approx(texts[column], rel=apart, abs=0.6), (name, column)
 
 
 @pytest.fixture(scope="module")
