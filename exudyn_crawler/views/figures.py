@@ -40,7 +40,7 @@ DEPTH, DEPTH_ON_CELLS = QUANTITIES["penetration"].label, "sinkage"
 """Label of how deep shoes are in the ground, and what it is called on cells, which have no heave."""
 HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
-ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails".format  # its name on one rail
+ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails"  # its name on one rail
 PULL = QUANTITIES["drive_pull"].label
 TENSION, WHEEL_FORCE, WHEEL_LOAD, TOOTH_FORCE, DRIVE_MOMENT = (
     QUANTITIES[name].label
@@ -183,7 +183,7 @@ def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
         values = values.assign_coords(axis=[TURNS[str(axis)] for axis in values.axis.values])
     parts = {quantity.label: values}
     if "rail" in values.dims:
-        sides = {ON_RAILS(side): values.sel(rail=side, drop=True) for side in values.rail.values}
+        sides = {ON_RAILS.format(side): values.sel(rail=side, drop=True) for side in values.rail.values}
         parts = {quantity.label: values.sum("rail")} | sides
     if "pin" in values.dims:
         # a rigid link has one joint for both pins, whose force is the link's
@@ -239,7 +239,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
     panels |= {label: _panels(found, [label], links) for label in [*JOINT_VECTORS, TENSION] if label in found}
     panels |= _deformation(found)
     if case.is_rolled:
-        sides = [ON_RAILS(side) for side in history.rail.values]
+        sides = [ON_RAILS.format(side) for side in history.rail.values]
         panels[ROLLER_FORCE] = _panels(found, [ROLLER_FORCE, *sides], axis="z")
         loaded = items if case.flexible is None else shoe_names(case.flexible.shoes)
         panels[RAIL_FORCE] = _panels(found, [RAIL_FORCE], loaded)
