@@ -22,7 +22,6 @@ from exudyn_crawler.ground.cells.law import (
     compile_entry,
     prepare,
     respond,
-    respond_nearby,
     within_law,
 )
 from exudyn_crawler.ground.frames import (
@@ -163,8 +162,9 @@ def _probe(points, areas, block, k):
 
 
 @within_law
-def _write_answer(answer, tangents, block, trial, k):
+def _write_answer(law, points, areas, tangents, nearby, block, trial, k):
     """Write what the law answers to a point."""
+    answer = respond(law, _probe(points, areas, block, k), tangents, nearby)
     memory = answer.memory
     trial[k, 0], trial[k, 1] = memory.deepest, memory.pressure
     trial[k, 2], trial[k, 3], trial[k, 4] = memory.shear[0], memory.shear[1], memory.mobilized
@@ -183,17 +183,14 @@ def _write_answer(answer, tangents, block, trial, k):
 def _answer(law, points, areas, tangents, size, block, trial):
     """Write what the law answers to a block that moves, and the memory on trial."""
     for k in range(size):
-        _write_answer(
-            respond_nearby(law, _probe(points, areas, block, k), tangents), tangents, block, trial, k
-        )
+        _write_answer(law, points, areas, tangents, True, block, trial, k)
     count = 0
     for k in range(size):
         if math.isnan(block[NORMAL_STRESS, k]):
             block[AGAIN, count] = k
             count += 1
     for j in range(count):
-        k = int(block[AGAIN, j])
-        _write_answer(respond(law, _probe(points, areas, block, k), tangents), tangents, block, trial, k)
+        _write_answer(law, points, areas, tangents, False, block, trial, int(block[AGAIN, j]))
 
 
 @within_law

@@ -103,16 +103,15 @@ class LawKernel(NamedTuple):
         Named tuple of numbers (float).
     prepare : compiled function (constants, deepest, pressure) -> (float, float)
         `Probe.prepared`: what stays the same through a step.
-    respond : compiled function (constants, Probe, tangents) -> Response
-        Without `tangents` only `normal`, `shear`, `drag` and `memory` are used.
+    respond : compiled function (constants, Probe, tangents, nearby) -> Response
+        Without `tangents` only `normal`, `shear`, `drag` and `memory` are used. Powers and exponentials a
+        processor computes one at a time: `nearby` asks for an answer without, near to the committed memory,
+        so that several points are computed at once. Where there is none the normal traction is NaN, and the
+        law is asked again; a law may answer all the same.
     fresh : float
         Mobilized share of fresh ground.
     forgets : bool
         Whether a cell that is left is fresh again, its sinkage too.
-    nearby : compiled function as `respond`, optional
-        The same near to the committed memory, without powers and exponentials, which a processor computes one
-        at a time: several points are then computed at once. It answers with a normal traction of NaN where
-        `respond` has to be asked.
     """
 
     constants: type
@@ -120,7 +119,6 @@ class LawKernel(NamedTuple):
     respond: Callable
     fresh: float
     forgets: bool
-    nearby: Callable | None = None
 
 
 class CellLaw(SoilLaw):
@@ -177,7 +175,7 @@ class CellLaw(SoilLaw):
         for step, (depth, slip) in enumerate(zip(depths, np.diff(slips, prepend=slips[0]), strict=True)):
             prepared = self.kernel.prepare(constants, memory.deepest, memory.pressure)
             probe = Probe(float(depth), 0.0, 1.0, (float(slip), 0.0, 0.0), nothing, memory, prepared)
-            answer = self.kernel.respond(constants, probe, False)
+            answer = self.kernel.respond(constants, probe, False, False)
             # numba gives the numbers of a named tuple back
             memory = Memory(*answer.memory)
             out[:, step] = answer.normal, memory.shear[0]
@@ -219,15 +217,9 @@ def prepare(law, deepest, pressure):
     return _KERNELS[type(law)].prepare(law, deepest, pressure)
 
 
-def respond(law, probe, tangents):
+def respond(law, probe, tangents, nearby):
     """`LawKernel.respond` of the law that compiled code calls it with."""
-    return _KERNELS[type(law)].respond(law, probe, tangents)
-
-
-def respond_nearby(law, probe, tangents):
-    """`LawKernel.nearby` of the law that compiled code calls it with, or its `respond`."""
-    kernel = _KERNELS[type(law)]
-    return (kernel.nearby or kernel.respond)(law, probe, tangents)
+    return _KERNELS[type(law)].respond(law, probe, tangents, nearby)
 
 
 @overload(prepare, inline="always")
@@ -237,16 +229,9 @@ def _prepare(law, deepest, pressure):
 
 
 @overload(respond, inline="always")
-def _respond(law, probe, tangents):
+def _respond(law, probe, tangents, nearby):
     function = _KERNELS[law.instance_class].respond
-    return lambda law, probe, tangents: function(law, probe, tangents)
-
-
-@overload(respond_nearby, inline="always")
-def _respond_nearby(law, probe, tangents):
-    kernel = _KERNELS[law.instance_class]
-    function = kernel.nearby or kernel.respond
-    return lambda law, probe, tangents: function(law, probe, tangents)
+    return lambda law, probe, tangents, nearby: function(law, probe, tangents, nearby)
 
 
 within_law = njit(error_model="numpy", no_cfunc_wrapper=True, forceinline=True, _nrt=False)

@@ -72,7 +72,7 @@ def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]
 
 
 @inlined
-def _respond(law: Bekker, probe: Probe, tangents: bool, nearby: bool) -> Response:
+def respond(law: Bekker, probe: Probe, tangents: bool, nearby: bool) -> Response:
     """Response of a cell: on the curve deeper than ever before, elastic above."""
     memory = probe.memory
     deepest, greatest = memory.deepest, memory.pressure
@@ -87,18 +87,6 @@ def _respond(law: Bekker, probe: Probe, tangents: bool, nearby: bool) -> Respons
     strength = Strength(law.cohesion, law.friction, law.deformation, law.viscosity)
     after = Memory(deepest, greatest, NOTHING, 0.0)
     return answer(strength, law.damping, probe, (p, slope), after, tangents, nearby)
-
-
-@inlined
-def respond(law: Bekker, probe: Probe, tangents: bool) -> Response:
-    """`LawKernel.respond`."""
-    return _respond(law, probe, tangents, False)
-
-
-@inlined
-def respond_nearby(law: Bekker, probe: Probe, tangents: bool) -> Response:
-    """`LawKernel.nearby`."""
-    return _respond(law, probe, tangents, True)
 
 
 class BekkerSoil(CellLaw):
@@ -116,7 +104,7 @@ class BekkerSoil(CellLaw):
     )
     cohesion: float = quantity("Pa", "c", plausible=(0.0, 1e5), ge=0, le=1e9)
     friction_angle: float = quantity("deg", "phi, of internal friction", plausible=(5.0, 50.0), ge=0, lt=80)
-    kernel: ClassVar[LawKernel] = LawKernel(Bekker, prepare, respond, 0.0, False, respond_nearby)
+    kernel: ClassVar[LawKernel] = LawKernel(Bekker, prepare, respond, fresh=0.0, forgets=False)
 
     @classmethod
     def lete_sand(cls, unloading: Literal["chrono", "wong"] = "chrono") -> Self:

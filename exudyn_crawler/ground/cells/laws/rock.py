@@ -28,7 +28,7 @@ def prepare(law: Rock, _deepest: float, pressure: float) -> tuple[float, float]:
 
 
 @inlined
-def _respond(law: Rock, probe: Probe, tangents: bool, nearby: bool) -> Response:
+def respond(law: Rock, probe: Probe, tangents: bool, nearby: bool) -> Response:
     """Response of a cell: the same curve up and down."""
     if probe.depth <= 0.0:
         return lifted(Memory(0.0, 0.0, NOTHING, 1.0))
@@ -45,18 +45,6 @@ def _respond(law: Rock, probe: Probe, tangents: bool, nearby: bool) -> Response:
     return answer(strength, law.damping, probe, (p, slope), after, tangents, nearby)
 
 
-@inlined
-def respond(law: Rock, probe: Probe, tangents: bool) -> Response:
-    """`LawKernel.respond`."""
-    return _respond(law, probe, tangents, False)
-
-
-@inlined
-def respond_nearby(law: Rock, probe: Probe, tangents: bool) -> Response:
-    """`LawKernel.nearby`."""
-    return _respond(law, probe, tangents, True)
-
-
 class RockFloor(CellLaw):
     """Stiff floor: the pressure is ``stiffness depth**exponent``, loading and unloading alike."""
 
@@ -64,7 +52,7 @@ class RockFloor(CellLaw):
     stiffness: float = quantity("Pa/m^exponent", "of a unit area", plausible=(1e7, 1e11), ge=1e3, le=1e15)
     exponent: float = quantity("1", "of the depth", plausible=(1.0, 2.0), ge=1, le=3, default=1.0)
     friction: float = quantity("1", "coefficient of friction", plausible=(0.05, 1.0), gt=0, le=10)
-    kernel: ClassVar[LawKernel] = LawKernel(Rock, prepare, respond, 1.0, True, respond_nearby)
+    kernel: ClassVar[LawKernel] = LawKernel(Rock, prepare, respond, fresh=1.0, forgets=True)
 
     @classmethod
     def hard_floor(cls) -> Self:
