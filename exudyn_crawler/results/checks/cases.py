@@ -87,8 +87,10 @@ class CheckCase(Parameters):
     energy: float | None = quantity(
         "J",
         "of a blow by the pressures, whose forces grow until shoe and ground have taken it; none: as given",
-        gt=0, le=1e9, default=None,
-    )  # fmt: skip
+        gt=0,
+        le=1e9,
+        default=None,
+    )
     held_by: tuple[Name, ...] = option(
         "pins and axes, such as 'rear left x', whose least forces take what is left of the loads", default=()
     )

@@ -261,12 +261,14 @@ class Damage(Parameters):
     material: FatigueMaterial = option("of the shoes against cyclic stress")
     criterion: Literal["signed von mises", "signed principal"] = option(
         "stress whose cycles are counted at all nodes: von Mises with the sign of the hydrostatic stress, or "
-        "the principal stress of the greatest magnitude", "signed von mises"
-    )  # fmt: skip
+        "the principal stress of the greatest magnitude",
+        "signed von mises",
+    )
     miner: fatigue.Miner = option(
         "what cycles below the knee do: elementary as much as the slope says (the safest), haibach less "
-        "(slope 2 k - 1), original nothing", "elementary"
-    )  # fmt: skip
+        "(slope 2 k - 1), original nothing",
+        "elementary",
+    )
 
 
 class Duty(Damage):
@@ -292,8 +294,10 @@ class Duty(Damage):
         "1/h",
         "how often an hour the shovel goes from one of the runs through all others and back, a cycle between "
         "their extremes each; none: as often as the rarest of them",
-        ge=0, le=1e6, default=None,
-    )  # fmt: skip
+        ge=0,
+        le=1e6,
+        default=None,
+    )
 
     def _errors(self) -> Errors:
         names, stages = [one.name for one in self.parts], [stage.name for stage in self.stages]
