@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Case, Rails, RunningGear
+from exudyn_crawler.case import Case, ClosedTrack
 from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.contact import CellGroundContact
@@ -19,9 +19,8 @@ from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, sho
 from exudyn_crawler.model.forces.cells import CellTable
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.teeth import Teeth
-from exudyn_crawler.model.forces.treads import Rollers
 from exudyn_crawler.model.forces.units import TerrainTable
-from exudyn_crawler.model.forces.wheels import Wheels
+from exudyn_crawler.model.forces.wheels import ROLLED, Wheels
 from exudyn_crawler.model.joints import ROWS, ClosedJoints, Joints, Markers, Pull
 from exudyn_crawler.model.shoe_mesh import DrivePoint, drive_point, pin_middle, rail_rows, strip_lines
 from exudyn_crawler.model.tables import FrontRows, Tables
@@ -307,57 +306,41 @@ class _Builder:
         )
 
     def wheels(self) -> Wheels | None:
-        """Wheels of a closed track."""
-        closed, rails = self.closed, self.case.shoe.rails
-        if closed is None or rails is None:
+        """Wheels of a side frame on the rails of the shoes; rollers of an open track have no flanges."""
+        gear, rails = self.case.running_gear, self.case.shoe.rails
+        if gear is None or rails is None:
             return None
-        wheels, lines = closed.wheels(self.case.assembled.take_up), strip_lines(closed, rails)
-        middles, count = self.case.track_middles, self.case.loop.shoe_count
+        lines = strip_lines(gear, rails)
+        middles, count = self.case.track_middles, self.shoes // self.case.tracks
+        if isinstance(gear, ClosedTrack):
+            wheels, height = gear.wheels(self.case.assembled.take_up), gear.guide_height
+            guides = np.array([gear.guide_stiffness, gear.guide_damping]) / len(lines)
+            flange = (gear.guide_play, *guides.tolist())
+        else:
+            wheels = np.array([(x, 0.0, gear.radius) for x in gear.rollers])
+            flange, height = (0.0, 0.0, 0.0), 0.0
         first = count * np.repeat(np.arange(len(middles)), len(wheels))
-        rows = self._rails(closed, rails, np.zeros((0, len(lines), 3)), 0.0)
-        frames, places = (
-            np.full(len(first), self.shoes),
-            [[(x, y + m, z) for y in lines] for m in middles for x, z, _ in wheels],
-        )
-        beside = np.repeat(middles, len(wheels))
+        frames, beside = np.full(len(first), self.shoes), np.repeat(middles, len(wheels))
+        places = [[(x, y + m, z) for y in lines] for m in middles for x, z, _ in wheels]
         for track, idler in enumerate(self.idlers):
-            w = track * len(wheels) + len(closed.rollers)
+            w = track * len(wheels) + len(gear.rollers)
             frames[w], places[w], beside[w] = idler, [(0.0, y, 0.0) for y in lines], 0.0
-        guides = np.array([closed.guide_stiffness, closed.guide_damping]) / len(lines)
+        along = rail_rows(None if self.floating is None else self.floating.reduced, self.case)
+        strips, ahead = gear.strips, np.subtract.outer(gear.rollers, gear.rollers)
+        on_a_rail = (ahead >= 0.0) & (ahead < rails.front - rails.rear + 2.0 * ROLLED)
         return Wheels(
             frames=frames,
             shoes=np.column_stack((first, first + count)),
             places=np.array(places),
             middles=beside,
             radii=np.tile(wheels[:, 2], len(middles)),
-            law=rows.law,
-            flange=(closed.guide_play, *guides.tolist()),
-            height=closed.guide_height,
-            rollers=rows,
-        )
-
-    def rollers(self) -> Rollers | None:
-        """Rollers of a side frame."""
-        frame, rails = self.frame, self.case.shoe.rails
-        if frame is None or rails is None:
-            return None
-        places = np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers])
-        return self._rails(frame, rails, places, frame.radius)
-
-    def _rails(self, frame: RunningGear, rails: Rails, places: np.ndarray, radius: float) -> Rollers:
-        """Rollers at these places (rollers, strips, 3) of a frame and the rails below them."""
-        along = rail_rows(None if self.floating is None else self.floating.reduced, self.case)
-        strips = frame.strips
-        return Rollers(
-            frame=self.shoes,
-            shoes=self.shoes,
-            places=places,
-            radius=radius,
-            law=(frame.stiffness / strips, frame.exponent, frame.damping / strips, frame.damping_depth),
+            law=(gear.stiffness / strips, gear.exponent, gear.damping / strips, gear.damping_depth),
+            flange=flange,
+            height=height,
             rail=(rails.rear, rails.front, rails.height),
             rows=along.rows,
             spacing=along.spacing,
-            pitch=self.case.track.pitch,
+            slots=max(2, int(on_a_rail.sum(axis=0).max())),  # of the upper run two
         )
 
 
@@ -398,13 +381,12 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
     if tables.closed is None:
         couplings.append([*coordinates[joints.turn], others[1]])
     frames = [one for group in coordinates[shoes:] for one in group]
-    if tables.rollers is not None:
-        couplings += [[*shoe, *coordinates[tables.rollers.frame]] for shoe in coordinates[:shoes]]
-    if tables.teeth is not None and tables.wheels is not None:
+    if tables.wheels is not None:
         for wheel, (first, end) in zip(
             tables.wheels.frames.tolist(), tables.wheels.shoes.tolist(), strict=True
         ):
             couplings += [[*coordinates[k], *coordinates[wheel]] for k in range(first, end)]
+    if tables.teeth is not None:
         met = zip(body[tables.teeth.markers].tolist(), tables.teeth.tumblers.tolist(), strict=True)
         couplings += [[*coordinates[shoe], *coordinates[tumbler]] for shoe, tumbler in met]
     if tables.pull is not None:
@@ -480,7 +462,6 @@ def _tables_of(
         contact=contact.geometry if isinstance(contact, PairGroundContact) else None,
         fronts=fronts_of([], []),
         rows=FrontRows(*[nothing] * len(FrontRows._fields)),
-        rollers=builder.rollers(),
         pull=pull,
         cells=builder.cells() if isinstance(contact, CellGroundContact) else None,
         closed=builder.closed_joints(),

@@ -24,7 +24,6 @@ from exudyn_crawler.model.equations import STIFFNESS, gear_contacts, matrix, res
 from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
 from exudyn_crawler.model.forces.teeth import TeethWorkspace
-from exudyn_crawler.model.forces.treads import TOUCHED, TreadWorkspace
 from exudyn_crawler.model.forces.wheels import WheelWorkspace
 from exudyn_crawler.model.joints import ROWS
 from exudyn_crawler.model.newton import step
@@ -138,32 +137,18 @@ class CompiledSystem(TrackSystem):
             self._put_down(self._cells)
 
     @property
-    def treads(
-        self,
-    ) -> Callable[[float, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]] | None:
+    def gear_forces(self) -> Callable[[float, np.ndarray, np.ndarray], dict[str, np.ndarray]] | None:
         """As of `TrackSystem`."""
-        return None if self.tables.rollers is None else self._treads
+        return None if self.tables.wheels is None else self._gear_forces
 
-    def _treads(
-        self, time: float, q: np.ndarray, q_t: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        self.residual(np.stack((q, q_t, np.zeros_like(q))), self.inputs(time))
-        treads = TreadWorkspace(*(Workspace(*self._workspace).treads or ()))
-        shape = (len(treads.rear), -1, TOUCHED, 3)
-        touching = (treads.depth > 0.0)[:, None]
-        forces, feet = -treads.force * touching, treads.foot * touching
-        return forces.reshape(shape), feet.reshape(shape), treads.rear.copy()
-
-    @property
-    def closed_forces(self) -> Callable[[float, np.ndarray, np.ndarray], dict[str, np.ndarray]] | None:
-        """As of `TrackSystem`."""
-        return None if self.tables.closed is None else self._closed_forces
-
-    def _closed_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
+    def _gear_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
         arguments, factors = tuple(self.inputs(time)), tuple(AT_REST)
         gear_contacts(self._plain, np.stack((q, q_t)), arguments, factors, self._workspace)
         work, n, bending = Workspace(*self._workspace), self.layout.shoes, self._bending
-        wheels, teeth = WheelWorkspace(*(work.wheels or ())), TeethWorkspace(*(work.teeth or ()))
+        wheels = WheelWorkspace(*(work.wheels or ()))
+        if work.teeth is None:
+            return {f"strip_{name}": getattr(wheels, name).copy() for name in STRIPS}
+        teeth = TeethWorkspace(*work.teeth)
         forces = {
             "wheel": wheels.on_shoes.copy(),
             "on_wheels": wheels.on_wheels.copy(),
@@ -385,7 +370,7 @@ class CompiledSystem(TrackSystem):
             "residual": [
                 (residual, (*both, self._multipliers, inputs, weights, self._workspace, out)),
                 (gear_contacts, (*both, inputs, weights, self._workspace)),
-            ][: 1 + self.case.is_closed],
+            ][: 1 + (self.tables.wheels is not None)],
             "matrix": [
                 (matrix, (*both, inputs, weights, self._workspace, values)),
                 (eliminate, (fronts, values)),

@@ -5,7 +5,7 @@ residual is inertia less forces plus constraint forces for the first, and the ga
 second. Both are sums over bodies, joints and force elements.
 
 The matrix is exact but for three things, which change over seconds and not over a step: how the forces of
-constraints, loads and treads turn and move with the bodies, how centrifugal and gyroscopic forces change with
+constraints, loads and wheels turn and move with the bodies, how centrifugal and gyroscopic forces change with
 the rates, and how the outline of an overlap moves. The residual has all of them, so that they cost iterations
 and not accuracy.
 """
@@ -26,7 +26,6 @@ from exudyn_crawler.model.elimination import clear, front, marks, solving, solvi
 from exudyn_crawler.model.forces.cells import cell_forces
 from exudyn_crawler.model.forces.loads import add_loads
 from exudyn_crawler.model.forces.teeth import teeth_contacts
-from exudyn_crawler.model.forces.treads import tread_contacts
 from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace, add_terrain, unit_contacts
 from exudyn_crawler.model.forces.wheels import wheel_contacts
 from exudyn_crawler.model.joints import (
@@ -199,7 +198,6 @@ def residual(
     work.counts[0] = unit_contacts(
         bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units
     )
-    work.counts[1] = tread_contacts(tables.rollers, bodies, state, inputs.drag[0], weights, work.treads)
     cell_forces(tables.cells, bodies, state, weights, work.cells)
     _gear_contacts(tables, state, inputs, weights, work)
     for kind in range(len(work.elements)):
@@ -218,10 +216,10 @@ def residual(
 def _gear_contacts(
     tables: Tables, state: FloatArray, inputs: Inputs, weights: Weights, work: Workspace
 ) -> None:
-    """Find the lugs and strips of closed tracks that touch."""
+    """Find the lugs and strips of wheels that touch."""
     bodies = tables.bodies
-    work.counts[2] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
-    work.counts[3] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
+    work.counts[1] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
+    work.counts[2] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
 
 
 @solving

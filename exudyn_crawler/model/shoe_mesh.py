@@ -136,7 +136,7 @@ def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
 def cubic_weights(t: np.ndarray) -> np.ndarray:
     """Shares (k, STATIONS + 2) of `extended` rows in those at places (k,), in spacings from the rear end.
 
-    By the cubics of `forces.treads.rows_at`.
+    By the cubics of `forces.wheels`.
     """
     first = np.minimum(t.astype(int), STATIONS - 2)
     u = t - first

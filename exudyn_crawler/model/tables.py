@@ -18,7 +18,6 @@ from exudyn_crawler.model.elimination import Fronts
 from exudyn_crawler.model.forces.cells import CellTable, CellWorkspace
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.teeth import Teeth, TeethWorkspace
-from exudyn_crawler.model.forces.treads import Rollers, TreadWorkspace
 from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace
 from exudyn_crawler.model.forces.wheels import Wheels, WheelWorkspace
 from exudyn_crawler.model.joints import PULLED, ROWS, ClosedJoints, Joints, Markers, Pull
@@ -47,12 +46,11 @@ class Tables(NamedTuple):
     contact: tuple | None  # `pair_geometry.ContactGeometry` of shoes and units
     fronts: Fronts  # order of the elimination
     rows: FrontRows
-    rollers: Rollers | None  # those that roll over the shoes
     pull: Pull | None  # what the drive pulls; without it the drive's force acts at its marker alone
     cells: CellTable | None  # undersides of the shoes on ground of cells
     closed: ClosedJoints | None = None  # of a closed track
     teeth: Teeth | None = None
-    wheels: Wheels | None = None  # in place of `rollers` where the track is closed
+    wheels: Wheels | None = None  # of a side frame, on the shoes
 
     @property
     def multiplier_count(self) -> int:
@@ -69,7 +67,7 @@ class Inputs(NamedTuple):
     shift: float  # how far those that shift act to the left of their places, m
     active: FloatArray  # (2,): whether drive and turn act, 1 or 0
     speeds: FloatArray  # (2,): of drive and turn, m/s and rad/s
-    drag: FloatArray  # (wheels or 1,): rolling resistance over normal force, with the sign of the speed
+    drag: FloatArray  # (wheels,): rolling resistance over normal force, with the sign of the speed
     motors: FloatArray = np.zeros(0)  # (motors,): speeds of the tumblers against their frames, rad/s
 
 
@@ -83,12 +81,9 @@ class Workspace(NamedTuple):
     jacobian: FloatArray  # (multipliers, 2, 6 + modes): of the gaps, by the coordinates of their bodies
     pulled: IntArray  # (PULLED,): bodies of the pull
     pull: FloatArray  # (PULLED, 6 + modes): its directions
-    elements: (
-        tuple  # `ForceRows` of contacts with units, treads, lugs, wheels, and of shoes on cells, two kinds
-    )
-    counts: IntArray  # (6,): how many there are of each
+    elements: tuple  # `ForceRows` of contacts with units, lugs, wheels, and of shoes on cells, two kinds
+    counts: IntArray  # (5,): how many there are of each
     units: tuple  # workspaces of these
-    treads: tuple | None
     cells: tuple | None
     motors: FloatArray  # (motors, 2, 3): of frame and tumbler, as of `joints.motor_speed`
     turned: FloatArray  # (pins, 2, 3, 3): of a closed track, as of `joints.write_turned`
@@ -99,12 +94,11 @@ class Workspace(NamedTuple):
     def allocate(cls, tables: Tables, contacts: int, shoes: ShoePoints | None = None) -> tuple:
         """Workspace of a system with at most so many contacts, or with shoes on cells, as plain tuples."""
         count, m = len(tables.bodies.mass), len(tables.modes.stiffness)
-        reference, rollers, teeth = tables.terrain.reference, tables.rollers, tables.teeth
-        wheels, motors = tables.wheels, 0 if tables.closed is None else len(tables.closed.motors)
+        reference, teeth, wheels = tables.terrain.reference, tables.teeth, tables.wheels
+        motors = 0 if tables.closed is None else len(tables.closed.motors)
         touching, forces = UnitContacts.allocate(contacts, m), np.zeros((len(reference), 2))
         rates, scratch = np.zeros_like(reference), overlap_workspace()
         others = (
-            rollers and TreadWorkspace.allocate(len(rollers.places), rollers.places.shape[1], m),
             teeth and TeethWorkspace.allocate(len(teeth.markers), m),
             wheels and WheelWorkspace.allocate(wheels, m),
         )
@@ -122,13 +116,12 @@ class Workspace(NamedTuple):
                 np.zeros(PULLED, dtype=np.int64),
                 np.zeros((PULLED, 6 + m)),
                 tuple(tuple(one) for one in elements),
-                np.array([0, 0, 0, 0, *(len(rows[1]) for rows in on_cells)]),
+                np.array([0, 0, 0, *(len(rows[1]) for rows in on_cells)]),
                 UnitWorkspace(reference.copy(), rates, forces, touching, scratch),
-                others[0],
                 cells,
                 np.zeros((motors, 2, 3)),
                 np.zeros((0 if tables.closed is None else len(tables.joints.pins), 2, 3, 3)),
-                *others[1:],
+                *others,
             )
         )
 
@@ -137,7 +130,7 @@ class Workspace(NamedTuple):
 def named_tables(values: tuple) -> Tables:
     """Tables of their values as plain tuples, which Python hands over in less time."""
     bodies, modes, markers, joints, loads, terrain, flexible, contact, fronts, rows = values[:10]
-    rollers, pull, cells, closed, teeth, wheels = values[10:]
+    pull, cells, closed, teeth, wheels = values[10:]
     return Tables(
         Bodies(*bodies),
         Modes(*modes),
@@ -149,7 +142,6 @@ def named_tables(values: tuple) -> Tables:
         contact,
         Fronts(*fronts),
         FrontRows(*rows),
-        rollers,
         pull,
         cells,
         closed,

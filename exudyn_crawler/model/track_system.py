@@ -59,27 +59,16 @@ class TrackSystem(ABC):
         return None if self.floating is None else self.floating.reduced.frequencies
 
     @property
-    def treads(
-        self,
-    ) -> Callable[[float, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]] | None:
-        """Reads the treads of rollers at a time (s), coordinates and rates; None without rollers.
+    def gear_forces(self) -> Callable[[float, np.ndarray, np.ndarray], dict[str, np.ndarray]] | None:
+        """Reads what a running gear does to the shoes at a time (s), coordinates and rates; None without.
 
-        Gives forces on the shoes and their places, both (rollers, strips of both rails, 2, 3), global, N and
-        m, on the shoe behind every roller's axis and on the next, and the former's index (rollers,).
-        """
-        return None
-
-    @property
-    def closed_forces(self) -> Callable[[float, np.ndarray, np.ndarray], dict[str, np.ndarray]] | None:
-        """Reads what the gear of a closed track does to its shoes at a time (s), coordinates and rates.
-
-        Gives "wheel" and "tooth", force (N) and moment about the COM (N m) of all wheels and of the teeth on
-        every shoe, both (shoes, 6), global; "guide", the part of both across the track (shoes,); "on_wheels",
-        the force on every wheel (wheels, 3); "energy", J, in the
-        contacts of wheels and of teeth (2,); and of f flexible shoes "strip_wheel" (f, slots), "strip_force"
-        and "strip_foot" (f, slots, strips, 3), "strip_guide" (f, slots, strips), "lug_force" (f, lugs, 3) and
-        "lug_guide" (f, lugs), as of `forces.wheels.WheelWorkspace` and `forces.teeth.TeethWorkspace`. None
-        without a closed track.
+        Gives of f shoes, all of an open track and the flexible ones of a closed track, "strip_wheel"
+        (f, slots), "strip_force" and "strip_foot" (f, slots, strips, 3), "strip_guide" (f, slots, strips), as
+        of `forces.wheels.WheelWorkspace`. Of a closed track also "lug_force" (f, lugs, 3) and "lug_guide"
+        (f, lugs), as of `forces.teeth.TeethWorkspace`; "wheel" and "tooth", force (N) and moment about the
+        COM (N m) of all wheels and of the teeth on every shoe, both (shoes, 6), global; "guide", the part of
+        both across the track (shoes,); "on_wheels", the force on every wheel (wheels, 3); and "energy", J, in
+        the contacts of wheels and of teeth (2,).
         """
         return None
 

@@ -72,7 +72,6 @@ def hinged(masses, inertias, pins, held=()):
             np.array([place[6 * count], 0]),
             np.array([[place[size + r] for r in range(len(rows))], np.arange(1, 1 + len(rows))]),
         ),
-        rollers=None,
         pull=None,
         cells=None,
     )

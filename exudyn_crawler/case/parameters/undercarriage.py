@@ -53,8 +53,8 @@ class RunningGear(Parameters):
 
     @property
     def resistances(self) -> np.ndarray:
-        """Of wheels against the travel over their normal force: array (1,), (wheels,) where they differ."""
-        return np.array([self.rolling_resistance])
+        """Of wheels against the travel over their normal force: array (wheels,)."""
+        return np.full(len(self.rollers), self.rolling_resistance)
 
 
 def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Errors:

@@ -1,7 +1,7 @@
-"""Contact of the wheels of a closed track with the rails of its shoes: rollers, idler and carriers.
+"""Contact of wheels with the rails of the shoes: rollers of a frame, of a closed track idler, carriers.
 
-Each strip of a wheel may touch any shoe. The law of a strip on a rail is that of `forces.treads`. As long as
-a rail is between the flanges of a wheel, these guide its shoe sideways, with a play.
+Each strip of a wheel may touch any shoe of its track, by the law of `forces.treads`. As long as a rail is
+between the flanges of a wheel, these guide its shoe sideways, with a play.
 """
 
 import math
@@ -17,8 +17,6 @@ from exudyn_crawler.model.elimination import solving_allocating, solving_inside,
 from exudyn_crawler.model.forces import treads
 from exudyn_crawler.model.forces.teeth import Flange, flange_force
 
-SLOTS = 2
-"""Wheels that may be on one shoe at once."""
 ASIDE = 0.3
 """m, more than a shoe that touches a wheel is ever beside its track's middle."""
 ROLLED = 0.05
@@ -35,33 +33,36 @@ class Wheels(NamedTuple):
     radii: FloatArray  # (wheels,): m
     law: tuple[float, float, float, float]  # `Impact` of a strip
     flange: tuple[float, float, float]  # `Flange` of a strip
-    height: float  # of the flanges above the treads, m
-    rollers: treads.Rollers  # rails and their stations; its places are those of no wheel
+    height: float  # of the flanges above the treads, m; zero for none
+    rail: tuple[float, float, float]  # `treads.Rail`
+    rows: FloatArray  # (strips, stations + 2, 3, m): as of `shoe_mesh.RailRows`
+    spacing: float  # of the stations, m
+    slots: int  # wheels that may be on one shoe at once
 
 
 class WheelWorkspace(NamedTuple):
     """Wheels as they touch at a state."""
 
     rows: tuple  # `ForceRows` of those that touch as a plain tuple: force on the frame, N, global
-    wheel: IntArray  # (shoes, SLOTS): wheel that is on a shoe, -1 for none
-    force: FloatArray  # (shoes, SLOTS, strips, 3): on the shoe, N, global
-    foot: FloatArray  # (shoes, SLOTS, strips, 3): where, m, global
-    guide: FloatArray  # (shoes, SLOTS, strips): part of the force along the shoe's y, N
+    wheel: IntArray  # (shoes, slots): wheel that is on a shoe, -1 for none
+    force: FloatArray  # (shoes, slots, strips, 3): on the shoe, N, global
+    foot: FloatArray  # (shoes, slots, strips, 3): where, m, global
+    guide: FloatArray  # (shoes, slots, strips): part of the force along the shoe's y, N
     on_shoes: FloatArray  # (shoes, 6): force (N) and moment about the COM (N m) of all wheels, global
     on_wheels: FloatArray  # (wheels, 3): force of all shoes, N, global
     energy: FloatArray  # (1,): in the treads, J
-    modes: FloatArray  # (4, m): scratch, as of `rows_at`
+    modes: FloatArray  # (4, m): scratch, as of `_rows_at`
 
     @classmethod
     def allocate(cls, wheels: Wheels, modes: int) -> "WheelWorkspace":
         """Workspace for these wheels."""
-        shoes, strips = int(wheels.shoes.max()), wheels.places.shape[1]
+        shoes, slots, strips = int(wheels.shoes.max()), wheels.slots, wheels.places.shape[1]
         return cls(
-            tuple(ForceRows.allocate(shoes * SLOTS * strips, 3, modes)),
-            np.full((shoes, SLOTS), -1),
-            np.zeros((shoes, SLOTS, strips, 3)),
-            np.zeros((shoes, SLOTS, strips, 3)),
-            np.zeros((shoes, SLOTS, strips)),
+            tuple(ForceRows.allocate(shoes * slots * strips, 3, modes)),
+            np.full((shoes, slots), -1),
+            np.zeros((shoes, slots, strips, 3)),
+            np.zeros((shoes, slots, strips, 3)),
+            np.zeros((shoes, slots, strips)),
             np.zeros((shoes, 6)),
             np.zeros((len(wheels.frames), 3)),
             np.zeros(1),
@@ -90,9 +91,7 @@ def wheel_contacts(
     """
     if wheels is None:
         return 0
-    frames, shoes, places, middles, radii, law, flange, height, rollers = wheels
-    named = Wheels(frames, shoes, places, middles, radii, law, flange, height, treads.Rollers(*rollers))
-    return _wheel_contacts(named, bodies, state, drag, weights, WheelWorkspace(*work))
+    return _wheel_contacts(Wheels(*wheels), bodies, state, drag, weights, WheelWorkspace(*work))
 
 
 @solving_allocating
@@ -119,7 +118,7 @@ def _wheel_contacts(
         frame = frame_of(bodies, wheels.frames[w], state, at)
         place = wheels.places[w]
         axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], wheels.middles[w], place[0, 2])))
-        rail = wheels.rollers.rail
+        rail = wheels.rail
         near = wheels.radii[w] + wheels.height + ROLLED
         reach = math.sqrt(max(rail[0] ** 2, rail[1] ** 2) + rail[2] ** 2) + near
         for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
@@ -127,8 +126,12 @@ def _wheel_contacts(
             apart = 0.0
             for c in range(3):
                 apart += (bodies.reference[s, c] + state[0, first + c] - axis[c]) ** 2
-            slot = 0 if work.wheel[s, 0] < 0 else 1
-            if apart > reach * reach + ASIDE**2 or work.wheel[s, slot] >= 0:
+            if apart > reach * reach + ASIDE**2:
+                continue
+            slot = 0
+            while slot < wheels.slots and work.wheel[s, slot] >= 0:
+                slot += 1
+            if slot == wheels.slots:
                 continue
             shoe_at = attitude_of(bodies, s)
             shoe = frame_of(bodies, s, state, shoe_at)
@@ -152,6 +155,87 @@ def _wheel_contacts(
     return count
 
 
+@solving_within
+def _rows_at(wheels: Wheels, strip: int, x: float, out: FloatArray) -> None:
+    """Write displacement along x, y and z of a rail by the modes, and the slope of the last: (4, m).
+
+    Between stations by the cubic through the two nearest on either side with the slopes that their neighbours
+    give (Catmull and Rom, 1974), which has no kinks at stations.
+    """
+    t = (x - wheels.rail[0]) / wheels.spacing
+    i = min(max(int(t), 0), wheels.rows.shape[1] - 4)
+    u = t - i
+    values = (
+        0.5 * u * (u * (2.0 - u) - 1.0),
+        1.0 + 0.5 * u * u * (3.0 * u - 5.0),
+        0.5 * u * (1.0 + u * (4.0 - 3.0 * u)),
+        0.5 * u * u * (u - 1.0),
+    )
+    slopes = (
+        0.5 * (u * (4.0 - 3.0 * u) - 1.0) / wheels.spacing,
+        0.5 * u * (9.0 * u - 10.0) / wheels.spacing,
+        0.5 * (1.0 + u * (8.0 - 9.0 * u)) / wheels.spacing,
+        0.5 * u * (3.0 * u - 2.0) / wheels.spacing,
+    )
+    table = wheels.rows[strip]
+    for k in range(out.shape[1]):
+        out[0, k] = out[1, k] = out[2, k] = out[3, k] = 0.0
+        for n in range(4):
+            out[0, k] += values[n] * table[i + n, 0, k]
+            out[1, k] += values[n] * table[i + n, 1, k]
+            out[2, k] += values[n] * table[i + n, 2, k]
+            out[3, k] += slopes[n] * table[i + n, 2, k]
+
+
+@solving_within
+def _bending(rows: FloatArray, own: FloatArray) -> treads.Bending:
+    """How modes bend a rail: rows (4, m) of `_rows_at` times coordinates and rates (2, 6 + m)."""
+    rise = slope = rate = aside = aside_rate = 0.0
+    for k in range(rows.shape[1]):
+        rise += rows[2, k] * own[0, 6 + k]
+        slope += rows[3, k] * own[0, 6 + k]
+        rate += rows[2, k] * own[1, 6 + k]
+        aside += rows[1, k] * own[0, 6 + k]
+        aside_rate += rows[1, k] * own[1, 6 + k]
+    return treads.Bending(rise, slope, rate, aside, aside_rate)
+
+
+@solving_inside
+def _motion_against(frame: Frame, shoe: Frame, place: Vector) -> tuple[Vector, Vector]:
+    """Place (m) and velocity (m/s) of a point of a frame, at `place` in its axes, in a shoe's axes."""
+    arm = turned(frame.R, place)
+    apart = along(along(frame.r, 1.0, arm), -1.0, shoe.r)
+    velocity = along(along(frame.v, 1.0, cross(frame.omega, arm)), -1.0, shoe.v)
+    rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
+    return turned_back(shoe.R, apart), rates
+
+
+@solving_inside
+def _write_rows(
+    rows: ForceRows,
+    p: int,
+    force: Vector,
+    arms: tuple[Vector, Vector],
+    frames: tuple[Attitude, Attitude],
+    modes: FloatArray,
+    flexible: bool,
+) -> None:
+    """Write a tread that pushes the frame with a force (N, global), and the shoe with the opposite.
+
+    `arms` (m, global) lead from the origins of frame and shoe to the foot, `frames` are their attitudes;
+    `modes` of a flexible shoe are as of `_rows_at`.
+    """
+    rows.unit[p] = -1
+    for k in range(2):
+        treads.write_point(frames[k], arms[k], 1.0 - 2.0 * k, rows.jacobian[p, k])
+    for m in range(modes.shape[1] if flexible else 0):
+        move = turned(frames[1].R, (modes[0, m], modes[1, m], modes[2, m]))
+        for r in range(3):
+            rows.jacobian[p, 1, r, 6 + m] = -move[r]
+    for r in range(3):
+        rows.wrench[p, r] = force[r]
+
+
 @solving_inside
 def _touch(
     wheels: Wheels,
@@ -170,16 +254,16 @@ def _touch(
     """
     (w, k), (flexible, derive) = numbers, flags
     place = (wheels.places[w, k, 0], wheels.places[w, k, 1], wheels.places[w, k, 2])
-    center, rates = treads.motion_against(frame, shoe, place)
-    rail = treads.Rail(*wheels.rollers.rail)
+    center, rates = _motion_against(frame, shoe, place)
+    rail = treads.Rail(*wheels.rail)
     bent = treads.Bending(0.0, 0.0, 0.0, 0.0, 0.0)
     if flexible:
-        treads.rows_at(wheels.rollers, k, min(max(center[0], rail.rear), rail.front), modes)
-        bent = treads.bending(modes, values)
+        _rows_at(wheels, k, min(max(center[0], rail.rear), rail.front), modes)
+        bent = _bending(modes, values)
     disc: treads.Pair = (wheels.radii[w], drag)
     middle, speeds = (center[0], center[2]), (rates[0], rates[2])
     tread = treads.tread_force(Impact(*wheels.law), rail, disc, middle, speeds, bent, derive)
-    engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0)
+    engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0) if wheels.height > 0.0 else 0.0
     side = stiffness = damping = 0.0
     if engaged > 0.0:
         # of the wheel's plane where it meets the rail, not at its axis: a shoe may lean
@@ -217,7 +301,7 @@ def _keep(
     force = turned(shoe.R, (pressed[0], strip.side, pressed[1]))
     rows.bodies[count, 0], rows.bodies[count, 1] = wheels.frames[w], s
     arms = along(foot, -1.0, frame.r), strip.arm
-    treads.write_rows(rows, count, force, arms, attitudes, work.modes, flexible)
+    _write_rows(rows, count, force, arms, attitudes, work.modes, flexible)
     moment = cross(strip.arm, force)
     for r in range(3):
         work.force[s, slot, k, r], work.foot[s, slot, k, r] = -force[r], foot[r]

@@ -47,10 +47,8 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     contacts, pairs = _contacts(states)
     values = _motion(states, "shoes", start) | _reactions(states) | _terrain(states) | contacts
     values["shoe_load"] = case.loads.loads(time)
-    if system.treads is not None:
-        values |= _rolled(states, system.treads)
-    if system.closed_forces is not None:
-        values |= _closed(states, system.closed_forces)
+    if system.gear_forces is not None:
+        values |= (_closed if case.is_closed else _rolled)(states, _gear_forces(states, system.gear_forces))
     variables = {name: catalogue.variable(name, one) for name, one in values.items()}
     motion = {name: variables.pop(name) for name in files.TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
@@ -194,28 +192,43 @@ def _contacts(states: _States) -> tuple[dict[str, np.ndarray], np.ndarray]:
     return tables, pairs
 
 
-def _rolled(
-    states: _States, treads: Callable[..., tuple[np.ndarray, np.ndarray, np.ndarray]]
-) -> dict[str, np.ndarray]:
-    """Motion of the side frame, forces of its rollers and pull of its drive."""
+def _gear_forces(states: _States, forces: Callable[..., dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """What a running gear does to the shoes, as of `TrackSystem.gear_forces`, over all times."""
     parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
-    results = [treads(*state) for state in zip(*parts, strict=True)]
-    force, foot, behind = (np.array(one) for one in zip(*results, strict=True))
-    split = (len(states.rows), force.shape[1], len(SIDES), -1, len(NEIGHBOURS), 3)
-    return _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_") | {
+    each = [forces(*state) for state in zip(*parts, strict=True)]
+    return {name: np.array([one[name] for one in each]) for name in each[0]}
+
+
+def _rolled(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Motion of the side frame, forces of its rollers and pull of its drive."""
+    case = states.system.case
+    frame, motion = case.undercarriage, _motion(states, SIDE_FRAME, case.frame_start, "side_frame_")
+    assert frame is not None
+    turned = rotations.rotation_matrices(motion["side_frame_angles"])[:, 0, 0]
+    axes = motion["side_frame_position"][:, :1] + np.outer(turned, frame.rollers)
+    first = case.shoe_reference[0, 0] + states.part("shoes")[:, :1, 0]
+    behind = np.floor((axes - first) / case.track.pitch).astype(int)
+    behind = np.clip(behind, 0, case.track.shoe_count - len(NEIGHBOURS))
+    rollers, when = np.arange(axes.shape[1]), np.arange(len(axes))[:, None, None]
+    shoes = behind[..., None] + np.arange(len(NEIGHBOURS))
+    # of either slot of a shoe, where it has the roller: (times, rollers, neighbours, strips, 3)
+    has = (found["strip_wheel"][when, shoes] == rollers[:, None, None])[..., None, None]
+    split = (*axes.shape, len(NEIGHBOURS), len(SIDES), frame.strips, 3)
+    force, foot = (
+        np.where(has, found[name][when, shoes], 0.0).sum(axis=3).reshape(split).transpose(0, 1, 3, 4, 2, 5)
+        for name in ("strip_force", "strip_foot")
+    )
+    return motion | {
         "drive_pull": -states.part("drive")[:, 0],
         "roller_shoe": behind + 1,
-        "roller_force": force.reshape(split).sum(axis=(3, 4)),
-        "tread_force": force.reshape(split),
-        "tread_foot": foot.reshape(split),
+        "roller_force": force.sum(axis=(3, 4)),
+        "tread_force": force,
+        "tread_foot": foot,
     }
 
 
-def _closed(states: _States, forces: Callable[..., dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+def _closed(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Motion of side frame and tumbler of a closed track, drive, wheels and teeth."""
-    parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
-    each = [forces(*state) for state in zip(*parts, strict=True)]
-    found = {name: np.array([one[name] for one in each]) for name in each[0]}
     case = states.system.case
     names, start = TUMBLERS[case.tracks], case.tumbler_reference
     place = np.stack([states.part(name) for name in names], axis=1)[..., :3] + start[:, :3]
