@@ -121,17 +121,15 @@ def _wheel_contacts(
         rail = wheels.rail
         near = wheels.radii[w] + wheels.height + ROLLED
         reach = math.sqrt(max(rail[0] ** 2, rail[1] ** 2) + rail[2] ** 2) + near
+        most = reach * reach + ASIDE**2
         for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
-            first = bodies.coordinate[s]
-            apart = 0.0
+            apart, first, slot = 0.0, bodies.coordinate[s], 0
             for c in range(3):
-                apart += (bodies.reference[s, c] + state[0, first + c] - axis[c]) ** 2
-            if apart > reach * reach + ASIDE**2:
-                continue
-            slot = 0
+                if apart <= most:
+                    apart += (bodies.reference[s, c] + state[0, first + c] - axis[c]) ** 2
             while slot < wheels.slots and work.wheel[s, slot] >= 0:
                 slot += 1
-            if slot == wheels.slots:
+            if apart > most or slot == wheels.slots:
                 continue
             shoe_at = attitude_of(bodies, s)
             shoe = frame_of(bodies, s, state, shoe_at)
