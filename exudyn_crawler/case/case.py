@@ -3,7 +3,7 @@
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import fields, undercarriage
@@ -21,15 +21,7 @@ NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 Model = TypeVar("Model", bound=Parameters)
 
 
-def _kind_of_terrain(values: Any) -> str:
-    """Model of a terrain or of its table; units where it names none."""
-    model = values.get("model", "units") if isinstance(values, dict) else getattr(values, "model", "units")
-    return str(model)
-
-
-AnyTerrain = Annotated[
-    Annotated[Terrain, Tag("units")] | Annotated[CellTerrain, Tag("cells")], Discriminator(_kind_of_terrain)
-]
+AnyTerrain = Annotated[Terrain | CellTerrain, Field(discriminator="model")]
 Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]
 """How shoes and terrain touch."""
 
@@ -88,8 +80,8 @@ class Case(Parameters):
         elif contact.model == "cells" and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain of cells, which has no joints"
         for name in ("undercarriage", "closed_track"):
-            if getattr(self, name) is not None and not self.is_compiled:
-                yield f"formulation 'engine', {NOT_COMPILED} do not go with {name}"
+            if (gear := getattr(self, name)) is not None:
+                yield from self._gear_errors(name, gear.tread_width)
         if self.machine is not None and self.running_gear is None:
             yield "machine must be None without an undercarriage or a closed_track, on which it acts"
         if self.car_body is not None and (self.closed_track is None or count % 2):
@@ -102,7 +94,7 @@ class Case(Parameters):
         if isinstance(contact, SphereContact):
             yield from self._sphere_errors(contact.radius)
         if (frame := self.undercarriage) is not None:
-            yield from undercarriage.rolled_errors(frame, shoe, self.track, self.drive, self.loads)
+            yield from undercarriage.rolled_errors(frame, shoe, self.track)
         if self.machine is not None and (gear := self.running_gear) is not None:
             aside = undercarriage.TIPPING if self.car_body is None else 0.5 * self.car_body.track_distance
             yield from self.machine.balance_errors(
@@ -120,16 +112,27 @@ class Case(Parameters):
         if not terrain.is_even and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
 
+    def _gear_errors(self, name: str, tread_width: float) -> Errors:
+        """What does not go with a side frame, on an open or a closed track."""
+        if not self.is_compiled:
+            yield f"formulation 'engine', {NOT_COMPILED} do not go with {name}"
+        if (rails := self.shoe.rails) is None:
+            yield f"shoe.rails must be given with {name}, whose wheels run on them"
+        elif tread_width > rails.width:
+            yield f"{name}.tread_width must not exceed the rails' width {rails.width} m, got {tread_width}"
+        if self.drive.on is not None:
+            yield f"drive.on must be None with {name}, always moved or held; a speed of zero is a brake"
+        if self.drive.turn_rate is not None and self.car_body is None:
+            yield f"drive.turn_rate must be None with {name} and without a car_body: one track does not turn"
+        if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
+            yield f"loads must be zero on every shoe with {name}, whose rollers carry the machine"
+
     def _closed_errors(self, closed: ClosedTrack) -> Errors:
         """What does not go with a closed track."""
         if self.undercarriage is not None:
             yield "undercarriage must be None with a closed_track, which has a side frame of its own"
-        if self.drive.on is not None or (self.drive.turn_rate is not None and self.car_body is None):
-            yield "drive.on must be None with a closed_track, and drive.turn_rate without a car_body"
         if self.car_body is not None and closed.support == "posts":
             yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
-        if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
-            yield "loads must be zero on every shoe with a closed_track, whose rollers carry the machine"
         yield from closed_errors(closed, self.shoe, self.loop)
 
     def _sphere_errors(self, radius: float) -> Errors:

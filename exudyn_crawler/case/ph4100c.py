@@ -185,11 +185,12 @@ UNDERCARRIAGE: Mapping[str, Any] = {
 """Side frame, lower rollers and drive of one track."""
 
 SHOVEL: Mapping[str, Any] = {
-    "mass": 2.0 * _CARRIED,  # kg: the machine without the shoes that touch the ground
+    # kg: the machine without the shoes that touch the ground; what is in no part below is on the swing axis
+    "mass": 2.0 * _CARRIED,
     "upper": 800e3,  # kg. Open: machinery deck with counterweight, without the front
-    "upper_place": (-2.5, 4.0),  # m behind the swing axis and above the rollers' axes. Open
+    "upper_place": (-2.5, 4.0),  # m ahead of the swing axis and above the rollers' axes. Open
     "front": 130e3,  # kg at the dipper. Open: dipper, handle and their part of the boom
-    "lower_height": 0.5,  # m. Open
+    "lower_height": 0.5,  # m above the rollers' axes: what is on the swing axis. Open
 }
 """Masses of the shovel and their places."""
 _PAYLOAD = 2.0 * DIPPER_LOAD / GRAVITY  # kg: the dipper's load on both tracks

@@ -114,7 +114,7 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
     [
         ({"closed_track.tumbler.reach": 0.199}, "leaving lugs hook under it"),
         ({"closed_track.tumbler.reach": 0.5}, "must let the addendum circle"),
-        ({"shoe.rails": None}, "shoe.rails must be given with a closed_track"),
+        ({"shoe.rails": None}, "shoe.rails must be given with closed_track"),
         ({"closed_track.rollers": (0.0, 0.5)}, "they overlap"),
         ({"closed_track.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
         ({"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
@@ -187,7 +187,7 @@ def test_what_does_not_go_with_two_tracks_is_refused(changes, message):
 
 
 def test_one_track_does_not_turn():
-    with pytest.raises(ParameterError, match=r"drive.turn_rate without a car_body"):
+    with pytest.raises(ParameterError, match=r"drive.turn_rate must be None .* without a car_body"):
         Case.closed().with_(drive=Drive.turning())
 
 

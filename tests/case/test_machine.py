@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler import Case
 from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
-from exudyn_crawler.case.parameters.undercarriage import MachinePhase, Pose, Shovel
+from exudyn_crawler.case.parameters.undercarriage import MachinePhase, Pose
 from exudyn_crawler.errors import ParameterError
 
 FRAME = Undercarriage.ph4100c()
@@ -28,23 +28,25 @@ def test_both_tracks_carry_the_whole():
     for pose in (poses(0.7, payload=9e4), poses(np.pi / 2, payload=9e4)):
         left, right = (MachineCycle.shovel(poses=pose, side=side) for side in (1.0, -1.0))
         carried = resultant(left, 0)[0] + resultant(right, 0)[0]
-        assert carried == pytest.approx((Shovel().mass + 9e4) * ph4100c.GRAVITY)
+        assert carried == pytest.approx((ph4100c.SHOVEL["mass"] + 9e4) * ph4100c.GRAVITY)
 
 
 def test_shares_are_those_of_statics():
     """Levers by hand: payload and front at 15 m to the left, the upper structure 2.5 m to the right."""
-    shovel, payload = Shovel(), 9e4
+    shovel, payload = ph4100c.SHOVEL, 9e4
     left = resultant(MachineCycle.shovel(poses=poses(np.pi / 2, payload=payload)), 0)[0]
-    whole = (shovel.mass + payload) * ph4100c.GRAVITY
-    lever = ((shovel.front + payload) * 15.0 + shovel.upper * shovel.upper_place[0]) * ph4100c.GRAVITY
+    whole = (shovel["mass"] + payload) * ph4100c.GRAVITY
+    lever = (
+        (shovel["front"] + payload) * 15.0 + shovel["upper"] * shovel["upper_place"][0]
+    ) * ph4100c.GRAVITY
     assert left == pytest.approx(0.5 * whole + lever / ph4100c.TRACK_DISTANCE)
 
 
 def test_straight_ahead_the_weight_moves_ahead_and_the_tracks_share_alike():
-    shovel, payload = Shovel(), 9e4
+    shovel, payload = ph4100c.SHOVEL, 9e4
     carried, x, y = resultant(MachineCycle.shovel(poses=poses(0.0, payload=payload)), 0)
-    masses = shovel.mass + payload
-    lever = (shovel.front + payload) * 15.0 + shovel.upper * shovel.upper_place[0]
+    masses = shovel["mass"] + payload
+    lever = (shovel["front"] + payload) * 15.0 + shovel["upper"] * shovel["upper_place"][0]
     assert carried == pytest.approx(0.5 * masses * ph4100c.GRAVITY)
     assert x == pytest.approx(lever / masses)
     assert y == pytest.approx(0.0, abs=1e-9)

@@ -169,7 +169,7 @@ def test_a_part_of_another_class_is_refused():
     with pytest.raises(ParameterError) as refused:
         Case.translation().with_(terrain=Track.ph4100c(), contact=5)
     assert [one[: one.index(", got")] for one in refused.value.errors] == [
-        "terrain: must be Terrain",
+        "terrain: must be Terrain or CellTerrain",
         "contact: must be PairContact or SphereContact or CellContact",
     ]
 

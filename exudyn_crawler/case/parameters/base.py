@@ -224,13 +224,12 @@ def _message(one: Mapping[str, Any], spot: _Spot, model: type[BaseModel], in_fil
         return f"{path}: missing{_remedy(one, spot, in_file)}"
     if kind == "value_error":
         return f"{head}{message}"
-    if kind in ("union_tag_invalid", "union_tag_not_found"):
-        tag = given.get(fields.TAG) if isinstance(given, dict) else given
+    if kind.startswith("union_tag") and isinstance(given, dict):
         allowed = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
-        return f"{path}.{fields.TAG}: must be {allowed}, got {shown(tag)}"
+        return f"{path}.{fields.TAG}: must be {allowed}, got {shown(given.get(fields.TAG))}"
     name = next((part for part in reversed(spot.place) if isinstance(part, str)), "")
     field, cause = spot.table.model_fields.get(name), ""
-    if kind in ("model_type", "model_attributes_type"):
+    if kind.startswith(("model", "union_tag")):
         is_profile = in_file and any(getattr(held, "is_value", False) for held in spot.held)
         profile = PROFILE.replace("{unit}", fields.unit_of(field) if field else "")
         message = f"must be {' or '.join(held.__name__ for held in spot.held)}"

@@ -1,16 +1,16 @@
 """What rides on a track: side frame, rollers and drive, whether they fit, and what the machine does to it."""
 
 import math
-from collections.abc import Sequence
-from typing import Literal, NamedTuple, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, terrain, track
 from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, Several, quantity
-from exudyn_crawler.case.parameters.drive import Drive, StepProfile
-from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd, values_of
+from exudyn_crawler.case.parameters.drive import StepProfile
+from exudyn_crawler.case.parameters.loads import Cycle, PhaseEnd, values_of
 
 MARGIN = 4.0  # m of ground ahead of the track
 FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
@@ -161,29 +161,16 @@ def ground_below(chain: track.Track, units: terrain.Terrain) -> terrain.Terrain:
     return units.with_(columns=math.ceil((end - units.origin[0]) / units.unit_length))
 
 
-def rolled_errors(
-    frame: Undercarriage, shoe: track.Shoe, chain: track.Track, drive: Drive, loads: LoadCycle
-) -> Errors:
-    """What does not go with a side frame."""
+def rolled_errors(frame: Undercarriage, shoe: track.Shoe, chain: track.Track) -> Errors:
+    """What of shoes with rails and of the track does not go with a side frame that rolls over them."""
     rails = shoe.rails
-    if rails is None:
-        yield "shoe.rails must be given with an undercarriage, which rolls on them"
-        return
-    if frame.tread_width > rails.width:
-        width = frame.tread_width
-        yield f"undercarriage.tread_width must not exceed the rails' width {rails.width} m, got {width}"
+    assert rails is not None
     gap = chain.pitch - (rails.front - rails.rear)
     if not 0.0 <= gap < 2.0 * frame.radius:
         crossed = f"from 0 to their diameter {2.0 * frame.radius:g} m"
         yield f"shoe.rails must leave a gap from shoe to shoe that rollers cross, {crossed}, got {gap:.4g} m"
     if (count := chain.shoe_count) < FEWEST_SHOES:
         yield f"track.shoe_count must be at least {FEWEST_SHOES} with an undercarriage, got {count}"
-    if drive.turn_rate is not None:
-        yield "drive.turn_rate must be None with an undercarriage, whose yaw is held"
-    if drive.on is not None:
-        yield "drive.on must be None with an undercarriage, always moved or held; a speed of zero is a brake"
-    if any(load != 0.0 for phase in loads.phases for load in phase.loads):
-        yield "loads must be zero on every shoe with an undercarriage, whose rollers carry the machine"
 
 
 def length_errors(frame: Undercarriage, chain: track.Track, travel: float, time: float) -> Errors:
@@ -220,15 +207,9 @@ class Pose(NamedTuple):
     payload: float  # kg
     bank: tuple[float, float] = (0.0, 0.0)  # N, of the bank on the dipper, away from the machine and up
 
-
-class Shovel(NamedTuple):
-    """Masses of a shovel (kg), the rest on the swing axis; places (m) from there and above the rollers."""
-
-    mass: float = ph4100c.SHOVEL["mass"]
-    upper: float = ph4100c.SHOVEL["upper"]
-    upper_place: tuple[float, float] = ph4100c.SHOVEL["upper_place"]
-    front: float = ph4100c.SHOVEL["front"]
-    lower_height: float = ph4100c.SHOVEL["lower_height"]
+    def turned(self, ahead: float, up: float) -> np.ndarray:
+        """Vector so far ahead of the upper structure, and up: array (3,)."""
+        return np.array([ahead * math.cos(self.swing), ahead * math.sin(self.swing), up])
 
 
 class MachineCycle(Cycle):
@@ -241,7 +222,7 @@ class MachineCycle(Cycle):
         cls,
         frame: Undercarriage | None = None,
         poses: Sequence[Pose] = tuple(Pose(*one) for one in ph4100c.SHOVEL_POSES),
-        shovel: Shovel | None = None,
+        shovel: Mapping[str, Any] = ph4100c.SHOVEL,
         side: float = 1.0,
         down: Sequence[float] = (0.0, 0.0, -1.0),
     ) -> Self:
@@ -251,14 +232,15 @@ class MachineCycle(Cycle):
         tracks, rests on both in the ratio of their distances. Along x each share stands where the whole does.
         The lateral moment that is left is the pair of both tracks' forces: none of it is on the side frame.
 
-        Side frame, whose weight is taken off the share, and masses are those of the P&H 4100C if None; poses
-        are at the ends of the phases, `side` is 1 on the left track and -1 on the right one, `down` as of
-        `Terrain.down`. A ValueError if the machine tips over a track.
+        The weight of the side frame, that of the P&H 4100C if None, is taken off the share. Poses are at the
+        ends of the phases, masses and places of the `shovel` as of `ph4100c.SHOVEL`; `side` is 1 on the left
+        track and -1 on the right one, `down` as of `Terrain.down`. A ValueError if the machine tips over a
+        track.
         """
         frame = frame or Undercarriage.ph4100c()
         gravity, phases = np.asarray(down, dtype=float), []
         for pose in poses:
-            forces, places = _loads(shovel or Shovel(), pose, gravity)
+            forces, places = _loads(shovel, pose, gravity)
             whole, moment = forces.sum(axis=0), np.cross(places, forces).sum(axis=0)
             aside = moment[0] / whole[2]
             share = 0.5 + side * aside / ph4100c.TRACK_DISTANCE
@@ -290,10 +272,8 @@ class MachineCycle(Cycle):
         rest, _ = body.upper_at(body.slew)
         phases = []
         for pose in poses:
-            ahead = np.array([math.cos(pose.swing), math.sin(pose.swing), 0.0])
-            up = np.array([0.0, 0.0, 1.0])
-            dipper = np.array([body.swing_axis, 0.0, 0.0]) + pose.reach * ahead + pose.height * up
-            force = pose.payload * gravity + pose.bank[0] * ahead + pose.bank[1] * up
+            dipper = np.array([body.swing_axis, 0.0, 0.0]) + pose.turned(pose.reach, pose.height)
+            force = pose.payload * gravity + pose.turned(*pose.bank)
             moved = body.upper_at(pose.swing)[0] - rest
             moment = np.cross(dipper, force) + np.cross(moved, body.upper_mass * gravity)
             named = {"force": tuple(force.tolist()), "moment": tuple(moment.tolist())}
@@ -335,13 +315,11 @@ class MachineCycle(Cycle):
                 yield f"{at}s weight acts {beside}: the side frame tips"
 
 
-def _loads(shovel: Shovel, pose: Pose, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _loads(shovel: Mapping[str, Any], pose: Pose, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Forces on the machine (N) and their places from the swing axis at the rollers (m): (k, 3) each."""
-    ahead = np.array([math.cos(pose.swing), math.sin(pose.swing), 0.0])
-    up = np.array([0.0, 0.0, 1.0])
-    back, height = shovel.upper_place
-    dipper = pose.reach * ahead + pose.height * up
-    masses = shovel.mass - shovel.upper - shovel.front, shovel.upper, shovel.front + pose.payload
-    forces = [mass * ph4100c.GRAVITY * down for mass in masses]
-    forces.append(pose.bank[0] * ahead + pose.bank[1] * up)
-    return np.array(forces), np.array([shovel.lower_height * up, back * ahead + height * up, dipper, dipper])
+    dipper = pose.turned(pose.reach, pose.height)
+    places = pose.turned(0.0, shovel["lower_height"]), pose.turned(*shovel["upper_place"]), dipper, dipper
+    upper, front = shovel["upper"], shovel["front"]
+    masses = shovel["mass"] - upper - front, upper, front + pose.payload
+    forces = [*(mass * ph4100c.GRAVITY * down for mass in masses), pose.turned(*pose.bank)]
+    return np.array(forces), np.array(places)
