@@ -110,35 +110,20 @@ class SteppedRun:
 
 
 def outputs(history: History) -> dict[str, float]:
-    """What a unit says of an instant, by name: frame, drive, links and the ground under every shoe."""
+    """What a unit says of an instant, by name: drive, frame, links and the ground under every shoe."""
     data = history.dataset.isel(time=-1)
-    names = _drives(history.case)
-    drives = data[names[0].partition("[")[0]].values
-    found = dict(zip(names, np.atleast_1d(drives).tolist(), strict=True))
-    for name in FRAME:
-        found |= _by_axis(f"side_frame_{name}", data[f"side_frame_{name}"].values)
-    for link, force in zip(data.joint.values, data.joint_force.values, strict=True):
-        found |= _by_axis(f"joint_force[{link}]", force)
     ground = history.contacts_by_shoe().contact_force.isel(time=-1).transpose("shoe", "axis")
-    for shoe, force in zip(data.shoe.values, ground.values, strict=True):
-        found |= _by_axis(f"ground_force[{shoe}]", force)
-    return found
-
-
-def _by_axis(name: str, values: np.ndarray) -> dict[str, float]:
-    return {f"{name}.{axis}": float(value) for axis, value in zip(AXES, values, strict=True)}
-
-
-def _drives(case: Case) -> list[str]:
-    """Names of what the drive does; of two closed tracks one each, right and left."""
-    if not case.is_closed:
-        return ["drive_pull"]
-    return ["drive_moment"] if case.tracks == 1 else ["drive_moment[1]", "drive_moment[2]"]
+    drive = data.drive_moment if history.case.is_closed else data.drive_pull
+    found = [drive, *(data[f"side_frame_{name}"] for name in FRAME), data.joint_force, ground]
+    values = np.concatenate([np.ravel(one) for one in found]).tolist()
+    return dict(zip(_output_names(history.case), values, strict=True))
 
 
 def _output_names(case: Case) -> dict[str, str]:
-    """Names of `outputs` and what they are."""
-    named = dict.fromkeys(_drives(case), "N m, on the tumbler" if case.is_closed else "N, on the chain")
+    """Names of `outputs` and what they are; of two closed tracks the right one's drive comes first."""
+    named = {"drive_moment": "N m, on the tumbler"} if case.is_closed else {"drive_pull": "N, on the chain"}
+    if case.tracks > 1:
+        named = {f"drive_moment[{track}]": "N m, on its tumbler" for track in (1, 2)}
     vectors = {f"side_frame_{name}": meaning for name, meaning in FRAME.items()}
     for link in case.joints:
         vectors[f"joint_force[{link}]"] = f"N, of the joint ahead of shoe {link} on this shoe"
@@ -158,15 +143,14 @@ class MachineOnTrack(Fmi2Slave):
         self._case = read_case(Path(self.resources) / CASE).case
         self._run: SteppedRun | None = None
         self._outputs = dict.fromkeys(_output_names(self._case), 0.0)
-        force, moment = self._case.machine_wrench(0.0)
-        self._inputs = _by_axis("force", force[0]) | _by_axis("moment", moment[0]) | {"speed": 0.0}
         self.default_experiment = DefaultExperiment(start_time=0.0, step_size=STEP)
-        units = {"speed": "m/s, of the drive, at the end of a step"}
-        units |= {f"force.{axis}": "N, on the side frame's origin beside its weight" for axis in AXES}
+        units = {f"force.{axis}": "N, on the side frame's origin beside its weight" for axis in AXES}
         units |= {f"moment.{axis}": "N m, about the side frame's origin" for axis in AXES}
+        units["speed"] = "m/s, of the drive, at the end of a step"
         if self._case.tracks > 1:
-            self._inputs["turn_rate"] = 0.0
             units["turn_rate"] = "rad/s, to the left, at the end of a step"
+        wrench = np.ravel(self._case.machine_wrench(0.0)).tolist()
+        self._inputs = dict.fromkeys(units, 0.0) | dict(zip(units, wrench, strict=False))
         for name, meaning in units.items():
             self._add(name, meaning, self._inputs, Fmi2Causality.input)
         for name, meaning in _output_names(self._case).items():

@@ -567,7 +567,7 @@ def test_a_load_cycle_that_is_no_toml_is_named(call, tmp_path, content):
     (tmp_path / "cycle.toml").write_bytes(content)
     code, _, err = call("stress", "--cycle", "cycle.toml")
     assert code == 2
-    assert_one_line(err, "cycle.toml is not TOML: ")
+    assert_one_line(err, "cycle.toml: not TOML: ")
     assert not (tmp_path / "results").exists()
 
 

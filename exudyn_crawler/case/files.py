@@ -127,15 +127,15 @@ def _resolved(content: reading.Content, folder: Path, changes: Sequence[_Change]
     if isinstance(table, dict) and CYCLE in table:
         if len(table) > 1 or not isinstance(table[CYCLE], str):
             raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {table!r}")
-        cycle = folder / table[CYCLE]
+        cycle = folder / content.pop("loads")[CYCLE]
+    content = reading.with_base(content, CaseFile)
+    if cycle is not None:
         try:
-            content["loads"] = loads.cycle_content(cycle)
+            read = loads.LoadCycle.from_toml(cycle, _shoe_count(content["case"]))
         except OSError as error:
             raise ValueError(f"loads.{CYCLE}: {error}") from error
-    content = reading.with_base(content, CaseFile)
-    if _spread_equal_loads(content["case"]) and cycle is not None:
-        with reading.errors_named(cycle, loads.LoadCycle):
-            reading.from_content(loads.LoadCycle, content["case"]["loads"])
+        content["case"]["loads"] = read.model_dump(mode="json")
+    _spread_equal_loads(content["case"])
     for change in of_items:
         content = change.made_in(content, CaseFile)
         _spread_equal_loads(content["case"])
@@ -156,14 +156,17 @@ def _resolved(content: reading.Content, folder: Path, changes: Sequence[_Change]
     return content
 
 
-def _spread_equal_loads(case: reading.Content) -> bool:
-    """Put one number for the loads on all shoes on each of them; returns whether it is known how many."""
+def _spread_equal_loads(case: reading.Content) -> None:
+    """Put one number for the loads on all shoes on each of them."""
+    if "loads" in case:
+        case["loads"] = loads.with_equal_loads(case["loads"], _shoe_count(case))
+
+
+def _shoe_count(case: reading.Content) -> int:
+    """Number of shoes of the values of a case; one where it is none, which is refused with all else."""
     chain = case.get("track")
     count = chain.get("shoe_count") if isinstance(chain, dict) else None
-    if "loads" not in case or not isinstance(count, int) or not 0 < count <= track.MOST_SHOES:
-        return False
-    case["loads"] = loads.with_equal_loads(case["loads"], count)
-    return True
+    return count if isinstance(count, int) and 0 < count <= track.MOST_SHOES else 1
 
 
 def case_schema() -> dict[str, Any]:

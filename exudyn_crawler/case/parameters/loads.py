@@ -118,11 +118,15 @@ class LoadCycle(Cycle):
         """Read a cycle from a TOML file, a list of tables ``[[phases]]`` with name, end and loads.
 
         A phase with one number for all loads `shoe_count` shoes. A FileNotFoundError if there is no such
-        file, a ValueError that names what is wrong if it is not TOML or not a load cycle.
+        file, a CaseFileError that names what is wrong if it is not TOML or not a load cycle.
         """
-        content = with_equal_loads(cycle_content(path), shoe_count)
-        with reading.errors_named(Path(path), cls):
-            return cls.model_validate(reading.in_si(content, cls))
+
+        def values(content: reading.Content) -> reading.Content:
+            if not content:
+                raise ValueError("empty; a load cycle has tables [[phases]] with name, end and loads")
+            return with_equal_loads(content, shoe_count)
+
+        return reading.read_parameters(path, cls, "load cycle", values)
 
     def table(self) -> "pd.DataFrame":
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
@@ -151,17 +155,6 @@ class LoadCycle(Cycle):
     def loads(self, time: np.typing.ArrayLike) -> np.ndarray:
         """Loads at each time: array (times, shoes), N downward."""
         return values_of(self.of_shoes, time)
-
-
-def cycle_content(path: str | Path) -> dict[str, Any]:
-    """Content of a file with a load cycle; errors are those of `LoadCycle.from_toml`."""
-    try:
-        content = reading.toml_content(Path(path), "load cycle")
-    except ValueError as error:
-        raise ValueError(f"{path} is {error}") from error
-    if not content:
-        raise ValueError(f"{path} is empty; a load cycle has tables [[phases]] with name, end and loads")
-    return content
 
 
 def with_equal_loads(content: Any, shoe_count: int) -> Any:
