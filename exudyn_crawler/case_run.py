@@ -171,14 +171,13 @@ def _history(work: _Work) -> History:
     folder, case_file = work.folder, work.case_file
     case, path = case_file.case, folder.path
     if path is None:
-        with _simulating(work):
-            return simulate(case, case_file.duration, work.progress, None, case_file.outputs.ground_times)
+        return _simulated(work, None)
     points = checkpoints.Checkpoints(path / record.CHECKPOINTS, folder.say)
     if folder.simulated:
         folder.say(f"{case.name}: simulated already, going on with what is made of it")
         history = folders.matching_history(path, case_file)
     else:
-        history = _simulated(work, path, points)
+        history = _simulated_into(work, path, points)
     points.settle(case, path / record.END)
     # these are the run's, also where it was stopped after them
     for one in (path / record.HISTORY, path / record.END):
@@ -186,31 +185,28 @@ def _history(work: _Work) -> History:
     return history
 
 
-@contextmanager
-def _simulating(work: _Work) -> Iterator[None]:
-    """Take the time of a simulation, whose equations are compiled before if they are not yet."""
+def _simulated(work: _Work, points: checkpoints.Checkpoints | None) -> History:
+    """Simulate; take the time of this, and that of compiling the equations before if they are not yet."""
+    case_file, progress = work.case_file, work.progress
     with work.folder.timed(parts.COMPILE):
-        compiled(work.case_file.case, work.progress, work.expected.get(parts.COMPILE))
+        compiled(case_file.case, progress, work.expected.get(parts.COMPILE))
     with work.folder.timed(parts.SIMULATE):
-        yield
+        times = case_file.outputs.ground_times
+        return simulate(case_file.case, case_file.duration, progress, points, times)
 
 
-def _simulated(work: _Work, path: Path, points: checkpoints.Checkpoints) -> History:
-    """Simulate what is missing."""
-    folder, case_file = work.folder, work.case_file
-    case, end, whole = case_file.case, path / record.END, path / record.HISTORY
+def _simulated_into(work: _Work, path: Path, points: checkpoints.Checkpoints) -> History:
+    """Simulate what is missing in a folder."""
+    folder, case, end, whole = work.folder, work.case_file.case, path / record.END, path / record.HISTORY
     is_shorter = folder.holds is not record.Holds.NOTHING and end.is_file() and whole.is_file()
     if is_shorter and not points.load(case):
         points.begin_from(end, whole)
-    with _simulating(work):
-        try:
-            history = simulate(
-                case, case_file.duration, work.progress, points, case_file.outputs.ground_times
-            )
-        except errors.SimulationStopped as stop:
-            if stop.history is not None:
-                files.move_file(points.history, path / record.STOPPED_HISTORY, overwrite=True)
-            raise
+    try:
+        history = _simulated(work, points)
+    except errors.SimulationStopped as stop:
+        if stop.history is not None:
+            files.move_file(points.history, path / record.STOPPED_HISTORY, overwrite=True)
+        raise
     files.move_file(points.history, whole, overwrite=True)
     folder.note_history()
     (path / record.STOPPED_HISTORY).unlink(missing_ok=True)

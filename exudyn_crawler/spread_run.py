@@ -12,7 +12,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case import Case, Outputs, PairContact, read_case
+from exudyn_crawler.case import Case, PairContact, read_case
+from exudyn_crawler.case.case_file import BARE
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
 from exudyn_crawler.results.history.catalogue import variable
@@ -23,15 +24,7 @@ from fem import interrupts, judged
 
 TABLE = "spread.csv"
 NUDGE = 1e-9  # m by which the ground lies further along the track from start to start
-BARE = Outputs(
-    figures=False,
-    pictures=False,
-    paraview=False,
-    tables=False,
-    forces=False,
-    page=False,
-    picture_times=(0.0,),
-)
+ONE_TIME = BARE.with_(picture_times=(0.0,))  # what a run leaves that is repeated
 FIRST = "start 1"  # name of the run that is judged
 OPEN_PARTS = ("spread", "choice")  # columns of a stress's uncertainty by starts and by laws of contact, Pa
 
@@ -109,7 +102,7 @@ def spread(
         """Greatest von Mises stress of every node in runs, which are made where they have not finished."""
         found = {}
         for name, one in cases.items():
-            path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=BARE)
+            path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=ONE_TIME)
             if folders.held_of(path, own) is not record.Holds.FINISHED:
                 say(f"{one.name}: {name}")
                 run_case(own, path, overwrite=overwrite and path.exists(), progress=progress, say=say)

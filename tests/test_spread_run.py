@@ -19,7 +19,7 @@ from exudyn_crawler import (
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import relative_spread
-from exudyn_crawler.spread_run import BARE, NUDGE, laws_beside, nudged, spread
+from exudyn_crawler.spread_run import NUDGE, ONE_TIME, laws_beside, nudged, spread
 
 pytestmark = pytest.mark.simulation
 
@@ -30,7 +30,7 @@ def folder(tmp_path_factory):
     case = Case.stress("coarse")
     case = case.with_(flexible=case.flexible_shoes().with_(shoes=(13,)))
     out = tmp_path_factory.mktemp("runs") / "run"
-    run_case(CaseFile(case=case, duration=0.02, outputs=BARE), out, progress=False)
+    run_case(CaseFile(case=case, duration=0.02, outputs=ONE_TIME), out, progress=False)
     return out
 
 

@@ -133,6 +133,10 @@ class Outputs(Parameters):
         return tuple(1 + round(k * (shoe_count - 1) / (count - 1)) for k in range(count))
 
 
+BARE = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False, page=False)
+"""What a run leaves that is one of many: pictures of all of them take longer than the runs do."""
+
+
 class CaseFile(Parameters):
     """Case with the duration of its run and what the run leaves."""
 
@@ -211,35 +215,32 @@ def _plain(value: object) -> str:
     return tomlkit.item(fields.NONE if value is None else value).as_string()
 
 
-def shoe_weights(case: Case) -> str:
-    """What rigid and flexible shoes weigh, in a line; empty without flexible ones. Raises without a mesh."""
-    if case.flexible is None:
-        return ""
-    mesh = case.flexible.mesh
-    # a case without a mesh of its own need not wait for one to be read
-    volume = geometry.VOLUMES[mesh] if mesh in geometry.VOLUMES else mesh_named(mesh).volume
-    mass = volume * case.flexible.density
-    more = 100.0 * (mass / case.shoe.mass - 1.0)
-    return (
-        f"shoes: rigid ones weigh {case.shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg ({more:+.2g} %), "
-        f"as their mesh and density make them"
-    )
-
-
 def run_lines(case_file: CaseFile) -> list[str]:
-    """What a case comes to before it is run, in two lines: weights, pressure and sinkage; way and steps."""
+    """What a case comes to before it is run: weights, pressure and sinkage; way and steps; a line each.
+
+    A third line has the weights of rigid and of flexible shoes. Raises if these have no mesh.
+    """
     case, end = case_file.case, float(case_file.duration)
     shoes, shoe = case.track.shoe_count, case.shoe
     loads = shoes * case.mean_load
     pressure = loads / (shoes * shoe.length * shoe.width)
     way, steps = float(case.drive.speed.integral(end)), end / case.solver.step
-    return [
+    lines = [
         f"track: {shoes} shoes of {shoe.mass / 1e3:.4g} t; the ground carries {loads / 1e6:.4g} MN at the "
         f"start, {pressure / 1e3:.4g} kPa below the shoes, which sink by about "
         f"{1e3 * case.settled_penetration:.3g} mm",
         f"run: {end:g} s, {abs(way):.3g} m of travel by the drive, {steps:.0f} steps of "
         f"{1e3 * case.solver.step:g} ms, {case.solver.stored_times(end):.0f} stored times",
     ]
+    if case.flexible is not None:
+        mesh = case.flexible.mesh
+        # a case without a mesh of its own need not wait for one to be read
+        volume = geometry.VOLUMES[mesh] if mesh in geometry.VOLUMES else mesh_named(mesh).volume
+        mass = volume * case.flexible.density
+        weigh = f"rigid ones weigh {shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg"
+        more = f"{100.0 * (mass / shoe.mass - 1.0):+.2g} %"
+        lines.append(f"shoes: {weigh} ({more}), as their mesh and density make them")
+    return lines
 
 
 class Difference(NamedTuple):

@@ -84,7 +84,7 @@ def info(
     changes: application.Changes = None,
 ) -> None:
     """Show all values of a case, and where they differ from the nearest case of the papers."""
-    from exudyn_crawler.case.case_file import nearest_base, run_lines, shoe_weights
+    from exudyn_crawler.case.case_file import nearest_base, run_lines
     from exudyn_crawler.case.parameters import checks, fields
 
     studies = sorted(application.registered(application.CASES))
@@ -102,8 +102,6 @@ def info(
     title = f"{case}: {sum(row[2] != '' for row in rows)} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
     typer.echo("\n".join([*run_lines(case_file), RunTimes(case_file).line()]))
-    if weights := shoe_weights(case_file.case):
-        typer.echo(weights)
     checks.warn_implausible(case_file.case, case_file.duration)
     if case_file.case.flexible is not None:
         from exudyn_crawler.model.reductions import reductions_line

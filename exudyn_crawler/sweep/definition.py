@@ -15,6 +15,7 @@ import pandas as pd
 from scipy.stats import qmc
 
 from exudyn_crawler.case import CaseFile, Outputs, case_of
+from exudyn_crawler.case.case_file import BARE
 from exudyn_crawler.case.parameters import checks, fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.results.life.duty import Duty
@@ -25,9 +26,6 @@ from meshes import SHOE_SIZES
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
 SAMPLED = ("latin_hypercube", "sobol", "saltelli")  # designs that draw points between bounds
 Row = tuple[Any, ...]  # values of a run, one of every `Vary`
-LIGHT = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False, page=False)
-"""What a run leaves beside its history where a sweep says nothing: pictures of all runs take longer than
-they."""
 MOST_RUNS = 1_000_000
 SHOWN_ERRORS = 3  # wrong runs that an error names
 SHOWN_WARNINGS = 6  # implausible values that are warned of
@@ -154,7 +152,7 @@ class Sweep(Variation):
 
     case: CaseFile
     answers: tuple[Answers, ...] = option("what is wanted of every run", min_length=1)
-    outputs: Outputs = option("what every run leaves, whatever its case says", LIGHT)
+    outputs: Outputs = option("what every run leaves, whatever its case says", BARE)
 
     def _errors(self) -> Errors:
         yield from super()._errors()

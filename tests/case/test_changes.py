@@ -57,8 +57,6 @@ def test_items_of_a_list_of_the_file_are_changed(tmp_path):
         ("terrain.spring_stiffness=-1", "terrain.spring_stiffness: must be greater than"),
         ("density=7000", "density: which one is meant? terrain.density, flexible.density"),
         ("terrain.spring.stiffness=1", "terrain.spring: unknown key; did you mean terrain.spring_stiffness?"),
-        ("terrain.heights=[0.1]", "terrain.heights: unknown key; terrain.relief has the heights: "),
-        ("terrain.profile=[[0, 0.1]]", "terrain.profile: unknown key; terrain.relief has the heights: "),
         ("terain.spring_stiffness=1", "terain: unknown key; did you mean terrain?"),
         ("terrain.origin.x=1", "terrain.origin: must be a list"),
         ("base.x=1", "base.x: base must be a table to change a value of it, got 'translation'"),

@@ -272,8 +272,6 @@ def _unknown(spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
     names = [*(fields.file_fields(model) if in_file and not start else spot.table.model_fields)]
     if in_file and (wrong, start) == ("loads", ("loads",)):
         return "unknown key; a load on every shoe stands above all tables, loads = 450e3, or in a phase"
-    if instead := getattr(spot.table, "former", {}).get(wrong):
-        return f"unknown key; {instead}"
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
     if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
         return f"unknown key; did you mean {fields.path_text((*start, near[0]))}?"

@@ -3,7 +3,7 @@
 import importlib
 import json
 import math
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny
@@ -20,12 +20,6 @@ ACROSS = 1e-6  # m, by which heights across y may differ
 class Ground(Parameters):
     """What every ground has: heights before any shoe came, in axes that lean with it, unlike gravity."""
 
-    # what takes the place of keys that there were, for errors
-    former: ClassVar = dict.fromkeys(
-        ("heights", "profile"),
-        'terrain.relief has the heights: [[terrain.relief.parts]] with model = "ramp", x, flank and height '
-        "for each rise of a profile, or terrain.relief.measured.file",
-    )
     grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
     side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
     relief: Heights = option("heights of the ground before any shoe came", Heights())
