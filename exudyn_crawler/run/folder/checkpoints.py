@@ -7,10 +7,9 @@ with a checksum. A longer run goes on with the end of the last stage but one and
 import json
 import shutil
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from sys import intern
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,7 +30,6 @@ class Checkpoint:
 
     number: int  # of the stage, from 0
     time: float  # s
-    layout: str  # what the numbers of a state are, as JSON with its version
     path: Path
     chunk: Chunk  # what the stage stored, read from the file when it is needed
 
@@ -103,17 +101,15 @@ class Checkpoints:
             found.append(_checkpoint(path, content))
         return found
 
-    def save_history(
-        self, case: Case, stages: Sequence[Checkpoint], more: Iterable[Chunk], end: xr.Dataset
-    ) -> Path:
-        """Write the history of stages, the earlier run's before them, and of more chunks into the folder.
+    def chunks(self, stages: Sequence[Checkpoint]) -> list[Chunk]:
+        """Chunks of the history of stages, with the earlier run's before them."""
+        there = stages and self._earlier.is_file()
+        earlier = [Chunk.of_file(self._earlier, stages[0].time)] if there else []
+        return earlier + [stage.chunk for stage in stages]
 
-        `end` are the cells of the ground as of its end.
-        """
+    def save_history(self, case: Case, chunks: Sequence[Chunk], end: xr.Dataset) -> Path:
+        """Write a history into the folder; `end` are the cells of the ground as of its end."""
         writable_folder(self.folder)
-        chunks = [*(stage.chunk for stage in stages), *more]
-        if stages and self._earlier.is_file():
-            chunks.insert(0, Chunk.of_file(self._earlier, stages[0].time))
         return save_joined(case, chunks, self.history, overwrite=True, end=end)
 
     def begin_from(self, end: Path, history: Path) -> None:
@@ -204,7 +200,7 @@ def _checkpoint(path: Path, content: _Content) -> Checkpoint:
     """Checkpoint in a file without what is read from there, and checked, when it is needed."""
     whole = Chunk.of(content.history)
     chunk = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_read(path).history).parts())
-    return Checkpoint(content.number, content.time, intern(content.layout), path, chunk)
+    return Checkpoint(content.number, content.time, path, chunk)
 
 
 def _other_parts(found: str, own: str) -> list[str]:

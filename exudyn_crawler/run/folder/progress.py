@@ -98,11 +98,8 @@ class RunTimes:
         """Wall time in s of the parts that the run is going to have, in order."""
         there = self._earlier.get("made", [])
         parts = [part for part in self._rule if part not in without and self._made.get(part) not in there]
-        return {part: self._rule[part] * self._ratio(part) for part in parts}
-
-    def _ratio(self, part: str) -> float:
-        found = self._earlier.get(self._keys[part])
-        return statistics.median(found) if found else 1.0
+        ratios = {part: self._earlier.get(self._keys[part]) or [1.0] for part in parts}
+        return {part: self._rule[part] * statistics.median(ratios[part]) for part in parts}
 
     def line(self, without: Collection[str] = ()) -> str:
         """Time of a run and of each of its parts, for reading."""
@@ -145,18 +142,8 @@ def progress_bar(
 
     `show` None shows a bar on a terminal, and a line every `LINE_EVERY` where stderr is something else.
     """
-    console = Console(stderr=True)
+    console, begun = Console(stderr=True), list[tuple[float, float]]()
     on_terminal = show or (show is None and console.is_terminal)
-
-    def line(time: float, wall: float | None) -> None:
-        if (rest := duration - time) > 0.0:
-            left = "" if wall is None else f", {_speed(wall, unit)}, about {wall * rest:.0f} s left"
-            _line(f"{title}: {time:.4g} of {duration:g} {unit}{left}", show is None and not on_terminal)
-
-    lines = _paced(LINE_EVERY, duration, line)
-    if not on_terminal:
-        yield lines
-        return
     digits = ".2f" if unit == "s" else ".0f"
     columns = (
         TextColumn("{task.description}"),
@@ -165,17 +152,26 @@ def progress_bar(
         TextColumn("{task.fields[speed]}"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console, transient=False) as bar:
+    shown = told = clock.perf_counter()
+    with Progress(*columns, console=console, disable=not on_terminal) as bar:
         task = bar.add_task(title, total=duration, speed="")
 
-        def update(time: float, wall: float | None) -> None:
-            bar.update(task, completed=time, speed=_speed(wall, unit))
-
-        shown = _paced(REFRESH, duration, update)
-
         def tell(time: float) -> None:
-            lines(time)
-            shown(time)
+            nonlocal shown, told
+            now = clock.perf_counter()
+            # the first step, which loads or compiles, does not count
+            if not begun or (len(begun) == 1 and time > begun[0][0]):
+                begun.append((time, now))
+            if now - shown < min(REFRESH, LINE_EVERY) and time < duration:
+                return
+            shown, (first, start) = now, begun[-1]
+            wall = (now - start) / (time - first) if time > first else None
+            speed = "" if wall is None else f"{wall:.3g} s wall per {unit.removesuffix('s') or unit}"
+            bar.update(task, completed=time, speed=speed)
+            if now - told >= LINE_EVERY and time < duration:
+                told = now
+                left = "" if wall is None else f", {speed}, about {wall * (duration - time):.0f} s left"
+                _line(f"{title}: {time:.4g} of {duration:g} {unit}{left}", show is None and not on_terminal)
 
         yield tell
 
@@ -187,38 +183,9 @@ def _line(text: str, shown: bool) -> None:
         note(text)
 
 
-def _paced(
-    every: float, duration: float, show: Callable[[float, float | None], None]
-) -> Callable[[float], None]:
-    """Function that shows a time, with the wall time a simulated second, every so many s and at the end.
-
-    The first step, which loads or compiles, does not count.
-    """
-    last = clock.perf_counter()
-    begun: list[tuple[float, float]] = []
-
-    def tell(time: float) -> None:
-        nonlocal last
-        now = clock.perf_counter()
-        if not begun or (len(begun) == 1 and time > begun[0][0]):
-            begun.append((time, now))
-        if now - last < every and time < duration:
-            return
-        last = now
-        first, start = begun[-1]
-        show(time, (now - start) / (time - first) if time > first else None)
-
-    return tell
-
-
 def note(line: str) -> None:
     """Write a line to stderr, where progress is shown, too."""
     print(line, file=sys.stderr, flush=True)
-
-
-def _speed(wall: float | None, unit: str) -> str:
-    """Wall time for a simulated second, or for one of what is counted; empty where it is not known."""
-    return "" if wall is None else f"{wall:.3g} s wall per {unit.removesuffix('s') or unit}"
 
 
 @contextmanager

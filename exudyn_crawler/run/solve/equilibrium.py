@@ -1,5 +1,7 @@
 """Static equilibrium of track and terrain before t = 0, by Newton's method with the whole derivative."""
 
+from contextlib import suppress
+
 import numpy as np
 
 from exudyn_crawler.case import Case, SphereContact
@@ -195,10 +197,8 @@ def _crept(case: Case, guess: np.ndarray) -> np.ndarray:
     if case.contact.model == "cells":
         return crept(compiled_system(case), guess)
     for speed in OIL_SPEEDS[:-1]:
-        try:
+        with suppress(NewtonError):
             return crept(compiled_system(_oiled(case, speed)), guess)
-        except NewtonError:
-            continue
     return crept(compiled_system(_oiled(case, OIL_SPEEDS[-1])), guess)
 
 
@@ -221,16 +221,10 @@ def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
 def _rest(system: ExudynSystem, guess: np.ndarray, iterations: int = ITERATIONS) -> np.ndarray:
     """Rest of a system built for statics, by Newton's method from a guess."""
     system.set_initial(guess)
-    settings = _settings()
+    settings = newton_settings(RESIDUAL, iterations)
     settings.staticSolver.useLoadFactor = False
-    settings.staticSolver.verboseMode = 0
     # loads are whole from the start, so that a shorter step would be the same one
     settings.staticSolver.adaptiveStep = False
-    newton = settings.staticSolver.newton
-    newton.absoluteTolerance = RESIDUAL
-    newton.relativeTolerance = 1e-16
-    newton.weightTolerancePerCoordinate = True
-    newton.maxIterations = iterations
     try:
         # Exudyn takes an interrupt within its calls for an error of its own
         with interrupts_wait():
@@ -259,35 +253,36 @@ def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
         speed = np.abs(rates).max()
         if speed < SLOW:
             return q
-        try:
+        with suppress(EquilibriumError):
             return _rest(system, q, POLISHING)
-        except EquilibriumError:
-            pass
     raise EquilibriumError(
         f"no static equilibrium of case {case.name!r} was found on its uneven ground: it still moves at "
         f"{speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion. {_unsupported(system)}"
     )
 
 
-def _settings() -> "exu.SimulationSettings":
+def newton_settings(residual: float, iterations: int) -> "exu.SimulationSettings":
+    """Exudyn's settings for a rest or a motion, in silence; residual (N, root mean square) that is enough."""
     settings = exu.SimulationSettings()
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.solution.file.write = False
+    for solver in (settings.staticSolver, settings.timeIntegration):
+        solver.verboseMode = 0
+        solver.newton.absoluteTolerance = residual
+        # the absolute tolerance alone decides: the first residual of a step is no measure
+        solver.newton.relativeTolerance = 1e-16
+        solver.newton.weightTolerancePerCoordinate = True
+        solver.newton.maxIterations = iterations
     return settings
 
 
 def _relaxation_settings() -> "exu.SimulationSettings":
-    settings = _settings()
+    settings = newton_settings(1.0, 40)
     time = settings.timeIntegration
-    time.verboseMode = 0
     time.endTime = RELAXATION
     time.numberOfSteps = round(RELAXATION / RELAXATION_STEP)
     time.minimumStepSize = 0.1 * RELAXATION_STEP
     time.generalizedAlpha.spectralRadius = 0.0
-    time.newton.absoluteTolerance = 1.0
-    time.newton.relativeTolerance = 1e-16
-    time.newton.weightTolerancePerCoordinate = True
-    time.newton.maxIterations = 40
     return settings
 
 

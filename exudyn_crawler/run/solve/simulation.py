@@ -20,33 +20,24 @@ from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import COMPILE, REDUCE, heartbeat, note, progress_bar
-from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.equilibrium import newton_settings, static_equilibrium
 from exudyn_crawler.run.solve.stages import Recorder, RunStages, is_quiet, stage_times
 from fem import compiling, interrupts
 
 
 def solver_settings(solver: Solver) -> "exu.SimulationSettings":
     """Exudyn's settings for a run; `set_times` gives it its times."""
-    settings = exu.SimulationSettings()
-    settings.solution.file.write = False
+    settings = newton_settings(solver.residual, solver.maximum_iterations)
     settings.solution.sensors.active = False
-    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     time = settings.timeIntegration
     # a stage starts from the accelerations that the one before ended with
     time.generalizedAlpha.resetAccelerations = False
     time.adaptiveStepRecoverySteps = 1
     time.adaptiveStepRecoveryIterations = solver.maximum_iterations
-    time.verboseMode = 0
     time.generalizedAlpha.spectralRadius = solver.spectral_radius
-    newton = time.newton
     # Exudyn's numerical Jacobian costs far more than an iteration: a new one only where that slows down
-    newton.useModifiedNewton = True
-    newton.modifiedNewtonJacUpdatePerStep = False
-    newton.absoluteTolerance = solver.residual
-    # the absolute tolerance alone decides: the first residual of a step is no measure
-    newton.relativeTolerance = 1e-16
-    newton.weightTolerancePerCoordinate = True
-    newton.maxIterations = solver.maximum_iterations
+    time.newton.useModifiedNewton = True
+    time.newton.modifiedNewtonJacUpdatePerStep = False
     return settings
 
 
@@ -66,17 +57,11 @@ def integrate(
     system: TrackSystem,
     duration: float,
     progress: bool | None = None,
-    settings: "exu.SimulationSettings | None" = None,
     checkpoints: Checkpoints | None = None,
     ground_times: Sequence[float] = (),
 ) -> History:
-    """Integrate a built system from its initial state; see `simulate`.
-
-    `settings` take the place of those that `solver_settings` makes of the case, their times apart.
-    """
-    case = system.case
-    if settings is None:
-        settings = solver_settings(case.solver)
+    """Integrate a built system from its initial state; see `simulate`."""
+    case, settings = system.case, solver_settings(system.case.solver)
     recorder = Recorder(system, duration, ground_times)
     ends = stage_times(case, duration)
     stages = RunStages(system, recorder, ends, checkpoints)
@@ -129,13 +114,8 @@ class ChainWatch:
         self.next_look = float(self.layout.part(row, "time")) + LOOK
         shoes = self.layout.part(row, "shoes") + self._shoes
         tension = self._tension(row)
-        found = (
-            self._broken(tension),
-            self._off(row, shoes),
-            self._folded(shoes),
-            self._jumped(row, shoes, tension),
-        )
-        return next((one for one in found if one), "")
+        found = self._broken(tension) or self._off(row, shoes) or self._folded(shoes)
+        return found or self._jumped(row, shoes, tension)
 
     def _tension(self, row: np.ndarray) -> np.ndarray:
         """Force of every link in the chain's plane, N."""
@@ -197,14 +177,9 @@ class ChainWatch:
         on = inside.reshape(self.case.tracks, -1).any(axis=1)
         if on.all() and not other.any():
             return ""
-        shoe = (
-            int(
-                other.argmax()
-                if other.any()
-                else np.where(np.repeat(on, len(x) // len(on)), np.inf, radius).argmin()
-            )
-            + 1
-        )
+        # of a track without any on its tumbler the one nearest to that
+        off = np.where(np.repeat(on, len(x) // len(on)), np.inf, radius).argmin()
+        shoe = 1 + int(other.argmax() if other.any() else off)
         slack = "too slack to stay on the tumbler (idler.slack, idler.take_up)"
         pulled = "pulled harder than such teeth hold (tumbler.reach, tumbler.depth)"
         why = slack if tension.min() < SLACK_TENSION else pulled
@@ -343,4 +318,4 @@ def simulate(
     with threadpool_limits(1, user_api="blas"):
         system = track_system(case)
         system.set_initial(static_equilibrium(case))
-        return integrate(system, duration, progress, None, checkpoints, ground_times)
+        return integrate(system, duration, progress, checkpoints, ground_times)

@@ -114,22 +114,21 @@ class RunStages:
     ) -> None:
         self._system, self._recorder, self._checkpoints = system, recorder, checkpoints
         self._last = len(ends) - 2
-        self._kept: list[Checkpoint] = []
-        self._in_memory: list[files.Chunk] = []
+        self._chunks: list[files.Chunk] = []
         self.first = 0
         if checkpoints is not None:
             self._go_on(checkpoints, ends)
 
     def _go_on(self, checkpoints: Checkpoints, ends: Sequence[float]) -> None:
-        tolerance = TIME_TOLERANCE * ends[-1]
+        tolerance, kept = TIME_TOLERANCE * ends[-1], list[Checkpoint]()
         for stage in checkpoints.load(self._system.case, self._system.layout.to_json()):
             # a shorter run ends within a stage of a longer one
             if stage.number >= self._last or abs(stage.time - ends[stage.number + 1]) > tolerance:
                 break
-            self._kept.append(stage)
-        if self._kept:
-            last = self._kept[-1]
-            self.first = last.number + 1
+            kept.append(stage)
+        if kept:
+            last = kept[-1]
+            self._chunks, self.first = checkpoints.chunks(kept), last.number + 1
             state, memory = last.end()
             self._system.set_state(state, memory)
             self._recorder.go_on(last.time, memory)
@@ -142,17 +141,18 @@ class RunStages:
         self._system.set_state(state)
         history = states.system_history(self._system, self._recorder.taken()).dataset
         if self._checkpoints is None or number == self._last:
-            self._in_memory.append(files.Chunk.of(history))
+            self._chunks.append(files.Chunk.of(history))
             return
         layout = self._system.layout.to_json()
         case, time = self._system.case, self._recorder.time
         memory = self._recorder.memory()
-        self._kept.append(self._checkpoints.save(case, number, time, layout, state, memory, history))
+        stage = self._checkpoints.save(case, number, time, layout, state, memory, history)
+        self._chunks.append(stage.chunk)
 
     @property
     def nothing(self) -> bool:
         """Whether no state was stored yet."""
-        return not (self._kept or self._in_memory or self._recorder.count)
+        return not (self._chunks or self._recorder.count)
 
     def history(self) -> History:
         """History of all stages, and of as much of one that stopped early as was stored.
@@ -160,12 +160,9 @@ class RunStages:
         With checkpoints it is written into their folder, which takes no more memory for a longer run, and
         read from there.
         """
-        rows = self._recorder.taken()
-        unfinished = [files.Chunk.of(states.system_history(self._system, rows).dataset)] if len(rows) else []
-        chunks, end = (
-            self._in_memory + unfinished,
-            ground_map.end_memory(self._system.memory(), self._recorder.then),
-        )
+        if len(rows := self._recorder.taken()):
+            self._chunks.append(files.Chunk.of(states.system_history(self._system, rows).dataset))
+        case, end = self._system.case, ground_map.end_memory(self._system.memory(), self._recorder.then)
         if self._checkpoints is None:
-            return History(self._system.case, files.joined(chunks).assign(end))
-        return History.load(self._checkpoints.save_history(self._system.case, self._kept, chunks, end))
+            return History(case, files.joined(self._chunks).assign(end))
+        return History.load(self._checkpoints.save_history(case, self._chunks, end))
