@@ -32,7 +32,8 @@ GROUPS = (
 """Groups of curves, in the order in which they are offered."""
 KINEMATICS = {name.replace("_", " "): one.label for name, one in select(curves="motion").items()}
 """Figures of kinematic quantities that the papers draw, and the labels of what they show."""
-CONTACT_VECTORS = [one.label for one in select(curves="contact", curve_axes=False).values() if one.is_vector]
+VECTORS = select(curves="contact", curve_axes=False, dimensions="axis")
+CONTACT_VECTORS = [one.label for one in VECTORS.values()]
 CONTACT_SCALARS = [one.label for one in select(curves="contact").values() if one.label not in CONTACT_VECTORS]
 JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values() if not one.needs]
 """Labels of forces and sinkage of shoes, and of forces of links."""

@@ -49,7 +49,7 @@ def test_rows_say_where_each_quantity_comes_from():
         assert quantity.label
         assert quantity.meaning
         assert quantity.per
-        assert quantity.files or quantity.is_derived
+        assert quantity.files or quantity.derived_from
         assert set(quantity.needs) <= set(NEEDS)
         assert set(quantity.derived_from) <= set(QUANTITIES)
 

@@ -82,16 +82,6 @@ class Quantity:
         return ({"units": self.unit} if self.unit else {}) | {"long_name": self.meaning}
 
     @property
-    def is_vector(self) -> bool:
-        """Whether it has components."""
-        return "axis" in self.dimensions
-
-    @property
-    def is_derived(self) -> bool:
-        """Whether it is computed of stored quantities when it is asked for."""
-        return bool(self.derived_from)
-
-    @property
     def dtype(self) -> np.dtype:
         """Of its numbers in files; in memory all real numbers of a history are double."""
         return np.dtype(DTYPES[self.numbers])
@@ -231,24 +221,21 @@ def with_meaning(name: str, values: xr.DataArray) -> xr.DataArray:
 def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
     """Quantities of contacts by shoe as the catalogue says, and as of `History.contacts_by_shoe`."""
     wanted = list(names)
-    derived = [name for name in wanted if QUANTITIES[name].is_derived]
+    derived = [name for name in wanted if QUANTITIES[name].derived_from]
     stored = dict.fromkeys([one for name in wanted for one in QUANTITIES[name].derived_from or (name,)])
-    shoes, of_shoe = dataset.shoe.values, dataset.contact_shoe.values
-    contacts = [np.flatnonzero(of_shoe == shoe) for shoe in shoes]
-    depth = dataset.penetration.compute()
-    deepest = [depth.isel(contact=chosen).argmax("contact") if len(chosen) else None for chosen in contacts]
-    columns = {}
+    shoes, depth, columns = dataset.shoe.values, dataset.penetration.compute(), {}
+    contacts = [np.flatnonzero(dataset.contact_shoe.values == shoe) for shoe in shoes]
+
+    def of_shoe(values: xr.DataArray, chosen: np.ndarray, how: str) -> xr.DataArray:
+        # shoes that never touch the ground, as those above in a closed track, have nothing to choose of
+        if how == "sum" or not len(chosen):
+            return values.isel(contact=chosen).sum("contact", keep_attrs=True)
+        return values.isel(contact=chosen).isel(contact=depth.isel(contact=chosen).argmax("contact"))
+
     for name in stored:
         # of a history that stays in its file a variable is read once, not once a shoe
         whole = dataset[name].compute().drop_vars(CONTACT_KEYS, errors="ignore")
-        parts = [whole.isel(contact=chosen) for chosen in contacts]
-        if QUANTITIES[name].by_shoe == "sum":
-            parts = [part.sum("contact", keep_attrs=True) for part in parts]
-        else:
-            # shoes that never touch the ground, as those above in a closed track
-            none = whole.isel(contact=slice(0)).sum("contact", keep_attrs=True)
-            pairs = zip(parts, deepest, strict=True)
-            parts = [none if one is None else part.isel(contact=one) for part, one in pairs]
+        parts = [of_shoe(whole, chosen, QUANTITIES[name].by_shoe) for chosen in contacts]
         columns[name] = xr.concat(parts, dim="shoe", coords="minimal", compat="override")
     result = xr.Dataset(columns).assign_coords(shoe=shoes).drop_vars(CONTACT_KEYS, errors="ignore")
     result = result.assign(

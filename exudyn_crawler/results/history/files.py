@@ -74,22 +74,6 @@ def unit_motion(shape: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
     return np.einsum("uk,tk->tu", shape, coordinates)
 
 
-def terrain_motion(
-    heave: np.ndarray, tilt: np.ndarray, coordinates: dict[str, np.ndarray]
-) -> dict[str, np.ndarray]:
-    """Motion of the units of a terrain in independent coordinates, by names of variables.
-
-    `heave` and `tilt` (units, modes) are m and rad for a unit of each coordinate; `coordinates` has them
-    (times, modes) by rate, as of `RATES`.
-    """
-    shapes = dict(zip(SHAPES.values(), (heave, tilt), strict=True))
-    motion = dict(shapes)
-    for rate, values in coordinates.items():
-        motion[f"{TERRAIN}{rate}"] = values
-        motion |= {f"{name}{rate}": unit_motion(shapes[shape], values) for name, shape in SHAPES.items()}
-    return motion
-
-
 def packed(dataset: xr.Dataset) -> xr.Dataset:
     """Dataset of a history as a file holds it."""
     if TERRAIN in dataset.variables:
@@ -98,26 +82,31 @@ def packed(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign({name: dataset[name].astype(dtype) for name, dtype in single.items()})
 
 
-def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
+def unpacked(dataset: xr.Dataset) -> xr.Dataset:
     """Dataset of a history from that of a file; what a file does not hold is computed when it is asked for.
 
-    Contacts may be `widened` at once. Units are hundreds, of which few are looked at: their motion never is.
-    Files of earlier versions hold all of it.
+    Units are hundreds, of which few are looked at.
     """
-    computed: dict[str, xr.Variable] = {}
-    for name in _single(dataset):
-        stored = dataset.variables[name]
-        if stored.dtype != np.float64:
-            wide = _lazy(name, stored.shape, partial(_doubled, stored))
-            computed[name] = wide.load() if widened else wide
-    if TERRAIN in dataset.variables:
-        dataset = dataset.set_coords(list(TERRAIN_COORDINATES))
-        for rate, name, shape in ((rate, *one) for rate in RATES for one in SHAPES.items()):
-            shapes, motion = dataset.variables[shape].values, dataset.variables[f"{TERRAIN}{rate}"]
-            part, sizes = partial(_part_of_motion, shapes, motion), (motion.shape[0], len(shapes))
-            computed[f"{name}{rate}"] = _lazy(f"{name}{rate}", sizes, part)
-    attributes = {name: value for name, value in dataset.attrs.items() if name != CASE}
-    return dataset.assign(computed).drop_attrs(deep=False).assign_attrs(attributes)
+    stored = {name: dataset.variables[name] for name in _single(dataset)}
+    computed = {name: _lazy(name, one.shape, partial(_doubled, one)) for name, one in stored.items()}
+    whole = with_motion_of_units(dataset.assign(computed))
+    whole.attrs.pop(CASE, None)
+    return whole
+
+
+def with_motion_of_units(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset of a history with the motion of its units, computed when it is asked for.
+
+    It is there already if the terrain has no independent coordinates.
+    """
+    if TERRAIN not in dataset.variables:
+        return dataset
+    computed = {}
+    for rate, name, shape in ((rate, *one) for rate in RATES for one in SHAPES.items()):
+        shapes, motion = dataset.variables[shape].values, dataset.variables[f"{TERRAIN}{rate}"]
+        part, sizes = partial(_part_of_motion, shapes, motion), (motion.shape[0], len(shapes))
+        computed[f"{name}{rate}"] = _lazy(f"{name}{rate}", sizes, part)
+    return dataset.set_coords(list(TERRAIN_COORDINATES)).assign(computed)
 
 
 def _single(dataset: xr.Dataset) -> list[str]:

@@ -70,7 +70,7 @@ class History:
         quantity = catalogue.QUANTITIES[name]
         if quantity.lacking(self.case):
             return False
-        derives = quantity.is_derived and all(self.has(one, stress) for one in quantity.derived_from)
+        derives = quantity.derived_from and all(self.has(one, stress) for one in quantity.derived_from)
         return derives or name in self.dataset or (stress is not None and name in stress)
 
     def quantity(self, name: str, stress: xr.Dataset | None = None) -> xr.DataArray:
@@ -84,7 +84,7 @@ class History:
         if not self.has(name, stress):
             lacking = catalogue.QUANTITIES[name].lacking(self.case) or "more than a history: stresses, say"
             raise ValueError(f"{name} needs {lacking}")
-        if catalogue.QUANTITIES[name].is_derived:
+        if catalogue.QUANTITIES[name].derived_from:
             begin = self.dataset if self.begin is None else self.begin
             return catalogue.with_meaning(name, catalogue.DERIVED[name](self.case, self.dataset, begin))
         return self.dataset[name] if stress is None or name not in stress else stress[name]
@@ -169,7 +169,7 @@ class History:
             stored = xr.open_dataset(path, engine="h5netcdf", cache=False)
             dataset = files.unpacked(stored)
             if dataset.nbytes <= MOST_IN_MEMORY:
-                dataset = files.unpacked(stored.load(), widened=True)
+                dataset = files.unpacked(stored.load())
                 stored.close()
             _check(case, dataset)
         return cls(case=case, dataset=dataset)

@@ -1,8 +1,8 @@
 """From the states of the multibody system to a history's named variables; nothing here solves anything."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib.metadata import version
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -29,6 +29,9 @@ NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
 
 
+COORDINATES = ("coordinates", "coordinates rate")
+
+
 class _States(NamedTuple):
     """Stored states (times, layout.size) of a system."""
 
@@ -37,6 +40,14 @@ class _States(NamedTuple):
 
     def part(self, name: str) -> np.ndarray:
         return self.system.layout.part(self.rows, name)
+
+    def parts(self, names: Iterable[str]) -> np.ndarray:
+        """Parts of one shape side by side: (times, names, ...)."""
+        return np.stack([self.part(name) for name in names], axis=1)
+
+    def each(self, of: Callable[..., Any], *names: str) -> list[Any]:
+        """What a function makes of some parts of each state."""
+        return [of(*state) for state in zip(*map(self.part, names), strict=True)]
 
 
 def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
@@ -49,23 +60,20 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     values["shoe_load"] = case.loads.loads(time)
     if system.gear_forces is not None:
         values |= (_closed if case.is_closed else _rolled)(states, _gear_forces(states, system.gear_forces))
-    variables = {name: catalogue.variable(name, one) for name, one in values.items()}
-    motion = {name: variables.pop(name) for name in files.TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
-        variables,
+        {name: catalogue.variable(name, one) for name, one in values.items()},
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
             "joint": ("joint", case.joints, {"long_name": LINKS[case.is_closed * case.tracks]}),
             **({"unit": case.terrain.units} if len(case.terrain.units) else {}),
             "axis": AXES,
-            **motion,
             **_coordinates(system),
             **files.contact_coordinates(pairs),
         },
         attrs={"title": case.name, **VERSIONS, files.LAYOUT_VERSION: VERSION},
     )
-    return History(case=case, dataset=dataset)
+    return History(case=case, dataset=files.with_motion_of_units(dataset))
 
 
 def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -> dict[str, np.ndarray]:
@@ -156,8 +164,11 @@ def _terrain(states: _States) -> dict[str, np.ndarray]:
         return {}
     if isinstance(contact.coordinates, terrain.ReducedCoordinates):
         modes = contact.coordinates.modes
-        motion = {rate.replace(" ", "_"): states.part(f"terrain{rate}").copy() for rate in RATES}
-        return files.terrain_motion(modes.heave, modes.tilt, motion)
+        shapes = dict(zip(files.SHAPES.values(), (modes.heave, modes.tilt), strict=True))
+        rates = zip(RATES, files.RATES, strict=True)
+        return shapes | {
+            f"{files.TERRAIN}{name}": states.part(f"terrain{rate}").copy() for rate, name in rates
+        }
     named = {}
     for rate in RATES:
         units = np.stack([contact.coordinates.motion(row) for row in states.part(f"terrain{rate}")])
@@ -168,10 +179,8 @@ def _terrain(states: _States) -> dict[str, np.ndarray]:
 
 def _contacts(states: _States) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Contacts over time, a column for each volume of a pair that ever met; zero while there is none."""
-    parts = [states.part("coordinates"), states.part("coordinates rate")]
-    if states.system.layout.contact:
-        parts.append(states.part("contact"))
-    results = [states.system.contact.results(*state) for state in zip(*parts, strict=True)]
+    more = ("contact",) if states.system.layout.contact else ()
+    results = states.each(states.system.contact.results, *COORDINATES, *more)
     rows = np.concatenate(results)
     keys = rows[:, [RESULT[name] for name in ("shoe", "unit", "finger")]].astype(int)
     keys[:, :2] += 1  # shoes and units count from 1
@@ -194,8 +203,7 @@ def _contacts(states: _States) -> tuple[dict[str, np.ndarray], np.ndarray]:
 
 def _gear_forces(states: _States, forces: Callable[..., dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
     """What a running gear does to the shoes, as of `TrackSystem.gear_forces`, over all times."""
-    parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
-    each = [forces(*state) for state in zip(*parts, strict=True)]
+    each = states.each(forces, "time", *COORDINATES)
     return {name: np.array([one[name] for one in each]) for name in each[0]}
 
 
@@ -231,13 +239,10 @@ def _closed(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarr
     """Motion of side frame and tumbler of a closed track, drive, wheels and teeth."""
     case = states.system.case
     names, start = TUMBLERS[case.tracks], case.tumbler_reference
-    place = np.stack([states.part(name) for name in names], axis=1)[..., :3] + start[:, :3]
-    torque = np.stack([-states.part(MOTOR.format(name))[:, 0] for name in names], axis=1)
+    place = states.parts(names)[..., :3] + start[:, :3]
+    torque = -states.parts(map(MOTOR.format, names))[..., 0]
     pitch, rate = (
-        np.stack(
-            [(states.part(f"{name}{after}") - states.part(f"{SIDE_FRAME}{after}"))[:, 4] for name in names],
-            axis=1,
-        )
+        states.parts(f"{name}{after}" for name in names)[..., 4] - states.part(SIDE_FRAME + after)[:, 4, None]
         for after in RATES[:2]
     )
     take_up = _take_up(states)
@@ -268,7 +273,7 @@ def _on_flexible_shoes(states: _States, found: dict[str, np.ndarray]) -> dict[st
     angles = states.part("shoes")[:, shoes, 3:] + case.shoe_reference[shoes, 3:]
     across = rotations.rotation_matrices(angles)[..., 1]
     names, of_track = TUMBLERS[case.tracks], shoes // case.loop.shoe_count
-    turned = np.stack([states.part(name)[:, 3:] for name in names], axis=1) + case.tumbler_reference[:, 3:]
+    turned = states.parts(names)[..., 3:] + case.tumbler_reference[:, 3:]
     axis = rotations.rotation_matrices(turned[:, of_track])[..., 1]
     times, count, slots, strips = found["strip_guide"].shape
     split = (times, count, slots, len(SIDES), strips // len(SIDES), 3)
