@@ -71,7 +71,7 @@ def test_objects_of_a_notebook_show_themselves(flexible_run):
     history, stress, hot_spots = flexible_run
     results = StressResults(stress, hot_spots, {}, whole=None)
     run = CaseRun(history, results, folder=None)
-    life = LifeResults(None, stress, hot_spots[7], nodes={}, runs=(), whole=None, regions=None, bounded=True)
+    life = LifeResults(None, stress, hot_spots[7], nodes={}, runs=(), regions=None)
     shown = {
         "case": (history.case, ["terrain.spring_stiffness", "N/m", "stiffness of each spring"]),
         "history": (history, ["&#x27;stress&#x27; over 0.06 s", "joint_force"]),

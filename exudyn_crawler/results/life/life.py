@@ -5,9 +5,10 @@ run repeats itself, each check case is a cycle; from one to another goes a cycle
 often as the duty says. Stages of wear add up by Miner's rule.
 """
 
+import itertools
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -44,9 +45,12 @@ class LifeResults:
     table: pd.DataFrame  # of `shortest_lives`: the shortest life of every region; then the chosen nodes
     nodes: Mapping[int, NodeLife]  # cycles and causes at the nodes of the table, in the last stage
     runs: Sequence[UsedRun]  # runs and check cases, in the last stage
-    whole: Shapes  # modes, and static fields, that the stresses are made of
     regions: np.ndarray  # (nodes,) of str
-    bounded: bool  # whether it is known what left-out static fields may do
+
+    @property
+    def whole(self) -> Shapes:
+        """Modes, and static fields, that the stresses are made of, in the last stage."""
+        return self.runs[0].basis.shapes
 
     def causes(self) -> pd.DataFrame:
         """Shortest life in h of each region (columns) by each part of the damage alone; 1e9 for all beyond.
@@ -108,7 +112,7 @@ def life_of(
         "part_damage": np.where(np.isnan(mean[-1]), np.nan, parts.mean(axis=0)),
         "plane_damage": on_plane,
         "plane_normal": directions,
-        **_life_trust(runs, groups[0].curve, damage[:, -1], amplitude, spreads),
+        **_life_trust(runs, next(iter(groups)), damage[:, -1], amplitude, spreads),
     }
     names = [part for one in runs for part in one.parts]
     names += [BETWEEN] if len(runs) > 1 else []
@@ -119,26 +123,17 @@ def life_of(
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, {node: duty.material.curve(duty.miner, regions[node]) for node in shown})
-    bounded = all(one.basis.bound is not None for one in runs)
-    table = shortest_lives(dataset, nodes, whole, regions, bounded)
-    found = LifeResults(duty, dataset, table, nodes, runs, whole, regions, bounded)
+    found = LifeResults(duty, dataset, shortest_lives(dataset, nodes, runs, regions), nodes, runs, regions)
     return _with_castings(found, [found], [np.arange(len(whole.nodes))])
 
 
-class _Group(NamedTuple):
-    """Surface nodes with the same S-N curve."""
-
-    curve: SNCurve
-    nodes: np.ndarray
-
-
-def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> list[_Group]:
+def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> dict[SNCurve, np.ndarray]:
     """Nodes of the surface by the S-N curve of their region."""
     curves = {region: duty.material.curve(duty.miner, region) for region in dict.fromkeys(regions[surface])}
-    return [
-        _Group(curve, surface[np.isin(regions[surface], [one for one in curves if curves[one] == curve])])
+    return {
+        curve: surface[np.isin(regions[surface], [one for one in curves if curves[one] == curve])]
         for curve in dict.fromkeys(curves.values())
-    ]
+    }
 
 
 def _with_castings(
@@ -186,27 +181,19 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     if any(one.dataset.shoe.values.tolist() != last.dataset.shoe.values.tolist() for one in stages):
         raise ValueError("all stages must have flexible shoes at the same places in the track")
     nearest = [nearest_nodes(one, last) for one in stages]
-    damage = np.stack(
-        [one.dataset.damage_an_hour.values[:, k] for one, k in zip(stages, nearest, strict=True)]
-    )
+    each = [one.dataset.isel(node=k) for one, k in zip(stages, nearest, strict=True)]
+    damage = np.stack([one.damage_an_hour.values for one in each])
     spent = hours_in_stages(damage, [stage.hours for stage in duty.stages])
-    share = spent / spent.sum(axis=0)
-    of_place = sum(
-        part[None] * one.dataset.place_damage.values[:, :, k]
-        for part, one, k in zip(share, stages, nearest, strict=True)
-    )
-    parts = [
-        part[-1] * one.dataset.part_damage.values[:, k]
-        for part, one, k in zip(share, stages, nearest, strict=True)
-    ]
-    mean = (share * damage).sum(axis=0)
+    shares = spent / spent.sum(axis=0)
+    mean = (shares * damage).sum(axis=0)
+    parts = [share[-1] * one.part_damage.values for share, one in zip(shares, each, strict=True)]
     names = [
-        f"{stage.name}, {p}"
-        for stage, one in zip(duty.stages, stages, strict=True)
-        for p in one.dataset.part.values
+        f"{stage.name}, {part}"
+        for stage, one in zip(duty.stages, each, strict=True)
+        for part in one.part.values
     ]
     values = {
-        "place_damage": of_place,
+        "place_damage": sum(share * one.place_damage.values for share, one in zip(shares, each, strict=True)),
         "damage_an_hour": mean,
         "life": life_hours(mean),
         "part_damage": np.concatenate(parts),
@@ -224,7 +211,7 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     dataset = last.dataset.drop_dims("part").assign_coords(part=np.array(names, dtype=object))
     dataset = dataset.assign({name: catalogue.variable(name, value) for name, value in values.items()})
     dataset = dataset.assign_attrs(duty=duty.model_dump_json())
-    table = shortest_lives(dataset, nodes, last.whole, last.regions, last.bounded)
+    table = shortest_lives(dataset, nodes, last.runs, last.regions)
     found = replace(last, duty=duty, dataset=dataset, table=table, nodes=nodes)
     return _with_castings(found, stages, nearest)
 
@@ -257,24 +244,23 @@ def nearest_nodes(one: LifeResults, last: LifeResults) -> np.ndarray:
 
 
 def _at_place(
-    duty: Duty, runs: Sequence[UsedRun], groups: Sequence[_Group], shoe: int
+    duty: Duty, runs: Sequence[UsedRun], groups: Mapping[SNCurve, np.ndarray], shoe: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Damage an hour (survivals, nodes), also (parts, nodes), and amplitude (nodes,), Pa, of a shoe."""
-    whole, surface = runs[0].basis.shapes, np.concatenate([one.nodes for one in groups])
-    found = zip(*(_of_group(duty, runs, group, shoe) for group in groups), strict=True)
-    damage, parts, amplitude = (np.concatenate(one, axis=-1) for one in found)
-    near = [hot_spots.near_pull(one.history, whole, shoe) for one in runs if one.history is not None]
-    pulled = np.any([np.zeros(len(whole.nodes), bool), *near], axis=0)
-    values = (np.where(pulled[surface], np.nan, damage), parts, amplitude)
-    at_all, in_parts, at_most = (_spread(one, surface, len(whole.nodes)) for one in values)
-    return at_all, in_parts, at_most
+    whole, surface = runs[0].basis.shapes, np.concatenate([*groups.values()])
+    found = zip(*(_of_group(duty, runs, *group, shoe) for group in groups.items()), strict=True)
+    damage, parts, amplitude = (
+        _spread(np.concatenate(one, axis=-1), surface, len(whole.nodes)) for one in found
+    )
+    for history in (one.history for one in runs if one.history is not None):
+        damage[:, hot_spots.near_pull(history, whole, shoe)] = np.nan
+    return damage, parts, amplitude
 
 
 def _of_group(
-    duty: Duty, runs: Sequence[UsedRun], group: _Group, shoe: int
+    duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, surface: np.ndarray, shoe: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Same of the nodes of a group alone."""
-    curve, surface = group
+    """Same of some nodes of the surface, which have the same S-N curve."""
     damage = np.zeros((len(duty.survivals), len(surface)))
     parts, highest, lowest = [], np.full(len(surface), -np.inf), np.full(len(surface), np.inf)
     for one in runs:
@@ -302,7 +288,7 @@ def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
 
 
 def _on_critical_planes(
-    duty: Duty, runs: Sequence[UsedRun], groups: Sequence[_Group], nodes: np.ndarray
+    duty: Duty, runs: Sequence[UsedRun], groups: Mapping[SNCurve, np.ndarray], nodes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
     mesh = runs[0].basis.shapes.mesh
@@ -310,9 +296,9 @@ def _on_critical_planes(
 
     def damage_on(nodes: np.ndarray, angles: np.ndarray) -> np.ndarray:
         found = np.zeros((*angles.shape, len(duty.survivals)))
-        for one, group in ((one, group) for one in runs for group in groups):
-            own = np.flatnonzero(np.isin(nodes, group.nodes))
-            counting = one.counting(group.curve, duty.survivals, 1.0 / BEYOND / len(runs))
+        for one, (curve, there) in itertools.product(runs, groups.items()):
+            own = np.flatnonzero(np.isin(nodes, there))
+            counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
             modes, coordinates = one.basis.shapes.stress_modes, one.basis.coordinates
             for q in coordinates.values() if len(own) else ():
                 of_own = modes, q, normals, angles[own], counting, nodes[own]
@@ -378,9 +364,8 @@ def life_hours(damage: np.ndarray | float) -> np.ndarray:
 def shortest_lives(
     dataset: xr.Dataset,
     nodes: Mapping[int, NodeLife],
-    whole: Shapes,
+    runs: Sequence[UsedRun],
     regions: np.ndarray,
-    truncation_known: bool,
 ) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.
 
@@ -390,7 +375,8 @@ def shortest_lives(
     the damage, and the parts of all loads; life by each criterion, those signed without what goes from run
     to run; and whether a joint's rigid spider is near.
     """
-    rows = []
+    whole, rows = runs[0].basis.shapes, []
+    truncation_known = all(one.basis.bound is not None for one in runs)
     for node, life in nodes.items():
         own = dataset.sel(node=node)
         places, parts = own.place_damage.isel(survival=-1), own.part_damage
