@@ -64,7 +64,7 @@ def test_actions_enter_a_flexible_shoe_by_name(flexible_run):
         if (kind, where) != ("drive", "frame")
     }
     assert isinstance(entries["joint"], AtInterface)
-    assert entries["load"] == OverSurface("whole top")
+    assert entries["load"] == OverSurface()
     assert isinstance(entries["contact"], OverRectangle)
     assert (entries["weight"], entries["drive"]) == (None, AtDrivePoint())
 
@@ -129,7 +129,7 @@ def test_modal_loads_are_the_virtual_work_of_the_actions(flexible_run):
             rows = whole.pilots[names.index(action.entry.name)]
             expected += force @ rows[:3] + moment @ rows[3:]
         elif isinstance(action.entry, OverSurface):
-            expected += whole.load(action.entry.name, force)
+            expected += whole.load(history.case.flexible.load_surface, force)
         elif isinstance(action.entry, AtDrivePoint):
             expected += force @ whole.modes[pulled_node(history.case, whole.mesh)]
         elif isinstance(action.entry, OverRectangle):

@@ -289,12 +289,12 @@ def _solved(
     forces, centers = (np.stack(one, axis=-1) for one in zip(*loads, strict=True))
     answers = _answers(shoe, forces, centers)
     below = np.zeros_like(forces)
-    for k, case in enumerate(cases):
-        if case.ground is not None:
-            with errors_at(f"case {case.name!r}"):
-                below[..., k] = _ground_forces(shoe, case, loads[k], answers[..., k])
-    say("answers to what the ground pushes with")
     carried = [k for k, case in enumerate(cases) if case.ground is not None]
+    for k in carried:
+        with errors_at(f"case {cases[k].name!r}"):
+            pushed = _rest(shoe, cases[k], loads[k], answers[..., k]).forces
+        below[:, 2, k] = shoe.bed.points.shapes.T @ pushed
+    say("answers to what the ground pushes with")
     if carried:
         answers[..., carried] += _answers(shoe, below[..., carried], np.zeros((len(centers), len(carried))))
     return forces + below, centers, answers, blows
@@ -303,15 +303,6 @@ def _solved(
 def _answers(shoe: CheckedShoe, forces: np.ndarray, centers: np.ndarray) -> np.ndarray:
     """Displacements (n, 3, k) under nodal forces (n, 3, k) and forces on joint centres (24, k)."""
     return shoe.partition.static_response(forces.reshape(-1, forces.shape[2]), centers).reshape(forces.shape)
-
-
-def _ground_forces(
-    shoe: CheckedShoe, case: ready.CheckCase, loads: AppliedLoads, answer: np.ndarray
-) -> np.ndarray:
-    """Nodal forces (n, 3) of the ground below a case."""
-    forces = np.zeros_like(shoe.mesh.nodes)
-    forces[:, 2] = shoe.bed.points.shapes.T @ _rest(shoe, case, loads, answer).forces
-    return forces
 
 
 def _rest(shoe: CheckedShoe, case: ready.CheckCase, loads: AppliedLoads, answer: np.ndarray) -> supports.Rest:

@@ -23,9 +23,8 @@ class AtInterface(NamedTuple):
 
 
 class OverSurface(NamedTuple):
-    """Enters a flexible shoe spread over one of its named surfaces."""
+    """Enters a flexible shoe spread over the surface that the machine's load presses on."""
 
-    name: str
     shift: np.ndarray | None = None  # (times,), m left of the surface's middle; None if its pressure is even
 
 
@@ -174,12 +173,10 @@ def _weight_and_load(
     weight = zero + own.mass * history.case.gravity_vector()
     load = history.shoe_load.sel(shoe=shoe).values[:, None] * history.case.terrain.down
     yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero)
-    flexible = history.case.flexible
-    loaded = "top" if flexible is None else flexible.load_surface
     shift = history.case.loads.side_shift.value(history.time.values)
     place = own.load_point + shift[:, None] * own.beside
     point = position + (frames @ place[..., None])[..., 0]
-    entry = OverSurface(loaded, shift if np.any(shift) else None)
+    entry = OverSurface(shift if np.any(shift) else None)
     yield Action("load", shoe, "top", point, load, zero, entry)
 
 

@@ -180,7 +180,7 @@ def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, np.nda
     match action.entry:
         case actions.AtInterface(name):
             return JOINTS, np.array([[joints.index(name)]]), np.ones((1, 1))
-        case actions.OverSurface(_, shift):
+        case actions.OverSurface(shift):
             metres = np.zeros(1) if shift is None else shift
             return MACHINE, np.array([[0, 1]]), np.column_stack((np.ones_like(metres), metres))
         case actions.AtGridNode(node):

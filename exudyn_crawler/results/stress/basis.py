@@ -9,7 +9,6 @@ these, with the same forces.
 """
 
 import itertools
-import os
 import tempfile
 import weakref
 from collections.abc import Iterator, Mapping, Sequence
@@ -128,8 +127,7 @@ class StoredRows:
 
     def append(self, rows: np.ndarray) -> None:
         """Write rows behind the others."""
-        self._file.seek(0, os.SEEK_END)
-        self._file.write(np.ascontiguousarray(rows, dtype=float).data)
+        rows.tofile(self._file)
         self.shape = (self.shape[0] + len(rows), self.shape[1])
 
     def __len__(self) -> int:
@@ -140,17 +138,9 @@ class StoredRows:
         return (self[rows] for rows in parts_of(len(self)))
 
     def __getitem__(self, rows: slice | np.ndarray) -> np.ndarray:
-        """Rows of a slice without steps, or of numbers."""
-        if isinstance(rows, slice):
-            start, stop, _ = rows.indices(len(self))
-            return self._read(start, stop)
-        numbers = np.asarray(rows)
-        return np.concatenate([self._read(0, 0), *(self._read(row, row + 1) for row in numbers.tolist())])
-
-    def _read(self, start: int, stop: int) -> np.ndarray:
-        size = 8 * self.shape[1]
-        self._file.seek(size * start)
-        return np.frombuffer(self._file.read(size * (stop - start))).reshape(-1, self.shape[1])
+        """Rows of a slice, or of numbers."""
+        # mapped anew each time: what was read once does not stay in memory
+        return np.array(np.memmap(self._file, float, "r", shape=self.shape)[rows])
 
 
 Rows = np.ndarray | StoredRows

@@ -66,7 +66,7 @@ def recover_stresses(
         If the run has no flexible shoes, or none of the times lies within it.
     """
     history = as_history(history)
-    named, basis = _named_times(history, times), stress_basis(history)
+    names, basis = _frames(history, times), stress_basis(history)
     whole, coordinates = basis.shapes, basis.coordinates
     regions = hot_spots.shoe_regions(whole, history.case.track)
     pulled = {shoe: hot_spots.near_pull(history, whole, shoe) for shoe in coordinates}
@@ -76,8 +76,9 @@ def recover_stresses(
     }
     if peak:
         highest = np.max([one.highest for one in reached.values()], axis=0)
-        named.append((float(history.time[int(highest.argmax())]), "peak"))
-    frames, names = _frames(history, named)
+        names.setdefault(int(highest.argmax()), []).append("peak")
+    frames = np.array(sorted(names))
+    words = [", ".join(filter(None, names[row])) for row in frames]
     found, tables, by_region, each = [], {}, {}, OneOfEach(regions)
     for shoe, q in coordinates.items():
         peaks, away = reached[shoe].peaks, np.flatnonzero(~pulled[shoe])
@@ -90,34 +91,24 @@ def recover_stresses(
     dataset = dataset.transpose("time", "frame", "shoe", ...).assign(mesh.data_vars)
     dataset = dataset.assign(
         truncation=catalogue.variable("truncation", np.array(np.nan if basis.bound is None else basis.bound)),
-        frame_name=catalogue.variable("frame_name", np.array(names, dtype=object)),
+        frame_name=catalogue.variable("frame_name", np.array(words, dtype=object)),
     )
     dataset = dataset.assign(peak_verdict=verdicts(dataset)).assign_coords(mesh.coords)
     return StressResults(dataset, tables, by_region, whole)
 
 
-def _named_times(history: History, times: Sequence[float] | None) -> list[tuple[float, str]]:
-    """Times (s) with their names: the chosen ones, as far as the run goes, or those of its phases."""
-    duration = history.duration
+def _frames(history: History, times: Sequence[float] | None) -> dict[int, list[str]]:
+    """Rows of the stored instants nearest to times (s), or to the ends of phases, with their names."""
+    duration, stored = history.duration, history.time.values
     parts = phases(history.case.loads, duration)
-    ends = [(0.0, "begin"), *((part.end, f"end of {part.name}") for part in parts)]
-    if times is None:
-        return ends
-    within = [time for time in times if time <= duration * (1.0 + 1e-9)]
+    known = {0.0: "begin"} | {round(part.end, 9): f"end of {part.name}" for part in parts}
+    within = [time for time in (known if times is None else times) if time <= duration * (1.0 + 1e-9)]
     if not within:
-        raise ValueError(f"none of the times {list(times)} s lies within the run of {duration:g} s")
-    known = {round(time, 9): name for time, name in ends}
-    return [(time, known.get(round(time, 9), "")) for time in within]
-
-
-def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[np.ndarray, list[str]]:
-    """Indices of the stored instants nearest to named times, rising, and the names of each."""
-    stored = history.time.values
+        raise ValueError(f"none of the times {times} s lies within the run of {duration:g} s")
     names: dict[int, list[str]] = {}
-    for time, name in named:
-        names.setdefault(int(np.argmin(np.abs(stored - time))), []).append(name)
-    rows = sorted(names)
-    return np.array(rows), [", ".join(filter(None, names[row])) for row in rows]
+    for time in within:
+        names.setdefault(int(np.argmin(np.abs(stored - time))), []).append(known.get(round(time, 9), ""))
+    return names
 
 
 def _of_shoe(
