@@ -50,7 +50,7 @@ def short_runs(workers: int) -> dict[str, float]:
         with connected(None, workers, Path(folder), lambda _text: None) as client:
             client.wait_for_workers(workers)
             started = time.perf_counter()
-            tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, Path(folder))
+            tasks = tasks_of(sweep, sweep.planned, Path(folder))
             addresses = list(client.scheduler_info()["workers"])
             firsts = zip(addresses, islice(tasks, workers), strict=True)
             client.gather([client.submit(run_alone, task, workers=[where]) for where, task in firsts])
@@ -78,7 +78,7 @@ def pooled_runs(workers: int) -> float:
     """Wall time of the same runs in processes that no scheduler looks after, all that two cores can do."""
     sweep = short_sweep(RUNS + workers)
     with TemporaryDirectory() as folder, ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, Path(folder))
+        tasks = tasks_of(sweep, sweep.planned, Path(folder))
         list(pool.map(run_alone, islice(tasks, workers)))
         ready = time.perf_counter()
         list(pool.map(run_alone, tasks))

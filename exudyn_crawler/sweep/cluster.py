@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import islice
+from os.path import exists
 from pathlib import Path
 from unittest.mock import patch
 
@@ -88,17 +89,13 @@ def _check_workers(client: distributed.Client, runs: Path) -> None:
             raise ValueError(f"worker {where} does not have the package: {answer}")
         check_versions(own_versions(), answer, where)
     with tempfile.NamedTemporaryFile(prefix=".seen-", dir=runs) as token:
-        for where, sees in client.run(_sees, token.name).items():
+        for where, sees in client.run(exists, token.name).items():
             if not sees:
                 raise ValueError(f"worker {where} must see {runs}: put it on storage that all machines share")
 
 
 def _versions_here() -> dict[str, str]:
     return own_versions()
-
-
-def _sees(path: str) -> bool:
-    return Path(path).exists()
 
 
 def run_alone(task: Task) -> Outcome:

@@ -5,11 +5,12 @@ import itertools
 import json
 import math
 from collections import Counter
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import pandas as pd
 from scipy.stats import qmc
@@ -26,6 +27,7 @@ from meshes import SHOE_SIZES
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
 SAMPLED = ("latin_hypercube", "sobol", "saltelli")  # designs that draw points between bounds
 Row = tuple[Any, ...]  # values of a run, one of every `Vary`
+Made = TypeVar("Made")
 MOST_RUNS = 1_000_000
 SHOWN_ERRORS = 3  # wrong runs that an error names
 SHOWN_WARNINGS = 6  # implausible values that are warned of
@@ -130,16 +132,19 @@ class Variation(Parameters):
             content = one.applied(content, value)
         return checked_case(content, type(self._varied))
 
-    def _refuse(self, errors: dict[int, ValueError]) -> None:
-        """Raise the first of the errors by the numbers of their runs, with the values of these."""
-
-        def line(number: int, error: ValueError) -> str:
-            pairs = zip(self.columns, self.rows[number - 1], strict=True)
-            return f"run {number} ({', '.join(f'{name} = {value}' for name, value in pairs)}): {error}"
-
+    def _of_all(self, make: Callable[[int, Row], Made]) -> list[Made]:
+        """What is made of every run by its number and values; raises the first errors, with their values."""
+        made, errors = [], []
+        for number, values in enumerate(self.rows, 1):
+            try:
+                made.append(make(number, values))
+            except ValueError as error:
+                named = ", ".join(f"{name} = {one}" for name, one in zip(self.columns, values, strict=True))
+                errors.append(f"run {number} ({named}): {error}")
         more = f"; {len(errors)} of {len(self.rows)} runs are at fault" if len(errors) > 1 else ""
         if errors:
-            raise ValueError("; ".join(itertools.starmap(line, [*errors.items()][:SHOWN_ERRORS])) + more)
+            raise ValueError("; ".join(errors[:SHOWN_ERRORS]) + more)
+        return made
 
     def table(self) -> pd.DataFrame:
         """All runs: columns run, folder and those of what varies; raises and warns as `planned`."""
@@ -198,21 +203,18 @@ class Sweep(Variation):
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
         """All runs, checked; warns of what varies without any effect or is implausible."""
-        planned, errors, idling = [], dict[int, ValueError](), Counter[str]()
-        odd: dict[str, list[int]] = {}
-        for number, values in enumerate(self.rows, 1):
-            try:
-                case_file, digest, asked = self.case_of(values)
-                for answer in asked:
-                    answer.check(case_file)
-            except ValueError as error:
-                errors[number] = error
-                continue
+        idling, odd = Counter[str](), dict[str, list[int]]()
+
+        def plan(number: int, values: Row) -> PlannedRun:
+            case_file, digest, asked = self.case_of(values)
+            for answer in asked:
+                answer.check(case_file)
             idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
             for line in checks.implausible(case_file.case, case_file.duration):
                 odd.setdefault(line, []).append(number)
-            planned.append(PlannedRun(number, values, digest, asked))
-        self._refuse(errors)
+            return PlannedRun(number, values, digest, asked)
+
+        planned = self._of_all(plan)
         lines = [line for line, count in idling.items() if count == len(self.rows)]
         checks.warn_of([*lines, *self._odd_lines(odd)])
         return tuple(planned)

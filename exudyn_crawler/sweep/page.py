@@ -166,8 +166,8 @@ def parallel_coordinates(sweep: AnySweep, table: pd.DataFrame) -> go.Figure:
             decades = np.log10(done[name])
             ticks = np.arange(np.ceil(decades.min()), decades.max() + 1e-9)
             dimensions[-1] |= {"values": decades, "tickvals": ticks, "ticktext": [f"1e{k:g}" for k in ticks]}
-        if not pd.api.types.is_numeric_dtype(done[name]) or pd.api.types.is_bool_dtype(done[name]):
-            places, texts = pd.factorize(done[name].astype(str))
+        places, texts = results.numbers_of(done, name)
+        if texts:
             dimensions[-1] |= {"values": places, "tickvals": list(range(len(texts))), "ticktext": texts}
     first = dimensions[len(sweep.columns)]
     bar = {name: first[name] for name in ("tickvals", "ticktext") if name in first}

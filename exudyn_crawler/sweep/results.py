@@ -23,7 +23,8 @@ BINS = 8  # of what varies continuously, for main effects
 LEAST_RUNS = 64  # finished runs of a sample from which first-order indices are estimated
 SMALL = 1e-12  # of an answer's size: spread below which it does not vary
 EFFECTS = ("answer", "varied", "level", "mean", "least", "greatest", "runs")
-INDICES = ("answer", "varied", "first", "first_conf", "total", "total_conf")
+SALIB = {"first": "S1", "first_conf": "S1_conf", "total": "ST", "total_conf": "ST_conf"}  # its own names
+INDICES = ("answer", "varied", *SALIB)
 
 
 @dataclass(frozen=True)
@@ -243,43 +244,35 @@ def sobol_indices(sweep: AnySweep, table: pd.DataFrame) -> tuple[pd.DataFrame, s
             return none, f"design {sweep.design!r} needs all runs to have finished"
     elif sweep.design == "list" or len(done) < LEAST_RUNS:
         return none, f"they need a grid, or at least {LEAST_RUNS} finished runs of a sample"
-    indices, method = METHODS.get(sweep.design, (_of_sample, "RBD-FAST, first order"))
     frames = [
-        pd.DataFrame({"answer": name, "varied": sweep.columns} | indices(sweep, done, done[name].to_numpy()))
+        pd.DataFrame({"answer": name, "varied": sweep.columns} | _indices(sweep, done, name))
         for name in varying
     ]
+    method = METHODS.get(sweep.design, "RBD-FAST, first order")
     return pd.concat(frames, ignore_index=True).reindex(columns=list(INDICES)), method
 
 
-def _of_grid(sweep: AnySweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
-    values = answer.reshape([len(one.levels()) for one in sweep.vary])
-    axes = range(values.ndim)
-    alone = [values.mean(axis=tuple(one for one in axes if one != axis)).var() for axis in axes]
-    others = [values.mean(axis=axis).var() for axis in axes]
-    return {"first": alone / values.var(), "total": 1.0 - others / values.var()}
+METHODS = {"grid": "variance of the grid's points", "saltelli": "Saltelli's estimators"}
 
 
-def _of_saltelli(sweep: AnySweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
-    from SALib.analyze.sobol import analyze
+def _indices(sweep: AnySweep, done: pd.DataFrame, answer: str) -> dict[str, Any]:
+    """Indices of an answer by their columns, in the order of what varies."""
+    values = done[answer].to_numpy()
+    if sweep.design == "grid":
+        values = values.reshape([len(one.levels()) for one in sweep.vary])
+        axes = range(values.ndim)
+        alone = [values.mean(axis=tuple(one for one in axes if one != axis)).var() for axis in axes]
+        others = [values.mean(axis=axis).var() for axis in axes]
+        return {"first": alone / values.var(), "total": 1.0 - others / values.var()}
+    from SALib.analyze import rbd_fast, sobol
 
-    found = analyze(
-        definition.salib_problem(len(sweep.vary)), answer, calc_second_order=False, seed=sweep.seed
-    )
-    return dict(zip(INDICES[2:], (found[name] for name in ("S1", "S1_conf", "ST", "ST_conf")), strict=True))
-
-
-def _of_sample(sweep: AnySweep, done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
-    from SALib.analyze.rbd_fast import analyze
-
-    points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])
-    found = analyze(definition.salib_problem(len(sweep.vary)), points, answer, seed=sweep.seed)
-    return {"first": found["S1"], "first_conf": found["S1_conf"]}
-
-
-METHODS = {
-    "grid": (_of_grid, "variance of the grid's points"),
-    "saltelli": (_of_saltelli, "Saltelli's estimators"),
-}
+    problem = definition.salib_problem(len(sweep.vary))
+    if sweep.design == "saltelli":
+        found = sobol.analyze(problem, values, calc_second_order=False, seed=sweep.seed)
+    else:
+        points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])
+        found = rbd_fast.analyze(problem, points, values, seed=sweep.seed)
+    return {name: found[own] for name, own in SALIB.items() if own in found}
 
 
 def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:

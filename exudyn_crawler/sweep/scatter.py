@@ -60,14 +60,7 @@ class DutyScatter(Variation):
     @cached_property
     def duties(self) -> list[Duty]:
         """Duty of every draw, checked."""
-        found, errors = [], {}
-        for number, values in enumerate(self.rows, 1):
-            try:
-                found.append(self._changed(values))
-            except ValueError as error:
-                errors[number] = error
-        self._refuse(errors)
-        return found
+        return self._of_all(lambda _number, values: self._changed(values))
 
     @property
     def planned(self) -> tuple[PlannedRun, ...]:

@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import files
-from exudyn_crawler.case import Case, CellTerrain, Outputs
+from exudyn_crawler.case import CellTerrain, Outputs
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history import History, catalogue, ground_map, summary
 from exudyn_crawler.results.stress import hot_spots, recovery
@@ -129,8 +129,8 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     collection = ElementTree.SubElement(series, "Collection")
     for number, frame in enumerate(stress.frame.values):
         moment = track.instants(history, [float(frame)])
-        flexible = _flexible_shoes(stress.sel(frame=frame), moment.isel(time=0), mesh)
-        for part, (name, content) in enumerate([*flexible, *_track(history.case, moment)]):
+        flexible = _flexible_shoes(stress.sel(frame=frame), moment.dataset.isel(time=0), mesh)
+        for part, (name, content) in enumerate([*flexible, *_track(moment)]):
             file = parts / f"{name.replace(' ', '_')}_{number:03d}.vtu"
             with files.whole_file(file, overwrite) as temporary:
                 meshio.write(temporary, content, file_format="vtu")
@@ -151,35 +151,35 @@ def _flexible_shoes(stress: xr.Dataset, now: xr.Dataset, mesh: Mesh) -> Iterator
         yield f"shoe {shoe}", export.vtu_content(mesh, fields, place.place(mesh.nodes))
 
 
-def _track(case: Case, moment: xr.Dataset) -> Iterator[tuple[str, meshio.Mesh]]:
+def _track(moment: History) -> Iterator[tuple[str, meshio.Mesh]]:
     """What is around the flexible shoes in one instant."""
-    now = moment.isel(time=0)
-    for solid in track.shoe_boxes(case, moment):
+    now = moment.dataset.isel(time=0)
+    for solid in track.shoe_boxes(moment):
         if solid.name == "rigid shoes":
             numbers = [float(label.removeprefix("shoe ")) for label in solid.labels]
             yield solid.name, _cells(solid, shoe=np.array(numbers))
-    yield "terrain", _ground(case, moment)
+    yield "terrain", _ground(moment)
     yield from _forces("contacts", *track.touching(now))
-    if gear.rolls(now):
-        beam = gear.beam(case, moment)
+    if moment.case.is_rolled:
+        beam = gear.beam(moment)
         yield beam.name, _cells(beam)
         treads = now.roller_force.sum("rail").transpose("roller", "axis"), now.roller
         force, number = (np.repeat(one.values, now.sizes["rail"], axis=0) for one in treads)
-        yield "rollers", _cells(gear.wheel_solids(case, moment)[0], roller=number, force=force)
+        yield "rollers", _cells(gear.wheel_solids(moment)[0], roller=number, force=force)
         yield from _forces("treads", *track.pressing(now))
-    elif gear.goes_round(now):
-        for solid in gear.gear_solids(case, moment):
+    elif moment.case.is_closed:
+        for solid in gear.gear_solids(moment):
             yield solid.name, _cells(solid)
         for name, _, heads, forces in gear.gear_forces(now):
             acts = forces.any(axis=-1)
             yield from _forces(name, heads[acts], forces[acts])
 
 
-def _ground(case: Case, moment: xr.Dataset) -> meshio.Mesh:
+def _ground(moment: History) -> meshio.Mesh:
     """Units as boxes with their heave; cells as a surface with its height and how deep it was pressed, m."""
-    if not isinstance(case.terrain, CellTerrain):
-        return _cells(track.ground_units(case, moment), heave=moment.isel(time=0).unit_heave.values)
-    solid, depth = track.ground_faces(case, moment).at(), moment.ground_depth.values.ravel()
+    if not isinstance(moment.case.terrain, CellTerrain):
+        return _cells(track.ground_units(moment), heave=moment.unit_heave.isel(time=0).values)
+    solid, depth = track.ground_faces(moment).at(), moment.ground_depth.values.ravel()
     return meshio.Mesh(
         solid.points, [("quad", solid.faces[0])], point_data={"height": solid.points[:, 2], "sinkage": depth}
     )

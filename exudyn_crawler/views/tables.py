@@ -26,7 +26,6 @@ def print_rows(
     numeric: Iterable[str] = (),
     keys: Sequence[str] = (),
     whole: str | Path = "",
-    console: Console | None = None,
 ) -> None:
     """Print rows of cells under the names of their columns; `numeric` ones stand to the right.
 
@@ -34,7 +33,7 @@ def print_rows(
     many from the first on as fit, and a line says where the `whole` is; if even two do not fit, or without
     keys, each row is a block of lines. Rows with a column `within` are coloured.
     """
-    console = console or Console()
+    console = Console()
     if not console.is_terminal:
         console = Console(width=150)
     cells = [dict(zip(columns, map(cell_text, row), strict=True)) for row in rows]
@@ -96,17 +95,11 @@ def cell_text(value: object, digits: int = 4) -> str:
     return f"{float(short):,.0f}".replace(",", " ") if LARGE <= abs(float(short)) < BEYOND else short
 
 
-def print_table(
-    table: "pd.DataFrame",
-    title: str,
-    keys: Sequence[str] = (),
-    whole: str | Path = "",
-    console: Console | None = None,
-) -> None:
+def print_table(table: "pd.DataFrame", title: str, keys: Sequence[str] = (), whole: str | Path = "") -> None:
     """Print a table as of `print_rows`; a column with a number is numeric, whatever words it has, too."""
     numeric = [str(name) for name in table.columns if any(isinstance(one, Number) for one in table[name])]
     rows = table.itertuples(index=False, name=None)
-    print_rows([*map(str, table.columns)], rows, title, numeric, keys, whole, console)
+    print_rows([*map(str, table.columns)], rows, title, numeric, keys, whole)
 
 
 def write_table(table: "pd.DataFrame", path: Path, overwrite: bool = False) -> Path:

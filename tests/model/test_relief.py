@@ -98,7 +98,7 @@ def test_flexible_and_rigid_shoes_go_over_a_hill_in_balance():
     assert np.abs(history.angles.sel(axis="y")).max() > 0.02
     weight = float(case.pressed(case.loads.loads(0.0)[0]).sum())
     assert np.abs(shoe_imbalance(history).force.values).max() < 1e-6 * weight
-    units = side_scene(history.case, instants(history, [history.duration])).solids[0]
+    units = side_scene(instants(history, [history.duration])).solids[0]
     # corner 3 is the rear edge of a face and 2 the front one
     faces = units.points.reshape(-1, 4, 3)
     assert faces[1:, 3, 2] == pytest.approx(faces[:-1, 2, 2], abs=1e-3)

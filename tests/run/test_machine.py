@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, FlexibleShoes, MachineCycle, StepProfile, recover_stresses, simulate
+from exudyn_crawler import Case, FlexibleShoes, History, MachineCycle, StepProfile, recover_stresses, simulate
 from exudyn_crawler.case import Drive, LoadCycle
 from exudyn_crawler.case.parameters.undercarriage import CarBody, MachinePhase, Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
@@ -194,7 +194,7 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     torque = history_series(spot)["torque of the drive"].values
     assert torque["item"].values.tolist() == ["right tumbler", "left tumbler"]
     assert "tension along the left chain" in run_figures(spot)
-    names = {one.name for one in gear_solids(spot.case, spot.dataset.isel(time=[0, -1]))}
+    names = {one.name for one in gear_solids(History(spot.case, spot.dataset.isel(time=[0, -1])))}
     assert {"car body", "right tumbler", "left tumbler", "left lugs"} <= names
 
 

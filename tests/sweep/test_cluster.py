@@ -198,7 +198,7 @@ def test_a_worker_of_another_version_that_comes_later_ends_the_sweep(scheduler, 
 
 
 def test_workers_that_do_not_see_the_folder_are_refused(scheduler, tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "_sees", lambda _path: False)
+    monkeypatch.setattr(cluster, "exists", lambda _path: False)
     with pytest.raises(ValueError, match=r"must see .*runs: put it on storage that all machines share"):
         run_sweep(small_sweep(), tmp_path, scheduler=scheduler)
     assert list((tmp_path / "runs").iterdir()) == []

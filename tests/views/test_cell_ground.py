@@ -149,9 +149,8 @@ def test_rock_keeps_no_rut():
 
 def test_scenes_show_the_surface_lowered_where_shoes_stand(histories):
     history = histories["dragged"]
-    case = history.case
     both = track.instants(history, [0.0, history.duration])
-    ground = {one.name: one for one in track.track_scene(case, both, 0.0).solids}["ground"]
+    ground = {one.name: one for one in track.track_scene(both, 0.0).solids}["ground"]
     (colouring,) = ground.colourings
     assert colouring.title == "height of the ground in mm"
     heights = ground.points[:, 2] + ground.bend[:, 0, :, 2]
@@ -163,8 +162,8 @@ def test_scenes_show_the_surface_lowered_where_shoes_stand(histories):
     nearest = np.abs(ground.points[:, :2] - middle[:2]).sum(axis=1).argmin()
     sinkage = float(history.contacts_by_shoe().penetration.isel(time=-1).sel(shoe=7))
     assert heights[1, nearest] == pytest.approx(-sinkage, rel=0.05)
-    now = both.isel(time=[1])
-    section, rest = (pictures.ground_section(case, now, at_rest) for at_rest in (False, True))
+    now = History(both.case, both.dataset.isel(time=[1]))
+    section, rest = (pictures.ground_section(now, at_rest) for at_rest in (False, True))
     assert (section.points[:, 2] <= rest.points[:, 2]).all()
     assert rest.points[:, 2].max() == pytest.approx(0.05, abs=1e-3)
 

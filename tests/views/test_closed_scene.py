@@ -57,13 +57,13 @@ def closed():
 
 
 def solids(history):
-    return {one.name: one for one in gear.gear_solids(history.case, history.dataset)}
+    return {one.name: one for one in gear.gear_solids(history)}
 
 
 def test_outline_of_the_teeth_is_where_lugs_touch(closed):
-    frame, case = closed.case.closed_track, closed.case
-    profile = Profile(*frame.tumbler.profile(case.track))
-    for x, z in gear.tooth_outline(frame, case):
+    case = closed.case
+    profile = Profile(*case.closed_track.tumbler.profile(case.track))
+    for x, z in gear.tooth_outline(case):
         assert np.hypot(x, z) <= profile.addendum + 1e-12
         # a lug that touches there from within its gap has no depth
         k = round(np.arctan2(z, x) / (2.0 * np.pi / profile.gaps)) * 2.0 * np.pi / profile.gaps
@@ -103,7 +103,7 @@ def test_wheels_stand_below_the_rails_and_roll_with_the_chain(closed):
 
 def test_slides_are_bars_below_the_upper_run(closed):
     case = closed.case.with_({"closed_track.carriers": (), "closed_track.slides": ((-2.0, 1.0, 1.9),)})
-    found = {one.name: one for one in gear.gear_solids(case, closed.dataset)}
+    found = solids(History(case, closed.dataset))
     bar, (x, z) = found["slide 1"], closed.case.assembled.frame[[0, 2]]
     points = bar.points + bar.origin[0, 0]
     assert bar.origin.shape == (2, 2, 3)

@@ -19,7 +19,7 @@ from exudyn_crawler.views.scenes.films import (
 from exudyn_crawler.views.scenes.gear import wheel_solids
 from exudyn_crawler.views.scenes.scene import SIDES
 from exudyn_crawler.views.scenes.shoes import BESIDE
-from exudyn_crawler.views.scenes.track import acting, shoe_pose
+from exudyn_crawler.views.scenes.track import acting, instants, shoe_pose
 
 SHOE = 5
 
@@ -110,9 +110,9 @@ def picture(by_modes):
 
 
 def test_rollers_near_the_shoe_are_where_the_history_has_them(picture, by_modes):
-    now = by_modes.dataset.isel(time=[-1])
-    place = shoe_pose(now.isel(time=0), SHOE)
-    centers = wheel_solids(by_modes.case, now)[0].origin[0]
+    now = instants(by_modes, [by_modes.duration])
+    place = shoe_pose(now.dataset.isel(time=0), SHOE)
+    centers = wheel_solids(now)[0].origin[0]
     near = centers[np.abs(centers[:, 0] - place.origin[0]) < BESIDE]
     drawn = picture.scene(now).solids[1].at().points.reshape(-1, 2 * SIDES, 3).mean(axis=1)
     assert len(drawn) >= 2
@@ -121,7 +121,7 @@ def test_rollers_near_the_shoe_are_where_the_history_has_them(picture, by_modes)
 
 def test_the_shoe_bends_and_is_pressed_as_its_stresses_say(picture, by_modes, bent_stress):
     now = by_modes.dataset.isel(time=-1)
-    scene = picture.scene(by_modes.dataset.isel(time=[-1]))
+    scene = picture.scene(instants(by_modes, [by_modes.duration]))
     surface, arrows = scene.solids[0].at(), scene.arrows[0].at()
     nodes = np.unique(bent_stress.triangle.values)
     own = bent_stress.sel(shoe=SHOE).isel(frame=-1, node=nodes)

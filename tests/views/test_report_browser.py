@@ -167,7 +167,7 @@ def test_rollers_stand_where_the_frame_has_them(reader, rolled):
         }""",
         [packed, shared.packed, len(track["titles"]) - 1],
     )
-    treads, _ = wheel_solids(rolled.case, rolled.dataset.isel(time=[-1]))
+    treads, _ = wheel_solids(History(rolled.case, rolled.dataset.isel(time=[-1])))
     surface = treads.at()
     assert np.transpose(drawn[:3]) == pytest.approx(surface.points, abs=1e-5)
     triangles = np.transpose(drawn[3:])

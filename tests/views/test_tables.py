@@ -1,9 +1,12 @@
 """Tables on a terminal."""
 
+from functools import partial
+
 import pandas as pd
 import pytest
 from rich.console import Console
 
+from exudyn_crawler.views import tables
 from exudyn_crawler.views.tables import cell_text, print_table
 
 TABLE = pd.DataFrame(
@@ -24,10 +27,9 @@ CELLS = ["2 146 000", "432 100", "0.0312", "-0.01235", "3.009e+11", "4.071e+11"]
 
 
 @pytest.mark.parametrize("width", [40, 80, 120])
-def test_no_number_is_cut_at_any_width(width, capsys):
-    print_table(
-        TABLE, "Paper against computed", console=Console(width=width, force_terminal=True, no_color=True)
-    )
+def test_no_number_is_cut_at_any_width(width, capsys, monkeypatch):
+    monkeypatch.setattr(tables, "Console", partial(Console, width=width, force_terminal=True, no_color=True))
+    print_table(TABLE, "Paper against computed")
     said = capsys.readouterr().out
     assert all(text in said for text in [*CELLS, *TABLE.columns, "fluctuation"])
     assert "…" not in said

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import simulate
+from exudyn_crawler import History, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.views.scenes.gear import wheel_solids
 from exudyn_crawler.views.scenes.pictures import (
@@ -41,7 +41,7 @@ def last(history):
 
 def side(history, scale=1.0, force_scale=0.0, now=None):
     """Solids by name, and colour, tails and heads of each kind of force."""
-    scene = side_scene(history.case, last(history) if now is None else now, scale, force_scale)
+    scene = side_scene(last(history) if now is None else now, scale, force_scale)
     return by_name(scene.solids), [(one.colour, one.at()) for one in scene.arrows]
 
 
@@ -102,7 +102,7 @@ def test_magnified_ground_lifts_the_shoes_with_it(translation):
 
 def test_forces_are_where_the_history_has_them(translation):
     _, [(_, arrows)] = side(translation, force_scale=1e-6)
-    centers, forces = (one[0] for one in shoe_forces(last(translation)))
+    centers, forces = (one[0] for one in shoe_forces(last(translation).dataset))
     assert arrows[:, 1] == pytest.approx(centers)
     assert 1e-6 * forces == pytest.approx(arrows[:, 1] - arrows[:, 0])
     weight = 13 * (386.4e3 + translation.case.shoe.mass * 9.81)
@@ -110,9 +110,9 @@ def test_forces_are_where_the_history_has_them(translation):
 
 
 def test_a_shoe_without_contact_gets_no_arrow(translation):
-    now = last(translation)
+    now = last(translation).dataset
     lifted = now.assign(area=now.area.where(now.contact_shoe != 7, 0.0))
-    _, [(_, arrows)] = side(translation, force_scale=1e-6, now=lifted)
+    _, [(_, arrows)] = side(translation, force_scale=1e-6, now=History(translation.case, lifted))
     centers = shoe_forces(now)[0][0]
     assert arrows[:, 1] == pytest.approx(centers[translation.case.track.shoes != 7])
 
@@ -120,8 +120,8 @@ def test_a_shoe_without_contact_gets_no_arrow(translation):
 def test_shoes_are_seen_from_above_where_the_history_has_them(translation):
     now = last(translation)
     heave = 1e3 * translation.unit_heave.values
-    above = by_name(plan_solids(translation.case, now, (heave.min(), heave.max())))
-    moment = now.isel(time=0)
+    above = by_name(plan_solids(now, (heave.min(), heave.max())))
+    moment = now.dataset.isel(time=0)
     shoe = translation.case.shoe
     underneath = np.array([[*shoe.underside_center, -shoe.com_height]])
     expected = [shoe_pose(moment, int(n)).place(underneath)[0, :2] for n in now.shoe.values]
@@ -161,7 +161,7 @@ def test_a_ground_figure_shows_what_every_shoe_carries(step):
     assert view.get_title() == "step, t = 0.05 s"
     assert [text.get_text() for text in view.get_legend().get_texts()] == ["units", "shoes", "link pins"]
     heights = [bar.get_height() for bar in carried.patches]
-    _, forces = shoe_forces(last(step))
+    _, forces = shoe_forces(last(step).dataset)
     assert heights == pytest.approx(1e-3 * forces[0, :, 2])
     assert np.mean(heights) == pytest.approx(1e-3 * step.case.mean_load, rel=0.1)
     figure.draw_without_rendering()
@@ -188,8 +188,7 @@ def test_rollers_roll_without_slip(rolled):
     case = rolled.case
     spokes = []
     for row in (0, -1):
-        now = rolled.dataset.isel(time=[row])
-        _, mark = wheel_solids(case, now)
+        _, mark = wheel_solids(History(case, rolled.dataset.isel(time=[row])))
         ends = mark.at().points[:8].reshape(2, 4, 3).mean(axis=1)
         spokes.append((ends[1] - ends[0])[[0, 2]])
     turned = np.arctan2(*spokes[1]) - np.arctan2(*spokes[0])
@@ -214,7 +213,7 @@ def test_rollers_keep_their_depth_in_rails_where_the_ground_is_magnified(rolled)
 
 def test_treads_are_seen_from_above_on_their_rails(rolled):
     now = last(rolled)
-    seen = treads(by_name(plan_solids(rolled.case, now, (0.0, 1.0)))["rollers"])
+    seen = treads(by_name(plan_solids(now, (0.0, 1.0)))["rollers"])
     hubs = axes_of_rollers(rolled, now)
     assert seen[..., 0] == pytest.approx(np.repeat(hubs[:, :1], 2, axis=1), abs=1e-4)
     assert seen[..., 1] - hubs[:, 1:2] == pytest.approx(np.tile(rolled.case.shoe.rails.middles, (3, 1)))
@@ -222,7 +221,7 @@ def test_treads_are_seen_from_above_on_their_rails(rolled):
 
 def test_a_tread_is_a_closed_surface_with_the_volume_of_its_disc(rolled):
     frame = rolled.case.undercarriage
-    tread, _ = wheel_solids(rolled.case, last(rolled))
+    tread, _ = wheel_solids(last(rolled))
     points, triangles = tread.points, tread.triangles
     a, b, c = (points[triangles[:, k]] for k in range(3))
     disc = np.pi * frame.radius**2 * frame.tread_width

@@ -65,8 +65,8 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     histories, homes = runs.histories_in(folders, left_out)
     stressed = next((one for one in folders if (one / runs.STRESSES).is_file()), folder)
     stress = left_out.unless_broken(stressed / runs.STRESSES, lambda _: runs.stress_of(stressed))
-    comparison = left_out.unless_broken(folder / COMPARISON, _comparison)
-    if not histories and comparison is None:
+    compared = left_out.unless_broken(folder / COMPARISON, _compared)
+    if not (histories or compared):
         if left_out:
             raise ValueError("; ".join(left_out))
         raise FileNotFoundError(f"{folder} holds neither a history nor a {COMPARISON} to report on")
@@ -82,7 +82,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     rolled = any(one.case.is_rolled for one in histories.values())
     closed = any(one.case.is_closed for one in histories.values())
     sections = [
-        Section("comparison", "Paper against computed", _compared(comparison)),
+        Section("comparison", "Paper against computed", compared or Markup()),
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
         Section("track", "Track in motion", part("track", rolled, closed) if histories else Markup()),
         Section("ground", "Ground", _ground(histories)),
@@ -111,7 +111,7 @@ def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, obj
     if isinstance(case.terrain, Terrain):
         x, half = case.terrain.middles[:, 0], 0.5 * case.terrain.unit_length
         near = np.flatnonzero((x + half >= window[0][0]) & (x - half <= window[0][1]))
-    scene = track.track_scene(case, shown, shoes.shoe_force_scale(history), near)
+    scene = track.track_scene(shown, shoes.shoe_force_scale(history), near)
     return packing.packed_scene(scene, arrays, window)
 
 
@@ -193,20 +193,13 @@ def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Datas
     return table(headed, anchor="key-results", compact=True, headed=len(histories) > 1)
 
 
-def _comparison(path: Path) -> pd.DataFrame | None:
+def _compared(path: Path) -> Markup:
+    """How many rows of a comparison are within, and all of them with their verdicts, if there is one."""
     if not path.is_file():
-        return None
-    found = pd.read_csv(path, dtype={"within": str})
-    missing = {"class", "within"}.difference(found)
-    if missing:
-        raise ValueError(f"{path} has no column {max(missing)!r} and is no comparison")
-    return found
-
-
-def _compared(comparison: pd.DataFrame | None) -> Markup:
-    """How many rows of a comparison are within, and all of them with their verdicts."""
-    if comparison is None:
         return Markup()
+    comparison = pd.read_csv(path, dtype={"within": str})
+    if missing := {"class", "within"}.difference(comparison):
+        raise ValueError(f"{path} has no column {max(missing)!r} and is no comparison")
     verdicts, count = comparison["within"], tables.within_by_class(comparison)
     shown = comparison.assign(within=verdicts.replace(VERDICTS).fillna("no verdict"))
     rows = table(shown, kinds=verdicts.map(VERDICTS).fillna("none").tolist(), anchor="comparison-table")

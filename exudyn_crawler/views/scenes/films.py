@@ -5,10 +5,10 @@ from pathlib import Path
 import imageio_ffmpeg
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from exudyn_crawler.case import ClosedTrack
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history import History, as_history, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
@@ -43,7 +43,7 @@ class Picture:
     cursor: mpl.lines.Line2D
     _drawn: tuple[mpl.artist.Artist, ...] = ()
 
-    def draw(self, now: xr.Dataset) -> pictures.Drawn:
+    def draw(self, now: History) -> pictures.Drawn:
         """Draw what changes, of one instant as of `track.instants`; it is returned."""
         raise NotImplementedError
 
@@ -77,8 +77,8 @@ class TrackPicture(Picture):
         self._force_scale = shoes.shoe_force_scale(history)
         # of cells as the run begins and ends
         ends = track.instants(history, [0.0, history.duration])
-        (ground,) = track.ground_faces(history.case, ends).colourings
-        shown = ground.values if "ground_depth" in ends else history.unit_heave.values / style.MILLI
+        (ground,) = track.ground_faces(ends).colourings
+        shown = ground.values if "ground_depth" in ends.dataset else history.unit_heave.values / style.MILLI
         self._heave = float(shown.min()), float(shown.max())
         windows = pictures.windows(history)
         # both views become as wide as the picture has room for
@@ -111,23 +111,22 @@ class TrackPicture(Picture):
         ground = f"displacement of the ground drawn {self._scale:g} times larger"
         most = track.greatest_shoe_force(self.history) / style.KILO
         greatest = f"contact force on each shoe, the greatest of the run {most:.3g} kN"
-        if gear.rolls(self.history.dataset):
+        if self.history.case.is_rolled:
             return f"{ground}; blue arrows: {greatest}; violet: force of each roller"
         if self.history.case.is_closed:
             kinds = "blue of the ground, violet of wheels, red of teeth"
             return f"{ground}; arrows: forces on each shoe, {kinds}, {most:.4g} kN at most"
         return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
 
-    def draw(self, now: xr.Dataset) -> pictures.Drawn:
+    def draw(self, now: History) -> pictures.Drawn:
         """Draw both views of one instant."""
-        case = self.history.case
-        plan = pictures.draw_plan(self._plan, case, now, self._heave)
-        return plan + pictures.draw_side(self._side, case, now, self._scale, self._force_scale)
+        plan = pictures.draw_plan(self._plan, now, self._heave)
+        return plan + pictures.draw_side(self._side, now, self._scale, self._force_scale)
 
 
 def ground_scale(history: History) -> float:
     """Round magnification that makes the ground's displacements visible."""
-    if "ground_depth" in (end := track.instants(history, [history.duration])):
+    if "ground_depth" in (end := track.instants(history, [history.duration])).dataset:
         moved = end.ground_depth.values
     else:
         moved = history.unit_heave.values - track.unloaded_level(history.case)
@@ -136,12 +135,12 @@ def ground_scale(history: History) -> float:
 
 def _curves(history: History) -> figures.Panel:
     """What drives a run over time: force of every roller, tension of a closed chain, speed of both ends."""
-    if gear.goes_round(history.dataset):
+    if history.case.is_closed:
         tension = history.over_time(["link_tension"])["link_tension"] / style.KILO
         most, least = tension.max("joint"), tension.min("joint")
         curves = {"greatest": most, "mean": tension.mean("joint"), "least": least}
         return figures.Panel("tension of links", "kN", curves)
-    if gear.rolls(history.dataset):
+    if history.case.is_rolled:
         pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
         of_rollers = {str(roller): pressed.sel(roller=roller) for roller in history.roller.values}
         return figures.Panel("roller force", "kN", of_rollers)
@@ -181,9 +180,9 @@ class ShoePicture(Picture):
         """Draw what presses on the shoe and its highest stress over time, and a cursor, which is returned."""
         shown = self.stress.frame.values
         quantity, name = "contact_force", "ground on the shoe"
-        if gear.rolls(history.dataset):
+        if history.case.is_rolled:
             quantity, name = "rail_force", "rollers on the shoe"
-        elif gear.goes_round(history.dataset):
+        elif history.case.is_closed:
             quantity, name = "wheel_load", "wheels on the shoe"
         pressed = abs(history.over_time([quantity])[quantity].sel(shoe=self._shoe, axis="z")) / style.KILO
         ax.plot(history.time, pressed, color=style.ROLLER_FORCE, label=name)
@@ -200,7 +199,7 @@ class ShoePicture(Picture):
         ax.legend(lines, [str(line.get_label()) for line in lines], loc="upper left", ncols=2)
         return ax.axvline(shown[0], color="black", lw=0.8)
 
-    def scene(self, now: xr.Dataset) -> Scene:
+    def scene(self, now: History) -> Scene:
         """Shoe at an instant, bent, with what presses on it and the rollers near it."""
         return shoes.stress_scene(self.stress.sel(frame=now.time.values), self.history, self.scales)
 
@@ -209,15 +208,16 @@ class ShoePicture(Picture):
         points, case = self.stress.node_position.values, self.history.case
         if view is ABOVE and case.running_gear is not None:
             (frame, rails), ends = gear.frame_on_rails(case), (-shoes.BESIDE, shoes.BESIDE)
-            top = rails.height + 2.0 * gear.roller_radius(frame)
+            radius = frame.roller_radius if isinstance(frame, ClosedTrack) else frame.radius
+            top = rails.height + 2.0 * radius
             points = np.vstack((points, [(x, y, top) for x in ends for y in rails.middles]))
         seen = view.project(points)
         (left, bottom, _), (right, top, _) = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN
         return float(left), float(right), float(bottom), float(top)
 
-    def draw(self, now: xr.Dataset) -> pictures.Drawn:
+    def draw(self, now: History) -> pictures.Drawn:
         """Shoe from above with the rollers, and from below without."""
-        scene, place = self.scene(now), track.shoe_pose(now.isel(time=0), self._shoe)
+        scene, place = self.scene(now), track.shoe_pose(now.dataset.isel(time=0), self._shoe)
         drawn: pictures.Drawn = []
         for ax, seen in zip(self._axes, (ABOVE, BELOW), strict=True):
             view, solids = seen.on(place), scene.solids[: None if seen is ABOVE else 1]

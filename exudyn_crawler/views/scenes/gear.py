@@ -1,7 +1,7 @@
 """Side frame, wheels and drive tumbler as solids, under a rolled track and in a closed one.
 
-`dataset` are instants of a history, as of `track.instants`. How high and wide a side frame is, and how wide
-the teeth are, no parameter says: their drawn size means nothing.
+`history` holds some instants, as of `track.instants`. How high and wide a side frame is, and how wide the
+teeth are, no parameter says: their drawn size means nothing.
 """
 
 from dataclasses import replace
@@ -34,19 +34,9 @@ class WheelRow(NamedTuple):
     radius: float
 
 
-def rolls(dataset: xr.Dataset) -> bool:
-    """Whether a side frame rolls over the open track of a history."""
-    return "roller_force" in dataset
-
-
-def goes_round(dataset: xr.Dataset) -> bool:
-    """Whether the track of a history is closed round its side frame."""
-    return "wheel_force" in dataset
-
-
-def frame_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+def frame_poses(history: History) -> tuple[np.ndarray, np.ndarray]:
     """Origins (times, 3), m, and turns (times, 3, 3) of the side frame."""
-    return dataset.side_frame_position.values, rotation_matrices(dataset.side_frame_angles.values)
+    return history.side_frame_position.values, rotation_matrices(history.side_frame_angles.values)
 
 
 def frame_on_rails(case: Case) -> tuple[ClosedTrack | Undercarriage, Rails]:
@@ -57,46 +47,40 @@ def frame_on_rails(case: Case) -> tuple[ClosedTrack | Undercarriage, Rails]:
     return frame, rails
 
 
-def roller_radius(frame: ClosedTrack | Undercarriage) -> float:
-    """Radius of the lower rollers, m."""
-    return float(frame.radius if isinstance(frame, Undercarriage) else frame.roller_radius)
-
-
-def gear_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
+def gear_solids(history: History) -> list[Solid]:
     """Side frames and all that turns in them, and the car body; nothing of a dragged track."""
-    if not (rolls(dataset) or goes_round(dataset)):
+    if history.case.running_gear is None:
         return []
-    solids = [] if case.car_body is None else [car_body(case, dataset)]
-    for name, one, own in each_track(case, dataset):
-        found = [beam(one, own), *wheel_solids(one, own), *slide_solids(one, own)]
-        found += tumbler_solids(one, own) if goes_round(own) else []
+    solids = [] if history.case.car_body is None else [car_body(history)]
+    for name, one in each_track(history).items():
+        found = [beam(one), *wheel_solids(one), *slide_solids(one)]
+        found += tumbler_solids(one) if one.case.is_closed else []
         solids += [replace(solid, name=f"{name}{solid.name}") for solid in found]
     return solids
 
 
-def each_track(case: Case, dataset: xr.Dataset) -> list[tuple[str, Case, xr.Dataset]]:
-    """Every track by itself, before whose names of bodies its side stands where there are two."""
-    if case.tracks == 1:
-        return [("", case, dataset)]
-    sides = ((side, History(case, dataset).of_track(side)) for side in SIDES)
-    return [(f"{side} ", one.case, one.dataset) for side, one in sides]
+def each_track(history: History) -> dict[str, History]:
+    """Every track by itself, by what stands before the names of its bodies: its side where there are two."""
+    if history.case.tracks == 1:
+        return {"": history}
+    return {f"{side} ": history.of_track(side) for side in SIDES}
 
 
-def car_body(case: Case, dataset: xr.Dataset) -> Solid:
+def car_body(history: History) -> Solid:
     """Block that stands for the car body, from one side frame to the other."""
-    (low, high), (right, left), (origin, turn) = BEAM, case.track_middles, frame_poses(dataset)
+    (low, high), (right, left), (origin, turn) = BEAM, history.case.track_middles, frame_poses(history)
     half = 0.2 * (left - right)
     shape = box(np.array([-half, right, low]), np.array([half, left, high]))
     return Solid("car body", *shape, style.BEAM, origin[:, None], turn[:, None], 0.5, style.ROLLER_EDGE)
 
 
-def beam(case: Case, dataset: xr.Dataset) -> Solid:
+def beam(history: History) -> Solid:
     """Beam between the rails that stands for the side frame; of a closed one it carries all axes."""
-    frame, rails = frame_on_rails(case)
+    frame, rails = frame_on_rails(history.case)
     half = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP
-    (low, high), (origin, turn) = BEAM, frame_poses(dataset)
+    (low, high), (origin, turn) = BEAM, frame_poses(history)
     if isinstance(frame, ClosedTrack):
-        idler = frame.wheels(case.assembled.take_up)[len(frame.rollers)]
+        idler = frame.wheels(history.case.assembled.take_up)[len(frame.rollers)]
         rear, front = frame.tumbler.place[0], float(idler[0])
         high = min([frame.tumbler.place[1], *frame.upper[:, 1]])
     else:
@@ -125,10 +109,10 @@ def _wheels(case: Case) -> list[WheelRow]:
     return found
 
 
-def slide_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
+def slide_solids(history: History) -> list[Solid]:
     """Slides under the upper run of a closed track, on both rails."""
-    frame, rails = frame_on_rails(case)
-    origin, turn = frame_poses(dataset)
+    frame, rails = frame_on_rails(history.case)
+    origin, turn = frame_poses(history)
     slides = frame.slides if isinstance(frame, ClosedTrack) else ()
     beside = origin[:, None] + np.array(rails.middles)[:, None] * turn[..., 1][:, None]
     half, both = 0.5 * frame.tread_width, np.repeat(turn[:, None], len(rails.middles), axis=1)
@@ -139,24 +123,25 @@ def slide_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
     ]
 
 
-def wheel_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
+def wheel_solids(history: History) -> list[Solid]:
     """Treads of every kind of wheel, and a line across each, which turns as the chain runs over it."""
+    case = history.case
     frame, _ = frame_on_rails(case)
-    origin, turn = frame_poses(dataset)
+    origin, turn = frame_poses(history)
     # how far wheels have turned counts from upright, whatever the pitch of the frame
     axle = turn[..., 1]
     forward = np.cross(axle, [0.0, 0.0, 1.0])
     forward /= np.linalg.norm(forward, axis=1, keepdims=True)
     level = np.stack((forward, axle, np.cross(forward, axle)), axis=-1)
     if isinstance(frame, ClosedTrack):
-        way = dataset.tumbler_angle.values[:, None] * frame.travel_per_angle(case.track)
+        way = history.tumbler_angle.values[:, None] * frame.travel_per_angle(case.track)
     else:
         way = origin[:, :1] - frame.start
     solids, edge = [], style.ROLLER_EDGE
     for kind in _wheels(case):
         places = np.repeat(kind.places[None], len(origin), axis=0)
         if kind.name == "idler":  # a tensioner moves it from where it was assembled
-            places[..., 0] += dataset.take_up.values[:, None] - case.assembled.take_up
+            places[..., 0] += history.take_up.values[:, None] - case.assembled.take_up
         centers = origin[:, None] + np.einsum("tij,tnj->tni", turn, places)
         rolled = level @ rotation_matrices(way / kind.radius * np.eye(3)[1])
         placed = centers, np.repeat(rolled[:, None], len(kind.places), axis=1)
@@ -169,9 +154,9 @@ def wheel_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
     return solids
 
 
-def tooth_outline(frame: ClosedTrack, case: Case) -> np.ndarray:
+def tooth_outline(case: Case) -> np.ndarray:
     """Outline of the tumbler's teeth, arcs of the gaps: (n, 2), x and z in m, clockwise from the right."""
-    teeth, center, arc, addendum, _ = frame.tumbler.profile(case.track)
+    teeth, center, arc, addendum, _ = case.closed_gear().tumbler.profile(case.track)
     end = np.arccos((center**2 + arc**2 - addendum**2) / (2.0 * center * arc))
     gap = -2.0 * np.pi * np.arange(round(teeth)) / teeth
     inward = np.stack((-np.cos(gap), -np.sin(gap)), axis=-1)
@@ -181,27 +166,29 @@ def tooth_outline(frame: ClosedTrack, case: Case) -> np.ndarray:
     return (-center * inward[:, None] + arc * ways).reshape(-1, 2)
 
 
-def tumbler_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
+def tumbler_solids(history: History) -> list[Solid]:
     """Toothed wheels of the drive tumbler on its shaft, and the lugs of the shoes that run into them."""
-    frame = case.closed_gear()
+    case, frame = history.case, history.case.closed_gear()
     tumbler, centers = frame.tumbler, case.track.joint_centers
     planes = np.array([[0.0, centers[f"rear {side}"][1], 0.0] for side in SIDES])
-    _, turn = frame_poses(dataset)
-    angle = case.assembled.tumbler[4] + dataset.tumbler_angle.values
+    _, turn = frame_poses(history)
+    angle = case.assembled.tumbler[4] + history.tumbler_angle.values
     turned = turn @ rotation_matrices(angle[:, None] * np.eye(3)[1])
-    axis = dataset.tumbler_position.transpose("time", "axis").values[:, None]
+    axis = history.tumbler_position.transpose("time", "axis").values[:, None]
     wheels = axis + np.einsum("tij,nj->tni", turn, planes)
     both = np.repeat(turned[:, None], len(planes), axis=1)
     shaft = disc(SHAFT * tumbler.radius(case.track.pitch), float(np.ptp(planes[:, 1])))
     middle = axis + np.einsum("tij,j->ti", turn, planes.mean(axis=0))[:, None]
     lugs = np.array([place for _, place in frame.lugs(case.track)])
-    pose = (dataset[name].transpose("time", "shoe", "axis").values for name in ("position", "angles"))
+    pose = (
+        getattr(history, name).transpose("time", "shoe", "axis").values for name in ("position", "angles")
+    )
     origin, shoes = next(pose), rotation_matrices(next(pose))
     at = (origin[:, :, None] + np.einsum("tsij,lj->tsli", shoes, lugs)).reshape(len(origin), -1, 3)
     edge, lug = style.ROLLER_EDGE, disc(tumbler.lug_radius, TEETH, LUG_SIDES)
     return [
         Solid("shaft of the tumbler", *shaft, style.BEAM, middle, turned[:, None], edges=edge),
-        Solid("tumbler", *star(tooth_outline(frame, case), TEETH), style.TUMBLER, wheels, both, edges=edge),
+        Solid("tumbler", *star(tooth_outline(case), TEETH), style.TUMBLER, wheels, both, edges=edge),
         Solid("lugs", *lug, style.LUG, at, np.repeat(shoes, len(lugs), axis=1), edges=edge),
     ]
 
@@ -224,18 +211,18 @@ def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndar
     return found
 
 
-def near_gear(case: Case, dataset: xr.Dataset, shoes: np.ndarray, beside: float) -> list[Solid]:
+def near_gear(history: History, shoes: np.ndarray, beside: float) -> list[Solid]:
     """Wheels and tumbler, as far as they are within some m of shoes with origins (times, shoes, 3)."""
-    if rolls(dataset):
-        treads, _ = wheel_solids(case, dataset)
+    if history.case.is_rolled:
+        treads, _ = wheel_solids(history)
         x = treads.origin[..., 0]
         away = (x < shoes[..., 0].min() - beside) | (x > shoes[..., 0].max() + beside)
         return [replace(treads, origin=np.where(away[..., None], np.nan, treads.origin))]
     kept, found = [], []
-    for _, own, instants in each_track(case, dataset):
-        found += [*wheel_solids(own, instants)[::2], tumbler_solids(own, instants)[1]]
-    for one in found:
-        apart = np.linalg.norm((one.origin[:, :, None] - shoes[:, None])[..., [0, 2]], axis=-1).min(axis=2)
-        away = apart > beside + np.linalg.norm(one.points[:, [0, 2]], axis=1).max()
-        kept.append(replace(one, origin=np.where(away[..., None], np.nan, one.origin)))
+    for one in each_track(history).values():
+        found += [*wheel_solids(one)[::2], tumbler_solids(one)[1]]
+    for solid in found:
+        apart = np.linalg.norm((solid.origin[:, :, None] - shoes[:, None])[..., [0, 2]], axis=-1).min(axis=2)
+        away = apart > beside + np.linalg.norm(solid.points[:, [0, 2]], axis=1).max()
+        kept.append(replace(solid, origin=np.where(away[..., None], np.nan, solid.origin)))
     return kept

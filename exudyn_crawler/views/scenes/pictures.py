@@ -15,7 +15,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case import Case, CellTerrain
+from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import track
@@ -111,38 +111,37 @@ def windows(history: History) -> tuple[Window, Window]:
     return (*x, *y), (*x, bottom, top + (ABOVE if history.case.running_gear is not None else 0.0))
 
 
-def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> Solid:
+def ground_section(history: History, at_rest: bool = False) -> Solid:
     """Ground under the track's middle line, cut along that, as it is, or at rest with free springs."""
-    y = float(track.shoe_poses(dataset)[0][0, :, 1].mean())
-    if isinstance(case.terrain, CellTerrain):
-        return track.cell_section(dataset, y, 2.0 * MARGIN[2], at_rest)
-    terrain = case.unit_terrain()
+    y, terrain = float(track.shoe_poses(history.dataset)[0][0, :, 1].mean()), history.case.terrain
+    if isinstance(terrain, CellTerrain):
+        return track.cell_section(history.dataset, y, 2.0 * MARGIN[2], at_rest)
     row = int(np.clip((y - terrain.origin[1]) // terrain.unit_width, 0, terrain.rows - 1))
     units = np.arange(terrain.columns) * terrain.rows + row
     half, deep = 0.5 * terrain.unit_length, 2.0 * MARGIN[2] + float(np.ptp(terrain.top_heights))
     points = np.array([[-half, 0.0, -deep], [half, 0.0, -deep], [half, 0.0, 0.0], [-half, 0.0, 0.0]])
     middle = np.full(len(units), y)
     origin = np.column_stack((terrain.middles[units, 0], middle, terrain.top_heights[units]))[None]
-    lift = None if at_rest else dataset.unit_heave.transpose("time", "unit").values[:, units]
+    lift = None if at_rest else history.unit_heave.transpose("time", "unit").values[:, units]
     pitching = terrain.tilt == "pitch" and not at_rest
-    turn = track.unit_turns(case, dataset if pitching else None)[:, units]
+    turn = track.unit_turns(terrain, history.unit_tilt if pitching else None)[:, units]
     faces = (np.array([[0, 1, 2, 3]]),)
     return Solid("units", points, faces, style.GROUND, origin, turn, edges=style.GROUND_EDGE, lift=lift)
 
 
-def side_scene(case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: float = 0.0) -> Scene:
+def side_scene(now: History, scale: float = 1.0, force_scale: float = 0.0) -> Scene:
     """What is seen from the right in an instant, the ground moved `scale` times as far; forces, m for 1 N."""
-    moved, still = (ground_section(case, now, at_rest).at() for at_rest in (False, True))
+    moved, still = (ground_section(now, at_rest).at() for at_rest in (False, True))
     tops = np.array([3, 2]) + 4 * np.arange(len(moved.points) // 4)[:, None]
     x, rise = moved.points[tops, 0], moved.points[tops, 2] - still.points[tops, 2]
-    larger = (scale - 1.0) * (rise - track.unloaded_level(case))
+    larger = (scale - 1.0) * (rise - track.unloaded_level(now.case))
     moved.points[tops, 2] += larger
 
     def beneath(points: np.ndarray) -> np.ndarray:
         return np.interp(points[..., 0], x.ravel(), larger.ravel())
 
-    scene, solids = track.track_scene(case, now, force_scale), [moved]
-    for one in (*scene.solids, link_pins(case, now)):
+    scene, solids = track.track_scene(now, force_scale), [moved]
+    for one in (*scene.solids, link_pins(now)):
         if one.name.endswith("shoes"):
             own = one.at()
             solids.append(replace(own, points=own.points + upward(beneath(own.points))))
@@ -152,9 +151,9 @@ def side_scene(case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: flo
     return Scene(scene.titles, tuple(solids), tuple(arrows))
 
 
-def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
+def link_pins(history: History) -> Solid:
     """Pins at both ends of every shoe."""
-    origin, turn = track.shoe_poses(dataset)
+    case, (origin, turn) = history.case, track.shoe_poses(history.dataset)
     pins = np.array([case.track.rear_pin, case.track.front_pin]) * [1.0, 0.0, 1.0]
     points = origin[:, :, None] + np.einsum("tsij,pj->tspi", turn, pins)
     placed = points.reshape(len(origin), -1, 3), np.repeat(turn, len(pins), axis=1)
@@ -163,20 +162,20 @@ def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
 
 
 def draw_side(
-    ax: Axes, case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: float = 0.0, opacity: float = 0.75
+    ax: Axes, now: History, scale: float = 1.0, force_scale: float = 0.0, opacity: float = 0.75
 ) -> Drawn:
     """Draw, and return, what `side_scene` has in axes that keep their limits; `opacity` is that of shoes."""
-    scene = side_scene(case, now, scale, force_scale)
+    scene = side_scene(now, scale, force_scale)
     shown = [replace(one, opacity=opacity) if one.name.endswith("shoes") else one for one in scene.solids]
     return [paint(ax, shown, FROM_THE_RIGHT), *draw_arrows(ax, scene.arrows, FROM_THE_RIGHT)]
 
 
-def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float]) -> Drawn:
+def draw_plan(ax: Axes, now: History, heave: tuple[float, float]) -> Drawn:
     """Draw, and return, what `plan_solids` has, with the numbers of the shoes."""
-    drawn: Drawn = [paint(ax, plan_solids(case, now, heave), FROM_ABOVE)]
-    places = track.shoe_poses(now)[0][0]
+    drawn: Drawn = [paint(ax, plan_solids(now, heave), FROM_ABOVE)]
+    places = track.shoe_poses(now.dataset)[0][0]
     # of a closed track the lower run is out of sight
-    lowest = places[:, 2].mean() if case.is_closed else -np.inf
+    lowest = places[:, 2].mean() if now.case.is_closed else -np.inf
     for shoe, (x, y, z) in zip(now.shoe.values, places, strict=True):
         if z < lowest:
             continue
@@ -184,10 +183,10 @@ def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float])
     return drawn
 
 
-def plan_solids(case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list[Solid]:
+def plan_solids(now: History, heave: tuple[float, float]) -> list[Solid]:
     """Shoes and rollers from above in one instant, on ground in colours of a range: heave or height, mm."""
     shown = []
-    for one in (solid.at() for solid in track.track_scene(case, now, 0.0).solids):
+    for one in (solid.at() for solid in track.track_scene(now, 0.0).solids):
         if one.name == "ground":
             colouring = replace(one.colourings[0], low=heave[0], high=heave[1])
             one = replace(one, opacity=1.0, colourings=(colouring,))
@@ -200,8 +199,7 @@ def plan_solids(case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list
 def ground_figure(history: History, time: float) -> Figure:
     """Side view of a run at a time (s), and below it what the ground carries under every shoe."""
     case, now = history.case, track.instants(history, [time])
-    moment = History(case, now)
-    left, right, _, top = windows(moment)[1]
+    left, right, _, top = windows(now)[1]
     bottom = min(0.0, float(case.unit_terrain().top_heights.min())) - DEPTH
     # as high as the side view becomes when it takes the whole width, so that both panels are one as wide
     high = 10.5 * (top - bottom) / (right - left)
@@ -210,13 +208,13 @@ def ground_figure(history: History, time: float) -> Figure:
         side, carried = figure.subplots(2, 1, sharex=True, height_ratios=[high, 2.2])
         side.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", ylabel="z in m")
         side.grid(False)
-        draw_side(side, case, now)
+        draw_side(side, now)
         side.set_title(f"{case.name}, t = {float(now.time[0]):.3g} s", parse_math=False)
         named = (("units", style.GROUND), ("shoes", style.SHOE), ("link pins", "white"))
         keys = [mpl.patches.Patch(fc=colour, ec=style.SHOE_EDGE, label=name) for name, colour in named]
         side.legend(handles=keys, ncols=3, loc="upper left", fontsize="small")
-        x = moment.position.sel(axis="x").isel(time=0)
-        force = moment.over_time(["contact_force"])["contact_force"].sel(axis="z").isel(time=0) / style.KILO
+        x = now.position.sel(axis="x").isel(time=0)
+        force = now.over_time(["contact_force"])["contact_force"].sel(axis="z").isel(time=0) / style.KILO
         carried.bar(x, force, width=0.8 * case.shoe.length, color=style.SHOE)
         how: dict[str, Any] = {"xytext": (0, 3), "textcoords": "offset points", "ha": "center"}
         for place, number in zip(x.values, x["shoe"].values, strict=True):

@@ -105,7 +105,7 @@ def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
         how = (style.CONTACT_FORCE, *padded, scales.pair_force, name, float(np.ptp(points[:, 2])))
         arrows.append(Arrows("contact forces", *how))
     if history.case.running_gear is not None:
-        near = gear.near_gear(history.case, shown, origin, BESIDE)
+        near = gear.near_gear(History(history.case, shown), origin, BESIDE)
         solids += [replace(one, opacity=ROLLER_OPACITY) for one in near]
     return Scene(tuple(frame_titles(stress)), tuple(solids), tuple(arrows))
 
@@ -172,8 +172,8 @@ def stress_picture(
             figure.text(0.011, y, one.notes[0], fontsize=9, va="top")
         ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
         now = track.instants(history, [frame])
-        pictures.draw_side(ax, history.case, now, 1.0, scales.shoe_force, opacity=0.0)
-        _, window = pictures.windows(History(history.case, now))
+        pictures.draw_side(ax, now, 1.0, scales.shoe_force, opacity=0.0)
+        _, window = pictures.windows(now)
         pictures.paint(ax, [one.at() for one in bent], pictures.FROM_THE_RIGHT, window)
         ax.set(xlabel="x in m", ylabel="z in m")
         ax.set_title("in place, seen from the right", fontsize=9.5, loc="left")

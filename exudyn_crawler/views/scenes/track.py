@@ -1,8 +1,8 @@
 """A whole track in instants of a history: where its parts are, what presses on them, and their solids.
 
 Shoes are boxes, units of the ground boxes or faces, cells a surface of heights, lowered where shoes have
-been; what carries and drives the track is in `gear`. `now` is one instant without the dimension time,
-`dataset` some of them, as of `instants`.
+been; what carries and drives the track is in `gear`. `history` holds some instants, as of `instants`,
+`dataset` is theirs, and `now` that of one without the dimension time.
 """
 
 from dataclasses import replace
@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import Case, CellTerrain
+from exudyn_crawler.case import Case, CellTerrain, Terrain
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History, ground_map
 from exudyn_crawler.views import style
@@ -26,13 +26,21 @@ SPACING, MOST_POINTS = 0.25, 4000
 """m between the points of a surface of cells; of larger ones there are so many."""
 
 
-def instants(history: History, times: np.typing.ArrayLike) -> xr.Dataset:
-    """States of a history at the stored times nearest to some (s), each once; ground of cells with them."""
+def instants(history: History, times: np.typing.ArrayLike) -> History:
+    """History at its stored times nearest to some (s), each once.
+
+    With them are the ground's height and how deep it is pressed, m, where it is of cells.
+    """
     rows = np.unique(history.dataset.get_index("time").get_indexer(np.asarray(times), method="nearest"))
     now, terrain = history.dataset.isel(time=rows).load(), history.case.terrain
-    if not isinstance(terrain, CellTerrain):
-        return now
-    return with_ground(history, now, rows, cell_grid(terrain, *_around(history, BESIDE)))
+    if isinstance(terrain, CellTerrain):
+        x, y, height = cell_grid(terrain, *_around(history, BESIDE))
+        depth = ground_map.pressed_depths(history, rows, x, y, height)
+        now = now.assign_coords(ground_x=x, ground_y=y).assign(
+            ground_height=(("ground_x", "ground_y"), height),
+            ground_depth=(("time", "ground_x", "ground_y"), depth),
+        )
+    return History(history.case, now)
 
 
 def shoe_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -70,9 +78,9 @@ def pressing(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.n
 def acting(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """All that presses on one shoe or on all, as of `touching`: ground, treads, teeth of a closed track."""
     parts = [touching(now, shoe)]
-    if gear.rolls(now):
+    if "tread_force" in now:
         parts.append(pressing(now, shoe))
-    if gear.goes_round(now):
+    if "wheel_load" in now:
         chosen = np.ones(now.sizes["shoe"], dtype=bool) if shoe is None else now.shoe.values == shoe
         for _, _, heads, forces in gear.gear_forces(now):
             acts = chosen & forces.any(axis=-1)
@@ -121,70 +129,69 @@ def unloaded_level(case: Case) -> float:
     return case.unit_terrain().unit_mass * case.gravity_vector()[2] / case.unit_terrain().heave_stiffness
 
 
-def track_scene(
-    case: Case, dataset: xr.Dataset, force_scale: float, units: np.ndarray | None = None
-) -> Scene:
+def track_scene(history: History, force_scale: float, units: np.ndarray | None = None) -> Scene:
     """Shoes, ground (units of some indices, or all), gear, and forces, `force_scale` m long for 1 N."""
+    case, dataset = history.case, history.dataset
     tall, on_shoes = case.shoe.load_point[2] - case.shoe.footprint[4], shoe_forces(dataset)
     arrows = [Arrows("contact forces", style.CONTACT_FORCE, *on_shoes, force_scale, through=tall)]
-    solids = [*shoe_boxes(case, dataset), ground_faces(case, dataset, units)]
-    solids += gear.gear_solids(case, dataset)
-    if gear.goes_round(dataset):
+    solids = [*shoe_boxes(history), ground_faces(history, units), *gear.gear_solids(history)]
+    if case.is_closed:
         arrows += [Arrows(*one, force_scale) for one in gear.gear_forces(dataset)]
-    if gear.rolls(dataset):
+    if case.is_rolled:
         on_rails = roller_forces(dataset)
         arrows.append(Arrows("forces of rollers", style.ROLLER_FORCE, *on_rails, force_scale))
     titles = tuple(f"t = {time:.2f} s" for time in dataset.time.values)
     return Scene(titles, tuple(solids), tuple(arrows))
 
 
-def shoe_boxes(case: Case, dataset: xr.Dataset) -> list[Solid]:
+def shoe_boxes(history: History) -> list[Solid]:
     """Rigid shoes and flexible shoes, as far as there are any, as boxes."""
+    case, numbers = history.case, history.shoe.values
     x0, x1, y0, y1, z0 = case.shoe.footprint
     shape = box(np.array([x0, y0, z0]), np.array([x1, y1, case.shoe.load_point[2]]))
-    origin, turn = shoe_poses(dataset)
-    flexible = np.isin(dataset.shoe.values, () if case.flexible is None else case.flexible.shoes)
+    origin, turn = shoe_poses(history.dataset)
+    flexible = np.isin(numbers, () if case.flexible is None else case.flexible.shoes)
     kinds = (("rigid shoes", ~flexible, style.SHOE), ("flexible shoes", flexible, style.FLEXIBLE_SHOE))
     solids = []
     for name, chosen, colour in kinds:
-        labels = tuple(f"shoe {shoe}" for shoe in dataset.shoe.values[chosen])
+        labels = tuple(f"shoe {shoe}" for shoe in numbers[chosen])
         placed = origin[:, chosen], turn[:, chosen]
         solids.append(Solid(name, *shape, colour, *placed, edges=style.SHOE_EDGE, labels=labels))
     return [one for one in solids if one.labels]
 
 
-def ground_units(case: Case, dataset: xr.Dataset) -> Solid:
+def ground_units(history: History) -> Solid:
     """Units of the ground as boxes."""
-    terrain = case.unit_terrain()
+    terrain = history.case.unit_terrain()
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, terrain.unit_height])
-    lift = dataset.unit_heave.transpose("time", "unit").values
-    placed = terrain.centers[None], unit_turns(case, dataset)
+    lift = history.unit_heave.transpose("time", "unit").values
+    placed = terrain.centers[None], unit_turns(terrain, history.unit_tilt)
     return Solid("ground", *box(-half, half), style.GROUND, *placed, lift=lift)
 
 
-def ground_faces(case: Case, dataset: xr.Dataset, units: np.ndarray | None = None) -> Solid:
+def ground_faces(history: History, units: np.ndarray | None = None) -> Solid:
     """Top faces of units, coloured by their heave in mm, without what they tilt in a run; or of cells."""
-    if isinstance(case.terrain, CellTerrain):
-        return cell_surface(dataset)
-    terrain = case.unit_terrain()
+    terrain = history.case.terrain
+    if isinstance(terrain, CellTerrain):
+        return cell_surface(history.dataset)
     chosen = np.arange(terrain.unit_count) if units is None else units
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, 0.0])
     points = half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
     tops = np.column_stack((terrain.middles, terrain.top_heights))
-    placed = tops[None, chosen], unit_turns(case)[:, chosen]
-    lift = dataset.unit_heave.transpose("time", "unit").values[:, chosen]
+    placed = tops[None, chosen], unit_turns(terrain)[:, chosen]
+    lift = history.unit_heave.transpose("time", "unit").values[:, chosen]
     heave = lift / style.MILLI
     colouring = Colouring("heave of the ground in mm", heave, heave.min(), heave.max(), style.HEAVE_MAP)
     faces, how = (np.array([[0, 1, 2, 3]]),), (0.6, style.GROUND_EDGE)
     return Solid("ground", points, faces, style.GROUND, *placed, *how, lift=lift, colourings=(colouring,))
 
 
-def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> np.ndarray:
-    """Turns of the units, (times, units, 3, 3), in some instants or with free springs."""
-    tilt = case.unit_terrain().tilts[None]
-    if dataset is not None:
-        tilt = tilt + dataset.unit_tilt.transpose("time", "unit").values
-    return rotation_matrices(tilt[..., None] * np.eye(3)[case.unit_terrain().tilt_axis])
+def unit_turns(terrain: Terrain, unit_tilt: xr.DataArray | None = None) -> np.ndarray:
+    """Turns of the units, (times, units, 3, 3), with some further tilts (rad) or with free springs."""
+    tilt = terrain.tilts[None]
+    if unit_tilt is not None:
+        tilt = tilt + unit_tilt.transpose("time", "unit").values
+    return rotation_matrices(tilt[..., None] * np.eye(3)[terrain.tilt_axis])
 
 
 @lru_cache(maxsize=4)
@@ -197,20 +204,8 @@ def cell_grid(terrain: CellTerrain, x: tuple[float, float], y: tuple[float, floa
     return *places, np.nan_to_num(height, nan=np.nanmin(height))
 
 
-def with_ground(
-    history: History, dataset: xr.Dataset, rows: np.ndarray, grid: tuple[np.ndarray, ...]
-) -> xr.Dataset:
-    """Instants of a history at stored times `rows` with the ground's height and how deep it is pressed, m."""
-    x, y, height = grid
-    depth = ground_map.pressed_depths(history, rows, x, y, height)
-    return dataset.assign_coords(ground_x=x, ground_y=y).assign(
-        ground_height=(("ground_x", "ground_y"), height),
-        ground_depth=(("time", "ground_x", "ground_y"), depth),
-    )
-
-
 def cell_surface(dataset: xr.Dataset) -> Solid:
-    """Ground of instants as of `with_ground`, coloured by its height in mm."""
+    """Ground of cells, coloured by its height in mm."""
     x, y = dataset.ground_x.values, dataset.ground_y.values
     height = dataset.ground_height.transpose("ground_x", "ground_y").values
     depth = dataset.ground_depth.transpose("time", "ground_x", "ground_y").values
@@ -248,9 +243,9 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
         near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
         tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
-    if gear.rolls(history.dataset):
-        top = max(top, float(gear.frame_poses(history.dataset)[0][:, 2].max()) + gear.BEAM[1])
-    if gear.goes_round(history.dataset):
+    if history.case.is_rolled:
+        top = max(top, float(gear.frame_poses(history)[0][:, 2].max()) + gear.BEAM[1])
+    if history.case.is_closed:
         top = float(history.position.sel(axis="z").max()) - shoe.footprint[4]
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
 
