@@ -83,7 +83,7 @@ def run_duty_scatter(
     work = record.RunFolder(folder, say)
     with record.held(folder, "sweep"), record.recorded(work):
         with work.timed("draws"):
-            answers = sweep.lives(work.say).to_dict("records")
+            answers = sweep.lives(work.say)
         stored = {str(k): {"status": DONE, "answers": one} for k, one in enumerate(answers, 1)}
         return _gathered(sweep, stored, folder, None, work)
 

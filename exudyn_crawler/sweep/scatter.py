@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import Errors, option
@@ -68,16 +67,12 @@ class DutyScatter(Variation):
         self.duties  # noqa: B018 - refuses draws that cannot be
         return tuple(PlannedRun(k, values, str(k), ()) for k, values in enumerate(self.rows, 1))
 
-    def lives(self, say: Callable[[str], None] = lambda _text: None) -> pd.DataFrame:
-        """Life in h of every draw, a column an answer; raises as `life`."""
+    def lives(self, say: Callable[[str], None] = lambda _text: None) -> list[dict[str, float]]:
+        """Lives in h of every draw by names of answers; raises as `life`."""
         counted = CountedDuty.of(stage_lives(_with_all_cases(self.duties), say), self.duty)
         say(f"{len(self.duties)} draws at {len(counted.regions)} nodes")
-        found = pd.DataFrame([counted.lives(one) for one in self.duties])
-        return (
-            found.reindex(columns=[one.label for one in self.answers])
-            .fillna(life.BEYOND)
-            .clip(upper=life.BEYOND)
-        )
+        long = dict.fromkeys((one.label for one in self.answers), life.BEYOND)
+        return [long | counted.lives(one) for one in self.duties]
 
 
 AnySweep = Sweep | DutyScatter
@@ -147,7 +142,7 @@ class CountedDuty:
         for region in dict.fromkeys(self.regions):
             here = np.flatnonzero(self.regions == region)
             worst = here[np.argsort(lives[here])]
-            least = float(lives[worst[0]])
+            least = min(float(lives[worst[0]]), life.BEYOND)
             for node in worst[:DEFECTS] if material.casting(region).defect_size else ():
                 stages = [
                     CycleStage(begin[of == node], end[of == node], often[of == node], lasts)

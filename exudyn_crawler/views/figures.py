@@ -17,6 +17,7 @@ from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history import History, RunPhase, common_phases, summary
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, for_reading, link_name, select
 from exudyn_crawler.views import style
+from exudyn_crawler.views.scenes.gear import each_track
 
 PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.1
 """Inches: width of a figure and height of each of its panels, height of what is written above and below them,
@@ -258,11 +259,8 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
         others = [one for one in wheels if one not in lower]
         panels["force on idler and carriers"] = _panels(found, [WHEEL_FORCE], others)
         panels["drive torque"] = _panels(found, [DRIVE_MOMENT, QUANTITIES["tumbler_speed"].label])
-        if case.tracks == 1:
-            figures = {"tension along the chain": chain_figure(history)}
-        else:
-            by_side = ((side, chain_figure(history.of_track(side))) for side in history.dataset.track.values)
-            figures = {f"tension along the {side} chain": figure for side, figure in by_side}
+        tracks = each_track(history).items()
+        figures = {f"tension along the {name}chain": chain_figure(one) for name, one in tracks}
     return _figures(case.name, panels, history) | figures
 
 

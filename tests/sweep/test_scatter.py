@@ -375,8 +375,8 @@ def test_lives_of_draws_are_those_of_their_duties(drawn_duty):
         whole = life(scatter.duties[number])
         lives = pd.Series(whole.dataset.life.values[-1]).groupby(whole.regions).min().drop("bores")
         for region, hours in lives.items():
-            assert found.loc[number, f"life_{region}".replace(" ", "_")] == pytest.approx(hours, rel=0.01)
-        assert found.loc[number, "life"] == pytest.approx(lives.min(), rel=1e-3)
+            assert found[number][f"life_{region}".replace(" ", "_")] == pytest.approx(hours, rel=0.01)
+        assert found[number]["life"] == pytest.approx(lives.min(), rel=1e-3)
 
 
 def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
@@ -385,9 +385,9 @@ def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
     scatter = read_scatter(drawn_duty)
     found, duty = scatter.lives(), scatter.duties[3].with_(changes_an_hour=0.0)
     table = life(duty).table.set_index("region")
-    assert found.loc[3, "life_web"] <= table.loc["web", "life in h, defect"] * 1.001
+    assert found[3]["life_web"] <= table.loc["web", "life in h, defect"] * 1.001
     longer = table.loc["web"].filter(like="life in h that")
-    assert found.loc[3, "life_web"] < 0.9 * longer.item()
+    assert found[3]["life_web"] < 0.9 * longer.item()
 
 
 def test_a_scatter_over_a_duty_leaves_what_a_sweep_leaves(drawn_duty, tmp_path):

@@ -35,8 +35,8 @@ def series_of(data, case, label, item, axis):
     packed = data["cases"][case]
     quantity = next(q for q in packed["quantities"] if q["label"] == label)
     index, values = quantity["series"][quantity["items"].index(item)][quantity["axes"].index(axis)]
-    times = unpacked(packed["times"][quantity["time"]], "f4")
-    return times[unpacked(index, quantity["index"])], unpacked(values, "f4")
+    times = unpacked(packed["time"], "f4")
+    return times[unpacked(index, packed["index"])], unpacked(values, "f4")
 
 
 @pytest.fixture(scope="module")

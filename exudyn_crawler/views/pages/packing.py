@@ -17,6 +17,8 @@ from exudyn_crawler.views.scenes.scene import Scene, Solid
 
 SERIES_BYTES = 4_500_000  # size on the page that all series together may have
 BYTES_A_POINT = 6 * 4 / 3  # a 16-bit number of the time and a 32-bit value, in base64
+Kept = dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray]]]
+"""Of every item and axis of a quantity, part by part of a run: indices of stored times, and values there."""
 LEAST_POINTS, MOST_POINTS, FEW = 200, 4000, 5
 """Points that a series keeps at least and at most; items of many that are drawn at first."""
 
@@ -119,16 +121,20 @@ def packed_curves(
     points = int(np.clip(SERIES_BYTES / BYTES_A_POINT / max(count, 1), LEAST_POINTS, MOST_POINTS))
     cases = {}
     for name, history in histories.items():
-        times: list[np.ndarray] = []
-        kept = {label: _Kept() for label in offered[name]}
+        kept: dict[str, Kept] = {label: {} for label in offered[name]}
+        start, width = 0, bin_width(history.time.size, points)
         for part, own in history.parts(stresses.get(name)):
             for label, series in figures.history_series(part, own).items():
-                kept[label].add(series.values, bin_width(history.time.size, points))
-        quantities = [_packed_series(one, kept[label], times) for label, one in offered[name].items()]
-        phases = common_phases(history)
+                whole = series.values.transpose("item", "axis", "time").values
+                for at in np.ndindex(whole.shape[:2]):
+                    few = thinned(whole[at], width)
+                    kept[label].setdefault(at, []).append((start + few, whole[at][few]))
+            start += part.time.size
+        kind, phases = "u2" if start < 2**16 else "u4", common_phases(history)
         cases[name] = {
-            "times": [packed(time, "f4") for time in times],
-            "quantities": quantities,
+            "time": packed(history.time.values, "f4"),
+            "index": kind,
+            "quantities": [_packed_series(one, kept[label], kind) for label, one in offered[name].items()],
             "phases": [phase._asdict() for phase in phases] if len(phases) > 1 else [],
         }
     most = max((one.time.size for one in histories.values()), default=0)
@@ -163,45 +169,18 @@ def thinned(values: np.ndarray, width: int) -> np.ndarray:
     return np.unique(np.minimum(kept, n - 1))
 
 
-class _Kept:
-    """What stays of a quantity's series: times of all, and indices and values of every item and axis."""
-
-    def __init__(self) -> None:
-        self.times: list[np.ndarray] = []
-        self.series: dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray]]] = {}
-
-    def add(self, values: xr.DataArray, width: int) -> None:
-        """Add those of the next part of the run."""
-        start = sum(map(len, self.times))
-        self.times.append(values.time.values)
-        whole = values.transpose("item", "axis", "time").values
-        for at in np.ndindex(whole.shape[:2]):
-            few = thinned(whole[at], width)
-            self.series.setdefault(at, []).append((start + few, whole[at][few]))
-
-
-def _packed_series(series: figures.Series, kept: _Kept, times: list[np.ndarray]) -> dict[str, object]:
-    """Quantity for the page: names, and for every item and axis packed indices of time and values.
-
-    Its stored times are those of the same number in `times`, to which they are added where they are new.
-    """
-    time = np.concatenate(kept.times)
-    same = next((k for k, one in enumerate(times) if np.array_equal(one, time)), len(times))
-    if same == len(times):
-        times.append(time)
-    kind = "u2" if len(time) < 2**16 else "u4"
+def _packed_series(series: figures.Series, kept: Kept, kind: str) -> dict[str, object]:
+    """Quantity for the page: names, and for every item and axis packed indices of time and values."""
     rows: list[list[list[str]]] = [[[] for _ in series.values.axis] for _ in series.items]
-    for (item, axis), parts in kept.series.items():
+    for (item, axis), parts in kept.items():
         few, values = (np.concatenate(one) for one in zip(*parts, strict=True))
         rows[item][axis] = [packed(few, kind), packed(values, "f4")]
     return {
         **_as_they_are(series, "group", "label", "unit", "items"),
         "floor": style.negligible(series.unit),
         "axes": [str(axis) for axis in series.values.axis.values],
-        "index": kind,
         "drawn": _drawn(series),
         "series": rows,
-        "time": same,
     }
 
 

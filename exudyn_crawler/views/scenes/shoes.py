@@ -142,15 +142,8 @@ def first_frame(stress: xr.Dataset) -> int:
     return peaks[0] if peaks else int(stress.frame_von_mises.max(("shoe", "node")).values.argmax())
 
 
-def stress_picture(
-    stress: xr.Dataset, history: History, frame: float, scales: Scales | None = None
-) -> Figure:
-    """All flexible shoes at a chosen time (s), else a ValueError: each from two sides, and all in place."""
-    if not np.isclose(stress.frame.values, frame, rtol=0.0, atol=1e-6).any():
-        times = stress.frame.values.tolist()
-        raise ValueError(f"frame must be one of the chosen times {times}, got {frame:g}")
-    frame = float(stress.frame.sel(frame=frame, method="nearest"))
-    scales = scales or Scales.of(stress, history)
+def stress_picture(stress: xr.Dataset, history: History, frame: float, scales: Scales) -> Figure:
+    """All flexible shoes at a chosen time (s): each from two sides, and all in place."""
     scene = stress_scene(stress.sel(frame=[frame]), history, scales)
     count = stress.sizes["shoe"]
     tall = HEAD + ROW * count + STRIP + FOOT

@@ -88,10 +88,10 @@ class SeriesPlot {
   series(item, axis) {
     const key = [this.case, this.quantity.label, item, axis].join("|");
     if (!this.cache.has(key)) {
-      const time = unpack(data.cases[this.case].times[this.quantity.time], "f4");
+      const shown = data.cases[this.case], time = unpack(shown.time, "f4");
       const [index, values] = this.quantity.series[item][axis];
       this.cache.set(key, {
-        x: Float32Array.from(unpack(index, this.quantity.index), (k) => time[k]),
+        x: Float32Array.from(unpack(index, shown.index), (k) => time[k]),
         y: unpack(values, "f4"),
       });
     }
