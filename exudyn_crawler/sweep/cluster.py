@@ -108,7 +108,7 @@ def run_alone(task: Task) -> Outcome:
 def outcomes(
     client: distributed.Client, tasks: Iterator[Task], run: Callable[[Task], Outcome] = run_alone
 ) -> Iterator[Outcome]:
-    """Outcomes as they come; `VersionsDiffer` for a late worker, `ConnectionError` for a lost scheduler."""
+    """Outcomes as they come; raises as `check_versions`, and ConnectionError if the scheduler is lost."""
     running = distributed.as_completed(loop=client.loop, raise_errors=False)
     held: dict[str, Task] = {}
 

@@ -27,10 +27,6 @@ Outcome = dict[str, Any]
 wall_time_s, processor_time_s, host, process and finished."""
 
 
-class VersionsDiffer(errors.CrawlerError, ValueError):  # noqa: N818 - it says what is the matter
-    """A worker would not compute what the client asks for."""
-
-
 @dataclass(frozen=True)
 class Task:
     """What a worker needs to know of a run."""
@@ -53,15 +49,15 @@ def own_versions() -> dict[str, str]:
 
 
 def check_versions(wanted: dict[str, str], there: dict[str, str], where: str) -> None:
-    """Refuse, by `VersionsDiffer`, a worker whose versions are not the client's."""
+    """Refuse, by a ValueError, a worker whose versions are not the client's."""
     pairs = [(name, there.get(name, "missing"), here) for name, here in wanted.items()]
     differing = [f"{name} {other} there, {here} here" for name, other, here in pairs if other != here]
     if differing:
-        raise VersionsDiffer(f"worker {where} has other versions: {', '.join(differing)}")
+        raise ValueError(f"worker {where} has other versions: {', '.join(differing)}")
 
 
 def run_task(task: Task) -> Outcome:
-    """Run a case into its folder, or what is missing of it, and answer; raises `VersionsDiffer` alone."""
+    """Run a case into its folder, or what is missing of it, and answer; raises as `check_versions` alone."""
     check_versions(task.versions, own_versions(), platform.node())
     begun, computed = time.perf_counter(), time.process_time()
     failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED

@@ -11,7 +11,6 @@ from exudyn_crawler.sweep import worker
 from exudyn_crawler.sweep.worker import (
     OUTCOME,
     Task,
-    VersionsDiffer,
     check_versions,
     folder_of,
     own_versions,
@@ -110,12 +109,10 @@ def test_a_run_that_another_process_works_at_is_waited_for(tmp_path, monkeypatch
 
 def test_a_worker_of_other_versions_is_refused(tmp_path):
     other = own_versions() | {"exudyn": "0.1", "Python": "2.7"}
-    with pytest.raises(
-        VersionsDiffer, match=r"other versions: Python .* there, 2\.7 here, exudyn .* there, 0"
-    ):
+    with pytest.raises(ValueError, match=r"other versions: Python .* there, 2\.7 here, exudyn .* there, 0"):
         run_task(task_of(tmp_path, versions=other))
     assert not any(tmp_path.iterdir())
-    with pytest.raises(VersionsDiffer, match="numpy missing there"):
+    with pytest.raises(ValueError, match="numpy missing there"):
         check_versions({"numpy": "2"}, {}, "host")
     check_versions(own_versions(), dict(own_versions()), "host")
 
