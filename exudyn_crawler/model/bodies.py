@@ -115,6 +115,16 @@ def _column(tensor: FloatArray, a: int, k: int) -> Vector:
     return tensor[a, k, 0], tensor[a, k, 1], tensor[a, k, 2]
 
 
+@solving_within
+def _add_products(products: FloatArray, state: FloatArray, shifts: FloatArray, speeds: FloatArray) -> None:
+    """Add the products (m, 9 m) of the modes times their coordinates and rates, which are read together."""
+    for j in range(products.shape[0]):
+        of_mode, z, z_t = products[j], state[0, 6 + j], state[1, 6 + j]
+        for i in range(of_mode.shape[0]):
+            shifts[i] += z * of_mode[i]
+            speeds[i] += z_t * of_mode[i]
+
+
 @solving_allocating
 def _bend(
     modes: Modes,
@@ -130,7 +140,8 @@ def _bend(
     in the body's axes.
     """
     m, w = modes.stiffness.shape[0], motion.omega
-    bent = np.dot(np.ascontiguousarray(state[:2, 6 : 6 + m]), modes.products)
+    bent = np.zeros((2, 9 * m))
+    _add_products(modes.products, state, bent[0], bent[1])
     shifts, speeds = bent[0].reshape((3, m, 3)), bent[1].reshape((3, m, 3))
     places = modes.places.reshape((3, m, 3))
     force, levers = (0.0, 0.0, 0.0), np.empty((3, 3))
@@ -247,12 +258,12 @@ def add_body_matrix(
 
 @solving_inside
 def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> None:
-    """Write the coordinates of a body and its modes, or zeros, into one row (6 + m,)."""
+    """Write the coordinates of a body and its modes into one row (6 + m,); without modes these stay."""
     first, modal = bodies.coordinate[b], bodies.modal[b]
     for k in range(6):
         out[k] = values[first + k]
-    for k in range(6, out.shape[0]):
-        out[k] = values[modal + k - 6] if modal >= 0 else 0.0
+    for k in range(6, out.shape[0] if modal >= 0 else 6):
+        out[k] = values[modal + k - 6]
 
 
 @solving_inside

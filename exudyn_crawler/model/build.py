@@ -344,11 +344,6 @@ class _Builder:
         )
 
 
-SMALL = 16
-"""Unknowns of a group of a closed track that is eliminated by plain loops: more than a link of two pins has.
-Open tracks keep to LAPACK, and so to the last digits of what was run before."""
-
-
 def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fronts, FrontRows]:
     """Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers.
 
@@ -391,11 +386,11 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
         couplings += [[*coordinates[shoe], *coordinates[tumbler]] for shoe, tumbler in met]
     if tables.pull is not None:
         couplings += [[*shoe, others[0]] for shoe in coordinates[:shoes]]
-    order, small = sorted(chain), 0
+    order = sorted(chain)
     if tables.closed is not None:
-        order, small = sorted(order, key=lambda link: link & -link), SMALL
+        order.sort(key=lambda link: link & -link)
     groups = [*coordinates[:shoes], *(chain[link] for link in order), [*terrain, *frames, *others]]
-    fronts = fronts_of(groups, couplings, small)
+    fronts = fronts_of(groups, couplings)
     places = [{unknown: k for k, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.own))]
     last = len(fronts.own) - 1
     return fronts, FrontRows(

@@ -474,9 +474,10 @@ class CompiledSystem(TrackSystem):
 
     def _hand_over(self, to: "exu.ConfigurationType") -> None:
         data = self.mbs.systemData
-        data.SetODE2Coordinates(self._state[0], to)
-        data.SetODE2Coordinates_t(self._state[1], to)
-        data.SetODE2Coordinates_tt(self._state[2], to)
+        q, q_t, q_tt = self._state.tolist()  # lists, which Exudyn reads faster than arrays
+        data.SetODE2Coordinates(q, to)
+        data.SetODE2Coordinates_t(q_t, to)
+        data.SetODE2Coordinates_tt(q_tt, to)
 
 
 def compiled_system(case: Case) -> CompiledSystem:

@@ -31,6 +31,9 @@ solving_within = compiler(Path(__file__).parent, *SOURCES, **_OPTIONS, _nrt=Fals
 solving_inside = compiler(Path(__file__).parent, *SOURCES, **_OPTIONS, _nrt=False, forceinline=True)
 """The same, made part of its callers: handing over tables takes longer than what short functions do."""
 
+solving_viewing = compiler(Path(__file__).parent, *SOURCES, error_model="numpy", inline="always")
+"""Compiles what gives a view: it is made within the callers, and counted only where these count."""
+
 
 class Fronts(NamedTuple):
     """Fronts in the order of their elimination; one array has the values of all of them, then their marks."""
@@ -41,7 +44,6 @@ class Fronts(NamedTuple):
     place: IntArray  # (fronts + 1,): where a front's square matrix starts among all values, row by row
     parent: IntArray  # (fronts,): front that takes what is left, -1 where nothing is
     into: IntArray  # (entries,): row in the parent's matrix of every unknown that is left
-    small: int = 0  # groups of at most so many unknowns are eliminated by plain loops, larger ones by LAPACK
 
     @property
     def size(self) -> int:
@@ -53,7 +55,7 @@ class Fronts(NamedTuple):
         return self.unknowns[self.first[front] : self.first[front + 1]].tolist()
 
 
-def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]], small: int = 0) -> Fronts:
+def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]]) -> Fronts:
     """Fronts of equations whose groups of unknowns are eliminated in the given order.
 
     Each unknown is in one of the `groups`. `couplings` are sets of unknowns that equations couple with each
@@ -84,38 +86,24 @@ def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]
         np.concatenate(([0], np.cumsum(sizes**2))),
         np.array(parents),
         np.array(into),
-        small,
     )
 
 
-@solving
+@solving_viewing
 def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
     """Matrix of front k, a view of the array of values."""
     n = places.first[k + 1] - places.first[k]
     return values[places.place[k] : places.place[k + 1]].reshape((n, n))
 
 
-@solving
+@solving_viewing
 def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
-    """Marks of front k, a view: not zero for each row behind its own that has a term, beside it or below."""
+    """Marks of front k, a view: not zero for each row behind its own that has a term, beside it or below.
+
+    Those of its own rows are above 1 after its elimination: rows that were exchanged with these, 2 added.
+    """
     start = places.place[-1]
     return values[start + places.first[k] : start + places.first[k + 1]]
-
-
-@solving_allocating
-def clear(places: Fronts, values: FloatArray) -> None:
-    """Take the terms out of all fronts: few of their rows and columns have any."""
-    rows = np.empty(places.unknowns.shape[0], dtype=np.int64)
-    for k in range(places.own.shape[0]):
-        at, n, met = places.place[k], places.first[k + 1] - places.first[k], marks(places, values, k)
-        own = places.own[k]
-        count = own + _met(met, own, rows[own:])
-        for r in range(own):
-            rows[r] = r
-        for r in range(count):
-            for c in range(count):
-                values[at + rows[r] * n + rows[c]] = 0.0
-        met.fill(0.0)
 
 
 @solving_inside
@@ -129,76 +117,101 @@ def _met(met: FloatArray, own: int, rows: IntArray) -> int:
     return count
 
 
-@solving_within
-def _invert(values: FloatArray, at: int, n: int, own: int, pivots: IntArray) -> None:
-    """Invert the first rows and columns of a front in place (Gauss and Jordan, rows exchanged).
+@solving_allocating
+def clear(places: Fronts, values: FloatArray) -> None:
+    """Take the terms or what `eliminate` left out of all fronts."""
+    rows = np.empty(places.unknowns.shape[0], dtype=np.int64)
+    for k in range(places.own.shape[0]):
+        met, own, at = marks(places, values, k), places.own[k], places.place[k]
+        size = own * (own + 2 * _met(met, own, rows))
+        values[at : at + size if met[0] > 1.0 else places.place[k + 1]] = 0.0
+        met[:] = 0.0
 
-    The front starts at a place of the values and has n columns.
+
+@solving_inside
+def _pivot(matrix: FloatArray, left: int, k: int, exchanged: FloatArray) -> None:
+    """Bring the greatest pivot of column k into its row; above it, leave the factors that take it off."""
+    p = k
+    for r in range(left, k):
+        if abs(matrix[r, k]) > abs(matrix[p, k]):
+            p = r
+    exchanged[k - left] = 2.0 + p
+    for c in range(matrix.shape[1] if p != k else 0):
+        matrix[p, c], matrix[k, c] = matrix[k, c], matrix[p, c]
+    if matrix[k, k] == 0.0:
+        raise np.linalg.LinAlgError("Matrix is singular to machine precision.")
+    matrix[k, k] = 1.0 / matrix[k, k]
+    for r in range(k):
+        matrix[r, k] *= matrix[k, k]
+
+
+@solving_within
+def _factor(matrix: FloatArray, own: int, exchanged: FloatArray) -> None:
+    """Factor the last `own` rows and columns in place, from the last one up (Gauss).
+
+    What is left of the others stands in their place, reciprocal pivots on the diagonal. Two rows at a time
+    are taken off those above, which are read and written half as often.
     """
-    for k in range(own):
-        p, to = k, at + k * n
-        for r in range(k + 1, own):
-            if abs(values[at + r * n + k]) > abs(values[at + p * n + k]):
-                p = r
-        pivots[k], pivot = p, values[at + p * n + k]
-        if pivot == 0.0:
-            raise np.linalg.LinAlgError("Matrix is singular to machine precision.")
-        for c in range(own if p != k else 0):
-            values[at + p * n + c], values[to + c] = values[to + c], values[at + p * n + c]
-        values[to + k] = 1.0
+    k = matrix.shape[0] - 1
+    left = k + 1 - own
+    while k > left:
+        lower, upper, m = matrix[k], matrix[k - 1], k - 1
+        _pivot(matrix, left, k, exchanged)
+        for r in range(k):
+            matrix[r, m] -= matrix[r, k] * lower[m]
+        _pivot(matrix, left, m, exchanged)
+        for c in range(m):
+            upper[c] -= upper[k] * lower[c]
+        for r in range(m):
+            row = matrix[r]
+            by_lower, by_upper = row[k], row[m]
+            if by_lower != 0.0 or by_upper != 0.0:
+                for c in range(m):
+                    row[c] -= by_lower * lower[c] + by_upper * upper[c]
+        k -= 2
+    if k == left:
+        _pivot(matrix, left, k, exchanged)
+        for r in range(k):
+            for c in range(k):
+                matrix[r, c] -= matrix[r, k] * matrix[k, c]
+
+
+@solving_within
+def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scratch: FloatArray) -> None:
+    """Eliminate a front: gathered without the rows that have no term, factored, and stored again.
+
+    From its start there are, for each of its own unknowns, its row of the factored matrix and its column of
+    what is left.
+    """
+    matrix, met, parent = front(places, values, k), marks(places, values, k), places.parent[k]
+    own, at = places.own[k], places.place[k]
+    left = _met(met, own, rows)
+    n = left + own
+    dense = scratch[: n * n].reshape((n, n))
+    for r in range(n):
+        row, to = matrix[rows[r] if r < left else r - left], dense[r]
+        for c in range(left):
+            to[c] = row[rows[c]]
         for c in range(own):
-            values[to + c] /= pivot
-        for r in range(own):
-            row = at + r * n
-            factor = values[row + k] if r != k else 0.0
-            if factor != 0.0:
-                values[row + k] = 0.0
-                for c in range(own):
-                    values[row + c] -= factor * values[to + c]
-    for k in range(own - 1, -1, -1):
-        p = pivots[k]
-        for r in range(own if p != k else 0):
-            row = at + r * n
-            values[row + k], values[row + p] = values[row + p], values[row + k]
-
-
-@solving_within
-def _eliminate_small(
-    values: FloatArray,
-    front: tuple[int, int, int],
-    rows: IntArray,
-    above: tuple[int, int],
-    into: IntArray,
-    scratch: tuple[IntArray, FloatArray, FloatArray, FloatArray],
-) -> None:
-    """Eliminate the own unknowns of a small front by plain loops.
-
-    `front` and `above` are where it and its parent start among the values and how many columns they have,
-    the former with the number of its own; `rows` (count,) are the rows that are left, and `into` theirs in
-    the parent. Places of numbers are reckoned here: views of rows would take longer than what is done.
-    """
-    (at, n, own), (top, width), (pivots, beside, right, taken) = front, above, scratch
-    count = rows.shape[0]
-    for i in range(own):
-        for j in range(count):
-            beside[i, j], right[i, j] = values[at + i * n + rows[j]], 0.0
-    _invert(values, at, n, own, pivots)
-    for i in range(own):
-        for k in range(own):
-            factor = values[at + i * n + k]
-            for j in range(count):
-                right[i, j] += factor * beside[k, j]
-        for j in range(count):
-            values[at + i * n + rows[j]] = right[i, j]
-    for i in range(count if top >= 0 else 0):
-        row, to = at + rows[i] * n, top + into[i] * width
-        taken.fill(0.0)
-        for k in range(own):
-            factor = values[row + k]
-            for j in range(count):
-                taken[j] += factor * right[k, j]
-        for j in range(count):
-            values[to + into[j]] += values[row + rows[j]] - taken[j]
+            to[left + c] = row[c]
+        row[:] = 0.0
+    _factor(dense, own, met)
+    for r in range(left, n):
+        row, to = dense[r], values[at : at + n + left]
+        for c in range(n):
+            to[c] = row[c]
+        for c in range(left):
+            to[n + c] = dense[c, r]
+        at += n + left
+    if parent >= 0:
+        higher, above = front(places, values, parent), marks(places, values, parent)
+        for r in range(left):
+            rows[r] = places.into[places.first[k] + rows[r]]
+            above[rows[r]] = 1.0
+        for r in range(left):
+            row, to = dense[r], higher[rows[r]]
+            for c in range(left):
+                to[rows[c]] += row[c]
 
 
 @solving
@@ -210,72 +223,67 @@ def eliminate(fronts: tuple, values: FloatArray) -> None:
     that they do not touch now: rows without any term are left out.
     """
     places = Fronts(*fronts)
-    most = places.unknowns.shape[0]
-    rows, into, pivots = np.empty((3, most), dtype=np.int64)
-    wide = np.max(places.first[1:] - places.first[:-1])
-    beside, right, taken = np.empty((places.small, wide)), np.empty((places.small, wide)), np.empty(wide)
+    n = np.max(places.first[1:] - places.first[:-1])
+    rows, scratch = np.empty(n, dtype=np.int64), np.empty(n * n)
     for k in range(places.own.shape[0]):
-        own, parent, first = places.own[k], places.parent[k], places.first[k]
-        count = _met(marks(places, values, k), own, rows)
-        for i in range(count if parent >= 0 else 0):
-            into[i] = places.into[first + rows[i]]
-            marks(places, values, parent)[into[i]] = 1.0
-        if own <= places.small:
-            above, width = -1, 0
-            if parent >= 0:
-                above, width = places.place[parent], places.first[parent + 1] - places.first[parent]
-            this = places.place[k], places.first[k + 1] - first, own
-            scratch = pivots, beside, right, taken
-            _eliminate_small(values, this, rows[:count], (above, width), into, scratch)
-            continue
-        matrix = front(places, values, k)
-        below, across = np.empty((count, own)), np.empty((own, count))
-        for i in range(own):
-            for j in range(count):
-                below[j, i], across[i, j] = matrix[rows[j], i], matrix[i, rows[j]]
-        inverse = np.linalg.inv(np.ascontiguousarray(matrix[:own, :own]))
-        solved = np.dot(inverse, across)
-        for i in range(own):
-            for j in range(own):
-                matrix[i, j] = inverse[i, j]
-            for j in range(count):
-                matrix[i, rows[j]] = solved[i, j]
-        if parent < 0:
-            continue
-        away = np.dot(below, solved)
-        higher = front(places, values, parent)
-        for i in range(count):
-            row, to = matrix[rows[i]], higher[into[i]]
-            for j in range(count):
-                to[into[j]] += row[rows[j]] - away[i, j]
+        _eliminate(places, values, k, rows, scratch)
+
+
+@solving_within
+def _gather(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> int:
+    """Write the unknowns of a front, those that are left first, and their values; give how many are left."""
+    unknowns, own = places.unknowns[places.first[k] :], places.own[k]
+    left = _met(marks(places, values, k), own, at)
+    for r in range(left):
+        at[r] = unknowns[at[r]]
+    for r in range(own):
+        at[left + r] = unknowns[r]
+    for r in range(left + own):
+        y[r] = x[at[r]]
+    return left
+
+
+@solving_within
+def _forward(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
+    """Take the own unknowns of a front out of the right-hand sides of those that are left."""
+    left, met, start = _gather(places, values, k, x, at, y), marks(places, values, k), places.place[k]
+    n = left + places.own[k]
+    for r in range(n - 1, left - 1, -1):
+        p = int(met[r - left]) - 2
+        y[r], y[p] = y[p], y[r]
+    for r in range(n - 1, left - 1, -1):
+        first = start + (r - left) * (n + left)
+        row, column = values[first : first + n], values[first + n : first + n + left]
+        s = y[r]
+        for c in range(r + 1, n):
+            s -= row[c] * y[c]
+        y[r] = s
+        for c in range(left):
+            y[c] -= s * column[c]
+    for r in range(n):
+        x[at[r]] = y[r]
+
+
+@solving_within
+def _back(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
+    """Find the own unknowns of a front from those that are left."""
+    left, start = _gather(places, values, k, x, at, y), places.place[k]
+    n = left + places.own[k]
+    for r in range(left, n):
+        row = values[start + (r - left) * (n + left) : places.place[k + 1]]
+        s = y[r]
+        for c in range(r):
+            s -= row[c] * y[c]
+        y[r] = x[at[r]] = row[r] * s
 
 
 @solving
 def solve(fronts: tuple, values: FloatArray, x: FloatArray) -> None:
     """Turn a right-hand side (unknowns,) into the solution, in place, after `eliminate`."""
     places = Fronts(*fronts)
-    y, rows = np.empty(places.unknowns.shape[0]), np.empty(places.unknowns.shape[0], dtype=np.int64)
+    n = np.max(places.first[1:] - places.first[:-1])
+    y, at = np.empty(n), np.empty(n, dtype=np.int64)
     for k in range(places.own.shape[0]):
-        matrix, own = front(places, values, k), places.own[k]
-        at = places.unknowns[places.first[k] : places.first[k + 1]]
-        for i in range(own):
-            s = 0.0
-            for j in range(own):
-                s += matrix[i, j] * x[at[j]]
-            y[i] = s
-        for i in range(own):
-            x[at[i]] = y[i]
-        for m in range(_met(marks(places, values, k), own, rows)):
-            s = 0.0
-            for j in range(own):
-                s += matrix[rows[m], j] * y[j]
-            x[at[rows[m]]] -= s
+        _forward(places, values, k, x, at, y)
     for k in range(places.own.shape[0] - 1, -1, -1):
-        matrix, own = front(places, values, k), places.own[k]
-        at = places.unknowns[places.first[k] : places.first[k + 1]]
-        count = _met(marks(places, values, k), own, rows)
-        for i in range(own):
-            s = 0.0
-            for m in range(count):
-                s += matrix[i, rows[m]] * x[at[rows[m]]]
-            x[at[i]] -= s
+        _back(places, values, k, x, at, y)

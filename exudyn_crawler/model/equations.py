@@ -12,7 +12,7 @@ and not accuracy.
 
 import numpy as np
 
-from exudyn_crawler.ground.rotations import FloatArray, ForceRows, Weights
+from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import (
     Bodies,
     Inertia,
@@ -22,7 +22,15 @@ from exudyn_crawler.model.bodies import (
     attitude_of,
     write_angles,
 )
-from exudyn_crawler.model.elimination import clear, front, marks, solving, solving_allocating, solving_within
+from exudyn_crawler.model.elimination import (
+    Fronts,
+    clear,
+    front,
+    marks,
+    solving,
+    solving_allocating,
+    solving_within,
+)
 from exudyn_crawler.model.forces.cells import cell_forces
 from exudyn_crawler.model.forces.loads import add_loads
 from exudyn_crawler.model.forces.teeth import teeth_contacts
@@ -40,17 +48,16 @@ from exudyn_crawler.model.joints import (
     write_pull,
     write_turned,
 )
-from exudyn_crawler.model.tables import Inputs, Tables, Workspace, named_tables
+from exudyn_crawler.model.tables import FrontRows, Inputs, Tables, Workspace, named_tables
 
 STIFFNESS = 1e9
 """N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
 within a step of some ms takes of a shoe's mass."""
 
 
-@solving_allocating
-def _add_rows(bodies: Bodies, rows: ForceRows, count: int, residual: FloatArray) -> None:
-    """Take the forces of elements on their bodies off the residual."""
-    row = np.empty(rows.jacobian.shape[3])
+@solving_within
+def _add_rows(bodies: Bodies, rows: ForceRows, count: int, row: FloatArray, residual: FloatArray) -> None:
+    """Take the forces of elements on their bodies off the residual; `row` (6 + m,) is scratch."""
     for p in range(count):
         for side in range(2):
             b = rows.bodies[p, side]
@@ -188,7 +195,7 @@ def residual(
     weights, work = Weights(*factors), Workspace(*workspace)
     units, bodies = UnitWorkspace(*work.units), tables.bodies
     # scratch: coordinates of bodies and their modes, rates, accelerations, forces
-    rows, tensor = np.empty((4, work.jacobian.shape[2])), np.empty((3, 3))
+    rows, tensor = np.zeros((4, work.jacobian.shape[2])), np.empty((3, 3))
     out.fill(0.0)
     # elements leave those of other weights, which would be taken for masses
     if weights.acceleration != 0.0 and weights.position == weights.velocity == 0.0:
@@ -201,7 +208,7 @@ def residual(
     cell_forces(tables.cells, bodies, state, weights, work.cells)
     _gear_contacts(tables, state, inputs, weights, work)
     for kind in range(len(work.elements)):
-        _add_rows(bodies, ForceRows(*work.elements[kind]), work.counts[kind], out)
+        _add_rows(bodies, ForceRows(*work.elements[kind]), work.counts[kind], rows[0], out)
     inertias = work.first, work.second, work.turning
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, rows, tensor, out)
     contacts = ForceRows(*work.elements[0])
@@ -232,77 +239,99 @@ def gear_contacts(
     _gear_contacts(tables, state, Inputs(*arguments), Weights(*factors), Workspace(*workspace))
 
 
-@solving_allocating
-def _block_motions(
-    terrain: TerrainTable, rows: ForceRows, first: int, last: int, sizes: tuple[int, int, int]
-) -> FloatArray:
-    """Motions of elements of the same bodies by the coordinates of these and the terrain's, row under row."""
+@solving_within
+def _write_motions(
+    terrain: TerrainTable,
+    rows: ForceRows,
+    first: int,
+    sizes: tuple[int, int, int],
+    motions: FloatArray,
+    forces: FloatArray,
+) -> None:
+    """Write motions of elements by the coordinates of their bodies and the terrain's, row under row.
+
+    The first of the elements is given; `forces` get their tangents times these motions.
+    """
     kinds = rows.wrench.shape[1]
-    out = np.empty((kinds * (last - first), sizes[0] + sizes[1] + sizes[2]))
-    for p in range(first, last):
-        for r in range(kinds):
-            at = kinds * (p - first) + r
-            for c in range(sizes[0]):
-                out[at, c] = rows.jacobian[p, 0, r, c]
-            for c in range(sizes[1]):
-                out[at, sizes[0] + c] = rows.jacobian[p, 1, r, c]
-            heave, tilt, u = rows.unit_jacobian[p, r, 0], rows.unit_jacobian[p, r, 1], rows.unit[p]
-            for k in range(sizes[2]):
-                by_unit = heave * terrain.heave[u, k] + tilt * terrain.tilt[u, k]
-                out[at, sizes[0] + sizes[1] + k] = by_unit
-    return out
+    forces[:] = 0.0
+    for at in range(motions.shape[0]):
+        p, r = first + at // kinds, at % kinds
+        row, force = motions[at], forces[at]
+        second, of_terrain = row[sizes[0] :], row[sizes[0] + sizes[1] :]
+        for c in range(sizes[0]):
+            row[c] = rows.jacobian[p, 0, r, c]
+        for c in range(sizes[1]):
+            second[c] = rows.jacobian[p, 1, r, c]
+        heave, tilt, u = rows.unit_jacobian[p, r, 0], rows.unit_jacobian[p, r, 1], rows.unit[p]
+        for k in range(sizes[2]):
+            of_terrain[k] = heave * terrain.heave[u, k] + tilt * terrain.tilt[u, k]
+        for k in range(kinds):
+            factor, force = rows.tangent[p, k, r], forces[at - r + k]
+            # a node of a grid knows its neighbours alone
+            if factor != 0.0:
+                for c in range(row.shape[0]):
+                    force[c] += factor * row[c]
 
 
-@solving_allocating
-def _block(rows: ForceRows, first: int, last: int, motions: FloatArray) -> FloatArray:
-    """Tangents of elements by the coordinates of their motions: ``J^T K J``."""
-    kinds, forces = rows.wrench.shape[1], np.zeros_like(motions)
-    for p in range(first, last):
-        at = kinds * (p - first)
-        for r in range(kinds):
-            for k in range(kinds):
-                factor = rows.tangent[p, r, k]
-                # a node of a grid knows its neighbours alone
-                if factor != 0.0:
-                    for c in range(motions.shape[1]):
-                        forces[at + r, c] += factor * motions[at + k, c]
-    return np.dot(motions.T, forces)
+@solving_within
+def _add_block(
+    places: FrontRows,
+    fronts: Fronts,
+    numbers: tuple[int, int, int],
+    sizes: tuple[int, int, int],
+    block: FloatArray,
+    into: IntArray,
+    values: FloatArray,
+) -> None:
+    """Add a tangent by the coordinates of two bodies and the terrain; `numbers` are of front and bodies."""
+    f, a, b = numbers
+    matrix, met, n = front(fronts, values, f), marks(fronts, values, f), block.shape[0]
+    for c in range(sizes[0]):
+        into[c] = places.body[f, a] + c
+    for c in range(sizes[1]):
+        into[sizes[0] + c] = places.body[f, b] + c
+    for c in range(sizes[2]):
+        into[sizes[0] + sizes[1] + c] = places.terrain[f] + c
+    for r in range(n):
+        row, to = block[r], matrix[into[r]]
+        for c in range(n):
+            if row[c] != 0.0:
+                to[into[c]] += row[c]
+                met[into[r]] = met[into[c]] = 1.0
 
 
 @solving_allocating
 def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArray) -> None:
-    """Add the tangents of elements, those of the same bodies that follow each other at once."""
-    places, modal, terrain, fronts = tables.rows, tables.bodies.modal, tables.terrain, tables.fronts
-    m, first = rows.jacobian.shape[3], np.int64(0)
-    into = np.empty(2 * m + terrain.heave.shape[1], dtype=np.int64)
-    while first < count:
-        last = first + 1
+    """Add the tangents of elements, those of the same bodies that follow each other at once: ``J^T K J``."""
+    if count == 0:
+        return
+    places, modal, terrain, first = tables.rows, tables.bodies.modal, tables.terrain, 0
+    kinds, m = rows.jacobian.shape[2:]
+    width = 2 * m + terrain.heave.shape[1]
+    into, scratch = np.empty(width, dtype=np.int64), np.empty((3, max(kinds * count, width) * width))
+    for last in range(1, count + 1):
         a, b = rows.bodies[first, 0], rows.bodies[first, 1]
-        while last < count and rows.bodies[last, 0] == a and rows.bodies[last, 1] == b:
-            last += 1
-        f = places.front[a] if b < 0 else min(places.front[a], places.front[b])
+        if last < count and rows.bodies[last, 0] == a and rows.bodies[last, 1] == b:
+            continue
         sizes = (
             m if modal[a] >= 0 else 6,
             0 if b < 0 else (m if modal[b] >= 0 else 6),
             terrain.heave.shape[1] if rows.unit[first] >= 0 else 0,
         )
-        for c in range(sizes[0]):
-            into[c] = places.body[f, a] + c
-        for c in range(sizes[1]):
-            into[sizes[0] + c] = places.body[f, b] + c
-        for c in range(sizes[2]):
-            into[sizes[0] + sizes[1] + c] = places.terrain[f] + c
-        block = _block(rows, first, last, _block_motions(terrain, rows, first, last, sizes))
-        matrix, met = front(fronts, values, f), marks(fronts, values, f)
-        for r in range(block.shape[0]):
-            for c in range(block.shape[1]):
-                if block[r, c] != 0.0:
-                    matrix[into[r], into[c]] += block[r, c]
-                    met[into[r]] = met[into[c]] = 1.0
+        n, length = sizes[0] + sizes[1] + sizes[2], kinds * (last - first)
+        motions, forces = (
+            scratch[0, : n * length].reshape((length, n)),
+            scratch[1, : n * length].reshape((length, n)),
+        )
+        block = scratch[2, : n * n].reshape((n, n))
+        _write_motions(terrain, rows, first, sizes, motions, forces)
+        np.dot(motions.T, forces, block)
+        f = places.front[a] if b < 0 else min(places.front[a], places.front[b])
+        _add_block(places, tables.fronts, (f, a, b), sizes, block, into, values)
         first = last
 
 
-@solving_allocating
+@solving_within
 def _add_joint_rows(
     tables: Tables, inputs: Inputs, weights: Weights, work: Workspace, values: FloatArray
 ) -> None:
@@ -342,7 +371,7 @@ def _add_joint_rows(
                 marks(fronts, values, f)[row] = 1.0
 
 
-@solving_allocating
+@solving_within
 def _add_closed_rows(
     closed: tuple | None,
     tables: Tables,
@@ -390,6 +419,22 @@ def _add_closed_rows(
                 matrix[place + c, row] += work.motors[k, side, c]
 
 
+@solving_within
+def _add_masses(tables: Tables, weights: Weights, work: Workspace, values: FloatArray) -> None:
+    """Add masses, stiffness and damping of bodies and terrain to the fronts."""
+    terrain, places, order, last = tables.terrain, tables.rows, tables.fronts, tables.fronts.own.shape[0] - 1
+    for b in range(tables.bodies.mass.shape[0]):
+        inertia, f = Inertia(work.first[b], work.second[b], work.turning[b]), places.front[b]
+        at, own = attitude_of(tables.bodies, b), front(order, values, f)
+        add_body_matrix(tables.bodies, b, tables.modes, at, inertia, weights, places.body[f, b], own)
+    whole, first = front(order, values, last), places.terrain[last]
+    for i in range(terrain.heave.shape[1]):
+        whole[first + i, first + i] += weights.acceleration
+        for k in range(terrain.heave.shape[1]):
+            supports = weights.position * terrain.stiffness[i, k] + weights.velocity * terrain.damping[i, k]
+            whole[first + i, first + k] += supports
+
+
 @solving
 def matrix(
     values: tuple, state: FloatArray, arguments: tuple, factors: tuple, workspace: tuple, fronts: FloatArray
@@ -401,20 +446,7 @@ def matrix(
     tables, inputs = named_tables(values), Inputs(*arguments)
     weights, work = Weights(*factors), Workspace(*workspace)
     clear(tables.fronts, fronts)
-    bodies, terrain = tables.bodies, tables.terrain
-    places, modes, order = tables.rows, tables.modes, tables.fronts
-    for b in range(bodies.mass.shape[0]):
-        f = places.front[b]
-        inertia = Inertia(work.first[b], work.second[b], work.turning[b])
-        at = attitude_of(bodies, b)
-        add_body_matrix(bodies, b, modes, at, inertia, weights, places.body[f, b], front(order, fronts, f))
-    last = tables.fronts.own.shape[0] - 1
-    whole, first = front(tables.fronts, fronts, last), tables.rows.terrain[last]
-    for i in range(terrain.heave.shape[1]):
-        whole[first + i, first + i] += weights.acceleration
-        for k in range(terrain.heave.shape[1]):
-            supports = weights.position * terrain.stiffness[i, k] + weights.velocity * terrain.damping[i, k]
-            whole[first + i, first + k] += supports
+    _add_masses(tables, weights, work, fronts)
     for kind in range(len(work.elements)):
         _add_elements(tables, ForceRows(*work.elements[kind]), work.counts[kind], fronts)
     _add_joint_rows(tables, inputs, weights, work, fronts)

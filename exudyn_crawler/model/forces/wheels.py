@@ -177,12 +177,13 @@ def _rows_at(wheels: Wheels, strip: int, x: float, out: FloatArray) -> None:
     )
     table = wheels.rows[strip]
     for k in range(out.shape[1]):
-        out[0, k] = out[1, k] = out[2, k] = out[3, k] = 0.0
+        x = y = z = slope = 0.0
         for n in range(4):
-            out[0, k] += values[n] * table[i + n, 0, k]
-            out[1, k] += values[n] * table[i + n, 1, k]
-            out[2, k] += values[n] * table[i + n, 2, k]
-            out[3, k] += slopes[n] * table[i + n, 2, k]
+            x += values[n] * table[i + n, 0, k]
+            y += values[n] * table[i + n, 1, k]
+            z += values[n] * table[i + n, 2, k]
+            slope += slopes[n] * table[i + n, 2, k]
+        out[0, k], out[1, k], out[2, k], out[3, k] = x, y, z, slope
 
 
 @solving_within
