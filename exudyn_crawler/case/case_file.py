@@ -164,7 +164,7 @@ def case_text(case_file: CaseFile, by_hand: bool = False) -> str:
             lines += _head(entry)
         else:
             words = ", ".join(part for part in (entry.unit, entry.meaning) if part)
-            value = _in_words(entry.value, entry.unit) if by_hand else _plain(entry.value)
+            value = _toml(entry.value, entry.unit, by_hand)
             lines.append(f"{entry.place[-1]} = {value}" + (f" # {words}" if words else ""))
     return "\n".join(lines) + "\n"
 
@@ -183,34 +183,18 @@ def _bases(*kinds: type[BaseModel]) -> list[str]:
     return [f"{fields.BASE} = {' or '.join(names)} gives all that is left out"] if names else []
 
 
-def _in_words(value: object, unit: str) -> str:
-    """Value as TOML for a reader: kN, MPa and MN/m, and no digits that are rounding."""
+def _toml(value: object, unit: str, by_hand: bool) -> str:
+    """Value as TOML; `by_hand` in kN, MPa and MN/m, and without digits that are rounding."""
     if isinstance(value, tuple):
-        return f"[{', '.join(_in_words(one, unit) for one in value)}]"
+        return f"[{', '.join(_toml(one, unit, by_hand) for one in value)}]"
     if isinstance(value, drive.StepProfile):
-        rounded = {name: tuple(map(_rounded, one)) for name, one in value}
-        return _plain(value.model_copy(update=rounded))
-    if not isinstance(value, float):
-        return _plain(value)
-    prefix = fields.prefix_of(value, unit)
-    scaled = _rounded(value / fields.PREFIXES[prefix])
-    has_words = prefix and "exponent" not in unit
-    return f'"{scaled:.{DIGITS}g} {prefix}{unit}"' if has_words else _plain(_rounded(value))
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.{DIGITS}g}")
-
-
-def _plain(value: object) -> str:
-    """Value as TOML."""
-    if isinstance(value, drive.StepProfile):
-        parts = (f"{name} = {_plain(getattr(value, name))}" for name in drive.StepProfile.model_fields)
-        return f"{{{', '.join(parts)}}}"
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(_plain, value))}]"
+        return "{" + ", ".join(f"{name} = {_toml(one, '', by_hand)}" for name, one in value) + "}"
     if isinstance(value, float):
-        return fields.number_text(value)
+        prefix = fields.prefix_of(value, unit) if by_hand and "exponent" not in unit else ""
+        digits = f"{value / fields.PREFIXES[prefix]:.{DIGITS}g}"
+        if prefix:
+            return f'"{digits} {prefix}{unit}"'
+        return fields.number_text(float(digits) if by_hand else value)
     value = str(value) if isinstance(value, Path) else value
     return tomlkit.item(fields.NONE if value is None else value).as_string()
 
@@ -285,5 +269,4 @@ def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
 
 def _read_values(case: BaseModel) -> dict[str, str]:
     """Values of a case but for its name, by their paths, as they are read."""
-    entries = fields.values_of(case)
-    return {one.path: fields.value_text(one.value, one.unit) for one in entries if one.path != "name"}
+    return {row.key: row.value for row in fields.case_rows(case) if row.key != "name"}
