@@ -111,7 +111,7 @@ def writable_folder(path: Path) -> Path:
     return path
 
 
-COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 """Of every variable of a NetCDF file; higher levels save little. A checksum tells of altered bytes."""
 CHUNK_BYTES = 2**18
 """Size of the chunks of a file that is written along a dimension; HDF5 holds one of every variable."""
@@ -213,10 +213,8 @@ def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
             file.dimensions[dimension] = length
     row_bytes = max(1, variable.dtype.itemsize * int(variable[0].size))
     rows = min(size, max(1, CHUNK_BYTES // row_bytes))
-    filters = {"compression": "gzip", "compression_opts": COMPRESSION["complevel"]}
-    filters |= {name: COMPRESSION[name] for name in ("shuffle", "fletcher32")}
     # nothing can be cut into chunks that holds no number
-    options = {"chunks": (rows, *variable.shape[1:]), **filters} if variable.size else {}
+    options = {"chunks": (rows, *variable.shape[1:])} | COMPRESSION if variable.size else {}
     made = file.create_variable(name, variable.dims, variable.dtype, **options)
     made.attrs.update(_in_headers(variable.attrs))
 

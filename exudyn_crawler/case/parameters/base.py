@@ -235,19 +235,15 @@ def _message(one: Mapping[str, Any], spot: _Spot, model: type[BaseModel], in_fil
         message = f"must be {' or '.join(held.__name__ for held in spot.held)}"
         message = f"must be {profile if is_profile else 'a table'}" if in_file else message
     elif kind == "float_type" and in_file and isinstance(given, str) and field:
-        message = _wanted(fields.unit_of(field))
+        unit = fields.unit_of(field)
+        example = f", or such as {EXAMPLES[unit]!r}" if unit in EXAMPLES else ""
+        message = f"must be a number{f' in {unit}' if unit else ''}{example}"
     for word, plain in WORDS:
         message = message.replace(word, plain)
     message = re.sub("^[A-Z][a-z]+ should", "must", message)
     if kind.startswith(("less_than", "greater_than")) and field and isinstance(given, int | float):
         cause = fields.likely_cause(float(given), field)
     return f"{head}{message}, got {shown(given)}{cause}"
-
-
-def _wanted(unit: str) -> str:
-    """What a field of a unit takes."""
-    example = f", or such as {EXAMPLES[unit]!r}" if unit in EXAMPLES else ""
-    return f"must be a number{f' in {unit}' if unit else ''}{example}"
 
 
 def _remedy(one: Mapping[str, Any], spot: _Spot, in_file: bool) -> str:
