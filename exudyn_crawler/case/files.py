@@ -10,7 +10,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
+from pydantic.json_schema import GenerateJsonSchema
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
@@ -169,63 +170,51 @@ def _shoe_count(case: reading.Content) -> int:
     return count if isinstance(count, int) and 0 < count <= track.MOST_SHOES else 1
 
 
+class _FileSchema(GenerateJsonSchema):
+    """Schema of files whose tables have a `base`, texts with units for numbers, and "none" for no value."""
+
+    def model_schema(self, schema: Any) -> dict[str, Any]:
+        """Table of a class, all of whose keys may be left out."""
+        kind = schema["cls"]
+        if kind is terrain.SoilLaw:
+            laws = kind.plugged_in()
+            return {"anyOf": [self.generate_inner(law.__pydantic_core_schema__) for law in laws]}
+        found = super().model_schema(schema)
+        found.pop("required", None)
+        if names := sorted(fields.named_values(kind)):
+            found["properties"][fields.BASE] = {"enum": names, "description": "gives all that is left out"}
+        return found
+
+    def float_schema(self, schema: Any) -> dict[str, Any]:
+        """Number, or a text with its unit."""
+        return {"anyOf": [super().float_schema(schema), TEXT]}
+
+    def tuple_schema(self, schema: Any) -> dict[str, Any]:
+        """List; one load stands for those of all shoes."""
+        found = super().tuple_schema(schema)
+        return found if "prefixItems" in found else {"anyOf": [found, {"type": "number"}, TEXT]}
+
+    def nullable_schema(self, schema: Any) -> dict[str, Any]:
+        """Value, or "none"."""
+        return {"anyOf": [self.generate_inner(schema["schema"]), {"const": fields.NONE}]}
+
+    def tagged_union_schema(self, schema: Any) -> dict[str, Any]:
+        """Table of any of several classes: what tells them apart may come from the base."""
+        return {"anyOf": super().tagged_union_schema(schema)["oneOf"]}
+
+    def encode_default(self, dft: Any) -> Any:
+        """Default as a file has it."""
+        return fields.NONE if dft is None else super().encode_default(dft)
+
+
 def case_schema() -> dict[str, Any]:
     """JSON schema of what a case file may hold.
 
     Every key may be left out, a table may name a `base`, a number may be a text with its unit, and "none"
     says that there is none. What values have to be to each other is left to the program.
     """
-    whole = CaseFile.model_json_schema()
-    kinds = _kinds(CaseFile)
-    laws = {one.__name__: one for one in terrain.SoilLaw.plugged_in()}
-    parts = whole["$defs"] | {name: one.model_json_schema() for name, one in laws.items()}
-    definitions = {name: _table(part, kinds[name]) for name, part in parts.items() if name in kinds}
-    definitions["SoilLaw"] = {"anyOf": [{"$ref": f"#/$defs/{name}"} for name in laws]}
-    case = definitions.pop("Case")
-    properties = case["properties"] | {
-        name: _lenient(one) for name, one in whole["properties"].items() if name != "case"
-    }
+    whole = CaseFile.model_json_schema(schema_generator=_FileSchema)
+    case, beside = whole["$defs"].pop("Case")["properties"], whole["properties"]
     about = {"$schema": DRAFT, "title": "case file of exudyn-crawler", "type": "object"}
-    return about | {"properties": properties, "additionalProperties": False, "$defs": definitions}
-
-
-def _kinds(kind: type[BaseModel]) -> dict[str, type[BaseModel]]:
-    """Parameter classes below one, by name."""
-    below = {
-        part.__name__: part
-        for field in kind.model_fields.values()
-        for part in fields.models_of(field.annotation)
-    }
-    return below | {name: one for part in below.values() for name, one in _kinds(part).items()}
-
-
-def _table(schema: dict[str, Any], kind: type[BaseModel]) -> dict[str, Any]:
-    """Schema of a table of a class: all keys may be left out, and `base` names what gives them."""
-    properties = {name: _lenient(one) for name, one in schema["properties"].items()}
-    if names := sorted(fields.named_values(kind)):
-        properties[fields.BASE] = {"enum": names, "description": "gives all that is left out"}
-    kept = {name: one for name, one in schema.items() if name not in ("required", "properties")}
-    return kept | {"properties": properties}
-
-
-def _lenient(schema: Any) -> Any:
-    """Schema in which numbers may be texts, "none" is null, and one of several classes any of them."""
-    if isinstance(schema, list):
-        return [_lenient(one) for one in schema]
-    if not isinstance(schema, dict):
-        return schema
-    changed = {"anyOf" if name == "oneOf" else name: _lenient(one) for name, one in schema.items()}
-    if changed.get("default", 0) is None:
-        changed["default"] = fields.NONE
-    match changed.get("type"):
-        case "null":
-            return {"const": fields.NONE}
-        case "number":
-            return {"anyOf": [changed, TEXT], "description": changed.get("description", "")}
-        case "array" if "prefixItems" not in changed:
-            # one load stands for those of all shoes
-            return {
-                "anyOf": [changed, {"type": "number"}, TEXT],
-                "description": changed.get("description", ""),
-            }
-    return changed
+    properties = case | {name: one for name, one in beside.items() if name not in ("case", fields.BASE)}
+    return about | {"properties": properties, "additionalProperties": False, "$defs": whole["$defs"]}
