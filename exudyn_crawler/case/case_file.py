@@ -109,9 +109,11 @@ class Outputs(Parameters):
     forces: bool = option("whether forces derived from the history are written", True)
     page: bool = option("whether all of it is put on one page, report.html", True)
     picture_times: tuple[float, ...] | None = quantity(
-        "s", "whose stress is kept whole and drawn, beside the highest; none: ends of the loads' phases",
-        min_length=1, default=None,
-    )  # fmt: skip
+        "s",
+        "of stress kept whole and drawn, beside its peak; none: ends of phases",
+        min_length=1,
+        default=None,
+    )
     ground_times: tuple[float, ...] = quantity(
         "s", "times at which the map of ground of cells is kept and drawn, beside its end", default=()
     )

@@ -122,9 +122,7 @@ class ClosedTrack(RunningGear):
 
     support: Literal["ground", "posts"] = option("what carries the frame", "ground")
     mass: base.Mass = quantity(
-        "kg",
-        "half the machine less shoes, tumbler and sliding idler; the frame's with a car_body",
-        (1e2, 2e6),
+        "kg", "half the machine less shoes, tumbler, sliding idler; the frame's with a car_body", (1e2, 2e6)
     )
     tumbler: Tumbler
     idler: Idler
@@ -150,38 +148,20 @@ class ClosedTrack(RunningGear):
     guide_damping: base.Damping = quantity("N s/m", "of these", (0.0, 1e8))
     pitch_growth: float = quantity("1", "of the chain by wear", (0.0, 0.05), ge=-0.1, le=0.2, default=0.0)
     compliance: float = quantity(
-        "m/N",
-        "of a pin across the chain, and in rad/(N m) in yaw and roll",
-        (1e-12, 1e-8),
-        gt=0,
-        le=1e-3,
-        default=1e-10,
+        "m/N", "of a pin sideways, in rad/(N m) in yaw and roll", (1e-12, 1e-8), gt=0, le=1e-3, default=1e-10
     )
     tension_limit: float | None = quantity(
-        "N",
-        "of a link, beyond which it breaks and the run ends; none: it bears all",
-        gt=0,
-        le=1e12,
-        default=None,
+        "N", "of a link, beyond which it breaks and the run ends; none: no limit", gt=0, le=1e12, default=None
     )
     fold_limit: float = quantity(
-        "rad",
-        "of neighbours, beyond which the chain folds and the run ends",
-        (0.3, 1.6),
-        gt=0,
-        le=3,
-        default=1.0,
+        "rad", "of neighbours, where the chain folds and the run ends", (0.3, 1.6), gt=0, le=3, default=1.0
     )
     offset_limit: base.Length = quantity(
-        "m",
-        "of a shoe beside the frame or its neighbour, where it comes off and the run ends",
-        (0.02, 0.5),
-        default=0.1,
+        "m", "beside frame or neighbour, where a shoe comes off and the run ends", (0.02, 0.5), default=0.1
     )
     torque_limit: float | None = quantity(
-        "N m", "greatest torque of the drive; none: it keeps its speed, whatever it takes", gt=0, le=1e12,
-        default=None,
-    )  # fmt: skip
+        "N m", "greatest of the drive; none: what its speed takes", gt=0, le=1e12, default=None
+    )
     torque_speed: base.Speed = quantity(
         "rad/s", "lag of the tumbler at which it has 0.7 of this torque", (1e-5, 1.0), default=0.01
     )

@@ -97,8 +97,9 @@ class Drive(Parameters):
     )
     point: Literal["com node", "front pins", "frame"] = option(
         "of the front shoe. com node: nearest to `flexible.com_node`, or a rigid shoe's COM; front pins: the "
-        "middle of their centres; frame: the whole shoe, whose force spreads like a weight", "com node"
-    )  # fmt: skip
+        "middle of their centres; frame: the whole shoe, whose force spreads like a weight",
+        "com node",
+    )
 
     def _errors(self) -> Errors:
         for name, rate in (("speed", self.speed), ("turn_rate", self.turn_rate)):
