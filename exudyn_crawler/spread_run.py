@@ -20,7 +20,7 @@ from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.run.folder import folder as folders, progress as parts, record
 from exudyn_crawler.views.tables import write_table
-from fem import interrupts, judged
+from fem import judged
 
 TABLE = "spread.csv"
 NUDGE = 1e-9  # m by which the ground lies further along the track from start to start
@@ -103,14 +103,10 @@ def spread(
         found = {}
         for name, one in cases.items():
             path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=ONE_TIME)
-            if folders.held_of(path, own) is not record.Holds.FINISHED:
-                say(f"{one.name}: {name}")
-                run_case(own, path, overwrite=overwrite and path.exists(), progress=progress, say=say)
-            with (
-                interrupts.interrupts_wait(),
-                xr.open_dataset(path / "stress.nc", engine="h5netcdf") as stress,
-            ):
-                found[name] = stress.peak_von_mises.load()
+            say(f"{one.name}: {name}")
+            again = overwrite and path.exists()
+            done = run_case(own, path, overwrite=again, take_finished=True, progress=progress, say=say)
+            found[name] = done.recovered().dataset.peak_von_mises
         return found
 
     from_starts = peaks({f"start {k + 1}": nudged(case, k) for k in range(1, starts)})
