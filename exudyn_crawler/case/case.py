@@ -190,10 +190,8 @@ class Case(Parameters):
     @property
     def links(self) -> np.ndarray:
         """Shoes behind and ahead of every link: array (links, 2), numbers as of `joints`."""
-        rear = self.joints
-        if self.closed_track is None:
-            return np.column_stack((rear, rear + 1))
-        count = self.loop.shoe_count
+        # behind the last of an open track is no link, so that none goes on at its first shoe
+        rear, count = self.joints, self.track.shoe_count // self.tracks
         return np.column_stack((rear, np.where(rear % count, rear + 1, rear + 1 - count)))
 
     @property

@@ -227,21 +227,18 @@ def call(commands: typer.Typer) -> None:
             sys.exit(BAD_INPUT)
     try:
         code = commands(standalone_mode=False) or 0
-        if code != errors.ENDED_FROM_OUTSIDE:
-            sys.exit(code)
-        # which Typer makes of an interrupt while it reads the words
-        raise KeyboardInterrupt
     except KeyboardInterrupt:
-        print(f"error: {errors.INTERRUPTED}; {errors.GOES_ON}", file=sys.stderr)
-        sys.exit(errors.ENDED_FROM_OUTSIDE)
+        code = errors.ENDED_FROM_OUTSIDE
     except typer.Abort:
-        sys.exit(BAD_INPUT)
+        code = BAD_INPUT
     except Exception as error:
         # Typer's errors have no public class that all its versions share
-        message = getattr(error, "format_message", None)
-        if message is None:
+        if not hasattr(error, "format_message"):
             raise
-        text = message()
-        if text:
+        if text := error.format_message():
             print(f"error: {' '.join(text.split())}; --help shows what is allowed", file=sys.stderr)
-        sys.exit(BAD_INPUT)
+        code = BAD_INPUT
+    # also what Typer makes of an interrupt while it reads the words
+    if code == errors.ENDED_FROM_OUTSIDE:
+        print(f"error: {errors.INTERRUPTED}; {errors.GOES_ON}", file=sys.stderr)
+    sys.exit(code)

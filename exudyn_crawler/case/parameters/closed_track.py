@@ -184,31 +184,27 @@ class ClosedTrack(RunningGear):
         return cls(tumbler=Tumbler.ph4100c(), idler=Idler.ph4100c(), **ph4100c.CLOSED_TRACK)
 
     @property
-    def slide_lines(self) -> list[np.ndarray]:
-        """X and z of the axes of the lines on which rails rub, of every slide: arrays (lines, 2), m."""
-        found = []
-        for rear, front, top in self.slides:
+    def upper(self) -> dict[str, Wheel]:
+        """X and z of the axes of carriers, and of the lines of slides on which rails rub, by name, m."""
+        found = {f"carrier {number}": place for number, place in enumerate(self.carriers, start=1)}
+        for number, (rear, front, top) in enumerate(self.slides, start=1):
             x = np.linspace(rear, front, 1 + max(1, math.floor((front - rear) / self.slide_step + 1e-9)))
-            found.append(np.column_stack((x, np.full(len(x), top - self.carrier_radius))))
+            z = top - self.carrier_radius
+            found |= {f"slide {number}, line {k}": (one, z) for k, one in enumerate(x.tolist(), start=1)}
         return found
-
-    @property
-    def upper(self) -> np.ndarray:
-        """X and z of the axes of carriers and of the lines of slides: array (n, 2), m."""
-        return np.concatenate((np.array(self.carriers).reshape(-1, 2), *self.slide_lines))
 
     @property
     def resistances(self) -> np.ndarray:
         """As of `RunningGear`."""
         rolling = len(self.rollers) + 1 + len(self.carriers)
-        rubbing = sum(len(lines) for lines in self.slide_lines)
+        rubbing = len(self.upper) - len(self.carriers)
         return np.repeat([self.rolling_resistance, self.slide_friction], [rolling, rubbing])
 
     def wheels(self, take_up: float) -> np.ndarray:
         """Lower rollers, idler, carriers, lines of slides: x and z in the frame, radius, (wheels, 3), m."""
         x, z = self.idler.place
         rollers = [(place, 0.0, self.roller_radius) for place in self.rollers]
-        upper = [(*place, self.carrier_radius) for place in self.upper.tolist()]
+        upper = [(*place, self.carrier_radius) for place in self.upper.values()]
         return np.array([*rollers, (x + take_up, z, self.idler.radius), *upper])
 
     def lugs(self, chain: track.Track) -> list[tuple[str, np.ndarray]]:
@@ -230,10 +226,7 @@ class ClosedTrack(RunningGear):
     def wheel_names(self) -> list[str]:
         """Names of the wheels in their order."""
         rollers = [f"roller {number}" for number in range(1, len(self.rollers) + 1)]
-        carriers = [f"carrier {number}" for number in range(1, len(self.carriers) + 1)]
-        numbered = enumerate(self.slide_lines, start=1)
-        slides = [f"slide {n}, line {k}" for n, lines in numbered for k in range(1, len(lines) + 1)]
-        return [*rollers, "idler", *carriers, *slides]
+        return [*rollers, "idler", *self.upper]
 
     def chain_pitch(self, chain: track.Track) -> float:
         """Distance of the pins of a shoe, m."""
@@ -289,7 +282,7 @@ def _closed(
     """Take-up, sag of the upper run and chain that closes; `rise` is the rails' height above the pins, m."""
     (x, z), (ix, iz), count = closed.tumbler.place, closed.idler.place, chain.shoe_count
     rollers, carriers = closed.roller_radius + rise, closed.carrier_radius + rise
-    upper = sorted(closed.upper.tolist())
+    upper = sorted(closed.upper.values())
     _, on_idler = closed.idler_circle(0.0, rise, pitch)
 
     def shape(take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
@@ -317,7 +310,7 @@ def closed_errors(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> 
     assert rails is not None
     if rails.height <= chain.pin_height:
         yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
-    x, length = np.sort(closed.upper[:, 0]), rails.front - rails.rear
+    x, length = np.sort([x for x, _ in closed.upper.values()]), rails.front - rails.rear
     if closed.slides and np.any(x[2:] - x[:-2] < length + SLIDE_MARGIN):
         yield (
             f"slide_step, slides and carriers must leave every rail, which is {length:g} m long, on two of "

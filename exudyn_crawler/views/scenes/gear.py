@@ -82,7 +82,7 @@ def beam(history: History) -> Solid:
     if isinstance(frame, ClosedTrack):
         idler = frame.wheels(history.case.assembled.take_up)[len(frame.rollers)]
         rear, front = frame.tumbler.place[0], float(idler[0])
-        high = min([frame.tumbler.place[1], *frame.upper[:, 1]])
+        high = min([frame.tumbler.place[1], *(z for _, z in frame.upper.values())])
     else:
         rear, front = frame.ends
     shape = box(np.array([rear, -half, low]), np.array([front, half, high]))
