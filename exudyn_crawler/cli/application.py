@@ -65,14 +65,9 @@ def history_path(run: Path) -> Path:
     raise FileNotFoundError(f"no history at {run / HISTORY}{hint}")
 
 
-def loaded(run: Path, shoe: int | None = None) -> "crawler.History":
-    """History of a run; a shoe that its track does not have is refused before the results are read."""
-    path = history_path(run)
-    if shoe is not None:
-        from exudyn_crawler.results.history.files import case_in_file
-
-        case_in_file(path).track.check_shoe(shoe)
-    return crawler.History.load(path)
+def loaded(run: Path) -> "crawler.History":
+    """History of a run."""
+    return crawler.History.load(history_path(run))
 
 
 def report_made(path: Path, what_now: str = "") -> None:

@@ -104,7 +104,7 @@ def pin_forces(
     run: application.Run, shoe: Shoe, out: Out = None, overwrite: application.Overwrite = False
 ) -> None:
     """Write the forces and moments of a shoe's pins over time, in the shoe's axes."""
-    history = application.loaded(run, shoe)
+    history = application.loaded(run)
     from exudyn_crawler.results.loads import exports
 
     out = out or application.history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
@@ -125,7 +125,8 @@ def shoe_loads(
     overwrite: application.Overwrite = False,
 ) -> None:
     """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible."""
-    history = application.loaded(run, shoe)
+    history = application.loaded(run)
+    history.case.track.check_shoe(shoe)
     from exudyn_crawler.results.loads import exports
 
     flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes

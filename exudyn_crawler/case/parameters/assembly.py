@@ -120,7 +120,6 @@ class Loop(NamedTuple):
     value: float  # of what was sought, m
     pins: np.ndarray  # (links + 1, 2): x and z, the last one the first
     places: list[float]  # of the pins, as of `point_at`
-    pieces: list[Piece]
 
 
 def closed_chain(
@@ -155,7 +154,7 @@ def closed_chain(
     pieces = shape(value)
     places = pins_along(pieces, start, pitch, count)
     pins = np.array([point_at(pieces, u) for u in places])
-    return Loop(value, pins, places, pieces)
+    return Loop(value, pins, places)
 
 
 def along_chain(pins: np.ndarray) -> np.ndarray:
