@@ -84,7 +84,7 @@ def _check_workers(client: distributed.Client, runs: Path) -> None:
         there = client.scheduler.address
         raise ValueError(f"{there} must have a worker within {WORKER_WAIT:g} s, got none") from error
     # by name: a worker without the package fails on the import, which is reported apart
-    for where, answer in client.run(_versions_here, on_error="return").items():
+    for where, answer in client.run(own_versions, on_error="return").items():
         if isinstance(answer, BaseException):
             raise ValueError(f"worker {where} does not have the package: {answer}")
         check_versions(own_versions(), answer, where)
@@ -92,10 +92,6 @@ def _check_workers(client: distributed.Client, runs: Path) -> None:
         for where, sees in client.run(exists, token.name).items():
             if not sees:
                 raise ValueError(f"worker {where} must see {runs}: put it on storage that all machines share")
-
-
-def _versions_here() -> dict[str, str]:
-    return own_versions()
 
 
 def run_alone(task: Task) -> Outcome:

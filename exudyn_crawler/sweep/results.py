@@ -68,13 +68,13 @@ def _cell(value: Any) -> Any:
 
 def for_reading(table: pd.DataFrame) -> pd.DataFrame:
     """Same with forces in kN, stresses in MPa and angles in degrees, all else by prefixes: MN/m."""
-    units = table.attrs["units"]
-    prefixes = {name: prefix_of(table[name].dropna().tolist(), unit) for name, unit in units.items()}
-    by_prefix = {name: (one + units[name], 1.0 / PREFIXES[one]) for name, one in prefixes.items()}
-    read = {name: READ_IN.get(unit, by_prefix[name]) for name, unit in units.items()}
-    scaled = {name: factor * table[name] for name, (_, factor) in read.items() if factor != 1.0}
-    made = table.assign(**scaled)
-    made.attrs = table.attrs | {"units": {name: unit for name, (unit, _) in read.items()}}
+    made, units = table.copy(), {}
+    for name, unit in table.attrs["units"].items():
+        prefix = prefix_of(table[name].dropna().tolist(), unit)
+        units[name], factor = READ_IN.get(unit, (prefix + unit, 1.0 / PREFIXES[prefix]))
+        if factor != 1.0:
+            made[name] = factor * table[name]
+    made.attrs = table.attrs | {"units": units}
     return made
 
 

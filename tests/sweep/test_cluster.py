@@ -23,7 +23,7 @@ from exudyn_crawler.sweep.cluster import connected, outcomes
 from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.running import run_sweep
 from exudyn_crawler.sweep.vary import Vary
-from exudyn_crawler.sweep.worker import Task, own_versions
+from exudyn_crawler.sweep.worker import Task, check_versions, own_versions
 from tests.sweep.cases import FORCE, STIFFNESS, small_sweep
 
 
@@ -184,8 +184,10 @@ def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatc
 
 
 def test_workers_of_other_versions_are_refused_before_anything_runs(scheduler, tmp_path, monkeypatch):
-    versions = iter([own_versions(), own_versions() | {"exudyn": "0.1"}])
-    monkeypatch.setattr(cluster, "own_versions", lambda: next(versions))
+    def check(wanted, there, where):
+        check_versions(wanted | {"exudyn": "0.1"}, there, where)
+
+    monkeypatch.setattr(cluster, "check_versions", check)
     with pytest.raises(ValueError, match=r"worker .* has other versions: exudyn "):
         run_sweep(small_sweep(), tmp_path, scheduler=scheduler)
     assert list((tmp_path / "runs").iterdir()) == []

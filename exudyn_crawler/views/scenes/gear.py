@@ -5,7 +5,6 @@ teeth are, no parameter says: their drawn size means nothing.
 """
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -23,15 +22,6 @@ GAP, MARK = 0.03, 0.012
 TEETH, SLIDE, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.12, 0.3, 16, 7
 """m, width of drawn teeth and lugs, height of drawn slides; radius of the tumbler's shaft over that of its
 pins' circle; sides of a drawn lug; points along a gap between two teeth."""
-
-
-class WheelRow(NamedTuple):
-    """Wheels of one kind: `places` (n, 3) of the middles of their treads in the frame, and radius, m."""
-
-    name: str
-    labels: tuple[str, ...]
-    places: np.ndarray
-    radius: float
 
 
 def frame_poses(history: History) -> tuple[np.ndarray, np.ndarray]:
@@ -89,23 +79,18 @@ def beam(history: History) -> Solid:
     return Solid("side frame", *shape, style.BEAM, origin[:, None], turn[:, None], 0.5, style.ROLLER_EDGE)
 
 
-def _wheels(case: Case) -> list[WheelRow]:
-    """Wheels on both rails, roller by roller and its right tread first."""
-    frame, rails = frame_on_rails(case)
-
-    def treads(name: str, labels: list[str], axes: np.ndarray, radius: float) -> WheelRow:
-        places = np.array([(x, y, z) for x, z in axes for y in rails.middles]).reshape(-1, 3)
-        return WheelRow(name, tuple(np.repeat(labels, len(rails.middles)).tolist()), places, float(radius))
-
+def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
+    """Names of the wheels of each kind, and x, z and radius of theirs in the frame (n, 3), m."""
+    frame, _ = frame_on_rails(case)
     if isinstance(frame, Undercarriage):
         labels = [f"roller {number}" for number in range(1, len(frame.rollers) + 1)]
-        return [treads("rollers", labels, np.array([(x, 0.0) for x in frame.rollers]), frame.radius)]
+        return {"rollers": (labels, np.array([(x, 0.0, frame.radius) for x in frame.rollers]))}
     table, labels = frame.wheels(case.assembled.take_up), frame.wheel_names
-    found = []
+    found = {}
     for name in ("rollers", "idler", "carriers"):  # slides do not turn
         own = [k for k, label in enumerate(labels) if label.startswith(name.removesuffix("s"))]
         if own:
-            found.append(treads(name, [labels[k] for k in own], table[own, :2], table[own[0], 2]))
+            found[name] = [labels[k] for k in own], table[own]
     return found
 
 
@@ -126,7 +111,7 @@ def slide_solids(history: History) -> list[Solid]:
 def wheel_solids(history: History) -> list[Solid]:
     """Treads of every kind of wheel, and a line across each, which turns as the chain runs over it."""
     case = history.case
-    frame, _ = frame_on_rails(case)
+    frame, rails = frame_on_rails(case)
     origin, turn = frame_poses(history)
     # how far wheels have turned counts from upright, whatever the pitch of the frame
     axle = turn[..., 1]
@@ -138,18 +123,20 @@ def wheel_solids(history: History) -> list[Solid]:
     else:
         way = origin[:, :1] - frame.start
     solids, edge = [], style.ROLLER_EDGE
-    for kind in _wheels(case):
-        places = np.repeat(kind.places[None], len(origin), axis=0)
-        if kind.name == "idler":  # a tensioner moves it from where it was assembled
+    for name, (labels, wheels) in _wheels(case).items():
+        # roller by roller, its right tread first
+        treads = [(x, y, z) for x, z, _ in wheels for y in rails.middles]
+        places, radius = np.repeat(np.array(treads)[None], len(origin), axis=0), float(wheels[0, 2])
+        if name == "idler":  # a tensioner moves it from where it was assembled
             places[..., 0] += history.take_up.values[:, None] - case.assembled.take_up
         centers = origin[:, None] + np.einsum("tij,tnj->tni", turn, places)
-        rolled = level @ rotation_matrices(way / kind.radius * np.eye(3)[1])
-        placed = centers, np.repeat(rolled[:, None], len(kind.places), axis=1)
-        half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, kind.radius])
-        tread = disc(kind.radius, frame.tread_width)
+        rolled = level @ rotation_matrices(way / radius * np.eye(3)[1])
+        placed = centers, np.repeat(rolled[:, None], len(treads), axis=1)
+        half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, radius])
+        tread, named = disc(radius, frame.tread_width), tuple(np.repeat(labels, len(rails.middles)).tolist())
         solids += [
-            Solid(kind.name, *tread, style.ROLLER, *placed, edges=edge, labels=kind.labels),
-            Solid(f"{kind.name}, marks", *box(-half, half), edge, *placed),
+            Solid(name, *tread, style.ROLLER, *placed, edges=edge, labels=named),
+            Solid(f"{name}, marks", *box(-half, half), edge, *placed),
         ]
     return solids
 
