@@ -176,16 +176,6 @@ def _pairs(dataset: xr.Dataset) -> np.ndarray:
     return np.column_stack([dataset[name].values for name in CONTACT_KEYS])
 
 
-def joined(chunks: Sequence[Chunk]) -> xr.Dataset:
-    """Dataset of all chunks together; a contact that a chunk lacks is zero in its time."""
-    parts = list(_parts(chunks))
-    if len(parts) == 1:
-        return parts[0]
-    return xr.concat(
-        parts, dim="time", data_vars="minimal", coords="minimal", compat="override", join="override"
-    )
-
-
 def save_joined(
     case: Case, chunks: Sequence[Chunk], path: Path, overwrite: bool = False, end: xr.Dataset | None = None
 ) -> Path:

@@ -56,6 +56,7 @@ class Recorder:
         self._tolerance = TIME_TOLERANCE * max(1.0, duration)
         self._next = 0.0
         self._states: list[np.ndarray] = []
+        self._in_stage = False  # whether one of them is of the stage that goes on
         self._ground_times = list(ground_times)
         self.then = np.zeros((0, ground_map.THEN))
         self.time = 0.0
@@ -78,6 +79,7 @@ class Recorder:
         self.time = time
         if time >= min(self._next, self._duration) - self._tolerance:
             self._states.append(self._system.state())
+            self._in_stage = True
             self.go_on(time)
         if self._ground_times and time >= self._ground_times[0] - self._tolerance:
             self._ground_times = [one for one in self._ground_times if one > time + self._tolerance]
@@ -86,8 +88,9 @@ class Recorder:
 
     def end_stage(self) -> None:
         """Store the state at the end of a stage shorter than the output interval: each has one at least."""
-        if not self._states:
+        if not self._in_stage:
             self._states.append(self._system.state())
+        self._in_stage = False
 
     def taken(self) -> np.ndarray:
         """States stored since the last call, one a row; they are not kept any longer."""
@@ -102,7 +105,7 @@ class Recorder:
 
 
 class RunStages:
-    """Stages of a run; what a recorder stored leaves its memory with each.
+    """Stages of a run; with checkpoints, what a recorder stored leaves its memory with each.
 
     The system is brought to the end of the last stage that the checkpoints hold; `first` is the number of the
     first stage that is to be integrated. `ends` of the stages (s) go from 0 to the run's duration.
@@ -139,10 +142,9 @@ class RunStages:
         self._recorder.end_stage()
         state = self._system.state()
         self._system.set_state(state)
-        history = states.system_history(self._system, self._recorder.taken()).dataset
         if self._checkpoints is None or number == self._last:
-            self._chunks.append(files.Chunk.of(history))
             return
+        history = states.system_history(self._system, self._recorder.taken()).dataset
         layout = self._system.layout.to_json()
         case, time = self._system.case, self._recorder.time
         memory = self._recorder.memory()
@@ -160,9 +162,10 @@ class RunStages:
         With checkpoints it is written into their folder, which takes no more memory for a longer run, and
         read from there.
         """
-        if len(rows := self._recorder.taken()):
-            self._chunks.append(files.Chunk.of(states.system_history(self._system, rows).dataset))
         case, end = self._system.case, ground_map.end_memory(self._system.memory(), self._recorder.then)
+        rows = self._recorder.taken()
         if self._checkpoints is None:
-            return History(case, files.joined(self._chunks).assign(end))
+            return History(case, states.system_history(self._system, rows).dataset.assign(end))
+        if len(rows):
+            self._chunks.append(files.Chunk.of(states.system_history(self._system, rows).dataset))
         return History.load(self._checkpoints.save_history(case, self._chunks, end))
