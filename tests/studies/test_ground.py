@@ -11,6 +11,7 @@ import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.results.life.life import BEYOND
 from exudyn_crawler.results.stress.hot_spots import REGIONS
 from studies.ground import (
     AGAIN,
@@ -18,6 +19,7 @@ from studies.ground import (
     SOFT,
     covered,
     kept_work,
+    lives_by_region,
     power_cases,
     power_study,
     powers_over_way,
@@ -26,6 +28,7 @@ from studies.ground import (
     study_cases,
     work_balance,
 )
+from studies.running import study_runs
 from tests.rolled import small_case
 
 PAGE, ROLLED = (
@@ -114,6 +117,21 @@ def test_the_page_has_the_rows_and_columns_of_the_study(tmp_path, over_sand):
     assert list(pulls) == [*COLUMNS, *STRESSED]
     assert set(COLUMNS.values()) <= set(row(SimpleNamespace(history=over_sand)))
     assert {one for parts in STRESSED.values() for one in parts} == set(REGIONS) - {"bores"} == set(lives)
+
+
+@pytest.mark.slow
+@pytest.mark.simulation
+def test_lives_on_a_floor_are_those_of_the_page(tmp_path):
+    """Of the others `make ground` writes the same table."""
+    name = "hard floor"
+    with study_runs(tmp_path, {name: study_cases()[name]}, progress=False) as runs:
+        found = lives_by_region(runs[name]).set_index("region")
+    for region, text in printed("roller path").loc[name].items():
+        hours = found.loc[region, ["life in h at least", "life in h at most"]]
+        for word, life in zip(text.split(" to "), hours, strict=True):
+            # the page has two digits
+            expected = pytest.approx(life / 1e6, rel=0.06)
+            assert word == "beyond 1000" if life >= BEYOND else float(word) == expected, region
 
 
 def test_what_the_page_says_of_pulls_follows_from_its_table():
