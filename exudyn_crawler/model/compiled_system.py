@@ -408,8 +408,6 @@ class CompiledSystem(TrackSystem):
         predict(solver, self.mbs, settings, self._state)
         h, beta, gamma = solver.it.currentStepSize, solver.newmarkBeta, solver.newmarkGamma
         start = self._multipliers.copy()
-        if self._cells is not None:
-            self._cells.cover(self._state)
         weights = Weights(
             1.0,
             gamma / (h * beta),
@@ -417,6 +415,11 @@ class CompiledSystem(TrackSystem):
             False,
             beta * h / gamma,
         )
+        if self._cells is not None:
+            # which cells load and which unload is seen best with the accelerations as they were
+            last: Any = self.mbs.systemData.GetODE2Coordinates_tt(exu.ConfigurationType.StartOfStep)
+            self._state += np.multiply.outer(weights[:3], last / weights.acceleration)
+            self._cells.cover(self._state)
         converged, _ = self._step(self.inputs(solver.it.currentTime), weights, self._limits)
         if not converged:
             self._multipliers[:] = start

@@ -5,9 +5,9 @@ residual is inertia less forces plus constraint forces for the first, and the ga
 second. Both are sums over bodies, joints and force elements.
 
 The matrix is exact but for three things, which change over seconds and not over a step: how the forces of
-constraints, loads and wheels turn and move with the bodies, how centrifugal and gyroscopic forces change with
-the rates, and how the outline of an overlap moves. The residual has all of them, so that they cost iterations
-and not accuracy.
+constraints (but for `joints.write_turned`), loads and wheels turn and move with the bodies, how centrifugal
+and gyroscopic forces change with the rates, and how the outline of an overlap moves. The residual has all of
+them, so that they cost iterations and not accuracy.
 """
 
 import numpy as np
@@ -140,8 +140,7 @@ def _add_closed(
     inputs: Inputs,
     multipliers: FloatArray,
     work: Workspace,
-    weights: Weights,
-    rows: FloatArray,
+    level: float,
     out: FloatArray,
 ) -> None:
     """Add compliance of the pins of a closed track, and torques and residuals of its motors.
@@ -152,10 +151,7 @@ def _add_closed(
     if closed is None:
         return
     joints, n = ClosedJoints(*closed), out.shape[0] - multipliers.shape[0]
-    bodies, markers, pins = tables.bodies, tables.markers, tables.joints.pins
     for p in range(joints.compliance.shape[0]):
-        if weights.position != 0.0:
-            write_turned(bodies, markers, pins[p], multipliers[ROWS * p :], state, rows[0], work.turned[p])
         for r in range(ROWS):
             row = ROWS * p + r
             out[n + row] -= STIFFNESS * joints.compliance[p, r] * multipliers[row]
@@ -168,7 +164,7 @@ def _add_closed(
         if joints.limit[k] < np.inf:
             out[n + first + k] = torque + motor_torque(joints, k, lag)[0]
         else:
-            out[n + first + k] = -STIFFNESS * weights.level * lag
+            out[n + first + k] = -STIFFNESS * level * lag
         for side in range(2):
             place = tables.bodies.coordinate[joints.motors[k, side]] + 3
             for c in range(3):
@@ -216,7 +212,11 @@ def residual(
     add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
     _write_joints(tables, state, inputs, work, rows)
     _add_joints(tables, inputs, multipliers, work, weights.level, out)
-    _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights, rows, out)
+    for p in range(work.turned.shape[0] if weights.position != 0.0 else 0):
+        own, pair, into = multipliers[ROWS * p :], tables.joints.pins[p], work.turned[p]
+        closed = tables.closed is not None
+        write_turned(bodies, tables.markers, pair, closed, own, state, rows[0], into)
+    _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights.level, out)
 
 
 @solving_within
@@ -372,6 +372,19 @@ def _add_joint_rows(
 
 
 @solving_within
+def _add_turned(tables: Tables, by_place: float, work: Workspace, values: FloatArray) -> None:
+    """Add how the moments of the pins' forces change as their bodies turn to the fronts."""
+    places = tables.rows
+    for p in range(work.turned.shape[0]):
+        for side in range(2):
+            b = tables.joints.bodies[ROWS * p, side]
+            own, place = front(tables.fronts, values, places.front[b]), places.body[places.front[b], b] + 3
+            for r in range(3):
+                for c in range(3):
+                    own[place + r, place + c] += by_place * work.turned[p, side, r, c]
+
+
+@solving_within
 def _add_closed_rows(
     closed: tuple | None,
     tables: Tables,
@@ -396,12 +409,6 @@ def _add_closed_rows(
                 place = places.body[f, tables.joints.bodies[ROWS * p, side]]
                 for c in range(6):
                     matrix[row, place + c] += rate * work.jacobian[ROWS * p + r, side, c]
-        for side in range(2):
-            b = tables.joints.bodies[ROWS * p, side]
-            own, place = front(fronts, values, places.front[b]), places.body[places.front[b], b] + 3
-            for r in range(3):
-                for c in range(3):
-                    own[place + r, place + c] += weights.position * work.turned[p, side, r, c]
     first = work.gap.shape[0] - joints.motors.shape[0]
     velocity = weights.velocity if weights.velocity != 0.0 else 1.0
     for k in range(joints.motors.shape[0]):
@@ -450,4 +457,5 @@ def matrix(
     for kind in range(len(work.elements)):
         _add_elements(tables, ForceRows(*work.elements[kind]), work.counts[kind], fronts)
     _add_joint_rows(tables, inputs, weights, work, fronts)
+    _add_turned(tables, weights.position, work, fronts)
     _add_closed_rows(tables.closed, tables, state, inputs, weights, work, fronts)

@@ -331,6 +331,7 @@ def write_turned(
     bodies: Bodies,
     markers: Markers,
     pair: IntArray,
+    in_plane: bool,
     multipliers: FloatArray,
     state: FloatArray,
     row: FloatArray,
@@ -338,14 +339,14 @@ def write_turned(
 ) -> None:
     """Write how the moments of a pin's force change as its bodies turn: (2, 3, 3), by their angles.
 
-    `pair` are the markers of rear and front body, `multipliers` those of the pin, and `row` (6 + m,) is
-    scratch. In a tight chain that moves slowly this is what holds the shoes in line, and no equation solver
-    may leave it out.
+    `pair` are the markers of rear and front body, `in_plane` is as of `pin`, `multipliers` are those of the
+    pin, and `row` (6 + m,) is scratch. In a tight chain that moves slowly this is what holds the shoes in
+    line, and no equation solver may leave it out.
     """
     rear = attitude_of(bodies, markers.body[pair[0]])
     force = (0.0, 0.0, 0.0)
     for r in range(3):
-        force = along(force, multipliers[r], plane_axis(rear, r))
+        force = along(force, multipliers[r], plane_axis(rear, r) if in_plane else basis(r))
     for side in range(2):
         b = markers.body[pair[side]]
         read_body(bodies, b, state[0], row)
@@ -355,6 +356,22 @@ def write_turned(
             moment = cross(cross(at.axes[j], lever), force)
             for i in range(3):
                 out[side, i, j] = (2.0 * side - 1.0) * dot(at.axes[i], moment)
+
+
+@solving_within
+def turn_moments(
+    bodies: Bodies, markers: Markers, pins: IntArray, change: FloatArray, multipliers: FloatArray
+) -> None:
+    """Keep the moments of pins, whose multipliers are along axes that pitch with the front body.
+
+    `change` (coordinates + multipliers,) has been taken off both. Newton's method then knows how these
+    moments turn, on the rear body too, although no entry of its matrix couples the two bodies.
+    """
+    for p in range(pins.shape[0]):
+        pitch, row = -change[bodies.coordinate[markers.body[pins[p, 1]]] + 4], ROWS * p + 3
+        c, s = math.cos(pitch), math.sin(pitch)
+        a, b = multipliers[row], multipliers[row + 1]
+        multipliers[row], multipliers[row + 1] = c * a - s * b, s * a + c * b
 
 
 @solving_within

@@ -86,7 +86,7 @@ class Workspace(NamedTuple):
     units: tuple  # workspaces of these
     cells: tuple | None
     motors: FloatArray  # (motors, 2, 3): of frame and tumbler, as of `joints.motor_speed`
-    turned: FloatArray  # (pins, 2, 3, 3): of a closed track, as of `joints.write_turned`
+    turned: FloatArray  # (pins, 2, 3, 3): as of `joints.write_turned`; none of an open track on units
     teeth: tuple | None
     wheels: tuple | None
 
@@ -102,6 +102,7 @@ class Workspace(NamedTuple):
             teeth and TeethWorkspace.allocate(len(teeth.markers), m),
             wheels and WheelWorkspace.allocate(wheels, m),
         )
+        turns = tables.closed is not None or tables.cells is not None
         cells = tables.cells and shoes and CellWorkspace.allocate(tables.cells, shoes)
         none = ForceRows.allocate(0, 1, m)
         on_cells = (cells.rigid, cells.flexible) if cells else (none, none)
@@ -120,7 +121,7 @@ class Workspace(NamedTuple):
                 UnitWorkspace(reference.copy(), rates, forces, touching, scratch),
                 cells,
                 np.zeros((motors, 2, 3)),
-                np.zeros((0 if tables.closed is None else len(tables.joints.pins), 2, 3, 3)),
+                np.zeros((len(tables.joints.pins) if turns else 0, 2, 3, 3)),
                 *others,
             )
         )

@@ -65,11 +65,11 @@ def jerked():
 
 @pytest.mark.parametrize(
     ("case", "duration", "mean"),
-    [(jerked(), 0.3, 1.1), (longer(16).on_cells(BekkerSoil.lete_sand()), 4.0, 1.35)],
+    [(jerked(), 0.3, 1.1), (longer(16).on_cells(BekkerSoil.lete_sand()), 4.0, 1.3)],
     ids=["jerked", "16 shoes in the papers' drive"],
 )
 def test_newton_takes_one_or_two_iterations_on_sand(case, duration, mean, monkeypatch):
-    """Of 2000 steps of 16 shoes five take three."""
+    """Of 2000 steps of 16 shoes 474 take two."""
     iterations, step = [], CompiledSystem._step
 
     def counted(self, *arguments):
@@ -82,9 +82,8 @@ def test_newton_takes_one_or_two_iterations_on_sand(case, duration, mean, monkey
     converged, made = np.array(iterations[-steps:]).T
     assert len(made) == steps > 100
     assert converged.all()
-    assert np.mean(made <= 2) > 0.99
     assert made.mean() < mean
-    assert made.max() <= 3
+    assert made.max() <= 2
 
 
 def test_a_dragged_track_is_held_back_by_the_strength_of_the_soil(dragged):
