@@ -22,7 +22,9 @@ AHEAD = 4
 """Iterations that an old matrix of a closed track may still take at the rate of the last one: a second matrix
 takes as long as three."""
 
-FRONTS, CELLS, CLOSED = (Tables._fields.index(name) for name in ("fronts", "cells", "closed"))
+FRONTS, CELLS, CLOSED, WHEELS = (
+    Tables._fields.index(name) for name in ("fronts", "cells", "closed", "wheels")
+)
 
 
 @solving_allocating
@@ -55,6 +57,7 @@ def step(
     out, values = scratch
     weights, fronts = Weights(*factors), tables[FRONTS]
     named, cells, closed = named_tables(tables), tables[CELLS] is not None, tables[CLOSED] is not None
+    wheels = tables[WHEELS] is not None
     by_place, by_rate, by_acceleration, level = (
         weights.position,
         weights.velocity,
@@ -98,8 +101,10 @@ def step(
             break
         needed = (old > 2 and norm > CONTRACTION * last) or old > OLD_STEPS
         if cells and matrices < TANGENTS:
-            # rows of cells that load or unload change their stiffness by forty
-            needed = needed or norm * max(KEPT, norm / last) > limits[0]
+            # rows of cells that load or unload change their stiffness by forty; under wheels a matrix costs
+            # more than it saves, unless what the old one gained, known within ten, says that it will not do
+            left = 10.0 * norm / last if wheels else max(KEPT, norm / last)
+            needed = needed or left * norm > limits[0]
         if closed and old > 1 and matrices < TANGENTS:
             needed = needed or norm * (norm / last) ** AHEAD > limits[0]
         last = norm
