@@ -127,6 +127,8 @@ class CompiledSystem(TrackSystem):
         self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
         self._limits = (0.0, 0)
         self._singular = False
+        # weights of the factored matrix with which the next step begins; None where that makes its own
+        self._factored: Weights | None = None
         # speed (m/s) with rate of turning (rad/s), and wrench on the side frame (6,) in place of the case's
         self.commands: Callable[[float], tuple[np.ndarray, np.ndarray]] | None = None
         self._bending = np.flatnonzero(self.tables.bodies.modal >= 0)
@@ -267,6 +269,8 @@ class CompiledSystem(TrackSystem):
 
     def solve(self, settings: "exu.SimulationSettings") -> None:
         """Integrate between the times of the settings; errors as of `TrackSystem.solve`."""
+        # a run that goes on from here later has no matrix, either
+        self._factored = None
         newton = settings.timeIntegration.newton
         self._limits = (newton.absoluteTolerance, newton.maxIterations)
         if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:
@@ -357,7 +361,8 @@ class CompiledSystem(TrackSystem):
         self._state[1:] = 0.0
         inputs = self.inputs(0.0)
         inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
-        converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, drag / h, False, h), limits)
+        weights = Weights(1.0, 1.0 / h, drag / h, False, h)
+        converged, iterations = self._step(inputs, weights, (*limits, False))
         return iterations if converged and np.isfinite(self._state).all() else None
 
     def calls(self) -> dict[str, list[tuple[Any, tuple]]]:
@@ -385,7 +390,7 @@ class CompiledSystem(TrackSystem):
         equations[self.layout.coordinate_count :] /= STIFFNESS
         return equations
 
-    def _step(self, inputs: Inputs, weights: Weights, limits: tuple[float, int]) -> tuple[bool, int]:
+    def _step(self, inputs: Inputs, weights: Weights, limits: tuple[float, int, bool]) -> tuple[bool, int]:
         """Whether Newton's method finds the step that the state predicts, and its iterations."""
         try:
             converged, iterations, *_ = step(
@@ -415,12 +420,17 @@ class CompiledSystem(TrackSystem):
             False,
             beta * h / gamma,
         )
-        if self._cells is not None:
-            # which cells load and which unload is seen best with the accelerations as they were
+        closed = self.tables.closed is not None
+        if closed or self._cells is not None:
+            # which cells load and which unload is seen best with the accelerations as they were; in a closed
+            # track an old matrix then has the less to do
             last: Any = self.mbs.systemData.GetODE2Coordinates_tt(exu.ConfigurationType.StartOfStep)
             self._state += np.multiply.outer(weights[:3], last / weights.acceleration)
+        if self._cells is not None:
             self._cells.cover(self._state)
-        converged, _ = self._step(self.inputs(solver.it.currentTime), weights, self._limits)
+        limits = (*self._limits, self._factored == weights)
+        converged, iterations = self._step(self.inputs(solver.it.currentTime), weights, limits)
+        self._factored = weights if closed and converged and iterations == 1 else None
         if not converged:
             self._multipliers[:] = start
             return False

@@ -18,9 +18,12 @@ KEPT = 0.15
 TANGENTS = 2
 """Matrices of one step with the tangent of the friction curve; later ones take the secant."""
 
-AHEAD = 4
-"""Iterations that an old matrix of a closed track may still take at the rate of the last one: a second matrix
-takes as long as three."""
+AHEAD = 3
+"""Iterations that an old matrix of a closed track may still take at the rate of the last one: a new matrix
+takes about as long."""
+CLOSER = 0.25
+"""Share of the limit to which the matrix of the last step has to bring the residual: a new one leaves a
+hundredth, and what an old one leaves adds up over steps."""
 
 FRONTS, CELLS, CLOSED, WHEELS = (
     Tables._fields.index(name) for name in ("fronts", "cells", "closed", "wheels")
@@ -40,7 +43,7 @@ def step(
     multipliers: FloatArray,
     inputs: tuple,
     factors: tuple,
-    limits: tuple[float, int],
+    limits: tuple[float, int, bool],
     workspace: tuple,
     scratch: tuple[FloatArray, FloatArray],
 ) -> tuple[bool, int, int, float]:
@@ -49,9 +52,10 @@ def step(
     Tables, inputs, factors and workspace are `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
     `state` (3, coordinates) are predicted coordinates, rates and accelerations; the latter two follow a
     change of the coordinates ``weights.velocity`` and ``weights.acceleration`` times. `multipliers` are those
-    of the last step, `limits` the residual (N, root mean square) that ends the search, and most iterations,
-    and `scratch` the residual, left as it was last, and values of the fronts. Gives whether it converged,
-    iterations, matrices and the last residual, N.
+    of the last step, `limits` the residual (N, root mean square) that ends the search, most iterations, and
+    whether the search may begin with the factored matrix of the last step; `scratch` are the residual, left
+    as it was last, and values of the fronts with that matrix. Gives whether it converged, iterations,
+    matrices and the last residual, N.
     """
     n = state.shape[1]
     out, values = scratch
@@ -68,8 +72,9 @@ def step(
     tangent = (by_place, by_rate, by_acceleration, weights.secant, level)
     none = (0.0, 0.0, 0.0, weights.secant, level)
     iterations = matrices = 0
-    residual(tables, state, multipliers, inputs, tangent, workspace, out)
-    derived, needed, old = True, True, 0
+    needed = derived = not limits[2]
+    residual(tables, state, multipliers, inputs, tangent if derived else none, workspace, out)
+    old = 0
     last = _norm(out)
     change = np.empty_like(out)
     while iterations < limits[1]:
@@ -95,7 +100,8 @@ def step(
         residual(tables, state, multipliers, inputs, none, workspace, out)
         derived = False
         norm = _norm(out)
-        if norm <= limits[0]:
+        limit = limits[0] if matrices > 0 else CLOSER * limits[0]
+        if norm <= limit:
             return True, iterations, matrices, norm
         if not norm < 1e30:
             break
@@ -104,8 +110,8 @@ def step(
             # rows of cells that load or unload change their stiffness by forty; under wheels a matrix costs
             # more than it saves, unless what the old one gained, known within ten, says that it will not do
             left = 10.0 * norm / last if wheels else max(KEPT, norm / last)
-            needed = needed or left * norm > limits[0]
-        if closed and old > 1 and matrices < TANGENTS:
-            needed = needed or norm * (norm / last) ** AHEAD > limits[0]
+            needed = needed or left * norm > limit
+        if closed and (old > 1 or matrices == 0) and matrices < TANGENTS:
+            needed = needed or norm * (norm / last) ** AHEAD > limit
         last = norm
     return False, iterations, matrices, last
