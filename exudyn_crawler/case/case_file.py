@@ -242,10 +242,10 @@ class Difference(NamedTuple):
 
 def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
     """Values in which two cases or case files differ."""
-    a, b = ({entry.path: entry for entry in fields.values_of(one)} for one in (first, second))
+    a, b = ({one.path: one for one in fields.values_of(case)} for case in (first, second))
     return [
         Difference(key, *_texts(a.get(key), b.get(key)))
-        for key in dict.fromkeys([*a, *b])
+        for key in a | b
         if key not in a or key not in b or a[key].value != b[key].value
     ]
 
@@ -261,14 +261,13 @@ def _texts(*entries: fields.Entry | None) -> tuple[str, str]:
 def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
     """Named case from which the fewest values of a case differ, but for its name, and its values of these."""
     own, from_bases = _read_values(case), {}
-    for name, make in fields.named_values(Case).items():
-        of_base = _read_values(make())
-        keys = [key for key in {**of_base, **own} if of_base.get(key) != own.get(key)]
-        from_bases[name] = {key: of_base.get(key, ABSENT) for key in keys}
-    base = min(from_bases, key=lambda name: len(from_bases[name]))
-    return base, from_bases[base]
+    for name in fields.named_values(Case):
+        base = _read_values(getattr(Case, name)())
+        from_bases[name] = {key: base.get(key, ABSENT) for key in base | own if base.get(key) != own.get(key)}
+    nearest = min(from_bases, key=lambda name: len(from_bases[name]))
+    return nearest, from_bases[nearest]
 
 
-def _read_values(case: BaseModel) -> dict[str, str]:
+def _read_values(case: Case) -> dict[str, str]:
     """Values of a case but for its name, by their paths, as they are read."""
-    return {row.key: row.value for row in fields.case_rows(case) if row.key != "name"}
+    return {row.key: row.value for row in fields.case_rows(case.with_(name="case"))}

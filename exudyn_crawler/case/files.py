@@ -4,11 +4,12 @@ A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`, 
 `base`: a named case such as "translation" at its top, a constructor such as "stress" in the table of a part.
 """
 
-import os
+import difflib
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from pydantic import ValidationError
 from pydantic.json_schema import GenerateJsonSchema
@@ -18,7 +19,6 @@ from exudyn_crawler.case.case_file import CaseFile, case_text
 from exudyn_crawler.case.parameters import base, fields, loads, reading, terrain, track
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.files import whole_file
-from meshes import SHOE_SIZES
 
 CYCLE = "file"  # key of the loads that names a file with their cycle
 TEXT = {"type": "string", "description": "a number with its unit, such as '20 MN/m'"}
@@ -32,11 +32,8 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     list that the file or a base has, ``loads.phases[0].end=15``. A FileNotFoundError if there is no such
     file, a CaseFileError that names every key at fault by its path, and what is allowed there.
     """
-
-    def values(content: reading.Content) -> reading.Content:
-        return _resolved(content, Path(path).parent, [_change(change) for change in changes])
-
-    return reading.read_parameters(path, CaseFile, "case file", values)
+    resolved = partial(_resolved, folder=Path(path).parent, changes=changes)
+    return reading.read_parameters(path, CaseFile, "case file", resolved)
 
 
 def case_of(entry: Any, path: Path) -> CaseFile:
@@ -49,7 +46,7 @@ def case_of(entry: Any, path: Path) -> CaseFile:
         got = "" if entry is None else f", got {entry!r}"
         raise ValueError(f"case must be a case file, the name of a case, or a table of one{got}")
     with reading.errors_named(path, CaseFile):
-        return reading.from_content(CaseFile, _resolved(entry, path.parent))
+        return reading.from_content(CaseFile, _resolved(entry, path.parent), path.parent)
 
 
 def write_case(
@@ -74,21 +71,8 @@ def saved_case(text: str | bytes) -> Case:
         raise ParameterError("\n".join(base.error_lines(error, Case))) from None
 
 
-class _Change(NamedTuple):
-    """A value and its path in a case file; `key` is the path as it was written."""
-
-    key: str
-    path: fields.KeyPath
-    value: Any
-
-    def made_in(self, content: reading.Content, kind: type[CaseFile] | None = None) -> reading.Content:
-        """Content with the change: tables of a file or, of a `kind`, with what bases give."""
-        with fields.errors_at(self.key):
-            return fields.with_value(content, self.path, self.value, kind)
-
-
-def _change(text: str) -> _Change:
-    """Change from "key = value" as TOML has it; a key is a path, or its last names where they are unique."""
+def _change(text: str) -> tuple[str, fields.KeyPath, Any]:
+    """Key, path and value of "key = value" as TOML has it; a key is a path, or its last names if unique."""
     key, equals, value = (part.strip() for part in text.partition("="))
     try:
         path = fields.parse_path(key)
@@ -97,70 +81,63 @@ def _change(text: str) -> _Change:
     if not equals:
         like = "terrain.spring_stiffness=1e7 or loads.phases[0].end=15"
         raise ValueError(f"a change must be like {like}, got {text!r}")
-    known = list(fields.key_paths(CaseFile))
-    if path[0] not in {fields.BASE, *Case.model_fields, *CaseFile.model_fields}:
-        end = "." + ".".join(fields.names_of(path))
-        meant = [one for one in known if one.endswith(end)]
-        if len(meant) > 1:
-            raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
-        path = (*fields.parse_path(meant[0].removesuffix(end)), *path) if meant else path
-    # up to the first name that no case file has, of which the check of the content tells
-    for count, part in enumerate(path, 1):
-        above = ".".join(fields.names_of(path[:count])) + "."
-        if part != fields.BASE and not any(f"{one}.".startswith(above) for one in known):
-            path = path[:count]
-            break
     try:
         content = tomllib.loads(f"value = {value}")
     except (ValueError, RecursionError):
         content = {}
     # a line break could hide more
-    return _Change(key, path, content["value"] if len(content) == 1 else value)
+    return key, _whole_path(key, path), content["value"] if len(content) == 1 else value
 
 
-def _resolved(content: reading.Content, folder: Path, changes: Sequence[_Change] = ()) -> reading.Content:
-    """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced, and changes made."""
-    # lists may come from a base
-    of_items = [change for change in changes if len(fields.names_of(change.path)) < len(change.path)]
-    for change in changes:
-        content = content if change in of_items else change.made_in(content)
-    table, cycle = content.get("loads"), None
+def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
+    """Path in a case file, of which a key may give the last names alone."""
+    names, known = ".".join(fields.names_of(path)), list(fields.key_paths(CaseFile))
+    if path[-1] in (fields.BASE, CYCLE) or any(f"{one}.".startswith(f"{names}.") for one in known):
+        return path
+    meant = [one for one in known if one.endswith(f".{names}")]
+    if len(meant) > 1:
+        raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
+    if meant:
+        return (*fields.parse_path(meant[0].removesuffix(f".{names}")), *path)
+    near = difflib.get_close_matches(names, known, n=1)
+    raise ValueError(f"{key}: unknown key" + (f"; did you mean {near[0]}?" if near else ""))
+
+
+def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = ()) -> reading.Content:
+    """Values of a file in a folder as `CaseFile` takes them: bases filled in, and changes made."""
+    content, of_items, cycle = dict(content), [], None
+    for key, path, value in map(_change, changes):
+        # lists may come from a base
+        if len(fields.names_of(path)) < len(path):
+            of_items.append((key, path, value))
+        else:
+            with fields.errors_at(key):
+                content = fields.with_value(content, path, value)
+    table = content.get("loads")
     if isinstance(table, dict) and CYCLE in table:
         if len(table) > 1 or not isinstance(table[CYCLE], str):
             raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {table!r}")
         cycle = folder / content.pop("loads")[CYCLE]
-    content = reading.with_base(content, CaseFile)
+    beside = {name: content.pop(name) for name in ("duration", "outputs") if name in content}
+    case = reading.filled(content, Case)
     if cycle is not None:
         try:
-            read = loads.LoadCycle.from_toml(cycle, _shoe_count(content["case"]))
+            case["loads"] = loads.LoadCycle.from_toml(cycle, _shoe_count(case)).model_dump(mode="json")
         except OSError as error:
             raise ValueError(f"loads.{CYCLE}: {error}") from error
-        content["case"]["loads"] = read.model_dump(mode="json")
-    _spread_equal_loads(content["case"])
-    for change in of_items:
-        content = change.made_in(content, CaseFile)
-        _spread_equal_loads(content["case"])
-    flexible = content["case"].get("flexible")
-    name = flexible.get("mesh") if isinstance(flexible, dict) else None
-    if isinstance(name, str) and name not in SHOE_SIZES:
-        # for any text, where Path.is_file raises
-        if not os.path.isfile(folder / name):
-            raise ValueError(f"flexible.mesh: neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
-        flexible["mesh"] = str((folder / name).resolve())
-    for key in ("ruts", "relief.measured.file"):
-        *tables, last = ("terrain", *key.split("."))
-        found = content["case"]
-        for table in tables:
-            found = (found.get(table) if isinstance(found, dict) else None) or {}
-        if isinstance(found, dict) and isinstance(found.get(last), str):
-            found[last] = str((folder / found[last]).resolve())
-    return content
+    whole = beside | {"case": _with_equal_loads(case)}
+    for key, path, value in of_items:
+        with fields.errors_at(key):
+            whole = fields.with_value(whole, path, value, CaseFile)
+        whole["case"] = _with_equal_loads(whole["case"])
+    return whole
 
 
-def _spread_equal_loads(case: reading.Content) -> None:
-    """Put one number for the loads on all shoes on each of them."""
-    if "loads" in case:
-        case["loads"] = loads.with_equal_loads(case["loads"], _shoe_count(case))
+def _with_equal_loads(case: reading.Content) -> reading.Content:
+    """Values of a case with one number for the loads on all shoes put on each of them."""
+    if "loads" not in case:
+        return case
+    return case | {"loads": loads.with_equal_loads(case["loads"], _shoe_count(case))}
 
 
 def _shoe_count(case: reading.Content) -> int:

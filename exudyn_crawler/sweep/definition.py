@@ -314,7 +314,7 @@ def read_sweep(path: str | Path) -> Sweep:
         for one in content["vary"] if isinstance(content.get("vary"), list) else ():
             _resolve_meshes(one, path.parent)
             _measured(one, case)
-        return reading.with_base(content, Sweep) | {"case": case.model_dump(mode="json")}
+        return content | {"case": case.model_dump(mode="json")}
 
     return reading.read_parameters(path, Sweep, "sweep file", values)
 

@@ -203,7 +203,7 @@ def read_scatter(path: str | Path) -> AnySweep:
     def values(content: reading.Content) -> reading.Content:
         duty = read_duty(path.parent / str(content.pop("duty")))
         one = duty.with_(survivals=duty.survivals[-1:], plane_nodes=0)
-        return reading.with_base(content, DutyScatter) | {"duty": one.model_dump(mode="json")}
+        return content | {"duty": one.model_dump(mode="json")}
 
     if path.is_file() and "duty" in reading.toml_content(path, "sweep file"):
         return reading.read_parameters(path, DutyScatter, "duty scatter file", values)

@@ -145,14 +145,12 @@ def test_what_the_base_says_of_another_model_is_forgotten(refused):
     assert 'contact.damping: missing; give it, or base = "oil_sand" for what is left out' in faults
 
 
-def test_keys_of_the_other_model_are_named_with_it(refused):
-    assert refused('base = "translation"\n[contact]\nradius = 0.2\n') == [
-        "contact.radius: unknown key with model = 'pair'; model = 'spheres' has it"
-    ]
+def test_keys_of_the_other_model_are_unknown(refused):
+    (fault,) = refused('base = "translation"\n[contact]\nradius = 0.2\n')
+    assert fault.startswith("contact.radius: unknown key; allowed are model, stiffness, ")
     spheres = 'base = "translation"\n[contact]\nmodel = "spheres"\nbase = "oil_sand"\n'
-    assert refused(f"{spheres}sharing = 'area'\n") == [
-        "contact.sharing: unknown key with model = 'spheres'; model = 'pair' has it"
-    ]
+    (fault,) = refused(f"{spheres}sharing = 'area'\n")
+    assert fault.startswith("contact.sharing: unknown key; allowed are model, spheres_x, ")
     assert refused(f"{spheres}raduis = 0.2\n") == [
         "contact.raduis: unknown key; did you mean contact.radius?"
     ]
@@ -182,6 +180,7 @@ CELLS = {f"terrain.{path}" for path in key_paths(CellTerrain)} | {
     f"contact.{path}" for path in key_paths(CellContact)
 }
 """Paths of a ground of cells."""
+OF_SPHERES = {f"contact.{path}" for path in set(key_paths(SphereContact)) - set(key_paths(PairContact))}
 
 
 @pytest.mark.parametrize("path", ["terrain.width", "contact.law.k_phi", "terrain.relief.roughness.seed"])
@@ -207,35 +206,26 @@ def test_a_misspelt_key_is_named_with_the_one_that_was_meant(read, refused, path
     head, start = f"[{table}]\n" if table else "", f"{table}." if table else ""
     if table.endswith(".phases"):
         head, start = f"[[{table}]]\n", f"{table}[0]."
-    elif table.endswith((".speed", ".turn_rate", ".damping")):
-        head = f"[{table}]\n"
+    elif path in OF_SPHERES:
+        head += 'model = "spheres"\n'
     faults = refused(f'base = "turning"\n{head}{wrong} = 1\n')
     assert f"{start}{wrong}: unknown key; did you mean {start}{name}?" in faults
 
 
-def test_a_key_of_another_table_is_named_with_its_place(refused):
-    assert refused('base = "translation"\nmass = 3.0\n') == ["mass: unknown key; did you mean shoe.mass?"]
-    assert refused('base = "translation"\nspeed = 0.1\n') == ["speed: unknown key; did you mean drive.speed?"]
-    assert refused('base = "translation"\n[shoe]\nspring_stiffness = 1e6\n') == [
-        "shoe.spring_stiffness: unknown key; did you mean terrain.spring_stiffness?"
-    ]
-
-
 def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
     (fault,) = refused('base = "translation"\n[outputs]\nqqqqqq = 1\n')
-    assert re.fullmatch(r"outputs\.qqqqqq: unknown key; the nearest is .*allowed are figures, .*shoes", fault)
+    assert re.fullmatch(r"outputs\.qqqqqq: unknown key; allowed are figures, .*shoes", fault)
 
 
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("[loads]\nloads = 1e5", "loads.loads: unknown key; a load on every shoe stands above all tables"),
+        ("[loads]\nloads = 1e5", "loads.loads: unknown key; allowed are phases"),
         ("[drive]\nspeed = 0.1", "drive.speed: must be values over time, such as {times = [0, 5]"),
-        ("[[vary]]\nkey = 1", "it is a sweep file, not a case file: exudyn-crawler sweep "),
-        ('model = "bekker"', "it is a law file, not a case file: exudyn-crawler ground "),
-        ('[[cases]]\nname = "stones"', "it is a check file, not a case file: exudyn-crawler check "),
-        ('[shoe]\nmass = "heavy"', "shoe.mass: must be a number in kg, or such as '4.7 t', got 'heavy'"),
-        ('[shoe]\nmass = "4681"', "shoe.mass: must be a number in kg, or such as '4.7 t', got '4681'"),
+        ("[[vary]]\nkey = 1", "vary: unknown key; allowed are name, shoe, "),
+        ('case = "own.toml"', "case: unknown key; allowed are name, shoe, "),
+        ('[shoe]\nmass = "heavy"', "shoe.mass: must be a number in kg, or such as '1 t', got 'heavy'"),
+        ('[shoe]\nmass = "4681"', "shoe.mass: must be a number in kg, or such as '1 t', got '4681'"),
         ("[shoe]\nmass = true", "shoe.mass: must be a number, got True"),
         ("[shoe]\nmass = nan", "shoe.mass: must be a finite number, got nan"),
         ("[shoe]\nmass = -1", "shoe.mass: must be greater than or equal to 0.1, got -1"),
@@ -284,11 +274,10 @@ def test_all_faults_are_told_at_once(refused):
     assert [fault.partition(":")[0] for fault in faults] == ["shoe.mass", "solver.step", "solver.steps"]
 
 
-def test_of_many_unknown_keys_the_first_are_named_and_all_counted(refused):
-    # naming each with the nearest known one would take a minute
+def test_of_many_errors_the_first_are_named_and_all_counted(refused):
     faults = refused('base = "translation"\n' + "".join(f"key{k} = 1\n" for k in range(100_000)))
-    assert [fault.partition(":")[0] for fault in faults[:10]] == [f"key{k}" for k in range(10)]
-    assert faults[10:] == ["100000 keys are unknown; only the first 10 are named"]
+    assert [fault.partition(":")[0] for fault in faults[:100]] == [f"key{k}" for k in range(100)]
+    assert faults[100:] == ["99900 more errors"]
 
 
 def test_a_wrong_base_is_answered_with_those_there_are(refused):

@@ -112,9 +112,6 @@ def test_a_name_that_is_nearly_one_is_named_right():
     with pytest.raises(ParameterError) as refused:
         Terrain.stress().with_(spring_stifness=1e7, columns=19)
     assert str(refused.value) == "spring_stifness: unknown key; did you mean spring_stiffness?"
-    with pytest.raises(ParameterError) as refused:
-        Case.translation().with_(spring_stiffness=1e7)
-    assert str(refused.value) == "spring_stiffness: unknown key; did you mean terrain.spring_stiffness?"
 
 
 def refused_both_ways(read, text, values):

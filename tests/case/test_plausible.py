@@ -88,8 +88,7 @@ def test_the_papers_cases_are_plausible(case):
         (STRAIGHT.with_(gravity=0.0), "gravity: 0 m/s2 is outside of 9.7 to 9.9 m/s2"),
         (
             changed("contact", static_friction=4.0),
-            "contact.static_friction: 4 is outside of 0 to 1.5; is it in per cent? "
-            "It has to be a fraction of 1",
+            "contact.static_friction: 4 is outside of 0 to 1.5; is it in %? It has to be a fraction of 1",
         ),
         (changed("solver", step=0.5), "solver.step: 0.5 s is longer than the run of 0.1 s"),
         (changed("terrain", density=1.6), "is it in t/m3? It has to be in kg/m3"),
@@ -130,7 +129,7 @@ def test_what_cannot_be_meant_is_refused_with_its_likely_cause():
     with pytest.raises(ParameterError) as caught:
         changed("contact", static_friction=40.0)
     assert caught.value.errors == [
-        "static_friction: must be less than or equal to 10, got 40.0; is it in per cent? "
+        "static_friction: must be less than or equal to 10, got 40.0; is it in %? "
         "It has to be a fraction of 1"
     ]
 

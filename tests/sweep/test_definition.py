@@ -359,5 +359,5 @@ def test_bounds_and_values_may_have_units(tmp_path):
     assert (first.low, first.high, first.unit) == (5.0, 80e6, "N/m")
     assert second.values == (1e3, 2e3)
     path.write_text(path.read_text().replace("5 N/m", "5 MPa"))
-    with pytest.raises(CaseFileError, match=r"low: must be a number, or such as '3 %', got '5 MPa'"):
+    with pytest.raises(CaseFileError, match=r"low: must be a number, or such as '1 %', got '5 MPa'"):
         read_sweep(path)

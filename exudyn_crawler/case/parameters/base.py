@@ -2,13 +2,22 @@
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
 
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import ParameterError
@@ -16,16 +25,13 @@ from exudyn_crawler.errors import ParameterError
 FAR = 1e6  # m, beyond which places are no longer exact to a tenth of a micrometre
 FORMULA = ("=", "+", "-", "@")  # what a cell of a table begins with that spreadsheets take for a formula
 SHOWN = 60  # characters of a refused value that an error shows
-MOST_UNKNOWN = 10  # unknown keys that errors name
+MOST_ERRORS = 100  # that are named
 WORDS = (
     *(("a valid number", "a number"), ("a valid integer", "a whole number"), ("a valid string", "a text")),
     *(("a valid boolean", "true or false"), ("a valid array", "a list"), ("a valid tuple", "a list")),
     *(("a valid list", "a list"), (" after validation", ""), ("be an object", "be a table")),
 )
 """Those of pydantic, and what an engineer says."""
-EXAMPLES = {"N": "450 kN", "N m": "30 kN m", "N/m": "20 MN/m", "N s/m": "120 kN s/m", "Pa": "800 MPa"}
-EXAMPLES |= {"m": "8 mm", "m/s": "9 km/h", "rad/s": "1 deg/s", "kg": "4.7 t", "kg/m3": "1.6 t/m3"}
-EXAMPLES |= {"s": "5 min", "": "3 %"}
 PROFILE = "values over time, such as {times = [0, 5], values = [0, 0.1]} (numbers in s and {unit})"
 
 Errors = Iterator[str]  # a line each
@@ -51,8 +57,6 @@ Three = tuple[Place, Place, Place]
 Item = TypeVar("Item")
 Several = Annotated[tuple[Item, ...], MinLen(1)]
 Vector = tuple[Component, Component, Component]
-File = Annotated[Path, AfterValidator(Path.absolute)]
-"""Wherever what names it is read again."""
 Six = tuple[Component, Component, Component, Component, Component, Component]
 
 
@@ -67,6 +71,14 @@ def _fit_for_tables(name: str) -> str:
 
 Name = Annotated[str, MinLen(1), MaxLen(100), AfterValidator(_fit_for_tables)]
 """Of a case, a phase or a run, as tables and pages show it."""
+
+
+def _from_folder(path: Path, info: ValidationInfo) -> Path:
+    # that of the file which names it, while it is read
+    return (info.context / path).resolve() if info.context else path.absolute()
+
+
+File = Annotated[Path, AfterValidator(_from_folder)]
 
 
 def _of_a_body(inertia: Six) -> Six:
@@ -93,9 +105,7 @@ def quantity(unit: str, description: str, plausible: tuple[float, float] | None 
     A run warns of values outside of those `plausible` of machines and ground as there are. Outside of the
     `bounds` (gt, ge, lt, le of `pydantic.Field`) no machine could be meant, or numbers fail.
     """
-    extra: dict[str, Any] = {"unit": unit}
-    if plausible is not None:
-        extra["plausible"] = list(plausible)
+    extra: dict[str, Any] = {"unit": unit} | ({"plausible": list(plausible)} if plausible else {})
     return Field(description=description, json_schema_extra=extra, **bounds)
 
 
@@ -167,82 +177,71 @@ def shown(value: object) -> str:
 
 def error_lines(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
     """Errors of a validation, of a file's values or arguments of `model`, a line each with its path."""
-    found, unknown = error.errors(include_url=False), 0
-    for one in found:
-        loc = tuple(one["loc"])
-        unknown += one["type"] == "extra_forbidden"
-        if one["type"] == "extra_forbidden" and unknown > MOST_UNKNOWN:
-            continue
-        if one["type"] == "too_short" and any(
+    found = error.errors(include_url=False)
+    for one in found[:MOST_ERRORS]:
+        loc = one["loc"]
+        if one["type"] != "too_short" or not any(
             other["loc"][: len(loc)] == loc and other is not one for other in found
-        ):
-            continue  # what is in the list is wrong, not how much
-        yield " ".join(_message(one, _spot(loc, model, in_file), model, in_file).split())
-    if unknown > MOST_UNKNOWN:
-        yield f"{unknown} keys are unknown; only the first {MOST_UNKNOWN} are named"
+        ):  # else what is in the list is wrong, not how much
+            yield " ".join(_message(one, model, in_file).split())
+    if len(found) > MOST_ERRORS:
+        yield f"{len(found) - MOST_ERRORS} more errors"
 
 
 class _Spot(NamedTuple):
-    """Where an error is: the place as a file has it, the class of the table there, and classes beside."""
+    """Where an error is."""
 
-    place: fields.KeyPath
-    table: type[BaseModel]
-    others: tuple[type[BaseModel], ...]  # that the table might be of instead
-    held: tuple[type[BaseModel], ...]  # one of which the field there holds
+    place: fields.KeyPath  # as a file has it
+    table: type[BaseModel]  # class of the table there
+    field: FieldInfo | None
+    held: tuple[type[BaseModel], ...]  # one of which the field holds
 
 
-def _spot(loc: fields.KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
+def _spot(loc: fields.KeyPath, model: type[BaseModel]) -> _Spot:
     """Where pydantic's place is, which names the tag of a part that may be of several classes, too."""
-    spot = _Spot((), model, (), (model,))
-    instead: tuple[type[BaseModel], ...] = ()
+    spot = _Spot((), model, None, (model,))
     for part in loc:
-        if isinstance(part, int):
+        tagged = [kind for kind in spot.held if len(spot.held) > 1 and fields.tag_of(kind) == part]
+        if tagged:
+            spot = spot._replace(held=tuple(tagged))
+        elif isinstance(part, int):
             spot = spot._replace(place=(*spot.place, part))
-            continue
-        if len(spot.held) > 1 and part in map(fields.tag_of, spot.held):
-            instead = tuple(kind for kind in spot.held if fields.tag_of(kind) != part)
-            spot = spot._replace(held=tuple(kind for kind in spot.held if kind not in instead))
-            continue
-        table = spot.held[0] if spot.held else spot.table
-        field = table.model_fields.get(part)
-        is_beside = in_file and part and part == fields.beside(table)
-        place = spot.place if is_beside else (*spot.place, part)
-        spot = _Spot(place, table, instead, fields.models_of(field.annotation) if field else ())
-        instead = ()
+        else:
+            table = spot.held[0] if spot.held else spot.table
+            field = table.model_fields.get(part)
+            place = spot.place if part == fields.beside(table) else (*spot.place, part)
+            spot = _Spot(place, table, field, fields.models_of(field.annotation) if field else ())
     return spot
 
 
-def _message(one: Mapping[str, Any], spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
-    kind, given, path = one["type"], one["input"], fields.path_text(spot.place)
+def _message(one: Mapping[str, Any], model: type[BaseModel], in_file: bool) -> str:
+    spot, kind, given = _spot(one["loc"], model), one["type"], one["input"]
+    path, unit = fields.path_text(spot.place), fields.unit_of(spot.field) if spot.field else ""
     head = f"{path}: " if path else ""
-    message = one["msg"].removeprefix("Value error, ")
-    if kind.endswith("_parsing"):
-        message = message.partition(", unable to ")[0]
+    message, cause = one["msg"].removeprefix("Value error, ").partition(", unable to ")[0], ""
     if kind == "extra_forbidden":
-        return f"{path}: {_unknown(spot, model, in_file)}"
+        allowed = fields.file_fields(model) if len(spot.place) == 1 else spot.table.model_fields
+        return head + unknown_key(spot.place, [*allowed])
     if kind == "missing":
-        return f"{path}: missing{_remedy(one, spot, in_file)}"
+        return f"{head}missing{_remedy(one, spot, in_file)}"
     if kind == "value_error":
-        return f"{head}{message}"
+        return head + message
     if kind.startswith("union_tag") and isinstance(given, dict):
-        allowed = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
-        return f"{path}.{fields.TAG}: must be {allowed}, got {shown(given.get(fields.TAG))}"
-    name = next((part for part in reversed(spot.place) if isinstance(part, str)), "")
-    field, cause = spot.table.model_fields.get(name), ""
+        tags = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
+        return f"{path}.{fields.TAG}: must be {tags}, got {shown(given.get(fields.TAG))}"
     if kind.startswith(("model", "union_tag")):
-        is_profile = in_file and any(getattr(held, "is_value", False) for held in spot.held)
-        profile = PROFILE.replace("{unit}", fields.unit_of(field) if field else "")
         message = f"must be {' or '.join(held.__name__ for held in spot.held)}"
-        message = f"must be {profile if is_profile else 'a table'}" if in_file else message
-    elif kind == "float_type" and in_file and isinstance(given, str) and field:
-        unit = fields.unit_of(field)
-        example = f", or such as {EXAMPLES[unit]!r}" if unit in EXAMPLES else ""
+        if in_file:
+            is_profile = any(getattr(held, "is_value", False) for held in spot.held)
+            message = f"must be {PROFILE.replace('{unit}', unit) if is_profile else 'a table'}"
+    elif kind == "float_type" and isinstance(given, str):
+        example = f", or such as '1 {next(iter(fields.MISTAKEN[unit]))}'" if unit in fields.MISTAKEN else ""
         message = f"must be a number{f' in {unit}' if unit else ''}{example}"
     for word, plain in WORDS:
         message = message.replace(word, plain)
     message = re.sub("^[A-Z][a-z]+ should", "must", message)
-    if kind.startswith(("less_than", "greater_than")) and field and isinstance(given, int | float):
-        cause = fields.likely_cause(float(given), field)
+    if kind.startswith(("less_than", "greater_than")) and spot.field and isinstance(given, int | float):
+        cause = fields.likely_cause(float(given), spot.field)
     return f"{head}{message}, got {shown(given)}{cause}"
 
 
@@ -250,32 +249,16 @@ def _remedy(one: Mapping[str, Any], spot: _Spot, in_file: bool) -> str:
     """What to do about a value that is not there."""
     if isinstance(spot.place[-1], int):
         return f", got {shown(one['input'])}"
+    names = fields.named_values(spot.table)
     if in_file:
-        in_list = any(isinstance(part, int) for part in spot.place)
-        bases = " or ".join(f'"{name}"' for name in fields.named_values(spot.table))
-        return f"; give it, or base = {bases} for what is left out" if bases and not in_list else ""
-    named = " or ".join(f"{spot.table.__name__}.{name}()" for name in fields.named_values(spot.table))
+        bases = " or ".join(f'"{name}"' for name in names)
+        return f"; give it, or base = {bases} for what is left out" if bases else ""
+    named = " or ".join(f"{spot.table.__name__}.{name}()" for name in names)
     return f"; give it, or change a copy of {named}" if named else ""
 
 
-def _unknown(spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
-    """Hint at the name that was meant: of the same table if one is near, else of another."""
-    wrong, start = str(spot.place[-1]), spot.place[:-1]
-    for other in spot.others:
-        if wrong in other.model_fields:
-            this, that = fields.tag_of(spot.table), fields.tag_of(other)
-            return f"unknown key with {fields.TAG} = {this!r}; {fields.TAG} = {that!r} has it"
-    names = [*(fields.file_fields(model) if in_file and not start else spot.table.model_fields)]
-    if in_file and (wrong, start) == ("loads", ("loads",)):
-        return "unknown key; a load on every shoe stands above all tables, loads = 450e3, or in a phase"
-    near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
-    if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
-        return f"unknown key; did you mean {fields.path_text((*start, near[0]))}?"
-    # of several the first
-    values = reversed([*fields.key_paths(model)])
-    paths = [path for value in values for path in (value.rpartition(".")[0], value) if path]
-    elsewhere = {path.rpartition(".")[2]: path for path in paths}
-    if near := difflib.get_close_matches(wrong, elsewhere, n=1, cutoff=0.7):
-        return f"unknown key; did you mean {elsewhere[near[0]]}?"
-    near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.0) or names[:1]
-    return f"unknown key; the nearest is {near[0]}, allowed are {', '.join(names)}"
+def unknown_key(path: fields.KeyPath, allowed: Sequence[str]) -> str:
+    """What is wrong with a path whose last name is none of those that are allowed there."""
+    near = difflib.get_close_matches(str(path[-1]), allowed, n=1)
+    meant = fields.path_text((*path[:-1], *near))
+    return f"unknown key; did you mean {meant}?" if near else f"unknown key; allowed are {', '.join(allowed)}"

@@ -156,14 +156,6 @@ class Entry(NamedTuple):
     value: Any
 
     @property
-    def tables(self) -> list["Entry"]:
-        """Tables that it holds: itself, or those of its list."""
-        if not isinstance(self.value, tuple):
-            return [self] if is_table(self.value) else []
-        items = enumerate(self.value)
-        return [Entry((*self.place, k), self.field, part) for k, part in items if is_table(part)]
-
-    @property
     def path(self) -> str:
         """Path as it is written: ``loads.phases[2].end``."""
         return path_text(self.place)
@@ -186,28 +178,29 @@ def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
 
     A table comes before what it holds, its values before its tables. A quantity over time is a value.
     """
-    values = _values(model)
-    entries = [Entry((*place, name), one, values[name]) for name, one in file_fields(type(model)).items()]
-    yield from (entry for entry in entries if not entry.tables)
-    for table in (table for entry in entries for table in entry.tables):
+    values, tables = dict(iter(model)), []
+    if name := beside(type(model)):
+        values = dict(iter(values.pop(name))) | values
+    for name, field in file_fields(type(model)).items():
+        entry = Entry((*place, name), field, values[name])
+        if is_table(entry.value):
+            tables.append(entry)
+        elif isinstance(entry.value, tuple) and any(map(is_table, entry.value)):
+            tables += [Entry((*entry.place, k), field, part) for k, part in enumerate(entry.value)]
+        else:
+            yield entry
+    for table in tables:
         yield table
         yield from walk(table.value, table.place)
 
 
-def _values(model: BaseModel) -> dict[str, Any]:
-    """Values of `file_fields`."""
-    name, found = beside(type(model)), dict(iter(model))
-    return _values(found.pop(name)) | found if name else found
-
-
 def entry_at(model: BaseModel, path: KeyPath) -> Entry | None:
     """Table or value at a path, or that holds the list which the path leads into; None if there is none."""
-    wanted = tuple(0 if part == EVERY else part for part in path)
-    within = [entry for entry in walk(model) if wanted[: len(entry.place)] == entry.place]
-    deepest = max(within, key=lambda entry: len(entry.place), default=None)
-    if deepest is None or any(isinstance(part, str) for part in wanted[len(deepest.place) :]):
-        return None
-    return deepest
+    place = tuple(0 if part == EVERY else part for part in path)
+    entries = {entry.place: entry for entry in walk(model)}
+    while place not in entries and place and isinstance(place[-1], int):
+        place = place[:-1]
+    return entries.get(place)
 
 
 def is_table(value: object) -> bool:
@@ -291,7 +284,7 @@ def case_rows(case: BaseModel) -> list[Row]:
 
 
 MISTAKEN: dict[str, dict[str, float]] = {
-    "": {"per cent": 0.01},
+    "": {"%": 0.01},
     "m": {"mm": 1e-3, "inch": 0.0254},
     "m/s": {"km/h": 1.0 / 3.6, "mm/s": 1e-3},
     "m/s2": {"mm/s2": 1e-3},
@@ -300,27 +293,34 @@ MISTAKEN: dict[str, dict[str, float]] = {
     "kg": {"t": 1e3, "g": 1e-3},
     "kg/m3": {"t/m3": 1e3, "t/mm3": 1e12},
     "N": {"kN": 1e3},
-    "N/m": {"kN/m": 1e3, "MN/m": 1e6},
+    "N m": {"kN m": 1e3},
+    "N/m": {"MN/m": 1e6, "kN/m": 1e3},
     "N s/m": {"kN s/m": 1e3},
     "Pa": {"MPa": 1e6, "GPa": 1e9, "kPa": 1e3},
     "Hz": {"kHz": 1e3},
 }
-"""Units that numbers come in by mistake, with their size in that of the case."""
+"""Units that numbers come in by mistake, or as texts, with their size in that of the case."""
 
 
-def plausible_range(field: FieldInfo) -> tuple[float, float] | None:
-    """Least and greatest plausible value of a field; None for one that has none."""
-    match field.json_schema_extra:
-        case {"plausible": [int() | float() as least, int() | float() as greatest]}:
-            return least, greatest
-    return None
+def _extra(field: FieldInfo) -> dict[str, Any]:
+    return field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+
+
+def has_unit(field: FieldInfo) -> bool:
+    """Whether a field is a quantity, which may have the unit of a plain number."""
+    return "unit" in _extra(field)
 
 
 def unit_of(field: FieldInfo) -> str:
     """Unit of a field; empty for what has none."""
-    extra = field.json_schema_extra
-    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+    unit = _extra(field).get("unit", "")
     return "" if unit == "1" else unit
+
+
+def plausible_range(field: FieldInfo) -> tuple[float, float] | None:
+    """Least and greatest plausible value of a field; None for one that has none."""
+    found = _extra(field).get("plausible")
+    return found and tuple(found)
 
 
 def likely_cause(value: float, field: FieldInfo) -> str:

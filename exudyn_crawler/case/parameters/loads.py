@@ -161,12 +161,11 @@ def with_equal_loads(content: Any, shoe_count: int) -> Any:
     """Content of a load cycle in which one number for all shoes, or in its place, stands for each of them."""
 
     def spread(phase: Any) -> Any:
-        load = phase.get("loads") if isinstance(phase, dict) else None
-        is_one = fields.is_number(load) or reading.is_measured(load)
-        return phase | {"loads": [load] * shoe_count} if is_one else phase
+        load = reading.number_of(phase.get("loads"), "N") if isinstance(phase, dict) else None
+        return phase | {"loads": [load] * shoe_count} if fields.is_number(load) else phase
 
-    if fields.is_number(content) or reading.is_measured(content):
-        content = {"phases": [{"name": "constant", "end": 0.0, "loads": content}]}
+    if fields.is_number(load := reading.number_of(content, "N")):
+        content = {"phases": [{"name": "constant", "end": 0.0, "loads": load}]}
     match content:
         case {"phases": [*phases]}:
             return content | {"phases": [spread(phase) for phase in phases]}

@@ -1,14 +1,17 @@
 """The chain of shoes on the ground: shoe, rails and track, and which shoes are flexible."""
 
+import os
 from dataclasses import replace
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
+from pydantic import AfterValidator, ValidationInfo
 
 import fem
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, drive
 from exudyn_crawler.case.parameters.base import Errors, Length, Parameters, Place, option, quantity
+from meshes import SHOE_SIZES
 
 UNEVENNESS: float = ph4100c.UNEVENNESS  # m, of the underside's middle beside the COM: `Shoe.uneven`
 STEEL_DENSITY: float = ph4100c.FLEXIBLE_SHOES["density"]  # kg/m3
@@ -233,11 +236,23 @@ CONSTRAINT_MODES = 24  # six of each of the four joint centres
 RIGID_MODES = 6
 
 
+def _mesh_beside(name: str, info: ValidationInfo) -> str:
+    """Name of a mesh, or whole path of one beside the case file that names it, while it is read."""
+    if info.context is None or name in SHOE_SIZES:
+        return name
+    # for any text, where Path.is_file raises
+    if not os.path.isfile(info.context / name):
+        raise ValueError(f"neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
+    return str((info.context / name).resolve())
+
+
 class FlexibleShoes(Parameters):
     """Which shoes are flexible, and the finite-element model that all of them share."""
 
     shoes: tuple[int, ...] = option("numbers of the flexible shoes", min_length=1)
-    mesh: str = option("coarse, study or fine, or the path of a mesh with the same surfaces")
+    mesh: Annotated[str, AfterValidator(_mesh_beside)] = option(
+        "coarse, study or fine, or the path of a mesh with the same surfaces"
+    )
     youngs_modulus: float = quantity("Pa", "E", (5e10, 5e11), ge=1.0, le=1e15)
     poissons_ratio: float = quantity("1", "nu", (0.0, 0.45), gt=-1, lt=0.5)
     density: float = quantity("kg/m3", "density", (1000.0, 2e4), ge=1e-3, le=1e6)

@@ -159,9 +159,7 @@ def read_check(path: str | Path) -> ShoeCheck:
     """Read the file of a check (TOML); the mesh's file counts from it; raises as `read_parameters`."""
     path = Path(path)
     named = {"name": path.stem}
-    check = reading.read_parameters(
-        path, ShoeCheck, "check file", lambda content: reading.with_base(named | content, ShoeCheck)
-    )
+    check = reading.read_parameters(path, ShoeCheck, "check file", lambda content: named | content)
     beside = path.parent / check.mesh
     return check.with_(mesh=str(beside)) if beside.is_file() else check
 

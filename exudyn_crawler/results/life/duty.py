@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Survival, option, quantity
-from exudyn_crawler.case.parameters.reading import read_parameters, with_base
+from exudyn_crawler.case.parameters.reading import read_parameters
 from exudyn_crawler.results.stress.hot_spots import Region
 from fem import defects, fatigue
 
@@ -351,7 +351,7 @@ def read_duty(path: str | Path) -> Duty:
     """Read a duty file (TOML); folders and check files count from its folder; raises as `read_case`."""
     path = Path(path)
     named = {"name": path.stem}
-    duty = read_parameters(path, Duty, "duty file", lambda content: with_base(named | content, Duty))
+    duty = read_parameters(path, Duty, "duty file", lambda content: named | content)
 
     def found(check: str) -> str:
         own = path.parent / check

@@ -41,4 +41,4 @@ def read_law(path: str | Path) -> CellLaw:
         content = reading.toml_content(path, "law file")
         kind = law_class(content.get("model"))
     with reading.errors_named(path, kind):
-        return reading.from_content(kind, reading.with_base(content, kind))
+        return reading.from_content(kind, content)
