@@ -9,7 +9,7 @@ from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import fields, undercarriage
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled, closed_errors
-from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
+from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
@@ -351,14 +351,15 @@ class Case(Parameters):
     def settled_penetration(self) -> float:
         """Penetration of an evenly carried shoe under the mean load, m."""
         if isinstance(self.contact, SphereContact):
-            return float(self.contact.reference_depth(self.mean_load))
+            law = self.contact.reference_stiffness, self.contact.reference_exponent
+            return float(impact_depth(self.mean_load, *law))
         return float(self.settled_depths(np.array([self.mean_load]))[0])
 
     def settled_depths(self, loads: np.ndarray) -> np.ndarray:
         """Penetration (m) of shoes that each carry such a load (N) evenly; none where a load lifts."""
         contact, loads = self.contact, np.maximum(loads, 0.0)
         if isinstance(contact, PairContact):
-            return contact.settled_depth(loads)
+            return impact_depth(loads, contact.stiffness, contact.exponent)
         if isinstance(contact, SphereContact):
             return loads * self.settled_penetration / self.mean_load
         sides = self.shoe.length, self.shoe.width

@@ -6,23 +6,24 @@ from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, SupportsFloat
 
 import tomlkit
+from annotated_types import Ge
 from pydantic import BaseModel
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import drive, fields
-from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity, shown
+from exudyn_crawler.case.parameters.base import Errors, Parameters, Rising, option, quantity, shown
 from meshes import geometry, mesh_named
 
 SIZES = {"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0}  # bytes
 NUMBER = 8  # bytes
 FALLBACK_MEMORY = 64e9  # bytes, taken for the machine's memory where the system does not tell it
 GREATEST_HISTORY = 1e12  # bytes of a history on disk
-MOST_STAGES = 1_000_000  # stages of a run, which begin at its checkpoints
 COPIES_OF_MODES = 6  # arrays as large as a basis that a reduction and its modes' stresses hold at a time
 A_UNIT = 20e3  # bytes of a unit that is a body of the multibody system with its joints
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
 IN_WORDS = 'Numbers are in the units of their comments, or texts with units: "20 MN/m", "9 km/h", "5 min".'
 DIGITS = 10  # of a number in a file to be changed by hand: those behind are rounding alone
+Time = Annotated[float, Ge(0.0)]
 ABSENT = "-"  # in place of a value that a case does not have
 
 
@@ -64,9 +65,6 @@ def check_size(case: Case, duration: float) -> None:
             f"duration: {duration:g} s would leave {times:.3g} stored states of {size}, allowed is {most}; "
             "a greater solver.output_interval stores fewer"
         )
-    stages = f"{duration / (each := solver.checkpoint_interval):.3g} stages, allowed are {MOST_STAGES}"
-    if duration / each > MOST_STAGES:
-        raise ValueError(f"solver.checkpoint_interval: {each:g} s in {duration:g} s make {stages}")
 
 
 def stored_numbers(case: Case) -> int:
@@ -108,24 +106,16 @@ class Outputs(Parameters):
     animation: bool = option("whether the track is animated (mp4)", False)
     forces: bool = option("whether forces derived from the history are written", True)
     page: bool = option("whether all of it is put on one page, report.html", True)
-    picture_times: tuple[float, ...] | None = quantity(
+    picture_times: Rising[Time] | None = quantity(
         "s",
         "of stress kept whole and drawn, beside its peak; none: ends of phases",
         min_length=1,
         default=None,
     )
-    ground_times: tuple[float, ...] = quantity(
+    ground_times: Rising[Time] = quantity(
         "s", "times at which the map of ground of cells is kept and drawn, beside its end", default=()
     )
-    shoes: tuple[int, ...] | None = option("that are drawn; none: five along the track", None, min_length=1)
-
-    def _errors(self) -> Errors:
-        if self.shoes is not None and list(self.shoes) != sorted(set(self.shoes)):
-            yield f"shoes must be different numbers in rising order, got {self.shoes}"
-        for name in ("picture_times", "ground_times"):
-            times = getattr(self, name)
-            if times and (times[0] < 0.0 or list(times) != sorted(set(times))):
-                yield f"{name} must be from 0 s and increase, got {times}"
+    shoes: Rising[int] | None = option("that are drawn; none: five along the track", None, min_length=1)
 
     def drawn_shoes(self, shoe_count: int) -> tuple[int, ...]:
         """Shoes to draw of a track: those asked for, else up to five, the ends included."""

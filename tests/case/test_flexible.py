@@ -10,7 +10,7 @@ COARSE = FlexibleShoes.ph4100c("coarse")
 
 
 def test_bad_flexible_shoes_are_refused_by_name():
-    with pytest.raises(ParameterError, match="shoes must be different numbers in rising order"):
+    with pytest.raises(ParameterError, match="shoes: must be different and rise"):
         COARSE.with_(shoes=(7, 7))
     with pytest.raises(ParameterError, match=r"flexible.shoes must be in 1..13, got \(7, 14\)"):
         Case.translation().with_(flexible=COARSE.with_(shoes=(7, 14)))

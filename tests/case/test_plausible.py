@@ -65,20 +65,11 @@ def test_the_papers_cases_are_plausible(case):
         ),
         (
             STRAIGHT.with_(loads=LoadCycle.constant([-5e3] * 13)),
-            "loads.phases[0].loads: -5 kN at the end of 'constant' lifts shoes 1..13; loads press down",
+            "loads.phases[0].loads: -5 kN at the end of 'constant' lifts shoe 1; loads press down",
         ),
         (
             STRAIGHT.with_(loads=two_phases((386e3, *[-1.0, 386e3] * 6))),
-            "loads.phases[1].loads: -1 N at the end of 'second' lifts shoes 2, 4, 6, 8, 10, ...; loads press",
-        ),
-        (
-            STRAIGHT.with_(loads=two_phases((386.0, *[400e3] * 12))),
-            "loads.phases[1].loads: 386 N at the end of 'second' on shoe 1, up to 400 kN on others; is it in "
-            "kN? It has to be in N",
-        ),
-        (
-            STRAIGHT.with_(loads=two_phases((*[300.0] * 12, 400e3))),
-            "loads.phases[1].loads: 300 N at the end of 'second' on shoes 1..12, up to 400 kN on others",
+            "loads.phases[1].loads: -1 N at the end of 'second' lifts shoe 2; loads press down",
         ),
         (
             STRAIGHT.with_(loads=two_phases((386e3,) * 13, side_shift=-0.9)),

@@ -25,11 +25,6 @@ def ground(columns, rows, **parts):
             "terrain: 10000 x 10000 units would take 2 TB of memory",
         ),
         (STRAIGHT, 1e12, "duration: 1e+12 s would leave 5e+14 stored states of 4.32e+03 PB, allowed is 1 TB"),
-        (
-            STRAIGHT.with_(solver=STRAIGHT.solver.with_(checkpoint_interval=1e-3, output_interval=1.0)),
-            1e4,
-            "solver.checkpoint_interval: 0.001 s in 10000 s make 1e+07 stages, allowed are 1000000",
-        ),
     ],
 )
 def test_what_no_machine_holds_is_refused_at_once(case, duration, told):

@@ -23,7 +23,6 @@ from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import ParameterError
 
 FAR = 1e6  # m, beyond which places are no longer exact to a tenth of a micrometre
-FORMULA = ("=", "+", "-", "@")  # what a cell of a table begins with that spreadsheets take for a formula
 SHOWN = 60  # characters of a refused value that an error shows
 MOST_ERRORS = 100  # that are named
 WORDS = (
@@ -60,17 +59,23 @@ Vector = tuple[Component, Component, Component]
 Six = tuple[Component, Component, Component, Component, Component, Component]
 
 
-def _fit_for_tables(name: str) -> str:
+def _printable(name: str) -> str:
     if not name.isprintable():
         raise ValueError(f"must be printable, got {name!r}")
-    if name.startswith(FORMULA):
-        as_do = "as formulas of spreadsheets do"
-        raise ValueError(f"must not begin with {' '.join(FORMULA)}, {as_do}, got {shown(name)}")
     return name
 
 
-Name = Annotated[str, MinLen(1), MaxLen(100), AfterValidator(_fit_for_tables)]
+Name = Annotated[str, MinLen(1), MaxLen(100), AfterValidator(_printable)]
 """Of a case, a phase or a run, as tables and pages show it."""
+
+
+def _rising(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    if list(values) != sorted(set(values)):
+        raise ValueError(f"must be different and rise, got {values}")
+    return values
+
+
+Rising = Annotated[tuple[Item, ...], AfterValidator(_rising)]
 
 
 def _from_folder(path: Path, info: ValidationInfo) -> Path:
@@ -140,13 +145,6 @@ class Parameters(BaseModel):
     def _errors(self) -> Errors:
         """What of the values does not fit each other; each may take for granted what stands before it."""
         yield from ()
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        try:
-            super().__setattr__(name, value)
-        except ValidationError:
-            how = f"got {shown(value)}; with_({name}=...) gives a copy"
-            raise ParameterError(f"{name}: parameters do not change, {how}") from None
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **values: Any) -> Self:
         """Copy with some values changed, of fields or by their paths, validated again as when made.

@@ -16,10 +16,6 @@ logger = logging.getLogger("exudyn_crawler")
 
 _newtons = partial(fields.in_units, units={"GN": 1e9, "MN": 1e6, "kN": 1e3, "N": 1.0}, digits=4)
 LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7  # N, mean load of the machine on a shoe
-KILO = 1e3
-CLEARLY_LESS = 200.0  # times that a load is less than the greatest of its phase to be a likely mistake
-LIKE = 2.0  # ratio of loads that are alike
-MOST_SHOWN = 5  # shoes that a line lists
 LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0  # m, radii of gyration of a shoe
 SHALLOWEST = 1e-5  # m that a shoe plausibly sinks into a unit at least
 DEEPEST = 0.5  # of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit
@@ -27,46 +23,23 @@ GREATEST_SAG = 0.5  # of a unit's height: how far its weight and its share of th
 
 
 def _loads(case: Case) -> Iterator[str]:
-    """Phases whose loads lift shoes, are next to nothing or beyond any machine, in kN, or beside the shoe."""
+    """Phases whose loads lift shoes, are next to nothing or beyond any machine, or act beside the shoe."""
     core = case.shoe.width / 6.0
     for number, phase in enumerate(case.loads.phases):
         at, end = f"loads.phases[{number}]", f"at the end of {phase.name!r}"
         loads = np.array(phase.loads)
         whole = loads.sum()
         if loads.min() < 0.0:
-            up = _shoes(np.flatnonzero(loads < 0.0) + 1)
-            yield f"{at}.loads: {_newtons(loads.min())} {end} lifts {up}; loads press down and are positive"
+            lifted = f"{_newtons(loads.min())} {end} lifts shoe {loads.argmin() + 1}"
+            yield f"{at}.loads: {lifted}; loads press down and are positive"
         elif case.running_gear is None and not LEAST_LOAD <= whole / len(loads) <= GREATEST_LOAD:
             cause = f"{_newtons(whole)} in all; loads are in N"
             if whole == 0.0:
                 cause = "nothing, so that the ground carries the shoes alone"
             yield f"{at}.loads: {len(loads)} shoes carry {cause}"
-        yield from _in_kilonewtons(loads, at, end)
         if abs(phase.side_shift) > core and loads.any():
             shift = f"{phase.side_shift:g} m {end} is beyond a sixth of the shoe's width, {core:.3g} m"
             yield f"{at}.side_shift: {shift}: the load pulls at the other edge"
-
-
-def _in_kilonewtons(loads: np.ndarray, at: str, end: str) -> Iterator[str]:
-    """Loads on some shoes that would be like those on the others if they were in kN."""
-    small = (loads > 0.0) & (loads * CLEARLY_LESS < loads.max())
-    if not small.any():
-        return
-    like = loads[~small & (loads > 0.0)]
-    least, greatest = loads[small].min() * KILO, loads[small].max() * KILO
-    if like.min() / LIKE <= greatest and least <= like.max() * LIKE:
-        yield (
-            f"{at}.loads: {_newtons(loads[small].min())} {end} on {_shoes(np.flatnonzero(small) + 1)}, up to "
-            f"{_newtons(loads.max())} on others; is it in kN? It has to be in N"
-        )
-
-
-def _shoes(numbers: np.ndarray) -> str:
-    """Numbers of shoes for reading: "shoe 3", "shoes 1..13", "shoes 1, 2, 5"."""
-    if len(numbers) > 2 and numbers[-1] - numbers[0] + 1 == len(numbers):
-        return f"shoes {numbers[0]}..{numbers[-1]}"
-    more = ", ..." if len(numbers) > MOST_SHOWN else ""
-    return f"shoe{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers[:MOST_SHOWN]))}{more}"
 
 
 def _inertia(case: Case) -> Iterator[str]:

@@ -58,10 +58,6 @@ class PairContact(Parameters):
         """
         return cls.oil_sand().with_(normal="area")
 
-    def settled_depth(self, load: np.typing.ArrayLike) -> np.ndarray:
-        """Penetration (m) of an evenly carried shoe under each load (N); none where a load lifts."""
-        return _impact_depth(load, self.stiffness, self.exponent)
-
 
 class SphereContact(Parameters):
     """Spheres under each shoe in Exudyn's `GeneralContact`, at the middle of equal parts of the underside.
@@ -97,10 +93,7 @@ class SphereContact(Parameters):
         """Spheres under one shoe."""
         return self.spheres_x * self.spheres_y
 
-    def reference_depth(self, load: np.typing.ArrayLike) -> np.ndarray:
-        """Penetration (m) of an evenly carried shoe by the reference law under each load (N)."""
-        return _impact_depth(load, self.reference_stiffness, self.reference_exponent)
 
-
-def _impact_depth(load: np.typing.ArrayLike, stiffness: float, exponent: float) -> np.ndarray:
+def impact_depth(load: np.typing.ArrayLike, stiffness: float, exponent: float) -> np.ndarray:
+    """Penetration (m) of an evenly carried shoe by an IMPACT law under each load (N); none where it lifts."""
     return (np.maximum(load, 0.0) / stiffness) ** (1.0 / exponent)

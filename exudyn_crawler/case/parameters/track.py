@@ -249,7 +249,7 @@ def _mesh_beside(name: str, info: ValidationInfo) -> str:
 class FlexibleShoes(Parameters):
     """Which shoes are flexible, and the finite-element model that all of them share."""
 
-    shoes: tuple[int, ...] = option("numbers of the flexible shoes", min_length=1)
+    shoes: base.Rising[int] = option("numbers of the flexible shoes", min_length=1)
     mesh: Annotated[str, AfterValidator(_mesh_beside)] = option(
         "coarse, study or fine, or the path of a mesh with the same surfaces"
     )
@@ -273,14 +273,14 @@ class FlexibleShoes(Parameters):
     highest_frequency: float | None = quantity(
         "Hz", "above which integrated modes are left out", (50.0, 1e6), gt=0, le=1e12, default=None
     )
-    modes: tuple[int, ...] | None = option("numbers (from 1) of the modes that are integrated", None)
+    modes: base.Rising[int] | None = option(
+        "numbers (from 1) of the modes that are integrated", None, min_length=1
+    )
     damping: drive.StepProfile = quantity(
         "1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0)
     )
 
     def _errors(self) -> Errors:
-        if list(self.shoes) != sorted(set(self.shoes)):
-            yield f"shoes must be different numbers in rising order, got {self.shoes}"
         if min(self.damping.values) < 0.0:
             yield f"damping ratios must not be negative, got {self.damping.values}"
         most = self.recovered_modes
@@ -290,8 +290,6 @@ class FlexibleShoes(Parameters):
             return
         if self.highest_frequency is not None:
             yield "choose modes by number or by highest_frequency, not by both"
-        if not self.modes or list(self.modes) != sorted(set(self.modes)):
-            yield f"modes must be different numbers in rising order, got {self.modes}"
         if self.modes[0] < 1 or self.modes[-1] > self.mode_count:
             yield f"modes must be in 1..{self.mode_count}, got {self.modes}"
 
