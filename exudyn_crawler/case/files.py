@@ -5,19 +5,18 @@ A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`, 
 """
 
 import difflib
+import json
 import tomllib
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
 from pydantic.json_schema import GenerateJsonSchema
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
-from exudyn_crawler.case.parameters import base, fields, loads, reading, terrain, track
-from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.case.parameters import fields, loads, reading, terrain, track
 from exudyn_crawler.files import whole_file
 
 CYCLE = "file"  # key of the loads that names a file with their cycle
@@ -64,11 +63,8 @@ def write_case(
 
 
 def saved_case(text: str | bytes) -> Case:
-    """Case from the JSON in a history or a checkpoint; `ParameterError` if it is none."""
-    try:
-        return Case.model_validate_json(text)
-    except ValidationError as error:
-        raise ParameterError("\n".join(base.error_lines(error, Case))) from None
+    """Case from the JSON in a history or a checkpoint; `ValueError` if it is none."""
+    return Case(**json.loads(text))
 
 
 def _change(text: str) -> tuple[str, fields.KeyPath, Any]:

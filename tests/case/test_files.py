@@ -141,8 +141,8 @@ def test_a_contact_without_model_is_the_pair_law_beside_no_base_too(read):
 
 def test_what_the_base_says_of_another_model_is_forgotten(refused):
     faults = refused('base = "translation"\n[contact]\nmodel = "spheres"\nfriction_speed = 0.01\n')
-    assert 'contact.radius: missing; give it, or base = "oil_sand" for what is left out' in faults
-    assert 'contact.damping: missing; give it, or base = "oil_sand" for what is left out' in faults
+    assert 'contact.radius: missing; give it, or start from "oil_sand"' in faults
+    assert 'contact.damping: missing; give it, or start from "oil_sand"' in faults
 
 
 def test_keys_of_the_other_model_are_unknown(refused):
@@ -254,7 +254,10 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
             "contact.model: must be 'pair' or 'spheres' or 'cells', got 'hertz'",
         ),
         ("[contact]\nmodel = [1]", "contact.model: must be 'pair' or 'spheres' or 'cells', got [1]"),
-        ('contact = "spheres"', "contact: must be a table, got 'spheres'"),
+        (
+            'contact = "spheres"',
+            "contact: must be a table, got 'spheres'",
+        ),
         ("[drive]\non = [[0, 15, 20]]", "drive.on[0]: "),
         ("[drive]\non = [[5, 15]]", "drive: speed must be zero where the drive goes on, at 5 s, got 0.1 m/s"),
         (
@@ -295,9 +298,9 @@ def test_a_wrong_base_is_answered_with_those_there_are(refused):
 
 def test_what_a_file_without_base_lacks_is_named(refused):
     faults = refused('[shoe]\nbase = "ph4100c"\n')
-    assert any(one.startswith('track: missing; give it, or base = "translation" or') for one in faults)
+    assert any(one.startswith('track: missing; give it, or start from "translation" or') for one in faults)
     lacking = refused('base = "translation"\n[flexible]\n')
-    assert lacking[0] == 'flexible.shoes: missing; give it, or base = "ph4100c" for what is left out'
+    assert lacking[0] == 'flexible.shoes: missing; give it, or start from "ph4100c"'
 
 
 @pytest.mark.parametrize(

@@ -157,17 +157,15 @@ def test_what_is_missing_is_named_with_the_constructors_that_have_it():
     first, *rest = refused.value.errors
     assert first == "origin[1]: missing, got (0.0,)"
     assert len(rest) == sum(field.is_required() for field in Terrain.model_fields.values())
-    assert (
-        rest[0] == "columns: missing; give it, or change a copy of Terrain.kinematics() or Terrain.stress()"
-    )
+    assert rest[0] == 'columns: missing; give it, or start from "kinematics" or "stress"'
 
 
 def test_a_part_of_another_class_is_refused():
     with pytest.raises(ParameterError) as refused:
         Case.translation().with_(terrain=Track.ph4100c(), contact=5)
     assert [one[: one.index(", got")] for one in refused.value.errors] == [
-        "terrain: must be Terrain or CellTerrain",
-        "contact: must be PairContact or SphereContact or CellContact",
+        "terrain: must be a table (Terrain or CellTerrain)",
+        "contact: must be a table (PairContact or SphereContact or CellContact)",
     ]
 
 

@@ -131,7 +131,7 @@ class Parameters(BaseModel):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            raise ParameterError("\n".join(error_lines(error, type(self), in_file=False))) from None
+            raise ParameterError("\n".join(error_lines(error, type(self)))) from None
 
     # parts that are given as tables are validated in one go, so that their faults have the whole path
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
@@ -173,15 +173,15 @@ def shown(value: object) -> str:
     return text if len(text) <= SHOWN else text[: SHOWN - 4] + " ..."
 
 
-def error_lines(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
-    """Errors of a validation, of a file's values or arguments of `model`, a line each with its path."""
+def error_lines(error: ValidationError, model: type[BaseModel]) -> Iterator[str]:
+    """Errors of a validation of the values of `model`, a line each with its path."""
     found = error.errors(include_url=False)
     for one in found[:MOST_ERRORS]:
         loc = one["loc"]
-        if one["type"] != "too_short" or not any(
-            other["loc"][: len(loc)] == loc and other is not one for other in found
-        ):  # else what is in the list is wrong, not how much
-            yield " ".join(_message(one, model, in_file).split())
+        inside = (other for other in found if other["loc"][: len(loc)] == loc and other is not one)
+        # what is in a list may be wrong, and not how much
+        if one["type"] != "too_short" or not any(inside):
+            yield " ".join(_message(one, model).split())
     if len(found) > MOST_ERRORS:
         yield f"{len(found) - MOST_ERRORS} more errors"
 
@@ -212,7 +212,7 @@ def _spot(loc: fields.KeyPath, model: type[BaseModel]) -> _Spot:
     return spot
 
 
-def _message(one: Mapping[str, Any], model: type[BaseModel], in_file: bool) -> str:
+def _message(one: Mapping[str, Any], model: type[BaseModel]) -> str:
     spot, kind, given = _spot(one["loc"], model), one["type"], one["input"]
     path, unit = fields.path_text(spot.place), fields.unit_of(spot.field) if spot.field else ""
     head = f"{path}: " if path else ""
@@ -221,17 +221,19 @@ def _message(one: Mapping[str, Any], model: type[BaseModel], in_file: bool) -> s
         allowed = fields.file_fields(model) if len(spot.place) == 1 else spot.table.model_fields
         return head + unknown_key(spot.place, [*allowed])
     if kind == "missing":
-        return f"{head}missing{_remedy(one, spot, in_file)}"
+        names = " or ".join(f'"{name}"' for name in fields.named_values(spot.table))
+        is_item = isinstance(spot.place[-1], int)
+        remedy = f"; give it, or start from {names}" if names else ""
+        return f"{head}missing" + (f", got {shown(given)}" if is_item else remedy)
     if kind == "value_error":
         return head + message
     if kind.startswith("union_tag") and isinstance(given, dict):
         tags = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
         return f"{path}.{fields.TAG}: must be {tags}, got {shown(given.get(fields.TAG))}"
     if kind.startswith(("model", "union_tag")):
-        message = f"must be {' or '.join(held.__name__ for held in spot.held)}"
-        if in_file:
-            is_profile = any(getattr(held, "is_value", False) for held in spot.held)
-            message = f"must be {PROFILE.replace('{unit}', unit) if is_profile else 'a table'}"
+        is_profile = any(getattr(held, "is_value", False) for held in spot.held)
+        table = f"a table ({' or '.join(held.__name__ for held in spot.held)})"
+        message = f"must be {PROFILE.replace('{unit}', unit) if is_profile else table}"
     elif kind == "float_type" and isinstance(given, str):
         example = f", or such as '1 {next(iter(fields.MISTAKEN[unit]))}'" if unit in fields.MISTAKEN else ""
         message = f"must be a number{f' in {unit}' if unit else ''}{example}"
@@ -241,18 +243,6 @@ def _message(one: Mapping[str, Any], model: type[BaseModel], in_file: bool) -> s
     if kind.startswith(("less_than", "greater_than")) and spot.field and isinstance(given, int | float):
         cause = fields.likely_cause(float(given), spot.field)
     return f"{head}{message}, got {shown(given)}{cause}"
-
-
-def _remedy(one: Mapping[str, Any], spot: _Spot, in_file: bool) -> str:
-    """What to do about a value that is not there."""
-    if isinstance(spot.place[-1], int):
-        return f", got {shown(one['input'])}"
-    names = fields.named_values(spot.table)
-    if in_file:
-        bases = " or ".join(f'"{name}"' for name in names)
-        return f"; give it, or base = {bases} for what is left out" if bases else ""
-    named = " or ".join(f"{spot.table.__name__}.{name}()" for name in names)
-    return f"; give it, or change a copy of {named}" if named else ""
 
 
 def unknown_key(path: fields.KeyPath, allowed: Sequence[str]) -> str:

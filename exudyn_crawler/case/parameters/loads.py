@@ -1,6 +1,7 @@
 """Machine and dipper loads on the shoes over time."""
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -120,12 +121,7 @@ class LoadCycle(Cycle):
         A phase with one number for all loads `shoe_count` shoes. A FileNotFoundError if there is no such
         file, a CaseFileError that names what is wrong if it is not TOML or not a load cycle.
         """
-
-        def values(content: reading.Content) -> reading.Content:
-            if not content:
-                raise ValueError("empty; a load cycle has tables [[phases]] with name, end and loads")
-            return with_equal_loads(content, shoe_count)
-
+        values = partial(with_equal_loads, shoe_count=shoe_count)
         return reading.read_parameters(path, cls, "load cycle", values)
 
     def table(self) -> "pd.DataFrame":
