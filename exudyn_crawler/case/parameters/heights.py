@@ -8,7 +8,7 @@ rasterio is installed.
 import math
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -149,12 +149,8 @@ STEP = 0.2
 """Second difference of slopes, twice that of a step: unsmoothed splines swing by 1 % of a spacing."""
 
 
-class HeightGrid(NamedTuple):
-    """Heights (nx, ny) at places (nx,) and (ny,) that rise evenly; m."""
-
-    x: np.ndarray
-    y: np.ndarray
-    z: np.ndarray
+Grid = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Places x (nx,) and y (ny,) that rise evenly, and heights (nx, ny); m."""
 
 
 class MeasuredGrid(Parameters):
@@ -173,8 +169,8 @@ class MeasuredGrid(Parameters):
 
     def _errors(self) -> Errors:
         try:
-            *sides, z = self._heights[0]
-            sides = [one[1] - one[0] for one in sides]
+            *places, z = self._heights[0]
+            sides = [one[1] - one[0] for one in places]
             steepest, bend = (
                 [abs(np.diff(z, n, axis=k)).max() / side for k, side in enumerate(sides)] for n in (1, 3)
             )
@@ -194,40 +190,40 @@ class MeasuredGrid(Parameters):
             )
 
     @property
-    def _heights(self) -> tuple[HeightGrid, interpolate.RectBivariateSpline]:
+    def _heights(self) -> tuple[Grid, interpolate.RectBivariateSpline]:
         """Smoothed heights; a file that changes is read again."""
         stamp = self.file.stat().st_mtime_ns
         return _smoothed(self.file, stamp, self.spacing, self.origin, self.smoothing)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
-        grid, spline = self._heights
+        (xs, ys, _), spline = self._heights
         ev = spline.ev
         out = np.stack([ev(x, y), ev(x, y, dx=1), ev(x, y, dy=1)], axis=-1)
-        out[(x < grid.x[0]) | (x > grid.x[-1]) | (y < grid.y[0]) | (y > grid.y[-1])] = np.nan
+        out[(x < xs[0]) | (x > xs[-1]) | (y < ys[0]) | (y > ys[-1])] = np.nan
         return out
 
 
 @lru_cache(maxsize=4)
 def _smoothed(
     file: Path, _stamp: int, spacing: float | None, origin: tuple[float, float], smoothing: float
-) -> tuple[HeightGrid, interpolate.RectBivariateSpline]:
+) -> tuple[Grid, interpolate.RectBivariateSpline]:
     """Heights of a file as of `MeasuredGrid`, and what goes through them."""
     if file.suffix.lower() not in READERS:
         raise ValueError(f"its name must end with one of {', '.join(READERS)}")
-    grid = READERS[file.suffix.lower()](file, spacing)
-    if min(grid.z.shape) < 4:
-        raise ValueError(f"at least 4 x 4 heights are needed, got {grid.z.shape[0]} x {grid.z.shape[1]}")
-    holes = np.argwhere(~np.isfinite(grid.z))
+    x, y, z = READERS[file.suffix.lower()](file, spacing)
+    if min(z.shape) < 4:
+        raise ValueError(f"at least 4 x 4 heights are needed, got {z.shape[0]} x {z.shape[1]}")
+    holes = np.argwhere(~np.isfinite(z))
     if len(holes):
-        x, y = grid.x[holes[0, 0]], grid.y[holes[0, 1]]
-        raise ValueError(f"heights are missing at {len(holes)} places, the first at x = {x:g} m, y = {y:g} m")
-    x, y = grid.x + origin[0], grid.y + origin[1]
-    z = ndimage.gaussian_filter(grid.z, [smoothing / (one[1] - one[0]) for one in (x, y)], mode="nearest")
-    return HeightGrid(x, y, z), interpolate.RectBivariateSpline(x, y, z)
+        first = f"the first at x = {x[holes[0, 0]]:g} m, y = {y[holes[0, 1]]:g} m"
+        raise ValueError(f"heights are missing at {len(holes)} places, {first}")
+    x, y = x + origin[0], y + origin[1]
+    z = ndimage.gaussian_filter(z, [smoothing / (one[1] - one[0]) for one in (x, y)], mode="nearest")
+    return (x, y, z), interpolate.RectBivariateSpline(x, y, z)
 
 
-def _ascii(path: Path, _spacing: float | None) -> HeightGrid:
+def _ascii(path: Path, _spacing: float | None) -> Grid:
     words = path.read_text(encoding="ascii").lower().split()
     head: dict[str, float] = {}
     while len(words) > 1 and words[0][0].isalpha() and words[0] != "nan":
@@ -245,19 +241,19 @@ def _ascii(path: Path, _spacing: float | None) -> HeightGrid:
         head[f"{axis}llcenter"] if f"{axis}llcenter" in head else head[f"{axis}llcorner"] + 0.5 * side
         for axis in "xy"
     )
-    return HeightGrid(x + side * np.arange(columns), y + side * np.arange(rows), z)
+    return x + side * np.arange(columns), y + side * np.arange(rows), z
 
 
-def _npy(path: Path, spacing: float | None) -> HeightGrid:
+def _npy(path: Path, spacing: float | None) -> Grid:
     if spacing is None:
         raise ValueError("an NPY file needs a spacing")
     z = np.load(path, allow_pickle=False).astype(float)
     if z.ndim != 2:
         raise ValueError(f"its array must have 2 axes, got {z.ndim}")
-    return HeightGrid(spacing * np.arange(z.shape[0]), spacing * np.arange(z.shape[1]), z)
+    return spacing * np.arange(z.shape[0]), spacing * np.arange(z.shape[1]), z
 
 
-def _netcdf(path: Path, _spacing: float | None) -> HeightGrid:
+def _netcdf(path: Path, _spacing: float | None) -> Grid:
     import xarray
 
     with xarray.open_dataset(path) as data:
@@ -268,10 +264,10 @@ def _netcdf(path: Path, _spacing: float | None) -> HeightGrid:
         x, y = field["x"].values.astype(float), field["y"].values.astype(float)
         if any(np.ptp(np.diff(one)) > 1e-6 * np.ptp(one) for one in (x, y) if len(one) > 1):
             raise ValueError("the steps of x and of y must be even")
-        return HeightGrid(x, y, field.values)
+        return x, y, field.values
 
 
-def _tiff(path: Path, _spacing: float | None) -> HeightGrid:
+def _tiff(path: Path, _spacing: float | None) -> Grid:
     try:
         import rasterio
     except ImportError:
@@ -283,7 +279,7 @@ def _tiff(path: Path, _spacing: float | None) -> HeightGrid:
         z = data.read(1, masked=True).astype(float).filled(np.nan)
     x = move.c + move.a * (np.arange(z.shape[1]) + 0.5)
     y = move.f + move.e * (np.arange(z.shape[0]) + 0.5)
-    return HeightGrid(x, y[::-1], z[::-1].T)
+    return x, y[::-1], z[::-1].T
 
 
 READERS = {".asc": _ascii, ".npy": _npy, ".nc": _netcdf, ".tif": _tiff, ".tiff": _tiff}

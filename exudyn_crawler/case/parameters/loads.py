@@ -38,13 +38,10 @@ class Cycle(Parameters):
         if np.any(np.diff(ends) <= 0.0):
             yield f"the phases' ends must increase, got {ends}"
 
-    def over_time(self, values: Iterable[float]) -> drive.StepProfile:
-        """Quantity over time of its values at the ends of the phases."""
-        return drive.StepProfile(times=tuple(phase.end for phase in self.phases), values=tuple(values))
-
     def profiles(self, rows: Iterable[Iterable[float]]) -> list[drive.StepProfile]:
         """Quantities over time of their values at the ends of the phases, a row each."""
-        return [self.over_time(values) for values in zip(*rows, strict=True)]
+        ends = tuple(phase.end for phase in self.phases)
+        return [drive.StepProfile(times=ends, values=values) for values in zip(*rows, strict=True)]
 
 
 class Phase(PhaseEnd):
@@ -146,7 +143,7 @@ class LoadCycle(Cycle):
     @property
     def side_shift(self) -> drive.StepProfile:
         """How far beside the load points the loads act over time, m, positive to the left."""
-        return self.over_time(phase.side_shift for phase in self.phases)
+        return self.profiles([phase.side_shift] for phase in self.phases)[0]
 
     def loads(self, time: np.typing.ArrayLike) -> np.ndarray:
         """Loads at each time: array (times, shoes), N downward."""
