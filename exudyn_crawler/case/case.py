@@ -7,7 +7,7 @@ from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import fields, undercarriage
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, inertia_tensor, option, quantity
 from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled, closed_errors
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
 from exudyn_crawler.case.parameters.drive import Drive, Solver
@@ -206,7 +206,7 @@ class Case(Parameters):
         gear = self.running_gear
         if gear is None:
             return []
-        frame = Part(gear.mass, np.array(gear.com), gear.inertia_tensor)
+        frame = Part(gear.mass, np.array(gear.com), inertia_tensor(gear.inertia))
         return [frame] if self.car_body is None else self.car_body.parts(frame)
 
     @property

@@ -14,11 +14,9 @@ from exudyn_crawler.case.parameters import drive, fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, Rising, option, quantity, shown
 from meshes import geometry, mesh_named
 
-SIZES = {"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0}  # bytes
 NUMBER = 8  # bytes
 FALLBACK_MEMORY = 64e9  # bytes, taken for the machine's memory where the system does not tell it
 GREATEST_HISTORY = 1e12  # bytes of a history on disk
-COPIES_OF_MODES = 6  # arrays as large as a basis that a reduction and its modes' stresses hold at a time
 A_UNIT = 20e3  # bytes of a unit that is a body of the multibody system with its joints
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
 IN_WORDS = 'Numbers are in the units of their comments, or texts with units: "20 MN/m", "9 km/h", "5 min".'
@@ -43,48 +41,25 @@ def check_run(case: object, duration: object) -> None:
 def check_case_file(case_file: object) -> None:
     """Refuse, by a `TypeError` that says how to get one, what is no `CaseFile`."""
     if not isinstance(case_file, CaseFile):
-        got = "a Case" if isinstance(case_file, Case) else shown(case_file)
         how = "such as CaseFile(case=case, duration=10.0) or read_case(path)"
-        raise TypeError(f"case_file must be a CaseFile, {how}, got {got}")
+        raise TypeError(f"case_file must be a CaseFile, {how}, got {shown(case_file)}")
 
 
 def check_size(case: Case, duration: float) -> None:
     """Refuse, by a `ValueError`, a run (s) that no memory of this machine or no disk would hold."""
-    terrain, solver = case.terrain, case.solver
-    if terrain.model == "units":
-        # singular value decomposition of the joints' equations in the heave and tilt of every unit
-        needed = 4.0 * NUMBER * (2.0 * terrain.unit_count) ** 2
-        if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
-            needed = A_UNIT * terrain.unit_count
-        _check_memory(f"terrain: {terrain.columns} x {terrain.rows} units", needed)
-    times = solver.stored_times(duration)
-    needed = times * stored_numbers(case) * NUMBER
-    if needed > GREATEST_HISTORY:
-        size, most = (fields.in_units(one, SIZES) for one in (needed, GREATEST_HISTORY))
-        raise ValueError(
-            f"duration: {duration:g} s would leave {times:.3g} stored states of {size}, allowed is {most}; "
-            "a greater solver.output_interval stores fewer"
-        )
-
-
-def stored_numbers(case: Case) -> int:
-    """Numbers of a stored state in a history, about: coordinates with two rates, units and contacts."""
-    shoes, units = case.track.shoe_count, len(case.terrain.units)
-    modes = 0 if case.flexible is None else case.flexible.mode_count * len(case.flexible.shoes)
-    return 60 * shoes + 6 * units + 3 * modes
-
-
-def check_modes(nodes: int, modes: int) -> None:
-    """Refuse a basis of so many modes of a mesh that the machine cannot hold; see `check_size`."""
-    needed = float(COPIES_OF_MODES * NUMBER * 3 * nodes * modes)
-    _check_memory(f"flexible.recovered_modes: {modes} modes of {nodes} nodes", needed)
-
-
-def _check_memory(what: str, needed: float) -> None:
-    allowed = machine_memory()
+    terrain, stored = case.terrain, case.solver.stored_times(duration) * stored_numbers(case) * NUMBER
+    if stored > GREATEST_HISTORY:
+        size = f"{stored / 1e12:.3g} TB, allowed is 1 TB"
+        raise ValueError(f"duration: {duration:g} s leave {size}; solver.output_interval makes it less")
+    if terrain.model != "units":
+        return
+    # singular value decomposition of the joints' equations in the heave and tilt of every unit
+    needed, allowed = 4.0 * NUMBER * (2.0 * terrain.unit_count) ** 2, machine_memory()
+    if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
+        needed = A_UNIT * terrain.unit_count
     if needed > allowed:
-        size, most = (fields.in_units(one, SIZES) for one in (needed, allowed))
-        raise ValueError(f"{what} would take {size} of memory, this machine has {most}")
+        size = f"{needed / 1e9:.3g} GB of memory, this machine has {allowed / 1e9:.3g} GB"
+        raise ValueError(f"terrain: {terrain.columns} x {terrain.rows} units would take {size}")
 
 
 def machine_memory() -> float:
@@ -93,6 +68,13 @@ def machine_memory() -> float:
         return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, OSError, ValueError):
         return FALLBACK_MEMORY
+
+
+def stored_numbers(case: Case) -> int:
+    """Numbers of a stored state in a history, about: coordinates with two rates, units and contacts."""
+    shoes, units = case.track.shoe_count, len(case.terrain.units)
+    modes = 0 if case.flexible is None else case.flexible.mode_count * len(case.flexible.shoes)
+    return 60 * shoes + 6 * units + 3 * modes
 
 
 class Outputs(Parameters):

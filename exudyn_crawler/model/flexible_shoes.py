@@ -6,8 +6,6 @@ from functools import lru_cache
 import numpy as np
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
-from exudyn_crawler.case.case_file import check_modes
-from exudyn_crawler.case.parameters.track import CONSTRAINT_MODES
 from exudyn_crawler.model.reductions import cached_reduction
 from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, pin_interfaces, pulled_node
 from fem import CachedReduction, ElasticBody, Interface, Material, Nested, ReducedBody, nested_reduction
@@ -60,7 +58,6 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
     """
     body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
     check_surfaces(body.mesh, flexible.load_surface, flexible.mesh)
-    check_modes(len(body.mesh.nodes), CONSTRAINT_MODES + flexible.recovered_modes)
     return body, interfaces
 
 

@@ -202,7 +202,7 @@ def test_a_duration_that_is_none_is_refused_before_anything_runs(duration, told)
 def test_what_is_no_case_is_answered_with_how_to_get_one():
     with pytest.raises(TypeError, match=r"^case must be a Case, .*, got 'translation'$"):
         simulate("translation", 1)
-    with pytest.raises(TypeError, match=r"^case_file must be a CaseFile, .*\(path\), got a Case$"):
+    with pytest.raises(TypeError, match=r"^case_file must be a CaseFile, .*\(path\), got Case\("):
         run_case(Case.translation())
 
 

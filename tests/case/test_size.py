@@ -5,7 +5,7 @@ import time
 import pytest
 
 from exudyn_crawler import Case, CaseFile, SphereContact, simulate
-from exudyn_crawler.case.case_file import check_modes, check_size, machine_memory
+from exudyn_crawler.case.case_file import check_size, machine_memory
 from studies.stress import with_modes
 
 STRAIGHT = Case.translation()
@@ -18,13 +18,13 @@ def ground(columns, rows, **parts):
 @pytest.mark.parametrize(
     ("case", "duration", "told"),
     [
-        (ground(10_000, 10_000), 10.0, "terrain: 10000 x 10000 units would take 1.28e+03 PB of memory"),
+        (ground(10_000, 10_000), 10.0, "terrain: 10000 x 10000 units would take 1.28e+09 GB of memory"),
         (
             ground(10_000, 10_000, contact=SphereContact.oil_sand()),
             10.0,
-            "terrain: 10000 x 10000 units would take 2 TB of memory",
+            "terrain: 10000 x 10000 units would take 2e+03 GB of memory",
         ),
-        (STRAIGHT, 1e12, "duration: 1e+12 s would leave 5e+14 stored states of 4.32e+03 PB, allowed is 1 TB"),
+        (STRAIGHT, 1e12, "duration: 1e+12 s leave 4.32e+06 TB, allowed is 1 TB"),
     ],
 )
 def test_what_no_machine_holds_is_refused_at_once(case, duration, told):
@@ -44,12 +44,6 @@ def test_what_machines_hold_is_not_refused():
     assert machine_memory() > 1e8
     check_size(Case.stress(), 3600.0)
     check_size(ground(50, 20), 10.0)
-    check_modes(30_000, 100)
-
-
-def test_more_modes_than_memory_holds_are_refused():
-    with pytest.raises(ValueError, match=r"recovered_modes: 10024 modes of 10000000 nodes would take"):
-        check_modes(10_000_000, 10_024)
 
 
 @pytest.mark.parametrize("choice", ["1-9999999999", "1-" + "9" * 5000, "95", "3,1-95"])

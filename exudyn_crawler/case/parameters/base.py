@@ -80,7 +80,7 @@ Rising = Annotated[tuple[Item, ...], AfterValidator(_rising)]
 
 def _from_folder(path: Path, info: ValidationInfo) -> Path:
     # that of the file which names it, while it is read
-    return (info.context / path).resolve() if info.context else path.absolute()
+    return path.absolute() if info.context is None else (info.context / path).resolve()
 
 
 File = Annotated[Path, AfterValidator(_from_folder)]

@@ -20,21 +20,16 @@ NONE = "none"  # what a file says where a field has no value, which TOML cannot
 TAG = "model"  # field that tells which class of several a part is of
 BESIDE = object()
 """Marks, in the annotation of a field, that a file has its fields beside those of the class that holds it."""
-NAME = re.compile(r"([A-Za-z_]\w*)((?:\[(?:\d+|\*)\])*)", re.ASCII)
-NUMBER = re.compile(r"\[(\d+|\*)\]")
+NAME = r"[A-Za-z_]\w*(?:\[(?:\d+|\*)\])*"
+PATH = re.compile(rf"{NAME}(?:\.{NAME})*", re.ASCII)
 
 
 def parse_path(text: str) -> KeyPath:
     """Names and numbers of a path: ("loads", "phases", "*", "end") of ``loads.phases[*].end``."""
-    path: list[int | str] = []
-    for part in text.split("."):
-        match = NAME.fullmatch(part)
-        if match is None:
-            like = "terrain.spring_stiffness or loads.phases[0].end"
-            raise ValueError(f"a path must be like {like}, got {text!r}")
-        path.append(match[1])
-        path += [number if number == EVERY else int(number) for number in NUMBER.findall(match[2])]
-    return tuple(path)
+    if PATH.fullmatch(text) is None:
+        like = "terrain.spring_stiffness or loads.phases[0].end"
+        raise ValueError(f"a path must be like {like}, got {text!r}")
+    return tuple(int(part) if part.isdigit() else part for part in re.findall(r"\w+|\*", text))
 
 
 def path_text(path: KeyPath) -> str:

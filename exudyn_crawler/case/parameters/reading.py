@@ -78,8 +78,6 @@ def toml_content(path: Path, name: str) -> Content:
     try:
         # some editors put a mark before the text
         return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except UnicodeDecodeError as error:
-        raise ValueError("not TOML: it is no text") from error
     except (ValueError, RecursionError) as error:
         text = str(error).replace("Cannot overwrite a value", "this key or table stands twice")
         raise ValueError(f"not TOML: {text}") from error

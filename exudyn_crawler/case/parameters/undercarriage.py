@@ -40,11 +40,6 @@ class RunningGear(Parameters):
     resistance_speed: base.Speed = quantity("m/s", "at which it has 0.7 of its value, 0 at rest", (1e-5, 0.1))
 
     @property
-    def inertia_tensor(self) -> np.ndarray:
-        """Inertia tensor about the COM: array (3, 3), kg m2."""
-        return base.inertia_tensor(self.inertia)
-
-    @property
     def strip_places(self) -> np.ndarray:
         """Y of the strips' middles beside that of their tread: array (strips,), m."""
         # two resist tilting at the Gauss points as an evenly spread contact does
