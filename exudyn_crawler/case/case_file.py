@@ -47,19 +47,19 @@ def check_case_file(case_file: object) -> None:
 
 def check_size(case: Case, duration: float) -> None:
     """Refuse, by a `ValueError`, a run (s) that no memory of this machine or no disk would hold."""
-    terrain, stored = case.terrain, case.solver.stored_times(duration) * stored_numbers(case) * NUMBER
+    terrain = case.terrain
+    if terrain.model == "units":
+        # singular value decomposition of the joints' equations in the heave and tilt of every unit
+        needed, allowed = 4.0 * NUMBER * (2.0 * terrain.unit_count) ** 2, machine_memory()
+        if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
+            needed = A_UNIT * terrain.unit_count
+        if needed > allowed:
+            size = f"{needed / 1e9:.3g} GB of memory, this machine has {allowed / 1e9:.3g} GB"
+            raise ValueError(f"terrain: {terrain.unit_count} units would take {size}")
+    stored = case.solver.stored_times(duration) * stored_numbers(case) * NUMBER
     if stored > GREATEST_HISTORY:
         size = f"{stored / 1e12:.3g} TB, allowed is 1 TB"
         raise ValueError(f"duration: {duration:g} s leave {size}; solver.output_interval makes it less")
-    if terrain.model != "units":
-        return
-    # singular value decomposition of the joints' equations in the heave and tilt of every unit
-    needed, allowed = 4.0 * NUMBER * (2.0 * terrain.unit_count) ** 2, machine_memory()
-    if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
-        needed = A_UNIT * terrain.unit_count
-    if needed > allowed:
-        size = f"{needed / 1e9:.3g} GB of memory, this machine has {allowed / 1e9:.3g} GB"
-        raise ValueError(f"terrain: {terrain.columns} x {terrain.rows} units would take {size}")
 
 
 def machine_memory() -> float:

@@ -18,11 +18,11 @@ def ground(columns, rows, **parts):
 @pytest.mark.parametrize(
     ("case", "duration", "told"),
     [
-        (ground(10_000, 10_000), 10.0, "terrain: 10000 x 10000 units would take 1.28e+09 GB of memory"),
+        (ground(10_000, 10_000), 10.0, "terrain: 100000000 units would take 1.28e+09 GB of memory"),
         (
             ground(10_000, 10_000, contact=SphereContact.oil_sand()),
             10.0,
-            "terrain: 10000 x 10000 units would take 2e+03 GB of memory",
+            "terrain: 100000000 units would take 2e+03 GB of memory",
         ),
         (STRAIGHT, 1e12, "duration: 1e+12 s leave 4.32e+06 TB, allowed is 1 TB"),
     ],
