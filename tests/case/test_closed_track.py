@@ -115,7 +115,7 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
         ({"closed_track.tumbler.reach": 0.199}, "leaving lugs hook under it"),
         ({"closed_track.tumbler.reach": 0.5}, "must let the addendum circle"),
         ({"shoe.rails": None}, "shoe.rails must be given with closed_track"),
-        ({"closed_track.rollers": (0.0, 0.5)}, "they overlap"),
+        ({"closed_track.rollers": (0.0, 0.5)}, "rollers must stand in order and a diameter"),
         ({"closed_track.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
         ({"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
         ({"closed_track.idler.take_up": 0.3}, "too short by"),

@@ -463,7 +463,7 @@ def test_the_outline_follows_the_drive():
         ({"finger_length": 0.0}, "finger_length must be positive where finger_sides are given"),
         (
             {"finger_length": 0.7},
-            "finger_length must be less than the underside's length 0.655742 m, got 0.7",
+            "finger_length must be less than the length 0.655742 m, got 0.7",
         ),
         (
             {"finger_sides": (-1.0, 0.5, 0.4, 1.0)},

@@ -41,7 +41,7 @@ def test_case_file_gives_the_case_again(tmp_path):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"rollers": (-1.0, -0.3, 1.0)}, "rollers must stand in order and apart by their diameter 0.8 m"),
+        ({"rollers": (-1.0, -0.3, 1.0)}, "rollers must stand in order and a diameter 0.8 m apart"),
         ({"rollers": (-5.6, 0.0)}, "rollers must be within the frame"),
         ({"ends": (5.8, -5.8)}, "ends must be rear and front end in this order"),
         ({"tumbler": 7.0}, "tumbler must be within the frame's ends"),
@@ -86,7 +86,9 @@ def test_track_shorter_than_the_drive_is_refused():
 
 
 def test_rails_must_be_two_beside_each_other():
-    with pytest.raises(ParameterError, match="the rails overlap"):
+    with pytest.raises(
+        ParameterError, match=r"left must be beyond right = -0\.24 by the width 0\.22, got -0\.1"
+    ):
         Rails.ph4100c().with_(left=-0.1)
 
 

@@ -35,8 +35,7 @@ class Rails(Parameters):
         if self.front <= self.rear:
             yield f"front must be greater than rear = {self.rear}, got {self.front}"
         if self.left - self.right < self.width:
-            got = f"got {self.right} and {self.left}: the rails overlap"
-            yield f"left and right must be apart by the width {self.width} at least, {got}"
+            yield f"left must be beyond right = {self.right} by the width {self.width}, got {self.left}"
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -73,11 +72,10 @@ class Shoe(Parameters):
     def _errors(self) -> Errors:
         sides, (low, high) = self.finger_sides, self.footprint[2:4]
         if (self.finger_length > 0.0) != bool(sides):
-            got = f"got {self.finger_length:g} m and {len(sides)} sides"
-            yield f"finger_length must be positive where finger_sides are given and zero else, {got}"
+            got = f"{self.finger_length:g} m and {len(sides)} sides"
+            yield f"finger_length must be positive where finger_sides are given and zero else, got {got}"
         if self.finger_length >= self.length:
-            length, fingers = self.length, self.finger_length
-            yield f"finger_length must be less than the underside's length {length:g} m, got {fingers:g}"
+            yield f"finger_length must be less than the length {self.length:g} m, got {self.finger_length:g}"
         beyond = sides and (sides[0] < low - 1e-9 or sides[-1] > high + 1e-9)
         if len(sides) % 2 or np.any(np.diff(sides) <= 0.0) or beyond:
             within = f"stay within the underside from {low:g} to {high:g} m, got {list(sides)}"

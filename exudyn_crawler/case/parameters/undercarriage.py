@@ -55,8 +55,7 @@ class RunningGear(Parameters):
 def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Errors:
     """Wheels at places (x, m) that are nearer to each other than their diameter."""
     if np.any(np.diff(places) < 2.0 * radius):
-        apart = f"apart by their diameter {2.0 * radius:g} m"
-        yield f"{wheels} must stand in order and {apart} at least, got {list(places)}: they overlap"
+        yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {list(places)}"
 
 
 class Undercarriage(RunningGear):
@@ -303,8 +302,7 @@ class MachineCycle(Cycle):
                 yield f"{at} lifts the side frame"
             x, y = moment[1] / -force[2], -moment[0] / -force[2]
             if not rear <= x <= front:
-                stand = f"the rollers stand from {rear:g} to {front:g} m"
-                yield f"{at}s weight acts at x = {x:.3g} m, {stand}: it tips"
+                yield f"{at} tips: its weight acts at x = {x:.3g} m, rollers stand from {rear:g} to {front:g} m"
             if abs(y) > aside:
                 beside = f"{y:.3g} m beside the middle of the track, more than {aside:.4g} m"
                 yield f"{at}s weight acts {beside}: the side frame tips"
