@@ -83,7 +83,7 @@ def test_machine_that_tips_over_a_track_is_refused():
         (
             (0.0, 0.0, 0.0),
             (0.0, 3e7, 0.0),
-            "it tips: its weight acts at x = .* m, rollers stand from -4.375 to 4.375 m",
+            "it tips: its weight acts at x = .* m, rollers are from -4.375 to 4.375 m",
         ),
         ((0.0, 0.0, 0.0), (3e6, 0.0, 0.0), "the side frame tips"),
     ],

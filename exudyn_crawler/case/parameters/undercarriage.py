@@ -302,7 +302,7 @@ class MachineCycle(Cycle):
                 yield f"{at} lifts the side frame"
             x, y = moment[1] / -force[2], -moment[0] / -force[2]
             if not rear <= x <= front:
-                yield f"{at} tips: its weight acts at x = {x:.3g} m, rollers stand from {rear:g} to {front:g} m"
+                yield f"{at} tips: its weight acts at x = {x:.3g} m, rollers are from {rear:g} to {front:g} m"
             if abs(y) > aside:
                 beside = f"{y:.3g} m beside the middle of the track, more than {aside:.4g} m"
                 yield f"{at}s weight acts {beside}: the side frame tips"
