@@ -43,7 +43,7 @@ class PlanarTrack:
         case = self.case
         self.system = compiled_system(case)
         self.shoes = case.track.shoe_count
-        self.modes = reduced_coordinates(case).modes
+        self.modes = reduced_coordinates(case)
         self.free = 1 + self.shoes + self.modes.size
         self.load = case.loads.loads(0.0)[0]
         self.inertia = np.tile([case.shoe.mass, case.shoe.mass, case.shoe.inertia[1]], self.shoes)

@@ -9,7 +9,7 @@ import numpy as np
 from exudyn_crawler.case import Case, CellTerrain, PairContact, Shoe, Terrain
 from exudyn_crawler.ground import frames, laws, overlap, pairs, rotations
 from exudyn_crawler.ground.cells.contact import CellGroundContact
-from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fingers, Flexible
+from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Flexible, Outline
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.sphere_contact import SphereGroundContact
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, terrain_coordinates
@@ -22,12 +22,8 @@ NO_DERIVATIVES = rotations.Weights(0.0, 0.0, 0.0, False, 1.0)
 def pair_law(law: PairContact, underside_area: float) -> pairs.PairLaw:
     """Law of a pair; `underside_area` (m2) is that of a shoe."""
     return pairs.PairLaw(
-        laws.Law(
-            impact=laws.Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
-            coulomb=laws.Coulomb(
-                law.static_friction, law.dynamic_friction, law.stiction_speed, law.friction_speed
-            ),
-        ),
+        laws.Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
+        laws.Coulomb(law.static_friction, law.dynamic_friction, law.stiction_speed, law.friction_speed),
         edge_width=law.edge_width,
         whole_area=underside_area if law.sharing == "area" else 0.0,
         area_normal=law.normal == "area",
@@ -78,13 +74,11 @@ class PairGroundContact:
         self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
         self._law, self._terrain = law, terrain
         self._row = row
-        self._grid = grid_of(terrain)
         geometry = ContactGeometry(
-            self._grid,
-            pairs.Footprint(*shoe.footprint.tolist()),
-            Flexible(underside.corner, underside.cell, underside.integral, row),
+            Outline(grid_of(terrain), pairs.Footprint(*shoe.footprint.tolist()), shoe.finger_length),
             pair_law(law, shoe.length * shoe.width),
-            Fingers(shoe.finger_length, shoe.fingers),
+            Flexible(underside.corner, underside.cell, underside.integral, row),
+            shoe.fingers,
         )
         self._geometry = frames.plain(geometry)
         # units that a shoe's outline can meet at once, at any yaw

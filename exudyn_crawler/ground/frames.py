@@ -6,7 +6,7 @@ code keeps them in registers, where arrays would be allocated and counted.
 
 import math
 from pathlib import Path
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any, NamedTuple
 
 from fem.compiling import compiler
 from fem.sources import FEM
@@ -115,19 +115,6 @@ def turned_back(R: Matrix, a: Vector) -> Vector:
 def velocity_at(body: Frame, place: Vector) -> Vector:
     """Velocity of a body's point that is at a place (m/s)."""
     return along(body.v, 1.0, cross(body.omega, along(place, -1.0, body.r)))
-
-
-def columns_of(record: type, *before: str) -> tuple[dict[str, Any], int]:
-    """Columns of a row of numbers, by name, and how many there are.
-
-    The row holds what stands `before`, a number each, and then a named tuple's numbers and vectors.
-    """
-    columns: dict[str, Any] = {name: column for column, name in enumerate(before)}
-    width = len(before)
-    for name, kind in get_type_hints(record).items():
-        columns[name] = slice(width, width + 3) if kind == Vector else width
-        width += 3 if kind == Vector else 1
-    return columns, width
 
 
 def plain(values: Any) -> Any:

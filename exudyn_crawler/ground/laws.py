@@ -1,15 +1,12 @@
-"""Laws of contact, and which of them a contact has.
+"""Laws of contact: pure functions of numbers.
 
-Pure functions of numbers, compiled so that the contact of a whole track costs microseconds; every function
-can be called from plain Python as well. Functions handed over as arguments would be compiled anew in every
-process: a second law is one more field of `Law` for its parameters, and a number there that chooses it in
-the functions at the end.
+They are compiled, so that the contact of a whole track costs microseconds; plain Python can call them, too.
 """
 
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground.frames import compiled, inlined
+from exudyn_crawler.ground.frames import compiled
 
 
 class Impact(NamedTuple):
@@ -22,6 +19,15 @@ class Impact(NamedTuple):
     exponent: float
     damping: float
     damping_depth: float
+
+
+class Coulomb(NamedTuple):
+    """Parameters of the friction curve: coefficients mu_s and mu_d, speeds V_st and V_d (m/s)."""
+
+    static: float
+    dynamic: float
+    stiction_speed: float
+    friction_speed: float
 
 
 @compiled
@@ -55,86 +61,30 @@ def impact_force(law: Impact, penetration: float, penetration_rate: float) -> fl
     return max(0.0, elastic + damped)
 
 
-class Coulomb(NamedTuple):
-    """Parameters of the friction curve: coefficients mu_s and mu_d, speeds V_st and V_d (m/s)."""
-
-    static: float
-    dynamic: float
-    stiction_speed: float
-    friction_speed: float
-
-
-@compiled
-def friction_coefficient(law: Coulomb, slip_speed: float) -> float:
-    """Coefficient of friction of the ADAMS Coulomb curve at a slip speed (m/s, not negative; F-paper).
-
-    It rises with STEP from zero to mu_s at V_st, falls to mu_d at V_d and stays there: there is no true
-    sticking. ADAMS writes the rise as ``STEP(v, -V_st, -1, V_st, 1)``, an odd function of v.
-    """
-    if slip_speed < law.stiction_speed:
-        return law.static * step(slip_speed, -law.stiction_speed, -1.0, law.stiction_speed, 1.0)
-    return step(slip_speed, law.stiction_speed, law.static, law.friction_speed, law.dynamic)
-
-
 @compiled
 def friction_per_slip(law: Coulomb, slip_speed: float) -> float:
-    """Coefficient of friction over slip speed (s/m), finite at zero slip.
+    """Coefficient of friction of the ADAMS Coulomb curve over the slip speed (s/m; F-paper).
 
-    The friction force is this times the normal force times the negative slip velocity, without
-    a direction to divide by. The limit at zero is ``1.5 mu_s / V_st``.
+    The coefficient rises with STEP from zero to mu_s at V_st, falls to mu_d at V_d and stays there: there is
+    no true sticking. ADAMS writes the rise as ``STEP(v, -V_st, -1, V_st, 1)``, an odd function of v. The
+    friction force is this times the normal force times the negative slip velocity, without a direction to
+    divide by. The limit at zero is ``1.5 mu_s / V_st``.
     """
     if slip_speed < law.stiction_speed:
         # STEP(v; -V_st, -1, V_st, 1) = r (3 - r**2) / 2 with r = v / V_st
         r = slip_speed / law.stiction_speed
         return law.static * 0.5 * (3.0 - r * r) / law.stiction_speed
-    return friction_coefficient(law, slip_speed) / slip_speed
+    return step(slip_speed, law.stiction_speed, law.static, law.friction_speed, law.dynamic) / slip_speed
 
 
 @compiled
-def friction_torque(law: Coulomb, spin: float, contact_radius: float, friction_force: float) -> float:
+def friction_torque(law: Coulomb, spin: float, area: float, friction_force: float) -> float:
     """Friction torque (N m) about the contact normal, against the relative spin (rad/s; F-paper).
 
-    ``T = (2/3) R F_T`` of the radius R (m) of the circle with the area of contact and the tangential force
+    ``T = (2/3) R F_T`` of the radius R of the circle with the area of contact (m2) and the tangential force
     (N), turned with the spin by the same odd STEP of the rim speed ``R * spin`` that turns the friction force
     with the slip, so that it passes through zero smoothly.
     """
-    direction = step(contact_radius * spin, -law.stiction_speed, -1.0, law.stiction_speed, 1.0)
-    return -2.0 / 3.0 * contact_radius * friction_force * direction
-
-
-@compiled
-def equal_area_radius(area: float) -> float:
-    """Radius (m) of the circle with the area (m2)."""
-    return math.sqrt(area / math.pi)
-
-
-class Law(NamedTuple):
-    """Parameters of the normal and of the friction law."""
-
-    impact: Impact
-    coulomb: Coulomb
-
-
-@inlined
-def normal_force(law: Law, depth: float, rate: float) -> float:
-    """Normal force (N) at a penetration (m) and its rate (m/s)."""
-    return impact_force(law.impact, depth, rate)
-
-
-@compiled
-def drag_ratio(law: Law, slip_speed: float) -> float:
-    """Friction over normal force and slip speed (s/m), finite at rest."""
-    return friction_per_slip(law.coulomb, slip_speed)
-
-
-@inlined
-def spin_torque(law: Law, spin: float, area: float, friction: float) -> float:
-    """Torque (N m) about the normal against a spin (rad/s) of a contact of an area (m2) and friction (N)."""
-    return friction_torque(law.coulomb, spin, equal_area_radius(area), friction)
-
-
-@inlined
-def named_law(values: tuple) -> Law:
-    """Law of its values as plain tuples."""
-    impact, coulomb = values
-    return Law(Impact(*impact), Coulomb(*coulomb))
+    radius = math.sqrt(area / math.pi)
+    direction = step(radius * spin, -law.stiction_speed, -1.0, law.stiction_speed, 1.0)
+    return -2.0 / 3.0 * radius * friction_force * direction

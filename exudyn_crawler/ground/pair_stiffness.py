@@ -11,7 +11,17 @@ import numpy as np
 from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned, turned_back
 from exudyn_crawler.ground.overlap import Overlap
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, Weights
+from exudyn_crawler.ground.pair_geometry import BodyStates
+from exudyn_crawler.ground.rotations import (
+    Attitude,
+    FloatArray,
+    ForceRows,
+    Weights,
+    attitude,
+    shoe_frame,
+    unit_frame,
+)
+from fem.patches import mean_rows
 
 MOTIONS = 4
 """Displacement of the shoe's side of a contact against the unit's along x, y, z (m) and rotation about the
@@ -65,12 +75,24 @@ def _write_jacobian(
 
 
 @frames.within
-def _write_modal_jacobian(shoe: Frame, modes: FloatArray, jacobian: FloatArray) -> None:
-    """Write how modes, whose displacements in the shoe's axes are given (3, m), move a contact."""
-    for k in range(modes.shape[1]):
-        move = turned(shoe.R, (modes[0, k], modes[1, k], modes[2, k]))
-        for r in range(3):
-            jacobian[r, 6 + k] = move[r]
+def _bend(bodies: BodyStates, f: int, shoe: Frame, rows: FloatArray, jacobian: FloatArray) -> pairs.Patch:
+    """Write how modes, whose mean displacements (3, m) of a patch are given, move a contact.
+
+    Gives the mean motion of the patch, which is one of the flexible shoe in row f.
+    """
+    moved, moving = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(rows.shape[1]):
+        row = (rows[0, k], rows[1, k], rows[2, k])
+        moved, moving = along(moved, bodies.modal[f, k], row), along(moving, bodies.modal_rates[f, k], row)
+        jacobian[0, 6 + k], jacobian[1, 6 + k], jacobian[2, 6 + k] = turned(shoe.R, row)
+    return pairs.Patch(moved, moving)
+
+
+@frames.inlined
+def _wrench(contact: pairs.Contact, normal: Vector) -> tuple[float, float, float, float]:
+    """Force (N) of a contact on its shoe and torque about its normal (N m)."""
+    force = along(contact.normal_force, 1.0, contact.friction_force)
+    return force[0], force[1], force[2], dot(contact.friction_torque, normal)
 
 
 @frames.within
@@ -78,7 +100,7 @@ def _write_stiffness(
     volume: pairs.Volume,
     contact: pairs.Contact,
     turning: tuple[Vector, float],
-    pair_law: pairs.PairLaw,
+    law: pairs.PairLaw,
     weights: Weights,
     out: FloatArray,
 ) -> None:
@@ -89,29 +111,29 @@ def _write_stiffness(
     displacement along the normal the depth at the centroid of the volume V changes by ``2 - depth A / V``.
     """
     normal, spin = turning
-    law, part = pair_law.law, volume.part
-    share = pairs.share_of(volume, pair_law)
+    part, impact, coulomb = volume.part, law.impact, law.coulomb
+    share = pairs.share_of(volume, law)
     depth, rate = contact.penetration, contact.penetration_rate
     slip = contact.slip_velocity
     speed = norm(slip)
-    force, ratio = laws.normal_force(law, depth, rate), laws.drag_ratio(law, speed)
-    by_depth = (laws.normal_force(law, depth + DEPTH_STEP, rate) - force) / DEPTH_STEP
-    by_rate = (laws.normal_force(law, depth, rate + RATE_STEP) - force) / RATE_STEP
+    force, ratio = laws.impact_force(impact, depth, rate), laws.friction_per_slip(coulomb, speed)
+    by_depth = (laws.impact_force(impact, depth + DEPTH_STEP, rate) - force) / DEPTH_STEP
+    by_rate = (laws.impact_force(impact, depth, rate + RATE_STEP) - force) / RATE_STEP
     force *= share
     along_normal = by_depth * (2.0 - part.depth * part.area / part.volume)
     change = -share * (weights.position * along_normal + weights.velocity * by_rate)
     falling = 0.0
     if not weights.secant and speed > RATE_STEP:
-        falling = (laws.drag_ratio(law, speed + RATE_STEP) - ratio) / (RATE_STEP * speed)
+        falling = (laws.friction_per_slip(coulomb, speed + RATE_STEP) - ratio) / (RATE_STEP * speed)
     drag, steeper = weights.velocity * force * ratio, weights.velocity * force * falling
     drawn = along(normal, -ratio, slip)
     for r in range(3):
         for c in range(3):
             across = (1.0 if r == c else 0.0) - normal[r] * normal[c]
             out[r, c] = change * drawn[r] * normal[c] - drag * across - steeper * slip[r] * slip[c]
-    torque = laws.spin_torque(law, spin, part.area, force * ratio * speed)
-    turned_more = laws.spin_torque(law, spin + RATE_STEP, part.area, force * ratio * speed)
-    a_newton = laws.spin_torque(law, spin, part.area, 1.0)
+    torque = laws.friction_torque(coulomb, spin, part.area, force * ratio * speed)
+    turned_more = laws.friction_torque(coulomb, spin + RATE_STEP, part.area, force * ratio * speed)
+    a_newton = laws.friction_torque(coulomb, spin, part.area, 1.0)
     for c in range(3):
         # the torque is proportional to friction, which grows with the normal force and with the slip
         friction = ratio * speed * change * normal[c]
@@ -172,13 +194,11 @@ def _write_leaning_stiffness(
     """
     (gradient, fading), (shoe, unit) = change, frames
     normal = pairs.normal_of(volume.part, unit, law)
-    ratio = laws.drag_ratio(law.law, norm(contact.slip_velocity)) if weights.secant else pairs.FROM_CURVE
-    force = along(contact.normal_force, 1.0, contact.friction_force)
-    torque = dot(contact.friction_torque, normal)
-    arm = along(contact.point, -1.0, shoe.r)
-    for r in range(MOTIONS):
-        for c in range(MOTIONS):
-            out[r, c] = 0.0
+    ratio = pairs.FROM_CURVE
+    if weights.secant:
+        ratio = laws.friction_per_slip(law.coulomb, norm(contact.slip_velocity))
+    start, arm = _wrench(contact, normal), along(contact.point, -1.0, shoe.r)
+    out.fill(0.0)
     for c in range(MOTIONS):
         for by_rate in range(2):
             weight, h = (weights.velocity, RATE_STEP) if by_rate else (weights.position, MOVE_STEP)
@@ -196,30 +216,9 @@ def _write_leaning_stiffness(
                     h = -h  # a small volume grows
                 moved = Frame(along(shoe.r, h, basis(c)), shoe.R, shoe.v, shoe.omega)
                 changed = _moved(volume, gradient, fading, along((0.0, 0.0, 0.0), h, axis))
-            other = pairs.pair_contact(changed, moved, unit, patch, law, ratio)
-            pushed = along(other.normal_force, 1.0, other.friction_force)
-            for r in range(3):
-                out[r, c] += weight * (pushed[r] - force[r]) / h
-            out[3, c] += weight * (dot(other.friction_torque, normal) - torque) / h
-
-
-@frames.within
-def _write_wrench(contact: pairs.Contact, normal: Vector, wrench: FloatArray) -> None:
-    """Write force and torque of a contact on its shoe (MOTIONS,)."""
-    force = along(contact.normal_force, 1.0, contact.friction_force)
-    for c in range(3):
-        wrench[c] = force[c]
-    wrench[3] = dot(contact.friction_torque, normal)
-
-
-@frames.within
-def _patch(bodies: pair_geometry.BodyStates, f: int, rows: FloatArray) -> pairs.Patch:
-    """Mean motion of the patch that has these rows (3, modes) on the flexible shoe in row f."""
-    moved, moving = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for k in range(rows.shape[1]):
-        row = (rows[0, k], rows[1, k], rows[2, k])
-        moved, moving = along(moved, bodies.modal[f, k], row), along(moving, bodies.modal_rates[f, k], row)
-    return pairs.Patch(moved, moving)
+            pushed = _wrench(pairs.pair_contact(changed, moved, unit, patch, law, ratio), normal)
+            for r in range(MOTIONS):
+                out[r, c] += weight * (pushed[r] - start[r]) / h
 
 
 @frames.within
@@ -248,56 +247,57 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     `BodyStates`, `ContactGeometry`, `Weights` and `UnitContacts` as plain tuples; without weights of position
     and velocity the tangents are left as they are. `work` is scratch memory as of `overlap_workspace`.
     """
-    bodies, geometry = pair_geometry.named(places, model)
+    bodies, geometry = BodyStates(*places), pair_geometry.named(model)
     weights, contacts = Weights(*factors), UnitContacts(*out)
     rows = ForceRows(*contacts.rows)
     derive = weights.position != 0.0 or weights.velocity != 0.0
-    law, outline, sides = geometry.law, pair_geometry.outline_of(geometry), geometry.fingers.sides
+    outline, law, flexible, fingers = geometry
+    grid = outline.grid
+    half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
     gradient = np.zeros((overlap.GRADIENT, 4))
     greatest, count = rows.unit.shape[0], 0
     for s in range(bodies.shoes.shape[0]):
-        shoe = pair_geometry.standing(bodies, geometry, s)
-        if shoe.frame.R[2][2] < frames.FACING:
+        at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
+        shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
+        if shoe.R[2][2] < frames.FACING:
             continue
-        for k in range(shoe.cells.columns * shoe.cells.rows):
-            u, unit = pair_geometry.below(bodies, geometry, shoe, k)
-            whole = pair_geometry.whole_volume(shoe.frame, unit, outline, work)
-            if whole.part.area <= 0.0:
+        cells = pair_geometry.cells_below(shoe, outline)
+        for k in range(cells.columns * cells.rows):
+            u = cells.first + (k // cells.rows) * grid.rows + k % cells.rows
+            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis)
+            part = pairs.pair_overlap(shoe, unit, outline.footprint, half, work)
+            if part.area <= 0.0:
                 continue
+            share = pair_geometry.share_of_whole(part.reach, outline)
+            whole = volume = pairs.Volume(part, share, outline.footprint, half)
             fading = pair_geometry.fading_of(whole, outline)
-            volume = whole
-            for finger in range(1 if whole.weight == 1.0 else 1 + sides.shape[0]):
+            for finger in range(1 if share == 1.0 else 1 + fingers.shape[0]):
                 if finger > 0:
-                    right, left = sides[finger - 1, 0], sides[finger - 1, 1]
-                    volume = pair_geometry.finger_volume(
-                        right, left, whole.weight, shoe.frame, unit, outline, work
-                    )
+                    right, left = fingers[finger - 1, 0], fingers[finger - 1, 1]
+                    length = outline.finger_length
+                    volume = pair_geometry.finger_volume(right, left, whole, shoe, unit, length, work)
                 if volume.weight * volume.part.area <= 0.0 or count >= greatest:
                     continue
+                jacobian, tangent = rows.jacobian[count, 0], rows.tangent[count]
+                rectangle, patch = pairs.NO_PATCH, pairs.RIGID
+                if flexible.row[s] >= 0:
+                    modes = contacts.modes[count]
+                    rectangle = pair_geometry.patch_rectangle(volume.part, shoe, unit, half[2])
+                    mean_rows(flexible.corner, flexible.cell, flexible.integral, rectangle, modes)
+                    patch = _bend(bodies, flexible.row[s], shoe, modes, jacobian)
+                contact = pairs.pair_contact(volume, shoe, unit, patch, law, pairs.FROM_CURVE)
+                pairs.keep(contact, s, u, finger, rectangle, contacts.results[count])
+                normal, both = pairs.normal_of(volume.part, unit, law), (shoe, unit)
                 rows.bodies[count, 0], rows.unit[count] = s, u
-                patch, result = pairs.RIGID, contacts.results[count]
-                if shoe.row >= 0:
-                    rectangle = pair_geometry.patch_rectangle(volume.part, shoe.frame, unit, geometry)
-                    pairs.keep_patch(rectangle, result)
-                    pair_geometry.patch_rows(rectangle, geometry, contacts.modes[count])
-                    patch = _patch(bodies, shoe.row, contacts.modes[count])
-                    _write_modal_jacobian(shoe.frame, contacts.modes[count], rows.jacobian[count, 0])
-                else:
-                    pairs.keep_patch((0.0, 0.0, 0.0, 0.0), result)
-                contact = pairs.pair_contact(volume, shoe.frame, unit, patch, law, pairs.FROM_CURVE)
-                pairs.keep(contact, s, u, finger, result)
-                normal = pairs.normal_of(volume.part, unit, law)
-                _write_wrench(contact, normal, rows.wrench[count])
-                both, jacobian = (shoe.frame, unit), rows.jacobian[count, 0]
-                by_unit, tilt_axis = rows.unit_jacobian[count], geometry.grid.tilt_axis
-                _write_jacobian(contact, normal, both, shoe.at, tilt_axis, jacobian, by_unit)
+                wrench, by_unit = rows.wrench[count], rows.unit_jacobian[count]
+                wrench[0], wrench[1], wrench[2], wrench[3] = _wrench(contact, normal)
+                _write_jacobian(contact, normal, both, at, grid.tilt_axis, jacobian, by_unit)
                 if derive and (fading != 0.0 or pairs.leans(volume.part, law)):
-                    slope = fading if finger == 0 else -fading
-                    _write_gradient(volume, finger, shoe.frame, unit, work, gradient)
-                    change, tangent = (gradient, slope), rows.tangent[count]
+                    _write_gradient(volume, finger, shoe, unit, work, gradient)
+                    change = (gradient, fading if finger == 0 else -fading)
                     _write_leaning_stiffness(volume, change, contact, both, patch, law, weights, tangent)
                 elif derive:
-                    spin = dot(along(shoe.frame.omega, -1.0, unit.omega), normal)
-                    _write_stiffness(volume, contact, (normal, spin), law, weights, rows.tangent[count])
+                    spin = dot(along(shoe.omega, -1.0, unit.omega), normal)
+                    _write_stiffness(volume, contact, (normal, spin), law, weights, tangent)
                 count += 1
     return count

@@ -8,13 +8,15 @@ displacement of the patch of its underside over the unit adds to its rigid motio
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from exudyn_crawler.ground import frames, laws
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, dot, norm, turned, turned_back, upward
 from exudyn_crawler.ground.overlap import Overlap, overlap
 from exudyn_crawler.ground.rotations import FloatArray
 
+Rectangle = tuple[float, float, float, float]
+"""Least and greatest x, least and greatest y, m."""
 FROM_CURVE = -1.0
 """In place of a ratio of friction to slip: the one of the friction law."""
 
@@ -30,14 +32,15 @@ class Footprint(NamedTuple):
 
 
 class PairLaw(NamedTuple):
-    """Contact law, what of it an overlap has, and how its normal and penetration are found.
+    """Laws of normal force and friction, what of them an overlap has, and how its normal and penetration are.
 
-    All of it, growing with STEP up to an overlap as wide as `edge_width` (m), or, where `whole_area` is not
+    All of them, growing with STEP up to an overlap as wide as `edge_width` (m), or, where `whole_area` is not
     zero, as much as the overlap has of this area (m2). With `area_normal` the normal is the area vector's,
     with `closest_points` the penetration is the distance of the closest points of both surfaces.
     """
 
-    law: laws.Law
+    impact: laws.Impact
+    coulomb: laws.Coulomb
     edge_width: float
     whole_area: float
     area_normal: bool
@@ -74,24 +77,35 @@ RIGID = Patch((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class Contact(NamedTuple):
-    """One contact; vectors are global, forces and torque act on the shoe. Columns of `RESULT`."""
+    """One contact; vectors are global, forces and torque act on the shoe."""
 
-    penetration: float
+    penetration: float  # m
     penetration_rate: float
     area: float
     point: Vector
     normal_force: Vector
     friction_force: Vector
-    slip_velocity: Vector
+    slip_velocity: Vector  # of the shoe relative to the unit
     friction_torque: Vector
 
 
-RESULT, RESULTS = frames.columns_of(Contact, "shoe", "unit", "finger")
-"""Columns of a contact's results, and how many they are. Vectors are global; forces and torque act on the
-shoe; the slip velocity is the shoe's relative to the unit. Shoe and unit count from 0; the finger is 0 for a
-volume of the whole underside, or the number of the finger from 1."""
-RESULT["patch"] = slice(RESULTS, RESULTS + 4)
-RESULTS += 4
+RESULT: dict[str, Any] = {
+    "shoe": 0,  # from 0, as the unit
+    "unit": 1,
+    "finger": 2,  # 0 for a volume of the whole underside, else the finger's number from 1
+    "penetration": 3,
+    "penetration_rate": 4,
+    "area": 5,
+    "point": slice(6, 9),
+    "normal_force": slice(9, 12),
+    "friction_force": slice(12, 15),
+    "slip_velocity": slice(15, 18),
+    "friction_torque": slice(18, 21),
+    "patch": slice(21, 25),  # of a flexible shoe: least and greatest x, least and greatest y, shoe's axes
+}
+"""Columns of a contact's results, as of `Contact`."""
+RESULTS = 25
+NO_PATCH: Rectangle = (0.0, 0.0, 0.0, 0.0)
 
 
 @frames.compiled
@@ -200,10 +214,10 @@ def pair_contact(
     rate = -dot(velocity, normal)
     slip = along(velocity, rate, normal)
     speed = norm(slip)
-    force = share_of(volume, law) * laws.normal_force(law.law, depth, rate)
-    drag = force * (ratio if ratio >= 0.0 else laws.drag_ratio(law.law, speed))
+    force = share_of(volume, law) * laws.impact_force(law.impact, depth, rate)
+    drag = force * (ratio if ratio >= 0.0 else laws.friction_per_slip(law.coulomb, speed))
     spin = dot(along(shoe.omega, -1.0, unit.omega), normal)
-    torque = laws.spin_torque(law.law, spin, part.area, drag * speed)
+    torque = laws.friction_torque(law.coulomb, spin, part.area, drag * speed)
     nothing = (0.0, 0.0, 0.0)
     return Contact(
         depth,
@@ -218,8 +232,8 @@ def pair_contact(
 
 
 @frames.compiled
-def keep(contact: Contact, shoe: int, unit: int, finger: int, row: FloatArray) -> None:
-    """Write a contact of a shoe and a unit (from 0) into a row of results (RESULTS)."""
+def keep(contact: Contact, shoe: int, unit: int, finger: int, patch: Rectangle, row: FloatArray) -> None:
+    """Write a contact into a row of results (RESULTS,)."""
     row[0], row[1], row[2] = shoe, unit, finger
     row[3], row[4], row[5] = contact.penetration, contact.penetration_rate, contact.area
     for k in range(3):
@@ -228,10 +242,4 @@ def keep(contact: Contact, shoe: int, unit: int, finger: int, row: FloatArray) -
         row[12 + k] = contact.friction_force[k]
         row[15 + k] = contact.slip_velocity[k]
         row[18 + k] = contact.friction_torque[k]
-
-
-@frames.compiled
-def keep_patch(rectangle: tuple[float, float, float, float], row: FloatArray) -> None:
-    """Write the patch of a contact, as of `pair_geometry.patch_rectangle`, into a row of results."""
-    for k in range(4):
-        row[RESULTS - 4 + k] = rectangle[k]
+    row[21], row[22], row[23], row[24] = patch

@@ -11,6 +11,7 @@ wrench and a matrix ``J^T K J`` of its tangent. Residual and matrix know nothing
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 class Attitude(NamedTuple):
@@ -51,17 +53,6 @@ def attitude_by(cosines: Vector, sines: Vector) -> Attitude:
 
 
 @compiled
-def tilted(angle: float, axis: int) -> Attitude:
-    """Attitude of a unit at its one angle (rad), about x (axis 0) or y (axis 1)."""
-    c, s = math.cos(angle), math.sin(angle)
-    if axis == 1:
-        R = ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))
-        return Attitude(R, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
-    R = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
-    return Attitude(R, ((1.0, 0.0, 0.0), (0.0, c, s), (0.0, 0.0, 1.0)))
-
-
-@compiled
 def spin(at: Attitude, rates: Vector) -> Vector:
     """Angular velocity (rad/s, global) of the rates of the angles."""
     nothing = (0.0, 0.0, 0.0)
@@ -88,20 +79,18 @@ def shoe_frame(q: FloatArray, q_t: FloatArray, at: Attitude) -> Frame:
 
 
 @compiled
-def unit_frame(q: FloatArray, q_t: FloatArray, axis: int, at: Attitude) -> Frame:
-    """Frame of a unit at its position and tilt (4) and their rates; `axis` is what it tilts about."""
-    omega = (0.0, q_t[3], 0.0) if axis == 1 else (q_t[3], 0.0, 0.0)
-    return Frame((q[0], q[1], q[2]), at.R, (q_t[0], q_t[1], q_t[2]), omega)
+def unit_frame(q: FloatArray, q_t: FloatArray, axis: int) -> Frame:
+    """Frame of a unit at its position and tilt (4) and their rates; it tilts about axis 0 (x) or 1 (y)."""
+    c, s = math.cos(q[3]), math.sin(q[3])
+    R, omega = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c)), (q_t[3], 0.0, 0.0)
+    if axis == 1:
+        R, omega = ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)), (0.0, q_t[3], 0.0)
+    return Frame((q[0], q[1], q[2]), R, (q_t[0], q_t[1], q_t[2]), omega)
 
 
-def angular_velocity(angles: FloatArray, rates: FloatArray) -> FloatArray:
-    """Angular velocities (rad/s, global) of angles and their rates: array (..., 3)."""
-    return np.asarray(np.einsum("...kj,...k->...j", _axes(angles), rates), dtype=np.float64)
-
-
-def angular_acceleration(angles: FloatArray, rates: FloatArray, accelerations: FloatArray) -> FloatArray:
-    """Angular accelerations (rad/s2, global) of angles and their two derivatives: array (..., 3)."""
-    return angular_velocity(angles, accelerations) + _turning_of_axes(angles, rates)
+def rotation_matrices(angles: FloatArray) -> FloatArray:
+    """Rotation matrices of many angles (..., 3): array (..., 3, 3)."""
+    return _of_each(_write_rotations, (3, 3), angles)
 
 
 def angles_of(axes: FloatArray) -> FloatArray:
@@ -112,15 +101,25 @@ def angles_of(axes: FloatArray) -> FloatArray:
     return np.stack((roll, pitch, yaw), axis=-1)
 
 
+def angular_velocity(angles: FloatArray, rates: FloatArray) -> FloatArray:
+    """Angular velocities (rad/s, global) of angles and their rates: array (..., 3)."""
+    return np.asarray(np.einsum("...kj,...k->...j", _axes(angles), rates))
+
+
 def angle_rates(angles: FloatArray, omega: FloatArray) -> FloatArray:
     """Rates of angles (rad/s) that make an angular velocity (rad/s, global): array (..., 3)."""
     turned = np.swapaxes(_axes(angles), -1, -2)
     return np.asarray(np.linalg.solve(turned, omega[..., None])[..., 0], dtype=np.float64)
 
 
+def angular_acceleration(angles: FloatArray, rates: FloatArray, accelerations: FloatArray) -> FloatArray:
+    """Angular accelerations (rad/s2, global) of angles and their two derivatives: array (..., 3)."""
+    return angular_velocity(angles, accelerations) + _of_each(_write_turning, (3,), angles, rates)
+
+
 def angle_accelerations(angles: FloatArray, rates: FloatArray, alpha: FloatArray) -> FloatArray:
     """Second derivatives of angles (rad/s2) that make an angular acceleration (rad/s2, global)."""
-    return angle_rates(angles, alpha - _turning_of_axes(angles, rates))
+    return angle_rates(angles, alpha - _of_each(_write_turning, (3,), angles, rates))
 
 
 def moments_of(angles: FloatArray, generalized: FloatArray) -> FloatArray:
@@ -130,62 +129,46 @@ def moments_of(angles: FloatArray, generalized: FloatArray) -> FloatArray:
 
 def moments_on_angles(angles: FloatArray, moments: FloatArray) -> FloatArray:
     """Generalized forces on the angles of moments (N m, global): array (bodies, 3)."""
-    return np.asarray(np.einsum("...kj,...j->...k", _axes(angles), moments), dtype=np.float64)
+    return np.asarray(np.einsum("...kj,...j->...k", _axes(angles), moments))
 
 
 def _axes(angles: FloatArray) -> FloatArray:
     """Global axes that angles (..., 3) turn about: array (..., 3, 3), an axis a row."""
-    flat = np.ascontiguousarray(angles).reshape(-1, 3)
-    out = np.empty((len(flat), 3, 3))
-    _all_axes(flat, out)
-    return out.reshape(*angles.shape[:-1], 3, 3)
+    return _of_each(_write_axes, (3, 3), angles)
 
 
-def _turning_of_axes(angles: FloatArray, rates: FloatArray) -> FloatArray:
-    """Part of the angular acceleration (rad/s2, global) that the rates make alone: array (..., 3)."""
-    flat = np.ascontiguousarray(angles).reshape(-1, 3)
-    out = np.empty_like(flat)
-    _all_turning(flat, np.ascontiguousarray(rates).reshape(-1, 3), out)
-    return out.reshape(angles.shape)
-
-
-def rotation_matrices(angles: FloatArray) -> FloatArray:
-    """Rotation matrices of many angles (..., 3): array (..., 3, 3)."""
-    flat = np.ascontiguousarray(angles).reshape(-1, 3)
-    out = np.empty((len(flat), 3, 3))
-    _rotation_matrices(flat, out)
-    return out.reshape(*angles.shape[:-1], 3, 3)
+def _of_each(write: Callable, shape: tuple[int, ...], *vectors: FloatArray) -> FloatArray:
+    """What a compiled function writes of all rows of vectors (..., 3): array (..., *shape)."""
+    flat = [np.ascontiguousarray(one).reshape(-1, 3) for one in vectors]
+    out = np.empty((len(flat[0]), *shape))
+    write(*flat, out)
+    return out.reshape(*vectors[0].shape[:-1], *shape)
 
 
 @compiled
-def _rotation_matrices(angles, out):
+def _write_rotations(angles, out):
     for n in range(angles.shape[0]):
         R = attitude(angles[n, 0], angles[n, 1], angles[n, 2]).R
         for r in range(3):
-            for c in range(3):
-                out[n, r, c] = R[r][c]
+            out[n, r, 0], out[n, r, 1], out[n, r, 2] = R[r]
 
 
 @compiled
-def _all_axes(angles, out):
+def _write_axes(angles, out):
     for n in range(angles.shape[0]):
         axes = attitude(angles[n, 0], angles[n, 1], angles[n, 2]).axes
         for r in range(3):
-            for c in range(3):
-                out[n, r, c] = axes[r][c]
+            out[n, r, 0], out[n, r, 1], out[n, r, 2] = axes[r]
 
 
 @compiled
-def _all_turning(angles, rates, out):
-    still = (0.0, 0.0, 0.0)
+def _write_turning(angles, rates, out):
+    """Write the part of the angular accelerations (rad/s2, global) that the rates make alone."""
     for n in range(angles.shape[0]):
         at = attitude(angles[n, 0], angles[n, 1], angles[n, 2])
-        change = spin_rate(at, (rates[n, 0], rates[n, 1], rates[n, 2]), still)
-        for r in range(3):
-            out[n, r] = change[r]
-
-
-IntArray = NDArray[np.int64]
+        out[n, 0], out[n, 1], out[n, 2] = spin_rate(
+            at, (rates[n, 0], rates[n, 1], rates[n, 2]), (0.0, 0.0, 0.0)
+        )
 
 
 class Weights(NamedTuple):

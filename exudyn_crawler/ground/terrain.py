@@ -7,7 +7,6 @@ of every unit held at zero, all of them together say one thing: the joint point 
 by `TerrainModes`.
 """
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,6 +15,9 @@ import scipy.linalg
 
 from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.ground.frames import compiled
+
+REACH = 1.0
+"""m round the track at t = 0 within which contact is expected."""
 
 
 class Grid(NamedTuple):
@@ -40,38 +42,13 @@ class Grid(NamedTuple):
         return cells[..., 0] * self.rows + cells[..., 1]
 
 
-class Cells(NamedTuple):
-    """Rectangle of units: the first, and how many there are along x and along y."""
-
-    first: int
-    columns: int
-    rows: int
-
-
 def grid_of(terrain: Terrain) -> Grid:
     """Grid of a terrain."""
     sides = (terrain.unit_length, terrain.unit_width, terrain.unit_height)
     return Grid(terrain.columns, terrain.rows, *sides, *terrain.origin, terrain.tilt_axis)
 
 
-@compiled
-def cells_about(grid: Grid, x: float, y: float, reach_x: float, reach_y: float) -> Cells:
-    """Units that a rectangle about (x, y) with these half sides (m) meets, seen from above."""
-    i0 = max(0, int(math.floor((x - grid.x - reach_x) / grid.length)))
-    i1 = min(grid.columns - 1, int(math.floor((x - grid.x + reach_x) / grid.length)))
-    j0 = max(0, int(math.floor((y - grid.y - reach_y) / grid.width)))
-    j1 = min(grid.rows - 1, int(math.floor((y - grid.y + reach_y) / grid.width)))
-    return Cells(i0 * grid.rows + j0, max(0, i1 - i0 + 1), max(0, j1 - j0 + 1))
-
-
-@compiled
-def cell(grid: Grid, cells: Cells, k: int) -> int:
-    """Index of unit k of a rectangle of units."""
-    return cells.first + (k // cells.rows) * grid.rows + k % cells.rows
-
-
-@dataclass(frozen=True)
-class TerrainJoint:
+class TerrainJoint(NamedTuple):
     """Joint of two neighbouring units at the middle of their shared face."""
 
     first: int  # unit index (from 0)
@@ -97,26 +74,81 @@ def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
     return joints
 
 
+@compiled
+def _modal_motion(heave, tilt, q, out):
+    for u in range(heave.shape[0]):
+        z = a = 0.0
+        for k in range(heave.shape[1]):
+            z += heave[u, k] * q[k]
+            a += tilt[u, k] * q[k]
+        out[u, 2], out[u, 3] = z, a
+
+
 @dataclass(frozen=True)
 class TerrainModes:
-    """Independent coordinates of the terrain, with the identity for their mass matrix."""
+    """Terrain carried by its independent coordinates, whose mass matrix is the identity."""
 
     heave: np.ndarray  # (units, coordinates): heave of each unit (m) per unit of a coordinate
     tilt: np.ndarray  # (units, coordinates): tilt of each unit (rad)
     stiffness: np.ndarray  # (coordinates, coordinates): of the supports, 1/s2
     damping: np.ndarray  # (coordinates, coordinates): of the supports, 1/s
     weight: np.ndarray  # (coordinates,): load of a unit acceleration of gravity along -z
+    tilt_axis: int
 
     @property
     def size(self) -> int:
         """Number of coordinates."""
         return self.heave.shape[1]
 
+    def motion(self, q: np.ndarray) -> np.ndarray:
+        """Displacement (x, y, z) and tilt of the units, or their rates: array (units, 4), m and rad."""
+        units = np.zeros((len(self.heave), 4))
+        _modal_motion(self.heave, self.tilt, q, units)
+        return units
+
+    def project(self, wrenches: np.ndarray) -> np.ndarray:
+        """Generalized forces (size,) of forces and moments on the units (units, 6)."""
+        return np.asarray(wrenches[:, 2] @ self.heave + wrenches[:, 3 + self.tilt_axis] @ self.tilt)
+
+    def sunk_evenly(self, heave: float) -> np.ndarray:
+        """Coordinates (size,) at which all units heave by the same (m) and none tilts.
+
+        A combination of the modes, since the units meet at one height everywhere.
+        """
+        shapes = np.vstack((self.heave, self.tilt))
+        return np.linalg.lstsq(shapes, np.repeat([heave, 0.0], len(self.heave)), rcond=None)[0]
+
+
+@dataclass(frozen=True)
+class UnitCoordinates:
+    """Terrain whose units are rigid bodies with position and angles each; all but their tilt is held.
+
+    Its methods are those of `TerrainModes`.
+    """
+
+    unit_count: int
+    tilt_axis: int
+
     @property
-    def frequencies(self) -> np.ndarray:
-        """Undamped natural frequencies of the unloaded terrain: array (coordinates,), Hz."""
-        squares = np.linalg.eigvalsh(self.stiffness)
-        return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
+    def size(self) -> int:
+        """Number of coordinates: six a unit."""
+        return 6 * self.unit_count
+
+    def motion(self, q: np.ndarray) -> np.ndarray:
+        """Displacement and tilt of the units, or their rates: array (units, 4)."""
+        bodies = q.reshape(self.unit_count, 6)
+        return np.column_stack((bodies[:, :3], bodies[:, 3 + self.tilt_axis]))
+
+    def project(self, wrenches: np.ndarray) -> np.ndarray:
+        """Generalized forces (size,); moments beside the tilt's only load what holds the units."""
+        return wrenches.ravel()
+
+    def sunk_evenly(self, heave: float) -> np.ndarray:
+        """Coordinates (size,) at which all units heave by the same (m) and none tilts."""
+        return np.tile([0.0, 0.0, heave, 0.0, 0.0, 0.0], self.unit_count)
+
+
+TerrainCoordinates = TerrainModes | UnitCoordinates
 
 
 def terrain_modes(terrain: Terrain) -> TerrainModes:
@@ -148,6 +180,7 @@ def terrain_modes(terrain: Terrain) -> TerrainModes:
         stiffness=np.diag(squares),
         damping=terrain.damping_time * np.diag(squares),
         weight=-terrain.unit_mass * modes[:count].sum(axis=0),
+        tilt_axis=terrain.tilt_axis,
     )
 
 
@@ -159,7 +192,9 @@ def localized(modes: TerrainModes, units: np.ndarray) -> TerrainModes:
     terrain and the units alone: many modes have one frequency and any mixture of them serves, but a stored
     state has to mean the same on another machine.
     """
-    shapes = np.vstack((modes.heave, modes.tilt * _length_scale(modes)))
+    heaves, tilts = (np.linalg.norm(rows, axis=1).max() for rows in (modes.heave, modes.tilt))
+    # this length makes tilts comparable with heaves; it is the terrain's, whatever its coordinates
+    shapes = np.vstack((modes.heave, modes.tilt * (heaves / tilts)))
     near = shapes[np.concatenate((units, len(modes.heave) + units))]
     _, values, turned = np.linalg.svd(near, full_matrices=True)
     moving = int(np.sum(values > 1e-9 * values[0]))
@@ -171,6 +206,7 @@ def localized(modes: TerrainModes, units: np.ndarray) -> TerrainModes:
         stiffness=turned @ modes.stiffness @ turned.T,
         damping=turned @ modes.damping @ turned.T,
         weight=turned @ modes.weight,
+        tilt_axis=modes.tilt_axis,
     )
 
 
@@ -190,12 +226,6 @@ def _settled(rows: np.ndarray) -> np.ndarray:
     return directions
 
 
-def _length_scale(modes: TerrainModes) -> float:
-    """Length that makes tilts comparable with heaves, m; that of the terrain, whatever its coordinates."""
-    heaves, tilts = (np.linalg.norm(rows, axis=1).max() for rows in (modes.heave, modes.tilt))
-    return float(heaves / tilts)
-
-
 def _clean(shapes: np.ndarray) -> np.ndarray:
     """Shapes with what is only rounding set to zero, in the memory order that compiled code takes."""
     small = np.abs(shapes) < 1e-12 * np.abs(shapes).max()
@@ -211,90 +241,10 @@ def units_near(terrain: Terrain, corners: np.ndarray, margin: float) -> np.ndarr
     return np.flatnonzero(near)
 
 
-REACH = 1.0
-"""m round the track at t = 0 within which contact is expected."""
-UNIT_COORDINATES = 6
-"""Coordinates of a unit that is a body: position and angles."""
-
-
-@compiled
-def _modal_motion(heave, tilt, q, out):
-    for u in range(heave.shape[0]):
-        z = a = 0.0
-        for k in range(heave.shape[1]):
-            z += heave[u, k] * q[k]
-            a += tilt[u, k] * q[k]
-        out[u, 2], out[u, 3] = z, a
-
-
-@dataclass(frozen=True)
-class ReducedCoordinates:
-    """Terrain carried by its independent coordinates."""
-
-    modes: TerrainModes
-    tilt_axis: int
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return self.modes.size
-
-    def motion(self, q: np.ndarray) -> np.ndarray:
-        """Displacement (x, y, z) and tilt of the units, or their rates: array (units, 4), m and rad."""
-        units = np.zeros((len(self.modes.heave), 4))
-        _modal_motion(self.modes.heave, self.modes.tilt, q, units)
-        return units
-
-    def project(self, wrenches: np.ndarray) -> np.ndarray:
-        """Generalized forces (size,) of forces and moments on the units (units, 6)."""
-        heave, tilt = wrenches[:, 2], wrenches[:, 3 + self.tilt_axis]
-        return np.asarray(heave @ self.modes.heave + tilt @ self.modes.tilt)
-
-    def sunk_evenly(self, heave: float) -> np.ndarray:
-        """Coordinates (size,) at which all units heave by the same (m) and none tilts.
-
-        A combination of the modes, since the units meet at one height everywhere.
-        """
-        shapes = np.vstack((self.modes.heave, self.modes.tilt))
-        return np.linalg.lstsq(shapes, np.repeat([heave, 0.0], len(self.modes.heave)), rcond=None)[0]
-
-
-@dataclass(frozen=True)
-class UnitCoordinates:
-    """Terrain whose units are rigid bodies with six coordinates each; all but their tilt is held."""
-
-    unit_count: int
-    tilt_axis: int
-
-    @property
-    def size(self) -> int:
-        """Six coordinates a unit."""
-        return UNIT_COORDINATES * self.unit_count
-
-    def motion(self, q: np.ndarray) -> np.ndarray:
-        """As of `ReducedCoordinates`."""
-        bodies = q.reshape(self.unit_count, UNIT_COORDINATES)
-        return np.column_stack((bodies[:, :3], bodies[:, 3 + self.tilt_axis]))
-
-    def project(self, wrenches: np.ndarray) -> np.ndarray:
-        """As of `ReducedCoordinates`; moments beside the tilt's only load what holds the units."""
-        return wrenches.ravel()
-
-    def sunk_evenly(self, heave: float) -> np.ndarray:
-        """As of `ReducedCoordinates`."""
-        bodies = np.zeros((self.unit_count, UNIT_COORDINATES))
-        bodies[:, 2] = heave
-        return bodies.ravel()
-
-
-TerrainCoordinates = ReducedCoordinates | UnitCoordinates
-
-
-def reduced_coordinates(case: Case) -> ReducedCoordinates:
+def reduced_coordinates(case: Case) -> TerrainModes:
     """Independent coordinates of a case's terrain, of which the track moves as few as possible."""
     terrain = case.unit_terrain()
-    near = units_near(terrain, case.outline(0.0), REACH)
-    return ReducedCoordinates(localized(terrain_modes(terrain), near), terrain.tilt_axis)
+    return localized(terrain_modes(terrain), units_near(terrain, case.outline(0.0), REACH))
 
 
 def terrain_coordinates(case: Case) -> TerrainCoordinates:

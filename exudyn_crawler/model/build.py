@@ -12,7 +12,7 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
-from exudyn_crawler.ground.terrain import ReducedCoordinates, TerrainModes, reduced_coordinates
+from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.elimination import Fronts, fronts_of
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
@@ -430,9 +430,7 @@ def _tables_of(
 ) -> tuple[Tables, list[tuple[int, str]]]:
     """Tables of a case, and of each link pin the link's number (from 1) and its side."""
     coordinates = contact.coordinates
-    if not isinstance(coordinates, ReducedCoordinates):
-        coordinates = reduced_coordinates(case)
-    terrain = coordinates.modes
+    terrain = coordinates if isinstance(coordinates, TerrainModes) else reduced_coordinates(case)
     builder = _Builder(case, terrain, floating, point)
     bodies, modes = builder.bodies()
     joints, names = builder.joints()

@@ -16,7 +16,7 @@ from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Weights, moments_on_angles
-from exudyn_crawler.ground.terrain import ReducedCoordinates
+from exudyn_crawler.ground.terrain import TerrainModes
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
 from exudyn_crawler.model.engine import coordinates_only, exu, predict
@@ -95,7 +95,7 @@ class CompiledSystem(TrackSystem):
 
     def __init__(self, case: Case, parts: Parts) -> None:
         contact = parts.contact
-        reduced = isinstance(contact.coordinates, ReducedCoordinates)
+        reduced = isinstance(contact.coordinates, TerrainModes)
         if not (reduced and isinstance(contact, PairGroundContact | CellGroundContact)):
             raise ValueError(
                 "the case needs contact.model 'pair' or 'cells' and terrain_formulation 'reduced'"

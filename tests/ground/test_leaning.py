@@ -9,7 +9,7 @@ from exudyn_crawler import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.contact import pair_law
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.overlap import GRADIENT, overlap, overlap_workspace, write_gradient
-from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fingers, Flexible
+from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Flexible, Outline
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT, Footprint
 from exudyn_crawler.ground.rotations import ForceRows, Weights
@@ -111,11 +111,10 @@ def pair_of(contact, shoe=None, pitch=0.0) -> Pair:
     terrain = Terrain.kinematics().with_(columns=1, rows=1)
     flexible = Flexible(np.zeros(2), np.ones(2), np.zeros((2, 2, 3, 0)), np.array([-1]))
     track = ContactGeometry(
-        grid_of(terrain),
-        Footprint(*shoe.footprint.tolist()),
-        flexible,
+        Outline(grid_of(terrain), Footprint(*shoe.footprint.tolist()), shoe.finger_length),
         pair_law(contact, shoe.length * shoe.width),
-        Fingers(shoe.finger_length, shoe.fingers),
+        flexible,
+        shoe.fingers,
     )
     return Pair(plain(track), UnitContacts.allocate(8, 0), overlap_workspace(), pitch)
 

@@ -9,9 +9,9 @@ from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.kernel import BLOCK, GROUND, NORMAL, TRACTION, ShoePoints, arm_of, frame_at
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, scaled, velocity_at
-from exudyn_crawler.ground.pairs import RESULTS, Contact, keep
+from exudyn_crawler.ground.pairs import NO_PATCH, RESULTS, Contact, keep
 from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.terrain import ReducedCoordinates, TerrainCoordinates, TerrainModes
+from exudyn_crawler.ground.terrain import TerrainCoordinates, TerrainModes
 
 ACROSS = 15
 """Places across the track where its ground is looked at before shoes are put down."""
@@ -32,11 +32,10 @@ class CellGroundContact:
     def __init__(self, case: Case) -> None:
         terrain, shoe = case.cell_terrain(), case.shoe
         none = np.zeros((0, 0))
-        modes = TerrainModes(none, none, none, none, np.zeros(0))
         coms = case.shoe_reference
         x0, x1, y0, y1, z = shoe.footprint
         corners = np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
-        self.coordinates: TerrainCoordinates = ReducedCoordinates(modes, 1)
+        self.coordinates: TerrainCoordinates = TerrainModes(none, none, none, none, np.zeros(0), 1)
         self.shoe_reference = coms
         law = cast(CellLaw, case.cell_contact().law)
         bending = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
@@ -111,4 +110,4 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
             along(velocity, rate, normal),
             torque,
         )
-        keep(contact, s, NO_UNIT, 0, out[s])
+        keep(contact, s, NO_UNIT, 0, NO_PATCH, out[s])

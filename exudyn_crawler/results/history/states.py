@@ -162,8 +162,8 @@ def _terrain(states: _States) -> dict[str, np.ndarray]:
     contact = states.system.contact
     if not len(states.system.case.terrain.units):
         return {}
-    if isinstance(contact.coordinates, terrain.ReducedCoordinates):
-        modes = contact.coordinates.modes
+    modes = contact.coordinates
+    if isinstance(modes, terrain.TerrainModes):
         shapes = dict(zip(files.SHAPES.values(), (modes.heave, modes.tilt), strict=True))
         rates = zip(RATES, files.RATES, strict=True)
         return shapes | {
@@ -171,7 +171,7 @@ def _terrain(states: _States) -> dict[str, np.ndarray]:
         }
     named = {}
     for rate in RATES:
-        units = np.stack([contact.coordinates.motion(row) for row in states.part(f"terrain{rate}")])
+        units = np.stack([modes.motion(row) for row in states.part(f"terrain{rate}")])
         for name, column in (("heave", 2), ("tilt", 3)):
             named[f"unit_{name}{rate.replace(' ', '_')}"] = units[..., column]
     return named

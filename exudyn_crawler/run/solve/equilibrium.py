@@ -122,7 +122,7 @@ def static_equilibrium(case: Case) -> np.ndarray:
     """
     if case.terrain.model == "cells":
         return _compiled_rest(case)
-    if isinstance(terrain.terrain_coordinates(case), terrain.ReducedCoordinates):
+    if isinstance(terrain.terrain_coordinates(case), terrain.TerrainModes):
         q = _compiled_rest(case)
         if case.is_compiled or case.flexible is None:
             return q
