@@ -18,8 +18,7 @@ from meshes.geometry import (
 if TYPE_CHECKING:
     from meshes.build_shoe import mesh_shoe
     from meshes.load_surfaces import LOAD_SURFACES, with_load_surfaces
-    from meshes.paths import mesh_path, shoe_path
-    from meshes.ready import mesh_named, shoe_mesh
+    from meshes.ready import mesh_named, mesh_path, shoe_mesh, shoe_path
     from meshes.shoe import STEEL, joint_interfaces
 
 _HOMES = {
@@ -27,10 +26,10 @@ _HOMES = {
     "STEEL": "shoe",
     "joint_interfaces": "shoe",
     "mesh_named": "ready",
-    "mesh_path": "paths",
+    "mesh_path": "ready",
     "mesh_shoe": "build_shoe",
     "shoe_mesh": "ready",
-    "shoe_path": "paths",
+    "shoe_path": "ready",
     "with_load_surfaces": "load_surfaces",
 }
 """Modules of the names that are imported on first use."""

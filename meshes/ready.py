@@ -1,9 +1,29 @@
 """The ready meshes of the shoe, and any mesh by its path; reading one needs no solver."""
 
+from pathlib import Path
+
 from fem.mesh import Mesh
 from fem.mesh_files import read_mesh
+from meshes.geometry import SHOE_SIZES
 from meshes.load_surfaces import with_load_surfaces
-from meshes.paths import mesh_path, shoe_path
+
+
+def shoe_path(size: str = "study") -> Path:
+    """Path of a ready mesh of the shoe: "coarse", "study" or "fine".
+
+    Raises
+    ------
+    ValueError
+        If there is no such size.
+    """
+    if size not in SHOE_SIZES:
+        raise ValueError(f"size must be one of {SHOE_SIZES}, got {size!r}")
+    return Path(__file__).parent / f"shoe_{size}.msh.gz"
+
+
+def mesh_path(name: str) -> Path:
+    """Path of a ready mesh by its size, or of any mesh, by its path."""
+    return shoe_path(name) if name in SHOE_SIZES else Path(name)
 
 
 def shoe_mesh(size: str = "study") -> Mesh:
