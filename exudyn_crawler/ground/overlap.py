@@ -37,7 +37,7 @@ class Overlap(NamedTuple):
     side_x: float
     side_y: float
     reach: float  # m, greatest x of the overlap in the shoe's frame
-    cut: int  # corners of the clipped polygon that `overlap` leaves in ``work[0]``; zero if unclipped
+    cut: int  # corners of the clipped polygon that `overlap` leaves in ``work[1]``; zero if unclipped
 
 
 NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
@@ -168,12 +168,7 @@ def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
         if count == 0:
             return NO_OVERLAP
         points, other = other, points
-    part = _integrated(points, count, not inside, half_x, half_y)
-    if not inside:  # after five cuts the polygon is in the other half
-        for k in range(count):
-            for c in range(COLUMNS):
-                work[0, k, c] = points[k, c]
-    return part
+    return _integrated(points, count, not inside, half_x, half_y)
 
 
 @within

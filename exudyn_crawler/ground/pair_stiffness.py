@@ -232,8 +232,9 @@ def _write_gradient(
     reach = (gradient[9, 0], gradient[9, 1], gradient[9, 2])
     down = turned_back(unit.R, frames.upward(shoe.R))
     part, half = volume.part, volume.half
-    slopes = (down[0] / down[2], down[1] / down[2])
-    overlap.write_gradient(work[0], max(4, part.cut), part, half[0], half[1], slopes[0], slopes[1], gradient)
+    along_xi, along_eta = down[0] / down[2], down[1] / down[2]
+    polygon = work[1 if part.cut > 0 else 0]
+    overlap.write_gradient(polygon, max(4, part.cut), part, half[0], half[1], along_xi, along_eta, gradient)
     if finger > 0:
         for k in range(3):
             gradient[9, k] = reach[k]

@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from exudyn_crawler.ground import frames, laws
-from exudyn_crawler.ground.frames import Frame, Vector, along, basis, dot, norm, turned, turned_back, upward
+from exudyn_crawler.ground.frames import Frame, Vector, along, dot, norm, turned, turned_back, upward
 from exudyn_crawler.ground.overlap import Overlap, overlap
 from exudyn_crawler.ground.rotations import FloatArray
 
@@ -177,20 +177,14 @@ def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
     """
     part, half = volume.part, volume.half
     place = turned_back(shoe.R, along(contact_point(part, unit, half[2]), -1.0, shoe.r))
-    least, total, mean = part.depth, 0.0, 0.0
-    for weighing in range(2):
-        for axis in range(3):
-            thickness = part.depth
-            if axis < 2:
-                centroid = part.xi if axis == 0 else part.eta
-                inward = along((0.0, 0.0, 0.0), -1.0 if centroid > 0.0 else 1.0, basis(axis))
-                inward = turned_back(shoe.R, turned(unit.R, inward))
-                thickness = half[axis] - abs(centroid) + _way_out(place, inward, volume.footprint)
-            if weighing == 0:
-                least = min(least, thickness)
-            else:
-                weight = laws.step(thickness - least, 0.0, 1.0, FACE_BLEND, 0.0)
-                total, mean = total + weight, mean + weight * thickness
+    toward_x = turned_back(shoe.R, turned(unit.R, (-1.0 if part.xi > 0.0 else 1.0, 0.0, 0.0)))
+    toward_y = turned_back(shoe.R, turned(unit.R, (0.0, -1.0 if part.eta > 0.0 else 1.0, 0.0)))
+    x = half[0] - abs(part.xi) + _way_out(place, toward_x, volume.footprint)
+    y = half[1] - abs(part.eta) + _way_out(place, toward_y, volume.footprint)
+    least, total, mean = min(part.depth, x, y), 0.0, 0.0
+    for thickness in (x, y, part.depth):
+        weight = laws.step(thickness - least, 0.0, 1.0, FACE_BLEND, 0.0)
+        total, mean = total + weight, mean + weight * thickness
     return mean / total
 
 

@@ -34,7 +34,7 @@ def clipped(corners):
     work[0, :4, :3] = corners
     work[0, :4, 3] = corners[:, 0] + 0.3 * corners[:, 1]  # any function that is linear over the underside
     part = overlap(work, HALF, HALF)
-    return part, work[0]
+    return part, work[1 if part.cut else 0]
 
 
 def values(part) -> np.ndarray:

@@ -2,9 +2,9 @@
 
 How equations use it, for shoes with frames (r, R, v, omega) in rows of `kernel.FRAME` numbers::
 
-    ground = CellGround(law, heights, cell, corners, shoes)  # once; its `arrays` go into the tables
+    ground = CellGround(law, heights, cell, corners, shoes)  # once; its `shoes` go into the tables
     ground.cover(predicted, accepted)  # once a step, before Newton's method
-    press(arrays, frames, weights)  # compiled, as often as Newton's method asks
+    press(shoes, frames, weights)  # compiled, as often as Newton's method asks
     ground.commit()  # once, where the step is accepted
 
 `cover` freezes what lies under each shoe at the frames that are predicted for the end of the step, and takes

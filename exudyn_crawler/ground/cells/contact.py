@@ -23,10 +23,7 @@ NOTHING = (0.0, 0.0, 0.0)
 class CellGroundContact:
     """Shoes on cells; a `ground.contact.GroundContact` without units.
 
-    Attributes
-    ----------
-    ground : CellGround
-        Cells and points of the shoes, fresh or with the ruts of an earlier run.
+    Its `ground` is fresh or has the ruts of an earlier run.
     """
 
     def __init__(self, case: Case) -> None:

@@ -21,14 +21,8 @@ NO_TILE, NO_HEIGHT = -1, -2
 def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) -> int:
     """List the points of all shoes, with the memory below; return their number, `NO_TILE` or `NO_HEIGHT`.
 
-    Parameters
-    ----------
-    ground, values : tuple
-        `Tiles` and `ShoePoints` as plain tuples.
-    frames : array (shoes, FRAME)
-        For the outline: those predicted for the end of the step.
-    before : array (shoes, FRAME)
-        When the last step was accepted: slip counts from there.
+    `ground` and `values` are `Tiles` and `ShoePoints` as plain tuples. The outlines are at `frames` (shoes,
+    FRAME), slip counts from those `before`.
     """
     tiles, shoes = Tiles(*ground), ShoePoints(*values)
     outline, total = np.empty((4, 2)), 0

@@ -1,6 +1,6 @@
 """Ground of cells under the shoes of a track: map, points and law together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,29 +18,10 @@ on two stones."""
 
 
 class CellGround:
-    """Cells with memory under shoes whose underside is a rectangle.
+    """Cells of a side (m) with memory under a number of shoes whose underside is a rectangle.
 
-    Parameters
-    ----------
-    law : CellLaw
-    heights : Heights
-    cell : float
-        Side of a cell, m.
-    corners : array (4, 3)
-        Of the underside in the shoe's frame, anticlockwise seen from above, all of one z; m.
-    shoes : int
-        Number of shoes.
-    flexible : sequence of int
-        Rows of those that bend.
-
-    Attributes
-    ----------
-    shoes : ShoePoints
-        Arrays that the equations take; they stay the same through a run.
-    arrays : tuple
-        The same as a plain tuple, as compiled code takes it.
-    tiles : Tiles
-        The map; another one after `cover` where the shoes come to new ground.
+    `corners` are as of `ShoePoints`; shoes in the rows `flexible` bend. The equations take the arrays of
+    `shoes`; `tiles` is the map, another one after `cover` where the shoes come to new ground.
     """
 
     def __init__(
@@ -77,7 +58,6 @@ class CellGround:
             bent=np.zeros((bend, blocks, 6, kernel.BLOCK)),
             slopes=np.zeros((bend, 9 * most)),
         )
-        self.arrays = tuple(self.shoes)
         self._held = np.zeros(0, dtype=np.int64)
         self._names = np.zeros((0, 2), dtype=np.int64)
         self.tiles = Tiles(
@@ -94,21 +74,13 @@ class CellGround:
     def cover(self, frames: np.ndarray, before: np.ndarray) -> None:
         """Freeze which cells lie under the shoes, with their memory, for one step.
 
-        Parameters
-        ----------
-        frames, before : array (shoes, FRAME)
-            Predicted for the end of the step, and when the last one was accepted: r (m), the rows of R, v
-            (m/s) and omega (rad/s), global.
-
-        Raises
-        ------
-        CrawlerError
-            If a shoe leaves the ground that has heights.
+        `frames` (shoes, `kernel.FRAME`) are predicted for the end of the step, those `before` are of the last
+        accepted one. CrawlerError if a shoe leaves the ground that has heights.
         """
-        missing = cover(tuple(self.tiles), self.arrays, frames, before)
+        missing = cover(tuple(self.tiles), tuple(self.shoes), frames, before)
         if missing == NO_TILE:
             self._add_tiles(frames)
-            missing = cover(tuple(self.tiles), self.arrays, frames, before)
+            missing = cover(tuple(self.tiles), tuple(self.shoes), frames, before)
         if missing == NO_HEIGHT:
             x, y = frames[:, 0], frames[:, 1]
             raise CrawlerError(
@@ -121,31 +93,26 @@ class CellGround:
 
         `weights` as of `kernel.press`, which compiled equations call; the tangents are in ``shoes.tangent``.
         """
-        kernel.press(self.arrays, frames, np.array(weights, dtype=float))
+        kernel.press(tuple(self.shoes), frames, np.array(weights, dtype=float))
         return self.shoes.wrench
 
     def commit(self) -> None:
         """Let the cells remember the last `press`: once, where a step is accepted."""
-        self._held = commit(tuple(self.tiles), self.arrays, self._held)
+        self._held = commit(tuple(self.tiles), tuple(self.shoes), self._held)
 
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
         """Forces of the last `press` on a grid of each underside: ``(shoes, *COARSE, 3)``, N, shoes' axes."""
         out = np.zeros((len(self.shoes.counts), *COARSE, 3))
-        kernel.coarse_forces(self.arrays, frames, out)
+        kernel.coarse_forces(tuple(self.shoes), frames, out)
         return out
 
     def state(self) -> dict[str, np.ndarray]:
         """Committed memory, from which `restore` goes on bit for bit.
 
-        Returns
-        -------
-        dict
-            ``cells`` (n, 2), columns and rows of the cells that are not fresh, in the order in which they are
-            stored, ``memory`` (n, FIELDS), and ``held`` (m,), which of these are in contact.
+        ``cells`` (n, 2), columns and rows of the cells that are not fresh, in the order in which they are
+        stored, ``memory`` (n, FIELDS), and ``held`` (m,), which of these are in contact.
         """
-        fresh = np.zeros(FIELDS)
-        fresh[4] = self.tiles.fresh
-        touched = (self.tiles.memory != fresh).any(axis=1)
+        touched = (self.tiles.memory != self._fresh(1)).any(axis=1)
         touched[self._held] = True
         (rows,) = np.nonzero(touched)
         tile, within = np.divmod(rows, SIDE * SIDE)
@@ -154,10 +121,9 @@ class CellGround:
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take a state as of `state`, on ground that is fresh otherwise."""
-        self.tiles.memory[:] = 0.0
-        self.tiles.memory[:, 4] = self.tiles.fresh
+        self.tiles.memory[:] = self._fresh(len(self.tiles.memory))
         cells = state["cells"]
-        self._make_tiles(np.unique(cells >> BITS, axis=0))
+        self._make_tiles(map(tuple, np.unique(cells >> BITS, axis=0).tolist()))
         column, row = (cells >> BITS).T - self.tiles.corner[:, None]
         within = (cells[:, 0] & (SIDE - 1)) * SIDE + (cells[:, 1] & (SIDE - 1))
         rows = self.tiles.table[column, row] * SIDE * SIDE + within
@@ -172,8 +138,8 @@ class CellGround:
         cell_pressure: np.ndarray,
     ) -> None:
         """Let cells of fresh ground remember a sinkage (m) and the pressure there (Pa), and no shear."""
-        memory = np.zeros((len(cell_column), FIELDS))
-        memory[:, 0], memory[:, 1], memory[:, 4] = cell_sinkage, cell_pressure, self.tiles.fresh
+        memory = self._fresh(len(cell_column))
+        memory[:, 0], memory[:, 1] = cell_sinkage, cell_pressure
         cells, nothing = np.column_stack((cell_column, cell_row)), np.zeros(0, dtype=np.int64)
         self.restore({"cells": cells, "memory": memory, "held": nothing})
 
@@ -190,16 +156,15 @@ class CellGround:
             for i in range(i0, i1 + 1)
             for j in range(j0, j1 + 1)
         }
-        self._make_tiles(np.array(sorted(wanted)))
+        self._make_tiles(sorted(wanted))
 
-    def _make_tiles(self, names: np.ndarray) -> None:
-        """Make tiles (n, 2), of which some may be there, with fresh memory."""
-        names = np.array([one for one in names.tolist() if not self._has(*one)], dtype=np.int64).reshape(
-            -1, 2
-        )
+    def _make_tiles(self, wanted: Iterable[tuple[int, int]]) -> None:
+        """Make tiles, of which some may be there, with fresh memory."""
+        there = set(map(tuple, self._names.tolist()))
+        names = np.array([one for one in wanted if one not in there], dtype=np.int64)
         if len(names) == 0:
             return
-        cell, count = self.tiles.cell, len(self._names)
+        cell = self.tiles.cell
         middles = (np.arange(SIDE) + 0.5) * cell
         x, y = (SIDE * cell * names[:, k, None] + middles for k in range(2))
         x, y = np.repeat(x, SIDE, axis=1), np.tile(y, SIDE)
@@ -207,8 +172,7 @@ class CellGround:
         up = 1.0 / np.sqrt(1.0 + rise_x * rise_x + rise_y * rise_y)
         planes = np.stack((-rise_x * up, -rise_y * up, up, up * (z - rise_x * x - rise_y * y)), axis=-1)
         self._names = np.concatenate((self._names, names))
-        memory = np.zeros((len(names) * SIDE * SIDE, FIELDS))
-        memory[:, 4] = self.tiles.fresh
+        memory = np.concatenate((self.tiles.memory, self._fresh(len(names) * SIDE * SIDE)))
         corner = self._names.min(axis=0)
         table = np.full(self._names.max(axis=0) - corner + 1, -1)
         table[tuple((self._names - corner).T)] = np.arange(len(self._names))
@@ -216,11 +180,12 @@ class CellGround:
             corner=corner,
             table=table,
             planes=np.concatenate((self.tiles.planes, planes)),
-            memory=np.concatenate((self.tiles.memory, memory)),
-            loaded=np.zeros((count + len(names)) * SIDE * SIDE),
+            memory=memory,
+            loaded=np.zeros(len(memory)),
         )
 
-    def _has(self, i: int, j: int) -> bool:
-        column, row = i - self.tiles.corner[0], j - self.tiles.corner[1]
-        rows, columns = self.tiles.table.shape[1], self.tiles.table.shape[0]
-        return bool(0 <= column < columns and 0 <= row < rows and self.tiles.table[column, row] >= 0)
+    def _fresh(self, count: int) -> np.ndarray:
+        """Memory of cells that no shoe has touched."""
+        memory = np.zeros((count, FIELDS))
+        memory[:, 4] = self.tiles.fresh
+        return memory

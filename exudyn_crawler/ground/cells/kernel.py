@@ -59,59 +59,31 @@ COUPLED, ALONG, ACROSS, TOWARDS, SLOPES, AGAIN, ROWS = 21, 24, 25, 26, 29, 38, 3
 about again; and the number of rows."""
 NOTHING = (0.0, 0.0, 0.0)
 FRAME = 18
-"""Numbers of a frame: r, the rows of R, v and omega, global."""
+"""Numbers of a frame: r (m), the rows of R, v (m/s) and omega (rad/s), global."""
 
 
 class ShoePoints(NamedTuple):
-    """Points of the shoes and what the kernel makes of them; all arrays stay the same through a run.
+    """Points of the shoes and what the kernel makes of them; all arrays stay the same through a run."""
 
-    Attributes
-    ----------
-    addresses : array (2,)
-        Of the compiled law: `prepare` and `press`.
-    constants : array (constants,)
-        Of the law.
-    corners : array (4, 3)
-        Of the underside in the shoe's frame, anticlockwise seen from above; of one z, m.
-    counts : array (shoes,)
-        Number of points of each shoe.
-    cells : array (shoes, most)
-        Cell of each point.
-    areas : array (shoes, most)
-        True area of each point, m2.
-    points : array (shoes, blocks, POINT, BLOCK)
-    trial : array (shoes, most, TRIAL)
-    force : array (shoes, most, 3)
-        On the shoe at each point, N, global.
-    wrench : array (shoes, 6)
-        Force (N) and moment about the frame's origin (N m) on each shoe, global.
-    tangent : array (shoes, 6, 6)
-        Its weighted derivative by displacements and small rotations (global components).
-    block : array (ROWS, BLOCK)
-        Workspace of the points that are computed together.
-    bending : array (shoes,)
-        Row of each shoe in the next two arrays: all rigid ones share the first, which stays in the cache.
-    bent : array (1 + flexible shoes, blocks, 6, BLOCK)
-        Displacement of the points of flexible shoes by their modes (m), and its rate (m/s), shoes' axes.
-    slopes : array (1 + flexible shoes, 9 most)
-        Weighted derivative of each point's force by its displacement: array (9, points), its rows one after
-        the other.
-    """
-
-    addresses: IntArray
-    constants: FloatArray
-    corners: FloatArray
-    counts: IntArray
-    cells: IntArray
-    areas: FloatArray
-    points: FloatArray
-    trial: FloatArray
-    force: FloatArray
-    wrench: FloatArray
-    tangent: FloatArray
-    block: FloatArray
+    addresses: IntArray  # (2,): of the compiled law: `prepare` and `press`
+    constants: FloatArray  # of the law
+    corners: FloatArray  # (4, 3): of the underside, shoe's frame, anticlockwise from above; of one z, m
+    counts: IntArray  # (shoes,): number of points of each shoe
+    cells: IntArray  # (shoes, most): cell of each point
+    areas: FloatArray  # (shoes, most): true area of each point, m2
+    points: FloatArray  # (shoes, blocks, POINT, BLOCK)
+    trial: FloatArray  # (shoes, most, TRIAL)
+    force: FloatArray  # (shoes, most, 3): on the shoe at each point, N, global
+    wrench: FloatArray  # (shoes, 6): force (N) and moment about the frame's origin (N m), global
+    tangent: FloatArray  # (shoes, 6, 6): its weighted derivative by displacements and small rotations, global
+    block: FloatArray  # (ROWS, BLOCK): workspace of the points that are computed together
+    # (shoes,): row of each shoe in the next two: all rigid ones share the first, which stays in the cache
     bending: IntArray
+    # (1 + flexible shoes, blocks, 6, BLOCK): displacement of the points of flexible shoes by their modes (m),
+    # and its rate (m/s), shoes' axes
     bent: FloatArray
+    # (1 + flexible shoes, 9 most): weighted derivative of each point's force by its displacement: array
+    # (9, points), its rows one after the other
     slopes: FloatArray
 
 
@@ -147,13 +119,12 @@ def _move(points, bent, at, size, block):
 
 
 @within_law
-def _probe(points, areas, block, k):
+def _probe(points, block, k):
     """`Probe` of a point of a block that moves."""
     shear = (points[SHEAR, k], points[SHEAR + 1, k], points[SHEAR + 2, k])
     return Probe(
         block[DEPTH, k],
         block[RATE, k],
-        areas[k],
         (block[SLIP, k], block[SLIP + 1, k], block[SLIP + 2, k]),
         (block[VELOCITY, k], block[VELOCITY + 1, k], block[VELOCITY + 2, k]),
         Memory(points[DEEPEST, k], points[DEEPEST + 1, k], shear, points[MOBILIZED, k]),
@@ -162,9 +133,9 @@ def _probe(points, areas, block, k):
 
 
 @within_law
-def _write_answer(law, points, areas, tangents, nearby, block, trial, k):
+def _write_answer(law, points, tangents, nearby, block, trial, k):
     """Write what the law answers to a point."""
-    answer = respond(law, _probe(points, areas, block, k), tangents, nearby)
+    answer = respond(law, _probe(points, block, k), tangents, nearby)
     memory = answer.memory
     trial[k, 0], trial[k, 1] = memory.deepest, memory.pressure
     trial[k, 2], trial[k, 3], trial[k, 4] = memory.shear[0], memory.shear[1], memory.mobilized
@@ -180,17 +151,17 @@ def _write_answer(law, points, areas, tangents, nearby, block, trial, k):
 
 
 @within_law
-def _answer(law, points, areas, tangents, size, block, trial):
+def _answer(law, points, tangents, size, block, trial):
     """Write what the law answers to a block that moves, and the memory on trial."""
     for k in range(size):
-        _write_answer(law, points, areas, tangents, True, block, trial, k)
+        _write_answer(law, points, tangents, True, block, trial, k)
     count = 0
     for k in range(size):
         if math.isnan(block[NORMAL_STRESS, k]):
             block[AGAIN, count] = k
             count += 1
     for j in range(count):
-        _write_answer(law, points, areas, tangents, False, block, trial, int(block[AGAIN, j]))
+        _write_answer(law, points, tangents, False, block, trial, int(block[AGAIN, j]))
 
 
 @within_law
@@ -223,19 +194,9 @@ def _slope(points, areas, by_place, by_velocity, size, block):
 
 @within_law
 def press_shoe(law, count, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes, block):
-    """Write what the cells do to one shoe at a frame.
+    """Write what the cells do to one shoe, which has so many points, at a frame (FRAME,).
 
-    Parameters
-    ----------
-    law : named tuple
-        Constants.
-    count : int
-        Points of the shoe.
-    frame : array (FRAME,)
-    weights : array (2,)
-        Of the derivatives by displacements and by velocities; without any, the tangent is left as it is.
-    points, areas, bent, trial, force, wrench, tangent, slopes, block : array
-        As of `ShoePoints`, of this shoe; the latter six are overwritten.
+    `weights` are as of `press`, the other arrays as of `ShoePoints`, of this shoe; the last six are written.
     """
     at, by_place, by_velocity = frame_at(frame), weights[0], weights[1]
     tangents = by_place != 0.0 or by_velocity != 0.0
@@ -244,7 +205,7 @@ def press_shoe(law, count, points, areas, bent, frame, weights, trial, force, wr
         first = b * BLOCK
         these, size, stood = points[b], min(BLOCK, count - first), areas[first:]
         _move(these, bent[b], at, size, block)
-        _answer(law, these, stood, tangents, size, block, trial[first:])
+        _answer(law, these, tangents, size, block, trial[first:])
         _push(these, stood, size, block)
         for k in range(size):
             f = (block[FORCE, k], block[FORCE + 1, k], block[FORCE + 2, k])
@@ -331,7 +292,7 @@ def prepare_points(law, count, points):
 @cache
 def addresses_of(kernel: LawKernel) -> tuple[int, int]:
     """Addresses of `prepare_points` and `press_shoe` compiled for a law."""
-    constants_type, size = kernel.constants, len(kernel.constants._fields)  # type: ignore[attr-defined]
+    constants_type, size = kernel.constants, len(kernel.constants._fields)
     numbers, number = types.CPointer(types.float64), types.intp
 
     def law_points(constants, count, points):
@@ -371,12 +332,8 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
 def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
     """Write wrenches, tangents, forces and trial memory of all shoes at their frames (shoes, FRAME).
 
-    Parameters
-    ----------
-    values : tuple
-        `ShoePoints` as a plain tuple.
-    weights : array (2,)
-        Of the derivatives by displacements and by velocities; without any, the tangents are left as they are.
+    `values` is `ShoePoints` as a plain tuple. `weights` (2,) are those of the derivatives by displacements
+    and by velocities; without any, the tangents are left as they are.
     """
     shoes = ShoePoints(*values)
     for s in range(shoes.counts.shape[0]):

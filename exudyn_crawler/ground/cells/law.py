@@ -10,7 +10,7 @@ import inspect
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from llvmlite import ir
@@ -48,15 +48,13 @@ class Memory(NamedTuple):
 class Probe(NamedTuple):
     """What a law sees of a cell under a shoe.
 
-    Depth (m) below the cell's first height along its normal and its rate (m/s); the area of the contact (m2);
-    the slip since the last accepted step (m) and its velocity (m/s), vectors in the cell's plane; the
-    committed memory; and what `prepare` has made of that: the modulus of unloading (Pa/m) and the shear
-    stiffness (Pa/m).
+    Depth (m) below the cell's first height along its normal and its rate (m/s); the slip since the last
+    accepted step (m) and its velocity (m/s), vectors in the cell's plane; the committed memory; and what
+    `prepare` has made of that: the modulus of unloading (Pa/m) and the shear stiffness (Pa/m).
     """
 
     depth: float
     rate: float
-    area: float
     slip: Vector
     slip_velocity: Vector
     memory: Memory
@@ -64,61 +62,35 @@ class Probe(NamedTuple):
 
 
 class Response(NamedTuple):
-    """What a law answers, a unit area: the shoe receives ``normal n - shear - drag * slip velocity``.
+    """What a law answers, a unit area: the shoe receives ``normal n - shear - drag * slip velocity``."""
 
-    Attributes
-    ----------
-    normal, normal_by_depth, normal_by_rate : float
-        Normal traction (Pa) and its derivatives by depth and rate.
-    shear, tangential_by_depth : Vector
-        Shear stress (Pa), and how it and the drag change with the depth.
-    along, across : float
-        Derivative of the shear by a slip in the direction of `direction`, and by one across it, Pa/m.
-    direction : Vector
-        Unit vector, or zero where both derivatives are the same.
-    drag : float
-        Viscous part, Pa s/m.
-    memory : Memory
-        On trial; a zero shear with the share of fresh ground where there is no contact.
-    """
-
-    normal: float
+    normal: float  # traction, Pa, and its derivatives by depth and rate
     normal_by_depth: float
     normal_by_rate: float
-    shear: Vector
-    tangential_by_depth: Vector
-    along: float
-    across: float
-    direction: Vector
-    drag: float
-    memory: Memory
+    shear: Vector  # Pa
+    tangential_by_depth: Vector  # how the shear and the drag change with the depth
+    along: float  # derivative of the shear by a slip in the direction of `direction`, Pa/m
+    across: float  # and by one across it
+    direction: Vector  # unit vector, or zero where both derivatives are the same
+    drag: float  # viscous part, Pa s/m
+    memory: Memory  # on trial; a zero shear with the share of fresh ground where there is no contact
 
 
 class LawKernel(NamedTuple):
     """Compiled side of a law.
 
-    Attributes
-    ----------
-    constants : type
-        Named tuple of numbers (float).
-    prepare : compiled function (constants, deepest, pressure) -> (float, float)
-        `Probe.prepared`: what stays the same through a step.
-    respond : compiled function (constants, Probe, tangents, nearby) -> Response
-        Without `tangents` only `normal`, `shear`, `drag` and `memory` are used. Powers and exponentials a
-        processor computes one at a time: `nearby` asks for an answer without, near to the committed memory,
-        so that several points are computed at once. Where there is none the normal traction is NaN, and the
-        law is asked again; a law may answer all the same.
-    fresh : float
-        Mobilized share of fresh ground.
-    forgets : bool
-        Whether a cell that is left is fresh again, its sinkage too.
+    `prepare` gives what stays the same through a step, `Probe.prepared`. Without `tangents` only `normal`,
+    `shear`, `drag` and `memory` of what `respond` answers are used. Powers and exponentials a processor
+    computes one at a time: `nearby` asks for an answer without, near to the committed memory, so that several
+    points are computed at once. Where there is none the normal traction is NaN, and the law is asked again; a
+    law may answer all the same.
     """
 
-    constants: type
-    prepare: Callable
-    respond: Callable
-    fresh: float
-    forgets: bool
+    constants: Any  # type of the named tuple of numbers (float)
+    prepare: Callable  # compiled: (constants, deepest, pressure) -> (float, float)
+    respond: Callable  # compiled: (constants, Probe, tangents, nearby) -> Response
+    fresh: float  # mobilized share of fresh ground
+    forgets: bool  # whether a cell that is left is fresh again, its sinkage too
 
 
 class CellLaw(SoilLaw):
@@ -143,11 +115,15 @@ class CellLaw(SoilLaw):
         "s/m", "share by which a sinkage of 1 m/s raises the pressure", ge=0, le=1e3, default=0.5
     )
 
-    def constants(self, width: float) -> tuple[float, ...]:
-        """Constants of the compiled law for shoes whose shorter side is `width` (m)."""
-        raise NotImplementedError
+    def constants(self, width: float) -> Any:
+        """Constants of the compiled law for shoes whose shorter side is `width` (m).
 
-    def sinkage(self, pressure: float, width: float) -> float:
+        Those that have the name of a parameter are that parameter.
+        """
+        kind = self.kernel.constants
+        return kind(*(getattr(self, name) for name in kind._fields))
+
+    def sinkage(self, pressure: float, width: float = 0.65) -> float:
         """Sinkage (m) of a plate as wide as `width` (m) that is first loaded by a pressure (Pa)."""
 
         def excess(depth: float) -> float:
@@ -163,18 +139,14 @@ class CellLaw(SoilLaw):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Pressure and shear stress (Pa) of a cell along a path of accepted steps without rates.
 
-        Parameters
-        ----------
-        depths, slips : array (steps,)
-            Depth and place along the cell, m.
-        width : float
-            Shorter side of the shoe, m.
+        `depths` and `slips` (steps,) are depth and place along the cell, m; `width` is the shoe's shorter
+        side, m.
         """
         constants, nothing = self.constants(width), (0.0, 0.0, 0.0)
         memory, out = Memory(0.0, 0.0, nothing, self.kernel.fresh), np.zeros((2, len(depths)))
         for step, (depth, slip) in enumerate(zip(depths, np.diff(slips, prepend=slips[0]), strict=True)):
             prepared = self.kernel.prepare(constants, memory.deepest, memory.pressure)
-            probe = Probe(float(depth), 0.0, 1.0, (float(slip), 0.0, 0.0), nothing, memory, prepared)
+            probe = Probe(float(depth), 0.0, (float(slip), 0.0, 0.0), nothing, memory, prepared)
             answer = self.kernel.respond(constants, probe, False, False)
             # numba gives the numbers of a named tuple back
             memory = Memory(*answer.memory)
@@ -184,16 +156,9 @@ class CellLaw(SoilLaw):
     def draw(self, pressure: "Axes", shear: "Axes") -> None:
         """Draw pressure over sinkage with unloading and reloading, and shear over slip with a reversal.
 
-        Parameters
-        ----------
-        pressure, shear : matplotlib.axes.Axes
-            Drawn on: kPa over mm.
+        Both in kPa over mm.
         """
-        low, high = 0.0, 1.0
-        for _ in range(50):
-            middle = 0.5 * (low + high)
-            deep = self.drive(np.array([middle]), np.zeros(1))[0][0] > DRAWN
-            low, high = (low, middle) if deep else (middle, high)
+        high = self.sinkage(DRAWN)
         turns = high * np.array([0.0, 0.6, 0.3, 1.0, 0.5, 0.0])
         depths = np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(turns)])
         pressure.plot(1e3 * depths, 1e-3 * self.drive(depths, np.zeros_like(depths))[0])

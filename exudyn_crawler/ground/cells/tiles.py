@@ -23,35 +23,18 @@ shear is the mean."""
 
 
 class Tiles(NamedTuple):
-    """The map as arrays; a larger one takes its place where tiles are added.
+    """The map as arrays; a larger one takes its place where tiles are added."""
 
-    Attributes
-    ----------
-    cell : float
-        Side of a cell, m.
-    fresh : float
-        Mobilized share of fresh ground.
-    forgets : bool
-        Whether cells that are left forget their sinkage.
-    corner : array (2,)
-        Tile of the first entry of the table.
-    table : array (columns, rows)
-        Number of a tile, -1 where there is none.
-    planes : array (tiles, SIDE * SIDE, 4)
-        Normals of cells, and distances from the origin along these, m; NaN where there is no height.
-    memory : array (tiles * SIDE * SIDE, FIELDS)
-    loaded : array (tiles * SIDE * SIDE,)
-        Scratch, zero between calls: loaded area of a cell.
-    """
-
-    cell: float
-    fresh: float
-    forgets: bool
-    corner: IntArray
-    table: IntArray
+    cell: float  # side of a cell, m
+    fresh: float  # mobilized share of fresh ground
+    forgets: bool  # whether cells that are left forget their sinkage
+    corner: IntArray  # (2,): tile of the first entry of the table
+    table: IntArray  # (columns, rows): number of a tile, -1 where there is none
+    # (tiles, SIDE * SIDE, 4): normals of cells, and distances from the origin along these, m; NaN where there
+    # is no height
     planes: FloatArray
-    memory: FloatArray
-    loaded: FloatArray
+    memory: FloatArray  # (tiles * SIDE * SIDE, FIELDS)
+    loaded: FloatArray  # (tiles * SIDE * SIDE,): loaded area of a cell, zero between calls
 
 
 @within
@@ -86,14 +69,9 @@ def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
     """Write the trial memory into the cells; return the cells in contact now.
 
     A cell under two shoes keeps the deeper sinkage and the mean shear by area, which loses energy and never
-    makes it. A cell that all shoes have left, or without pressure, releases its shear.
-
-    Parameters
-    ----------
-    ground, values : tuple
-        `Tiles` and `ShoePoints` as plain tuples.
-    held : array (cells,)
-        Cells that were in contact when the last step was accepted.
+    makes it. A cell that all shoes have left, or without pressure, releases its shear. `ground` and `values`
+    are `Tiles` and `ShoePoints` as plain tuples, `held` the cells that were in contact when the last step was
+    accepted.
     """
     tiles, shoes = Tiles(*ground), ShoePoints(*values)
     memory, loaded = tiles.memory, tiles.loaded

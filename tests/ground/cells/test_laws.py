@@ -55,7 +55,7 @@ def test_what_a_law_answers_nearby_is_its_answer_or_that_it_has_to_be_asked(law)
         slip = tuple(0.2 * share * law.shear_deformation * random.normal(size=3) * (1.0, 1.0, 0.0))
         depth = deepest * (1.0 + 0.03 * share * random.normal())
         prepared = kernel.prepare(constants, deepest, pressure)
-        probe = Probe(depth, 1e-3 * random.normal(), 0.01, slip, slip, memory, prepared)
+        probe = Probe(depth, 1e-3 * random.normal(), slip, slip, memory, prepared)
         near = np.hstack([np.ravel(one) for one in kernel.respond(constants, probe, True, True)[:-1]])
         if np.isnan(near[0]):
             asked += 1
