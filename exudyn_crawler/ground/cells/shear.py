@@ -1,15 +1,10 @@
-"""What laws of the cells share: elastic-plastic shear by Janosi and Hanamoto, damping, their answer.
-
-The constants of a law have for it: `cohesion` c (Pa); `friction`, the tangent of the friction angle;
-`shear_deformation` K (m); `shear_viscosity` (s), which acts where shear sticks and lets a stuck shoe come to
-rest; and `damping` (s/m).
-"""
+"""What laws of the cells share: elastic-plastic shear by Janosi and Hanamoto, damping, their answer."""
 
 import math
-from typing import Any
+from typing import NamedTuple
 
 from exudyn_crawler.ground.cells.law import Memory, Probe, Response
-from exudyn_crawler.ground.frames import along, compiled, dot, inlined, scaled
+from exudyn_crawler.ground.frames import Vector, along, compiled, dot, inlined, scaled
 
 COHESION_PRESSURE = 1e3
 """Pa, pressure at which half of the cohesion acts: strength then falls to nothing with the pressure, without
@@ -21,8 +16,32 @@ SMALL = 0.02
 """Plastic slip, in shear deformations, up to which a series has the exponential of it."""
 
 
+class Strength(NamedTuple):
+    """Cohesion c (Pa), tangent of the friction angle, shear deformation K (m), viscosity of shear (s).
+
+    The viscosity acts where shear sticks, and lets a stuck shoe come to rest.
+    """
+
+    cohesion: float
+    friction: float
+    deformation: float
+    viscosity: float
+
+
+class Shear(NamedTuple):
+    """Shear and viscous part of a `Response`; their `by_pressure` is that of `shear` and of ``drag v``."""
+
+    shear: Vector
+    by_pressure: Vector
+    along: float
+    across: float
+    direction: Vector
+    drag: float
+    mobilized: float
+
+
 @compiled
-def shear_strength(law: Any, pressure: float) -> tuple[float, float]:
+def shear_strength(law: Strength, pressure: float) -> tuple[float, float]:
     """Shear strength T (Pa) at a pressure, and its derivative: ``p (tan phi + c / (p + p_c))``."""
     share = 1.0 / (pressure + COHESION_PRESSURE)
     derivative = law.friction + law.cohesion * COHESION_PRESSURE * share * share
@@ -40,24 +59,17 @@ def _decay(x: float, nearby: bool) -> float:
 
 
 @inlined
-def answer(
-    law: Any, probe: Probe, normal: tuple[float, float], after: Memory, tangents: bool, nearby: bool
-) -> Response:
-    """Response of ground in contact, of its pressure (Pa) and the derivative of that by depth.
+def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool, nearby: bool) -> Shear:
+    """Shear stress after the slip of a step.
 
-    Shear is elastic with the stiffness ``T / K`` of the greatest pressure that the cell has had; where that
-    exceeds the mobilized share r of the strength T, r grows to ``1 - (1 - r) exp(-e / K)`` with the plastic
-    slip e, and the stress is turned back to ``T r``. From fresh ground (r = 0) this is the curve of Janosi
-    and Hanamoto, ``T (1 - exp(-j / K))``, for steps of any size; from r = 1 it is Coulomb friction with
-    sticking. The stiffness never falls while a cell is in contact, so that no cycle of pressure and slip
-    makes energy.
-
-    Damping makes ``p (1 + damping rate)`` of the pressure p, never a pull. Strength is that of p alone: an
-    impact lends none. `after` is the memory on trial, but for the shear.
+    Elastic with the stiffness ``T / K`` of the greatest pressure that the cell has had; where that exceeds
+    the mobilized share r of the strength T, r grows to ``1 - (1 - r) exp(-e / K)`` with the plastic slip e,
+    and the stress is turned back to ``T r``. From fresh ground (r = 0) this is the curve of Janosi and
+    Hanamoto, ``T (1 - exp(-j / K))``, for steps of any size; from r = 1 it is Coulomb friction with sticking.
+    The stiffness never falls while a cell is in contact, so that no cycle of pressure and slip makes energy.
     """
-    pressure, slope = normal
     T, T_p = shear_strength(law, pressure)
-    memory, slip, per = probe.memory, probe.slip, 1.0 / law.shear_deformation
+    memory, slip, per = probe.memory, probe.slip, 1.0 / law.deformation
     k, k_p = probe.prepared[1], 0.0
     if pressure > memory.pressure:
         k, k_p = per * T, per * T_p
@@ -65,45 +77,71 @@ def answer(
     used = dot(memory.shear, memory.shear) / (T * T)
     drag = drag_p = 0.0
     if used < 1.0:
-        drag = law.shear_viscosity * per * T * (1.0 - used)
-        drag_p = law.shear_viscosity * per * T_p * (1.0 + used)
-    shear, mobilized = along(memory.shear, k, slip), memory.mobilized
-    square, bound = dot(shear, shear), T * mobilized
-    by_pressure, direction, forward, across = NOTHING, NOTHING, k, k
+        drag = law.viscosity * per * T * (1.0 - used)
+        drag_p = law.viscosity * per * T_p * (1.0 + used)
+    trial = along(memory.shear, k, slip)
+    square, bound, by_pressure = dot(trial, trial), T * memory.mobilized, NOTHING
+    if tangents:
+        by_pressure = along(scaled(k_p, slip), drag_p, probe.slip_velocity)
     if square <= max(bound * bound, 1e-18 * T * T):
         if square > bound * bound:
-            forward = across = per * T
-        if tangents:
-            by_pressure = scaled(k_p, slip)
-    else:
-        size = math.sqrt(square)
-        plastic, before = (size - bound) / k, mobilized
-        mobilized = 1.0
-        if before < 1.0:
-            mobilized -= (1.0 - before) * _decay(per * plastic, nearby)
-        scale = T * mobilized / size
-        across, forward = scale * k, 0.0
-        if tangents:
-            direction = scaled(1.0 / size, shear)
-            forward = per * T * (1.0 - mobilized)
-            slid = dot(direction, slip)
-            grow = T_p * mobilized + forward * (slid * k_p - T_p * before - plastic * k_p) / k
-            by_pressure = along(scaled(grow, direction), scale * k_p, along(slip, -slid, direction))
-        shear = scaled(scale, shear)
+            k = per * T
+        return Shear(trial, by_pressure, k, k, NOTHING, drag, memory.mobilized)
+    size = math.sqrt(square)
+    plastic = (size - bound) / k
+    mobilized = 1.0
+    if memory.mobilized < 1.0:
+        mobilized -= (1.0 - memory.mobilized) * _decay(per * plastic, nearby)
+    scale, tangential, direction = T * mobilized / size, 0.0, NOTHING
     if tangents:
+        direction = scaled(1.0 / size, trial)
+        tangential = per * T * (1.0 - mobilized)
+        forward = dot(direction, slip)
+        grow = T_p * mobilized + tangential * (forward * k_p - T_p * memory.mobilized - plastic * k_p) / k
+        sideways = along(slip, -forward, direction)
+        by_pressure = along(scaled(grow, direction), scale * k_p, sideways)
         by_pressure = along(by_pressure, drag_p, probe.slip_velocity)
-    factor = max(0.0, 1.0 + law.damping * probe.rate)
+    return Shear(scaled(scale, trial), by_pressure, tangential, scale * k, direction, drag, mobilized)
+
+
+@inlined
+def answer(
+    law: Strength,
+    damping: float,
+    probe: Probe,
+    normal: tuple[float, float],
+    after: Memory,
+    tangents: bool,
+    nearby: bool = False,
+) -> Response:
+    """Response of ground in contact.
+
+    Parameters
+    ----------
+    damping : float
+        s/m; the pressure p becomes ``p (1 + damping rate)``, never a pull. Strength is that of p alone: an
+        impact lends none.
+    normal : tuple
+        Pressure (Pa) and its derivative by depth.
+    after : Memory
+        On trial, but for the shear.
+    nearby : bool
+        Whether this is for `LawKernel.nearby`.
+    """
+    pressure, slope = normal
+    shear = sheared(law, probe, pressure, tangents, nearby)
+    factor = max(0.0, 1.0 + damping * probe.rate)
     return Response(
-        pressure * factor if mobilized == mobilized else math.nan,
+        pressure * factor if shear.mobilized == shear.mobilized else math.nan,
         slope * factor,
-        pressure * law.damping if factor > 0.0 else 0.0,
-        shear,
-        scaled(slope, by_pressure),
-        forward,
-        across,
-        direction,
-        drag,
-        Memory(after.deepest, after.pressure, shear, mobilized),
+        pressure * damping if factor > 0.0 else 0.0,
+        shear.shear,
+        scaled(slope, shear.by_pressure),
+        shear.along,
+        shear.across,
+        shear.direction,
+        shear.drag,
+        Memory(after.deepest, after.pressure, shear.shear, shear.mobilized),
     )
 
 

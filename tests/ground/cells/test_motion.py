@@ -141,7 +141,7 @@ def test_drawbar_pull_is_the_integral_of_janosis_curve(slip):
             pulls.append(cells.press(now)[:, 0].sum())
             cells.commit()
             x = new
-    length, K = number * LENGTH, constants.shear_deformation * (1.0 - slip) / slip
+    length, K = number * LENGTH, constants.deformation * (1.0 - slip) / slip
     wanted = WIDTH * strength * (length - K * (1.0 - math.exp(-length / K)))
     assert np.mean(pulls[-steps:]) == pytest.approx(wanted, rel=0.005)
     assert p * AREA * number * 0.5 < wanted < strength * AREA * number

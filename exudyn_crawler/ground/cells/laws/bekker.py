@@ -9,7 +9,7 @@ from typing import ClassVar, Literal, NamedTuple, Self
 
 from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Probe, Response
-from exudyn_crawler.ground.cells.shear import NOTHING, answer, lifted, shear_strength
+from exudyn_crawler.ground.cells.shear import NOTHING, Strength, answer, lifted, shear_strength
 from exudyn_crawler.ground.frames import compiled, inlined
 
 ROUNDING = 1e-3
@@ -29,8 +29,8 @@ class Bekker(NamedTuple):
     damping: float
     cohesion: float
     friction: float
-    shear_deformation: float
-    shear_viscosity: float
+    deformation: float
+    viscosity: float
 
 
 @compiled
@@ -67,7 +67,8 @@ def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]
     modulus = 0.0
     if deepest > 0.0:
         modulus = max(law.reload + law.reload_growth * deepest, max(1.0, law.exponent) * pressure / deepest)
-    return modulus, shear_strength(law, pressure)[0] / law.shear_deformation
+    strength = Strength(law.cohesion, law.friction, law.deformation, law.viscosity)
+    return modulus, shear_strength(strength, pressure)[0] / law.deformation
 
 
 @inlined
@@ -81,10 +82,11 @@ def respond(law: Bekker, probe: Probe, tangents: bool, nearby: bool) -> Response
     else:
         slope = probe.prepared[0]
         p = greatest - slope * (deepest - probe.depth)
-    after = Memory(deepest, greatest, NOTHING, 0.0)
     if p <= 0.0:
-        return lifted(after)
-    return answer(law, probe, (p, slope), after, tangents, nearby)
+        return lifted(Memory(deepest, greatest, NOTHING, 0.0))
+    strength = Strength(law.cohesion, law.friction, law.deformation, law.viscosity)
+    after = Memory(deepest, greatest, NOTHING, 0.0)
+    return answer(strength, law.damping, probe, (p, slope), after, tangents, nearby)
 
 
 class BekkerSoil(CellLaw):

@@ -5,7 +5,7 @@ from typing import ClassVar, Literal, NamedTuple, Self
 
 from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Probe, Response
-from exudyn_crawler.ground.cells.shear import NOTHING, answer, lifted, shear_strength
+from exudyn_crawler.ground.cells.shear import NOTHING, Strength, answer, lifted, shear_strength
 from exudyn_crawler.ground.frames import compiled, inlined
 
 
@@ -15,16 +15,16 @@ class Rock(NamedTuple):
     stiffness: float
     exponent: float
     damping: float
-    cohesion: float
     friction: float
-    shear_deformation: float
-    shear_viscosity: float
+    deformation: float
+    viscosity: float
 
 
 @compiled
 def prepare(law: Rock, _deepest: float, pressure: float) -> tuple[float, float]:
     """No modulus of unloading; shear stiffness of the greatest pressure."""
-    return 0.0, shear_strength(law, pressure)[0] / law.shear_deformation
+    strength = Strength(0.0, law.friction, law.deformation, law.viscosity)
+    return 0.0, shear_strength(strength, pressure)[0] / law.deformation
 
 
 @inlined
@@ -39,9 +39,10 @@ def respond(law: Rock, probe: Probe, tangents: bool, nearby: bool) -> Response:
     else:
         p = law.stiffness * probe.depth**law.exponent
         slope = law.exponent * p / probe.depth
+    strength = Strength(0.0, law.friction, law.deformation, law.viscosity)
     deepest, greatest = max(probe.depth, probe.memory.deepest), max(p, probe.memory.pressure)
     after = Memory(deepest, greatest, NOTHING, 1.0)
-    return answer(law, probe, (p, slope), after, tangents, nearby)
+    return answer(strength, law.damping, probe, (p, slope), after, tangents, nearby)
 
 
 class RockFloor(CellLaw):
@@ -51,7 +52,6 @@ class RockFloor(CellLaw):
     stiffness: float = quantity("Pa/m^exponent", "of a unit area", plausible=(1e7, 1e11), ge=1e3, le=1e15)
     exponent: float = quantity("1", "of the depth", plausible=(1.0, 2.0), ge=1, le=3, default=1.0)
     friction: float = quantity("1", "coefficient of friction", plausible=(0.05, 1.0), gt=0, le=10)
-    cohesion: ClassVar[float] = 0.0
     kernel: ClassVar[LawKernel] = LawKernel(Rock, prepare, respond, fresh=1.0, forgets=True)
 
     @classmethod
@@ -61,3 +61,14 @@ class RockFloor(CellLaw):
         All chosen here: stiffness, friction of steel on rock, and the elastic slip.
         """
         return cls(stiffness=1e9, friction=0.6, shear_deformation=1e-3, damping=0.1)
+
+    def constants(self, width: float) -> Rock:
+        """Constants, the same for shoes of any width."""
+        return Rock(
+            self.stiffness,
+            self.exponent,
+            self.damping,
+            self.friction,
+            self.shear_deformation,
+            self.shear_viscosity,
+        )
