@@ -12,7 +12,8 @@ from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.results.checks import cases, roller_path, solve
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.life import duty_runs, life as results
-from exudyn_crawler.results.life.duty import Duty, read_duty
+from exudyn_crawler.results.life.duty import Duty, DutyRun, read_duty
+from exudyn_crawler.results.life.duty_runs import NodeLife
 from exudyn_crawler.run.folder import folder as folders, progress, record
 from exudyn_crawler.views import style, tables
 from exudyn_crawler.views.pages import life as pages
@@ -23,7 +24,7 @@ TABLE, CAUSES = "shortest_lives.csv", "causes.csv"
 MATRICES, GROWTH = "rainflow_matrices.csv", "damage_histories.csv"
 FILES = (LIFE, FIELDS, PAGE, TABLE, CAUSES, MATRICES, GROWTH)  # what a duty leaves
 CHECK_PAGE, PICTURES = "check.html", "pictures"
-CHECK_TABLES = ("peaks.csv", "moments.csv", "cycles.csv", "hertz.csv")
+CHECK_TABLES = {"peaks.csv": "table", "moments.csv": "moments", "cycles.csv": "cycles", "hertz.csv": "hertz"}
 
 
 def life(
@@ -69,14 +70,12 @@ def check_cases(
     """
     check = check if isinstance(check, cases.ShoeCheck) else cases.read_check(check)
     folder = _folder(check, out, (*CHECK_TABLES, CHECK_PAGE), overwrite)
-    found = solve.solve_cases(check, solve.CheckedShoe.of(check), say)
+    found = solve.solve_cases(check, solve.CheckedShoe(check), say)
     if folder is None:
         return found
     files.writable_folder(folder)
-    for name, table in zip(
-        CHECK_TABLES, (found.table, found.moments, found.cycles, found.hertz), strict=True
-    ):
-        tables.write_table(table, folder / name, overwrite)
+    for name, table in CHECK_TABLES.items():
+        tables.write_table(getattr(found, table), folder / name, overwrite)
     pages.write_check_page(found, folder / CHECK_PAGE, overwrite)
     if pictures:
         say(f"pictures of {len(found.cases)} cases")
@@ -106,9 +105,9 @@ def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> 
     found = []
     with progress.heartbeat(f"life of {duty.name}"):
         for one, histories in inputs:
-            names, spreads = duty_runs.check_cases_of(one), _spreads(one, histories)
-            shapes = solve.case_shapes(_check_of(one), names, say) if one.cases else None
-            found.append(results.life_of(one, histories, say, spreads, shapes))
+            names = duty_runs.check_cases_of(one)
+            shapes = solve.case_shapes(_check_of(one), names, say) if names else None
+            found.append(results.life_of(one, histories, say, _spreads(one, histories), shapes))
     return found
 
 
@@ -122,10 +121,11 @@ def _check_of(duty: Duty) -> cases.ShoeCheck:
 def roller_paths(found: results.LifeResults) -> dict[str, pd.DataFrame]:
     """Line contact of the treads of rolled runs by their names, and of check cases, in the last stage."""
     duty = found.duty.by_stage()[-1]
+    histories = {one.run.name: one.basis.history for one in found.runs}
     paths = {
-        one.run.name: roller_path.roller_path(one.history, [duty.material])
-        for one in found.runs
-        if one.history is not None and one.history.case.is_rolled
+        name: roller_path.roller_path(history, [duty.material])
+        for name, history in histories.items()
+        if history is not None and history.case.is_rolled
     }
     if duty.cases:
         check, names = _check_of(duty), set(duty_runs.check_cases_of(duty))
@@ -137,22 +137,23 @@ def roller_paths(found: results.LifeResults) -> dict[str, pd.DataFrame]:
 
 def _histories(duty: Duty) -> list[History]:
     """Histories of a duty's runs; runs in one folder share theirs."""
-    loaded: dict[str, History] = {}
-    for run in duty.runs:
-        if run.folder not in loaded:
-            path = Path(run.folder)
-            path = path / record.HISTORY if path.is_dir() else path
-            if not path.is_file():
-                raise FileNotFoundError(f"run {run.name!r}: no history at {path}")
-            loaded[run.folder] = History.load(path)
-    return [loaded[run.folder] for run in duty.runs]
+    paths = {run.name: _history_of(run) for run in duty.runs}
+    for name, path in paths.items():
+        if not path.is_file():
+            raise FileNotFoundError(f"run {name!r}: no history at {path}")
+    loaded = {path: History.load(path) for path in {*paths.values()}}
+    return [loaded[path] for path in paths.values()]
+
+
+def _history_of(run: DutyRun) -> Path:
+    path = Path(run.folder)
+    return path / record.HISTORY if path.is_dir() else path
 
 
 def _spreads(duty: Duty, histories: Sequence[History]) -> list[xr.DataArray | None]:
     """Relative spread of each run's peaks, where it has been found beside its history."""
-    paths = [Path(run.folder) for run in duty.runs]
-    places = [path if path.is_dir() else path.parent for path in paths]
-    found = [folders.spread_beside(one, own.case) for one, own in zip(places, histories, strict=True)]
+    pairs = zip(duty.runs, histories, strict=True)
+    found = [folders.spread_beside(_history_of(run).parent, own.case) for run, own in pairs]
     return [None if one is None else results.relative_spread(one) for one in found]
 
 
@@ -161,19 +162,20 @@ def write_life(found: results.LifeResults, folder: Path, overwrite: bool = False
     files.write_netcdf(found.dataset, folder / LIFE, overwrite)
     tables.write_table(results.in_words(found.table), folder / TABLE, overwrite)
     tables.write_table(found.causes().map(results.life_words).reset_index(), folder / CAUSES, overwrite)
-    for name, of_nodes in (
-        (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
-        (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),
-    ):
+    for name, made in ((MATRICES, NodeLife.rainflow_matrix), (GROWTH, NodeLife.damage_history)):
+        of_nodes = {node: made(own) for node, own in found.nodes.items()}
         joined = pd.concat(of_nodes, names=["node"]).reset_index(level="node")
         tables.write_table(joined, folder / name, overwrite)
     data = found.dataset
     fields = {
         f"life in h, {100 * one:g} % survive": data.life.sel(survival=one) for one in data.survival.values
     }
-    fields["life may be shorter or longer by the factor"] = data.life_factor
-    fields |= {"open part of the changes of stress": data.stress_error, "verdict": data.verdict}
-    fields["damage an hour"] = data.damage_an_hour[-1]
+    fields |= {
+        "life may be shorter or longer by the factor": data.life_factor,
+        "open part of the changes of stress": data.stress_error,
+        "verdict": data.verdict,
+        "damage an hour": data.damage_an_hour[-1],
+    }
     fields |= {f"damage an hour, {part}": data.part_damage.sel(part=part) for part in data.part.values}
     at_last = data.place_damage.isel(survival=-1)
     fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}

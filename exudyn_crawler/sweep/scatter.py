@@ -13,10 +13,11 @@ from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import Errors, option
 from exudyn_crawler.life_run import stage_lives
 from exudyn_crawler.results.life import duty_runs, life
-from exudyn_crawler.results.life.duty import Damage, Duty, DutyCase, read_duty
+from exudyn_crawler.results.life.duty import Damage, Duty, DutyCase, DutyRun, read_duty
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import Design, PlannedRun, Sweep, Variation, read_sweep
+from fem.damage import signed_signals
 from fem.defects import CycleStage
 
 WORST = 5
@@ -114,13 +115,12 @@ class CountedDuty:
     def of(cls, stages: Sequence[life.LifeResults], duty: Duty) -> "CountedDuty":
         """Cycles in the stages of a duty at nodes of the last one's mesh."""
         last, near = stages[-1], [life.nearest_nodes(one, stages[-1]) for one in stages]
-        surface, chosen = last.whole.mesh.surface_nodes, set[int]()
+        chosen = set[int]()
         for one, nearest in zip(stages, near, strict=True):
-            damage = [*one.dataset.part_damage.values, one.dataset.damage_an_hour.values[-1]]
-            for own in (part[nearest[surface]] for part in damage):
-                for region in set(last.regions) - {BORES}:
-                    there = np.flatnonzero((last.regions[surface] == region) & (own > 0.0))
-                    chosen |= {*surface[there[np.argsort(own[there])[-WORST:]]].tolist()}
+            for part in (*one.dataset.part_damage.values, one.dataset.damage_an_hour.values[-1]):
+                known = life.worst_first(part[nearest])
+                known = known[(known > 0.0) & (last.regions[known.index] != BORES)]
+                chosen |= {*known.groupby(last.regions[known.index]).head(WORST).index}
         nodes = np.array(sorted(chosen))
         counted = (_counted(one, nearest[nodes]) for one, nearest in zip(stages, near, strict=True))
         return cls(last.regions[nodes], tuple(counted))
@@ -155,15 +155,14 @@ class CountedDuty:
 
     def _weighed(self, stage: CountedStage, duty: Duty) -> tuple[np.ndarray, ...]:
         """Node, both stresses (Pa) and number an hour of all cycles in a stage of a drawn duty."""
-        runs = {one.name: one for one in duty.runs}
-        cases = {_key(one): one for one in duty.cases}
+        drawn = {one.name: one for one in duty.runs} | {_key(one): one for one in duty.cases}
         often, load = np.zeros(len(stage.runs)), np.ones(len(stage.runs))
         for k, one in enumerate(stage.runs):
-            if isinstance(one.run, DutyCase):
-                if (case := cases.get(one.run.name)) is not None:
+            match drawn.get(one.run.name):
+                case DutyCase() as case:
                     often[k], load[k] = case.an_hour, case.load
-            else:
-                often[k] = runs[one.run.name].times_an_hour(float(one.time[-1] - one.time[0]))
+                case DutyRun() as run:
+                    often[k] = run.times_an_hour(float(one.time[-1] - one.time[0]))
         there, places = often > 0.0, stage.extremes.shape[2]
         between = load[there, None, None] * stage.extremes[:, there]
         high, low = between[0].max(axis=0).ravel(), between[1].min(axis=0).ravel()
@@ -185,8 +184,9 @@ def _counted(one: life.LifeResults, nodes: np.ndarray) -> CountedStage:
         counting = run.counting(one.duty.material.curve(one.duty.miner), (0.999,), 1e-3 / life.BEYOND)
         at_places = []
         for shoe in run.basis.coordinates:
-            signals = duty_runs.node_signals(one.duty.criterion, run.basis, shoe, nodes)
-            at_places.append((signals.max(axis=1), signals.min(axis=1)))
+            of_nodes = (duty_runs.stress_at(run.basis, shoe, node) for node in nodes)
+            signals = [signed_signals(one.duty.criterion, stress)[0] for stress in of_nodes]
+            at_places.append([[signal.max() for signal in signals], [signal.min() for signal in signals]])
             for node, signal in enumerate(signals):
                 cycles = counting.cycles(signal)
                 columns = np.full(len(cycles.begin), part), np.full(len(cycles.begin), node)

@@ -38,7 +38,7 @@ BEAM = 0.06
 
 @pytest.fixture(scope="module")
 def shoe() -> CheckedShoe:
-    return CheckedShoe.of(ShoeCheck(mesh="coarse"))
+    return CheckedShoe(ShoeCheck(mesh="coarse"))
 
 
 def rolled(**place) -> tuple[TreadForce, ...]:
@@ -103,14 +103,14 @@ def test_ground_pushes_in_balance_and_never_pulls(shoe):
     case = CheckCase(name="end", treads=rolled(end="front", x=0.0), ground=OneSidedGround())
     loads = shoe.loads(case)
     points = shoe.bed.points
-    resultant = shoe.resultant(*loads)
+    resultant = shoe.resultant(loads)
     flat = np.full(len(points.areas), 1e8)
     rest = shoe.bed.settle(resultant, np.zeros(len(flat)), np.zeros(len(flat)), flat)
     assert (rest.forces >= 0.0).all()
     assert not rest.forces.all()  # the rear lifts
-    pushed = np.zeros_like(shoe.mesh.nodes)
-    pushed[:, 2] = points.shapes.T @ rest.forces
-    left = resultant + shoe.resultant(pushed, np.zeros(24))
+    pushed = np.zeros_like(loads)
+    shoe.parts(pushed)[0][2::3] = points.shapes.T @ rest.forces
+    left = resultant + shoe.resultant(pushed)
     np.testing.assert_allclose(left, 0.0, atol=1e-6 * 2 * FORCE)
 
 
@@ -138,8 +138,8 @@ def test_pins_take_the_least_forces_that_hold_a_shoe(shoe):
     push = Pressure(facing="rear", low=(-1, -0.13, -0.1), high=(0, 0.13, 0.15), force=(1e6, 0.0, 0.0))
     lift = tuple(f"{end} {side} z" for end in ("front", "rear") for side in ("left", "right"))
     loads = shoe.loads(CheckCase(name="push", pressures=(push,), held_by=along + lift))
-    np.testing.assert_allclose(shoe.resultant(*loads), 0.0, atol=10.0)
-    pins = loads.centers.reshape(4, 6)
+    np.testing.assert_allclose(shoe.resultant(loads), 0.0, atol=10.0)
+    pins = shoe.parts(loads)[1].reshape(4, 6)
     assert pins[:, 0].sum() == pytest.approx(-1e6, rel=1e-9)
     assert pins[:, 2].sum() == pytest.approx(0.0, abs=10.0)
 

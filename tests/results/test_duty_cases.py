@@ -228,7 +228,7 @@ def test_life_by_one_check_case_is_that_of_the_checks_cycles(tmp_path):
     )
     found = life(tmp_path / "turns.toml", tmp_path / "life")
     check = ShoeCheck(mesh="coarse")
-    shoe = CheckedShoe.of(check)
+    shoe = CheckedShoe(check)
     only = case_shapes(check, ["ridge 0.4 m, pass"])
     stress = {"ridge": np.ascontiguousarray(only.stress_modes[shoe.mesh.surface_nodes][..., 0])}
     cycles = cycle_table(check, shoe, stress, [(UNLOADED, "ridge")]).set_index("region")["cycles to a crack"]

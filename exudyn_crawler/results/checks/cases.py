@@ -3,8 +3,10 @@
 Places are in the shoe's frame: x along the travel, y to the left, z up, origin at its nominal centre of mass.
 """
 
+import itertools
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -27,6 +29,8 @@ UNDER_A_SIDE = 0.05  # m, by which a box of a pressure reaches beyond the face t
 
 Side = Literal["left", "right"]
 Facing = Literal["front", "rear", "left", "right", "up", "down"]
+Pin = Literal["front left", "front right", "rear left", "rear right"]
+PINS: tuple[Pin, ...] = get_args(Pin)
 
 
 class TreadForce(Parameters):
@@ -56,7 +60,7 @@ class Pressure(Parameters):
 class PinForce(Parameters):
     """Force of a link pin at one joint centre."""
 
-    pin: Literal["front left", "front right", "rear left", "rear right"] = option("joint centre")
+    pin: Pin = option("joint centre")
     force: base.Vector = quantity("N", "of the pin on the shoe", (-1e7, 1e7))
 
 
@@ -179,128 +183,114 @@ class ShoeOutline(NamedTuple):
         return cls(rail_outline(mesh), under.min(axis=0), under.max(axis=0), float(mesh.nodes[:, 2].max()))
 
 
-def _rolled(force: float, **place: object) -> tuple[TreadForce, ...]:
-    """Treads of a roller on both rails."""
-    return tuple(
-        TreadForce.model_validate({"side": side, "force": force, **place}) for side in ("left", "right")
-    )
+Loads = Iterator[dict[str, Any]]
+"""Fields of check cases in which they differ from a roller above the middle of a shoe on even sand."""
 
 
 def ready_cases(outline: ShoeOutline, force: float) -> list[CheckCase]:
     """Ready check cases of a shoe with a force (N) on each rail."""
-    found = [*_supports(outline, force), *_rail_ends(outline, force), *_turns(outline, force)]
-    return found + _drive_and_strikes(outline, force)
+    both = {"treads": _rolled(force), "ground": OneSidedGround()}
+    kinds = (_supports, _rail_ends, _turns, _drives, _strikes)
+    return [CheckCase(**both | one) for kind in kinds for one in kind(outline, force)]
 
 
-def _supports(outline: ShoeOutline, force: float) -> list[CheckCase]:
-    """The ground bears here or there, the roller stands above the middle."""
+def _rolled(force: float, **place: Any) -> list[TreadForce]:
+    """Treads of a roller on both rails."""
+    return [TreadForce(side=side, force=force, **place) for side in get_args(Side)]
+
+
+def _supports(outline: ShoeOutline, force: float) -> Loads:
+    """The ground bears here or there."""
     (x0, y0, _), (x1, y1, _) = outline.low, outline.high
-    whole, half, arm = y1 - y0, 0.5 * (y1 - y0), 0.5 * (outline.rails.left - outline.rails.right)
+    half, arm = 0.5 * (y1 - y0), 0.5 * (outline.rails.left - outline.rails.right)
 
-    def case(name: str, stiffness: float, parts: list[GroundPart], moment: float | None = None) -> CheckCase:
+    def case(name: str, stiffness: float, moment: float | None = None, *parts: GroundPart) -> dict[str, Any]:
         by_hand = None if moment is None else force * moment
-        ground = OneSidedGround(stiffness=stiffness, parts=tuple(parts))
-        return CheckCase(name=name, treads=_rolled(force), ground=ground, hand_moment=by_hand)
+        ground = OneSidedGround(stiffness=stiffness, parts=parts)
+        return {"name": name, "ground": ground, "hand_moment": by_hand}
 
-    def part(low: Two, high: Two, stiffness: float) -> GroundPart:
-        return GroundPart(low=low, high=high, stiffness=stiffness)
+    def part(low: Two, high: Two, stiffness: float, **shape: Any) -> GroundPart:
+        return GroundPart(low=low, high=high, stiffness=stiffness, **shape)
 
-    def stone(x: float, y: float, ground: float) -> GroundPart:
-        disc = {"low": (x - 0.15, y - 0.15), "high": (x + 0.15, y + 0.15), "round": True}
-        return GroundPart.model_validate(disc | {"height": 0.05, "stiffness": STONE * ground})
+    def stone(y: float, ground: float) -> GroundPart:
+        x, size = x1 - 0.045, 0.15
+        low, high = (x - size, y - size), (x + size, y + size)
+        return part(low, high, STONE * ground, round=True, height=0.05)
 
-    ends = [
-        case(f"both ends {w} m", SAND, [part((x0, y0 + w), (x1, y1 - w), 0.0)], half - w / 2 - arm)
-        for w in (0.2, 0.5)
-    ]
-    corners = [part((x1 - 0.3, y1 - 0.3), (x1, y1), ROCK), part((x0, y0), (x0 + 0.3, y0 + 0.3), ROCK)]
-    one_rail = (TreadForce(side="left", force=2.0 * force),)
-    return [
-        case("even, sand", SAND, [], whole / 4 - arm),
-        case("even, rock", ROCK, [], whole / 4 - arm),
-        *ends,
-        case("ridge 0.4 m", 0.0, [part((x0, -0.2), (x1, 0.2), SAND)], 0.1 - arm),
-        case("diagonal corners 0.3 m", 0.0, corners, half - 0.15 - arm),
-        case("stone at the edge, rock", ROCK, [stone(x1 - 0.045, 1.3, ROCK)]),
-        case("stone at the edge, sand", SAND, [stone(x1 - 0.045, 1.6, SAND)]),
-        CheckCase(name="one rail", treads=one_rail, ground=OneSidedGround()),
-    ]
+    yield case("even, sand", SAND, half / 2 - arm)
+    yield case("even, rock", ROCK, half / 2 - arm)
+    for w in (0.2, 0.5):
+        hole = part((x0, y0 + w), (x1, y1 - w), 0.0)
+        yield case(f"both ends {w} m", SAND, half - w / 2 - arm, hole)
+    yield case("ridge 0.4 m", 0.0, 0.1 - arm, part((x0, -0.2), (x1, 0.2), SAND))
+    corners = part((x1 - 0.3, y1 - 0.3), (x1, y1), ROCK), part((x0, y0), (x0 + 0.3, y0 + 0.3), ROCK)
+    yield case("diagonal corners 0.3 m", 0.0, half - 0.15 - arm, *corners)
+    yield case("stone at the edge, rock", ROCK, None, stone(1.3, ROCK))
+    yield case("stone at the edge, sand", SAND, None, stone(1.6, SAND))
+    yield {"name": "one rail", "treads": [TreadForce(side="left", force=2.0 * force)]}
 
 
-def _rail_ends(outline: ShoeOutline, force: float) -> list[CheckCase]:
+def _rail_ends(outline: ShoeOutline, force: float) -> Loads:
     """A roller at the ends of the rails, on all of their width and on their outer third."""
     third = outline.rails.width / 3
     widths = {"": {}, ", outer third": {"width": third, "across": third}}
-    return [
-        CheckCase(
-            name=f"roller {1e3 * x:g} mm from the {end} end{words}",
-            treads=_rolled(force, end=end, x=x, **width),
-            ground=OneSidedGround(),
-        )
-        for end in ("front", "rear")
-        for x in (0.0, 0.02)
-        for words, width in widths.items()
-    ]
+    for end, x, (words, width) in itertools.product(("front", "rear"), (0.0, 0.02), widths.items()):
+        name = f"roller {1e3 * x:g} mm from the {end} end{words}"
+        yield {"name": name, "treads": _rolled(force, end=end, x=x, **width)}
 
 
-def _turns(outline: ShoeOutline, force: float) -> list[CheckCase]:
+def _turns(outline: ShoeOutline, _force: float) -> Loads:
     """Pull of a chain that turns, shared by the pins, with the side force held at rails or pins."""
-    under = {"low": tuple(outline.low - UNDER_A_SIDE), "high": tuple(outline.high + UNDER_A_SIDE)}
-    pushed = Pressure.model_validate({"facing": "down", "force": (0.0, SIDE, 0.0), **under})
+    low, high = outline.low - UNDER_A_SIDE, outline.high + UNDER_A_SIDE
+    pushed = Pressure(facing="down", low=tuple(low), high=tuple(high), force=(0.0, SIDE, 0.0))
     rails, top = outline.rails, outline.top
     side = rails.left + rails.width / 2
-    flange = Pressure(
-        facing="left",
-        low=(-0.1, side - 0.005, rails.height - 0.025),
-        high=(0.1, side + 0.005, top + 0.01),
-        force=(0.0, -SIDE, 0.0),
-    )
-    along = tuple(f"{end} {one} x" for end in ("front", "rear") for one in ("left", "right"))
+    low, high = (-0.1, side - 0.005, rails.height - 0.025), (0.1, side + 0.005, top + 0.01)
+    flange = Pressure(facing="left", low=low, high=high, force=(0.0, -SIDE, 0.0))
+    along = [f"{one} x" for one in PINS]
     holds = {
         "rails": along,
-        "two pins": ("rear left y", "rear right y", *along),
-        "one pin": ("rear left y", *along),
+        "two pins": ["rear left y", "rear right y", *along],
+        "one pin": ["rear left y", *along],
     }
-    found = []
-    for share in (0.5, 0.7, 1.0):
-        for where, held in holds.items():
-            pins = [
-                PinForce.model_validate({"pin": f"{end} {one}", "force": (sign * part * PULL, 0.0, 0.0)})
-                for end, sign in (("front", 1.0), ("rear", -1.0))
-                for one, part in (("left", share), ("right", 1.0 - share))
-                if part
-            ]
-            pressures = (pushed, flange) if where == "rails" else (pushed,)
-            how: dict[str, Any] = {"treads": _rolled(force), "held_by": held, "ground": OneSidedGround()}
-            name = f"turn {100 * share:g}/{100 - 100 * share:g}, side force at {where}"
-            found.append(CheckCase(name=name, pins=tuple(pins), pressures=pressures, **how))
-    return found
+    for share, (where, held) in itertools.product((0.5, 0.7, 1.0), holds.items()):
+        pulls = dict(zip(PINS, (share, 1.0 - share, -share, share - 1.0), strict=True))
+        yield {
+            "name": f"turn {100 * share:g}/{100 - 100 * share:g}, side force at {where}",
+            "pins": [PinForce(pin=pin, force=(part * PULL, 0.0, 0.0)) for pin, part in pulls.items() if part],
+            "pressures": [pushed, flange] if where == "rails" else [pushed],
+            "held_by": held,
+        }
 
 
-def _drive_and_strikes(outline: ShoeOutline, force: float) -> list[CheckCase]:
-    """A tumbler's push on the web between the rails, both ways, and a dipper on a wing's end."""
-    rails, (x0, *_), (x1, y1, _) = outline.rails, outline.low, outline.high
-    inner, pins = (
-        rails.left - rails.width / 2,
-        [f"{end} {one}" for end in ("front", "rear") for one in ("left", "right")],
-    )
-    found = []
-    for name, facing, sign, low, high in (
-        ("forward", "rear", 1.0, x0, 0.0),
-        ("back", "front", -1.0, 0.0, x1),
+def _drives(outline: ShoeOutline, _force: float) -> Loads:
+    """A tumbler's push on the web between the rails, both ways."""
+    inner = outline.rails.left - outline.rails.width / 2
+    for name, facing, push, low, high in (
+        ("forward", "rear", PULL, outline.low[0], 0.0),
+        ("back", "front", -PULL, 0.0, outline.high[0]),
     ):
-        box = {"low": (low, -inner, -0.1), "high": (high, inner, 0.15), "force": (sign * PULL, 0.0, 0.0)}
-        push = Pressure.model_validate({"facing": facing, **box})
-        pulled = tuple(f"{one} x" for one in pins if one.startswith(facing))
-        held = (*pulled, *(f"{one} z" for one in pins))
-        found.append(CheckCase(name=f"drive push {name}", pressures=(push,), held_by=held))
-    for name, from_x in (("tip", x0), ("edge", 0.1)):
+        box = {"low": (low, -inner, -0.1), "high": (high, inner, 0.15)}
+        pressure = Pressure.model_validate({"facing": facing, "force": (push, 0.0, 0.0), **box})
+        held = [*(f"{one} x" for one in PINS if one.startswith(facing)), *(f"{one} z" for one in PINS)]
+        yield {
+            "name": f"drive push {name}",
+            "treads": [],
+            "ground": None,
+            "pressures": [pressure],
+            "held_by": held,
+        }
+
+
+def _strikes(outline: ShoeOutline, _force: float) -> Loads:
+    """A dipper on a wing's end."""
+    x1, y1, _ = outline.high
+    for name, from_x in (("tip", outline.low[0]), ("edge", 0.1)):
         low, high = (from_x, y1 - 0.25, 0.1), (x1, y1, outline.top + 0.1)
         strike = Pressure(facing="up", low=low, high=high, force=(0.0, 0.0, -STRIKE))
-        how: dict[str, Any] = {"treads": _rolled(force), "ground": OneSidedGround(), "pressures": (strike,)}
         for size, energy in (("1 MN", None), (f"{BLOW / 1e3:g} kJ", BLOW)):
-            found.append(CheckCase(name=f"strike of {size} on the wing's {name}", energy=energy, **how))
-    return found
+            words = f"strike of {size} on the wing's {name}"
+            yield {"name": words, "pressures": [strike], "energy": energy}
 
 
 READY_CYCLES = (("even, sand", "both ends 0.2 m"), ("ridge 0.4 m", "both ends 0.2 m"))

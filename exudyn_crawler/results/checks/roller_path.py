@@ -99,8 +99,9 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
     passes = _passes(history, gear)
     worst = passes.loc[passes.groupby("place")[INTENSITY].idxmax()].set_index("place")
     medians = passes.groupby("place")[INTENSITY].median()
-    beside = _beside(history, gear, worst)
-    rows = []
+    beside, edges, rows = _beside(history, gear, worst), _places(case), []
+    names = ["rear end", *[RAIL] * (len(edges) - 1), "front end"]
+    middles = [edges[0], *0.5 * (edges[1:] + edges[:-1]), edges[-1]]
     for place, tread in worst.iterrows():
         contact, typical = (
             hertz.line_contact(one * tread["radius"], tread["radius"], plane_modulus(steel))
@@ -108,7 +109,7 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
         )
         node, structure = beside.get(place, (None, None))
         stress = hertz.path_stress(contact, MEGA, steel.poissons_ratio, structure)
-        row = _place_columns(case, place)
+        row = {"place": names[place], MIDDLE: middles[place]}
         row |= {PASSES: int((passes["place"] == place).sum()), "greatest force in kN": tread["force"] / KILO}
         row |= {"edge over mean": tread["line load"] * gear.tread_width / tread["force"]}
         row |= _contact_columns(contact, stress) | {TYPICAL: float(typical.pressure) / MEGA}
@@ -129,14 +130,6 @@ def _places(case: Case) -> np.ndarray:
     rail = case.shoe.rails
     assert rail is not None  # of a rolled case
     return np.linspace(rail.rear, rail.front, 1 + max(1, round((rail.front - rail.rear) / PLACE)))
-
-
-def _place_columns(case: Case, place: int) -> dict[str, object]:
-    """Name and middle of a part of the rail."""
-    edges = _places(case)
-    if place in (0, len(edges)):
-        return {"place": "rear end" if place == 0 else "front end", MIDDLE: edges[0 if place == 0 else -1]}
-    return {"place": RAIL, MIDDLE: 0.5 * (edges[place - 1] + edges[place])}
 
 
 _Treads = tuple[np.ndarray, ...]

@@ -19,7 +19,9 @@ from exudyn_crawler.results.stress.hot_spots import Region
 from fem import defects, fatigue
 
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
-PYLIFE_CLASSES = ("Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "GS")
+PYLIFE_CLASSES = dict(
+    zip(get_args(FKMClass), ("Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "GS"), strict=True)
+)
 """PyLife's names of them."""
 CASTINGS: dict[str, Any] = {"fkm_class": "cast steel", "casting_factor": 1.25, "scatter": 1.4}
 MEGA, MICRO, MILLI = 1e6, 1e-6, 1e-3
@@ -132,36 +134,17 @@ class FatigueMaterial(Parameters):
 
     def provenance(self) -> str:
         """Source of the values; of a ready material that was changed, which values are not of that source."""
-        for ready in (self.a36(), self.cast_nicrmo(), self.cast_manganese()):
-            fields = [name for name in type(self).model_fields if name != "name"]
-            changed = [name for name in fields if getattr(self, name) != getattr(ready, name)]
-            if self.source == ready.source and changed:
-                return f"{', '.join(changed)} as the duty gives; all else: {self.source}"
-        return self.source
+        ready = {one.source: one for one in (self.a36(), self.cast_nicrmo(), self.cast_manganese())}
+        own, names = ready.get(self.source, self), [*type(self).model_fields][1:]  # but for the name
+        changed = [name for name in names if getattr(self, name) != getattr(own, name)]
+        return f"{', '.join(changed)} as the duty gives; all else: {self.source}" if changed else self.source
 
     def factors(self) -> dict[str, float]:
         """Factors of the strength: at the knee fatigue_strength (Pa) over design and casting_factor."""
-        from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
-
-        fkm, normal = FkmLinearFunctions(), pd.Series(["normal"])
-        kind = pd.Series([PYLIFE_CLASSES[get_args(FKMClass).index(self.fkm_class)]])
-        strength = pd.Series([self.size_factor * self.tensile_strength / MEGA])
-        constants, shear = fkm.get_material_constants(kind, normal)
-        reversed_strength = MEGA * fkm.reversed_mat_strength_chap4(strength, constants, shear, normal)
-        roughness = fkm.rough_factor(
-            strength, pd.Series([self.roughness / MICRO]), constants, shear, normal, pd.Series(["rough"])
-        )
-        gradient = pd.Series([MILLI * self.stress_gradient])
-        support = fkm.stieler_support(constants, shear, normal, gradient, strength)
-        notch, one = fkm.kf_constant(kind), pd.Series([1.0])
-        design = fkm.design_factor(support, notch, roughness, one, one, one)
-        mean = fkm.sm_sensitivity_chap4(strength, constants, shear, normal)
-        found = [reversed_strength, roughness, support, design, mean]
-        names = ("fatigue_strength", "roughness", "support", "design", "mean_sensitivity")
-        single = {name: float(pd.Series(values).iloc[0]) for name, values in zip(names, found, strict=True)}
-        single["mean_sensitivity"] = max(0.0, single["mean_sensitivity"])
-        own = {name: getattr(self, name) for name in ("fatigue_strength", "mean_sensitivity")}
-        return single | {name: value for name, value in own.items() if value is not None}
+        strength = self.size_factor * self.tensile_strength / MEGA
+        given = {name: getattr(self, name) for name in ("fatigue_strength", "mean_sensitivity")}
+        found = _fkm_factors(self.fkm_class, strength, self.roughness / MICRO, MILLI * self.stress_gradient)
+        return found | {name: value for name, value in given.items() if value is not None}
 
     def casting(self, region: str) -> Casting:
         """Casting of a region."""
@@ -182,7 +165,7 @@ class FatigueMaterial(Parameters):
 
     def curve(self, miner: fatigue.Miner = "elementary", region: str = "") -> fatigue.SNCurve:
         """S-N curve of the part's surface by local stresses, in a region with its residual stress."""
-        factors = _factors_of(self.with_(casting_factor=1.0, castings=()))
+        factors = self.factors()
         return fatigue.SNCurve(
             strength=factors["fatigue_strength"] / factors["design"] / self.casting_factor,
             slope=self.slope,
@@ -196,8 +179,24 @@ class FatigueMaterial(Parameters):
 
 
 @lru_cache(maxsize=64)
-def _factors_of(material: FatigueMaterial) -> dict[str, float]:
-    return material.factors()
+def _fkm_factors(kind: FKMClass, strength: float, roughness: float, gradient: float) -> dict[str, float]:
+    """Factors of `FatigueMaterial.factors` by the guideline, of strength (MPa), R_z (um), gradient (1/mm)."""
+    from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
+
+    fkm, normal, one = FkmLinearFunctions(), pd.Series(["normal"]), pd.Series([1.0])
+    name, size = pd.Series([PYLIFE_CLASSES[kind]]), pd.Series([strength])
+    constants, of_stress = fkm.get_material_constants(name, normal)
+    of_steel = constants, of_stress, normal
+    rough = fkm.rough_factor(size, pd.Series([roughness]), *of_steel, pd.Series(["rough"]))
+    support = fkm.stieler_support(*of_steel, pd.Series([gradient]), size)
+    found = {
+        "fatigue_strength": MEGA * fkm.reversed_mat_strength_chap4(size, *of_steel),
+        "roughness": rough,
+        "support": support,
+        "design": fkm.design_factor(support, fkm.kf_constant(name), rough, one, one, one),
+        "mean_sensitivity": np.maximum(0.0, fkm.sm_sensitivity_chap4(size, *of_steel)),
+    }
+    return {name: float(np.ravel(values)[0]) for name, values in found.items()}
 
 
 HOUR = 3600.0  # s
@@ -322,14 +321,15 @@ class Duty(Damage):
         """Duty of each stage alone, which is named as the stage; ValueError if nothing happens in one."""
 
         def of(stage: DutyStage) -> "Duty":
-            here = (None, stage.name)
             parts = {
-                kind: tuple(one.with_(stage=None) for one in getattr(self, kind) if one.stage in here)
+                kind: [
+                    one.with_(stage=None) for one in getattr(self, kind) if one.stage in (None, stage.name)
+                ]
                 for kind in ("runs", "cases")
             }
             return self.with_(name=stage.name, stages=(), check=stage.check or self.check, **parts)
 
-        return [of(stage) for stage in self.stages] if self.stages else [self]
+        return [of(stage) for stage in self.stages] or [self]
 
     def times_an_hour(self, durations: list[float]) -> list[float]:
         """How often an hour each run happens, at durations in s; ValueError if all take more than an hour."""

@@ -7,13 +7,13 @@ import numpy as np
 import pandas as pd
 from scipy.sparse import csr_array
 
-from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
 from exudyn_crawler.results.stress.basis import StressBasis, parts_of, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
-from fem import Counting, Cycles, Shapes, SNCurve, damage, rainflow, rank
+from fem import Counting, Cycles, Shapes, SNCurve, damage, rank
+from fem.rainflow import repeated_cycles
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
 LEAST_TIMES = 3  # stored times that can hold a cycle
@@ -26,22 +26,20 @@ class UsedRun:
     """Part of a run that is repeated, or a check case: its state before, its own, and that before."""
 
     run: DutyRun | DutyCase
-    history: History | None  # None: a check case
     basis: StressBasis
     times_an_hour: float
-    phases: tuple[str, ...]  # names of those that it reaches
-    phase: np.ndarray  # (times,), place of each time's phase among them
+    phase: pd.Categorical  # (times,), names of the phases that it reaches, of a check case its own
     time: np.ndarray  # (times,), s
 
     @property
     def parts(self) -> list[str]:
         """Names of its parts of the damage."""
-        of_run = [f"{self.run.name}: {phase}" for phase in self.phases]
+        of_run = [f"{self.run.name}: {phase}" for phase in self.phase.categories]
         return of_run if isinstance(self.run, DutyRun) else [self.run.name]
 
-    def counting(self, curve: SNCurve, survivals: tuple[float, ...], negligible: float = 0.0) -> Counting:
+    def counting(self, curve: SNCurve, survivals: tuple[float, ...], negligible: float) -> Counting:
         """How its cycles are counted; what is left out does a negligible damage an hour at most."""
-        return Counting(curve, survivals, self.phase, negligible / self.times_an_hour)
+        return Counting(curve, survivals, self.phase.codes, negligible / self.times_an_hour)
 
 
 def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
@@ -51,14 +49,12 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
     or elastic constants are not the same in all of them; or if together they take more than an hour.
     """
     parts = [_part(run, history) for run, history in zip(duty.runs, histories, strict=True)]
-    durations = [float(part.time[-1] - part.time[0]) for part in parts]
-    times = duty.times_an_hour(durations)
     _check_shoes(duty.runs, parts)
-    used = []
-    for run, whole, part, often in zip(duty.runs, histories, parts, times, strict=True):
-        names, phase = _phases(whole, part)
-        used.append(UsedRun(run, part, stress_basis(part), often, names, phase, part.time.values))
-    return used
+    times = duty.times_an_hour([float(part.time[-1] - part.time[0]) for part in parts])
+    return [
+        UsedRun(run, stress_basis(part), often, _phases(whole, part), part.time.values)
+        for run, whole, part, often in zip(duty.runs, histories, parts, times, strict=True)
+    ]
 
 
 def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[UsedRun]:
@@ -80,7 +76,7 @@ def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[Used
             q[::2, columns.index(case.after)] = case.load
         loads = {place: {STATIC: csr_array(q)} for place in places}
         basis = StressBasis(shapes, loads, np.eye(len(columns)), dict.fromkeys(places, q), 0.0)
-        used.append(UsedRun(case, None, basis, case.an_hour, (case.case,), np.zeros(3, int), np.arange(3.0)))
+        used.append(UsedRun(case, basis, case.an_hour, pd.Categorical([case.case] * 3), np.arange(3.0)))
     return used
 
 
@@ -108,36 +104,31 @@ def _part(run: DutyRun, history: History) -> History:
     return History(history.case, history.dataset.isel(time=slice(rows[0], rows[-1] + 1)))
 
 
-def _phases(whole: History, part: History) -> tuple[tuple[str, ...], np.ndarray]:
-    """Names of the phases that a part of a history reaches, and the place of each time's among them."""
-    reached = phases(whole.case.loads, whole.duration)
-    number = np.zeros(part.time.size, dtype=np.int64)
-    for k, phase in enumerate(reached):
-        number[phase.rows(part.time.values)] = k
-    number[0] = number[1]  # the instant at which a phase begins is the last of the one before
-    there, places = np.unique(number, return_inverse=True)
-    return tuple(reached[k].name for k in there), places
+def _phases(whole: History, part: History) -> pd.Categorical:
+    """Names of the phase of each time of a part of a history."""
+    names = np.full(part.time.size, "", dtype=object)
+    for phase in phases(whole.case.loads, whole.duration):
+        names[phase.rows(part.time.values)] = phase.name
+    names[0] = names[1]  # the instant at which a phase begins is the last of the one before
+    return pd.Categorical(names, pd.unique(names))
 
 
 def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
     """Refuse runs that are not of the same shoes."""
-    for run, part in zip(runs, parts, strict=True):
-        if part.case.flexible is None:
+    first: dict[str, object] = {}
+    for run, case in ((run, part.case) for run, part in zip(runs, parts, strict=True)):
+        if (shoes := case.flexible) is None:
             raise ValueError(f"run {run.name!r} must have flexible shoes: name some in its case, [flexible]")
-        for name, value in _shoes(part.case).items():
-            if value != (other := _shoes(parts[0].case)[name]):
-                raise ValueError(
-                    f"the runs must have the same shoes: {name} of {runs[0].name!r} is {other}, "
-                    f"of {run.name!r} {value}"
-                )
-
-
-def _shoes(case: Case) -> dict[str, object]:
-    """What of a case's flexible shoes is the same in all runs of a duty."""
-    flexible = case.flexible_shoes()
-    body, _ = shoe_model(flexible, case.track)
-    same = {name: getattr(flexible, name) for name in ("shoes", "youngs_modulus", "poissons_ratio")}
-    return same | {"mesh": body.mesh.digest[:12]}
+        body, _ = shoe_model(shoes, case.track)
+        own = {name: getattr(shoes, name) for name in ("shoes", "youngs_modulus", "poissons_ratio")}
+        own |= {"mesh": body.mesh.digest[:12]}
+        first = first or own
+        if unlike := [name for name, value in own.items() if value != first[name]]:
+            name = unlike[0]
+            raise ValueError(
+                f"the runs must have the same shoes: {name} of {runs[0].name!r} is {first[name]}, "
+                f"of {run.name!r} {own[name]}"
+            )
 
 
 @dataclass(frozen=True)
@@ -187,54 +178,47 @@ class NodeLife:
 
 def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve]) -> dict[int, NodeLife]:
     """Cycles and causes at some nodes with their S-N curves, with stresses at full rank."""
-    cycles: dict[int, list[pd.DataFrame]] = {node: [] for node in curves}
+    tables: dict[int, list[pd.DataFrame]] = {node: [] for node in curves}
     by_criterion = {node: dict.fromkeys(map(str, damage.SIGNED_CRITERIA), 0.0) for node in curves}
-    for one in runs:
-        often = one.times_an_hour / len(one.basis.coordinates)
-        for shoe in one.basis.coordinates:
-            counted = _counted(one, shoe, list(curves))
-            of_loads = _of_loads(
-                duty, one.basis, shoe, {node: of[duty.criterion] for node, of in counted.items()}
-            )
-            for node, of in counted.items():
-                harm = {
-                    name: often * curves[node].damage(found.amplitude, found.mean, duty.survivals[-1:])[0]
-                    for name, found in of.items()
-                }
-                for name, each in harm.items():
-                    by_criterion[node][name] += float(each.sum())
-                table = _table(one, shoe, often, of[duty.criterion], of_loads[node])
-                cycles[node].append(table.assign(**{"damage an hour": harm[duty.criterion]}))
-    return {node: NodeLife(pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in curves}
+    for run, shoe in [(one, place) for one in runs for place in one.basis.coordinates]:
+        often, counted = run.times_an_hour / len(run.basis.coordinates), {}
+        for node, curve in curves.items():
+            stress = stress_at(run.basis, shoe, node)
+            for criterion in damage.SIGNED_CRITERIA:
+                cycles = repeated_cycles(damage.signed_signals(criterion, stress)[0])
+                harm = often * curve.damage(cycles.amplitude, cycles.mean, duty.survivals[-1:])[0]
+                by_criterion[node][criterion] += float(harm.sum())
+                if criterion == duty.criterion:
+                    counted[node] = cycles, {"times an hour": often, "damage an hour": harm}
+        of_loads = _of_loads(duty, run.basis, shoe, {node: cycles for node, (cycles, _) in counted.items()})
+        for node, (cycles, columns) in counted.items():
+            columns |= {
+                SHARE + name: part / (cycles.end - cycles.begin) for name, part in of_loads[node].items()
+            }
+            tables[node].append(_table(run, shoe, cycles).assign(**columns))
+    return {node: NodeLife(pd.concat(tables[node], ignore_index=True), by_criterion[node]) for node in curves}
 
 
-def node_signals(
-    criterion: damage.SignedCriterion, basis: StressBasis, shoe: int, nodes: np.ndarray
-) -> np.ndarray:
-    """Signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
-    modes, q, found = basis.shapes.stress_modes[nodes], basis.coordinates[shoe], []
-    for rows in parts_of(len(q)):
-        stress = modes.reshape(-1, modes.shape[2]) @ q[rows].T
-        found.append(damage.signed_signals(criterion, stress.reshape(len(nodes), 6, -1)))
-    return np.concatenate(found, axis=1)
+def stress_at(basis: StressBasis, shoe: int, node: int) -> np.ndarray:
+    """Stress (1, 6, t) at a node of a shoe, Pa."""
+    modes = basis.shapes.stress_modes[node]
+    return np.concatenate([rows @ modes.T for rows in rank.segments(basis.coordinates[shoe])]).T[None]
 
 
-def _counted(one: UsedRun, shoe: int, nodes: Sequence[int]) -> dict[int, dict[str, Cycles]]:
-    """Cycles of the signals of all criteria at nodes of a shoe over a run."""
-    counters = {node: {name: rainflow.CycleCounter(1) for name in damage.SIGNED_CRITERIA} for node in nodes}
-    closed = {node: {name: list[Cycles]() for name in damage.SIGNED_CRITERIA} for node in nodes}
-    start = 0
-    for rows in rank.segments(one.basis.coordinates[shoe]):
-        for node, own in counters.items():
-            stress = rows @ one.basis.shapes.stress_modes[node].T
-            for criterion, counter in own.items():
-                signal = damage.signed_signals(criterion, stress.T[None])[0]
-                closed[node][criterion].append(counter.add(0, signal, start))
-        start += len(rows)
-    return {
-        node: {name: rainflow.joined_cycles([*closed[node][name], one.close(0)]) for name, one in own.items()}
-        for node, own in counters.items()
+def _table(run: UsedRun, shoe: int, cycles: Cycles) -> pd.DataFrame:
+    """Ends of the cycles of a node over a run."""
+    phase, begin, end = np.asarray(run.phase), cycles.begin_row, cycles.end_row
+    columns = {
+        "run": run.run.name,
+        "shoe": shoe,
+        "begin phase": phase[begin],
+        "end phase": phase[end],
+        "begin time in s": run.time[begin],
+        "end time in s": run.time[end],
+        "begin in Pa": cycles.begin,
+        "end in Pa": cycles.end,
     }
+    return pd.DataFrame(columns, index=range(len(begin)))
 
 
 def _of_loads(
@@ -255,24 +239,3 @@ def _of_loads(
                     of_load = found[node].setdefault(load, np.zeros(len(end)))
                     of_load[here] += sense * np.einsum("tk,tk->t", along, part[at] @ modes.T)
     return found
-
-
-def _table(
-    one: UsedRun, shoe: int, often: float, cycles: Cycles, of_loads: Mapping[str, np.ndarray]
-) -> pd.DataFrame:
-    """Cycles of a node over a run but for their damage, the part of single loads in each beside it."""
-    phase, time = np.array(one.phases, dtype=object)[one.phase], one.time
-    columns = {
-        "run": one.run.name,
-        "shoe": shoe,
-        "begin phase": phase[cycles.begin_row],
-        "end phase": phase[cycles.end_row],
-        "begin time in s": time[cycles.begin_row],
-        "end time in s": time[cycles.end_row],
-        "begin in Pa": cycles.begin,
-        "end in Pa": cycles.end,
-        "times an hour": often,
-        "damage an hour": 0.0,
-    }
-    columns |= {SHARE + load: part / (cycles.end - cycles.begin) for load, part in of_loads.items()}
-    return pd.DataFrame(columns, index=range(len(cycles.begin)))

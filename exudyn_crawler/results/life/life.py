@@ -21,7 +21,7 @@ from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_cases, used_runs
 from exudyn_crawler.results.stress import hot_spots
 from fem import Shapes, SNCurve, critical_plane, defects, rank, trust
-from fem.damage import damage_between, recover_damage
+from fem.damage import SIGNED_CRITERIA, damage_between, recover_damage
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
@@ -86,21 +86,20 @@ def life_of(
     runs = used_runs(duty, histories) if duty.runs else []
     if shapes is not None:
         runs += used_cases(duty, shapes, runs)
-    whole, positions = runs[0].basis.shapes, list(runs[0].basis.coordinates)
-    inside = sorted(set(duty.nodes) - set(whole.mesh.surface_nodes.tolist()))
-    if inside:
+    basis = runs[0].basis
+    whole, surface, history = basis.shapes, basis.shapes.mesh.surface_nodes, basis.history
+    if inside := sorted(set(duty.nodes) - set(surface.tolist())):
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
-    history = runs[0].history
     regions = hot_spots.shoe_regions(whole, Track.ph4100c() if history is None else history.case.track)
-    groups = _groups(duty, regions, whole.mesh.surface_nodes)
+    groups = _groups(duty, regions, surface)
     at_places = []
-    for shoe in positions:
-        say(f"shoe {shoe}: counting cycles of {len(whole.mesh.surface_nodes)} nodes")
+    for shoe in basis.coordinates:
+        say(f"shoe {shoe}: counting cycles of {len(surface)} nodes")
         at_places.append(_at_place(duty, runs, groups, shoe))
     damage, parts, amplitude = (np.array(one) for one in zip(*at_places, strict=True))
     mean = damage.mean(axis=0)
-    shown = _shown(mean[-1], regions, duty)
-    known = pd.Series(mean[-1]).dropna().sort_values(ascending=False, kind="stable")
+    known = worst_first(mean[-1])
+    shown = _shown(known, regions, duty)
     worst = np.union1d(known.index[known > 0.0][: duty.plane_nodes], shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, groups, worst)
@@ -114,26 +113,28 @@ def life_of(
         "plane_normal": directions,
         **_life_trust(runs, next(iter(groups)), damage[:, -1], amplitude, spreads),
     }
-    names = [part for one in runs for part in one.parts]
-    names += [BETWEEN] if len(runs) > 1 else []
+    names = [part for one in runs for part in one.parts] + [BETWEEN] * (len(runs) > 1)
     variables = {name: catalogue.variable(name, value) for name, value in values.items()}
     dataset = hot_spots.mesh_dataset(whole).assign(variables)
     dataset = dataset.assign_attrs(duty=duty.model_dump_json()).assign_coords(
-        shoe=positions, survival=list(duty.survivals), part=np.array(names, dtype=object)
+        shoe=[*basis.coordinates], survival=list(duty.survivals), part=np.array(names, dtype=object)
     )
     say(f"causes at {len(shown)} nodes")
-    nodes = node_lives(duty, runs, {node: duty.material.curve(duty.miner, regions[node]) for node in shown})
+    nodes = node_lives(duty, runs, _curves(duty, regions, shown))
     found = LifeResults(duty, dataset, shortest_lives(dataset, nodes, runs, regions), nodes, runs, regions)
     return _with_castings(found, [found], [np.arange(len(whole.nodes))])
 
 
+def _curves(duty: Duty, regions: np.ndarray, nodes: Sequence[int]) -> dict[int, SNCurve]:
+    """S-N curves of nodes by their regions."""
+    of_regions = {region: duty.material.curve(duty.miner, region) for region in set(regions[nodes])}
+    return {node: of_regions[regions[node]] for node in nodes}
+
+
 def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> dict[SNCurve, np.ndarray]:
-    """Nodes of the surface by the S-N curve of their region."""
-    curves = {region: duty.material.curve(duty.miner, region) for region in dict.fromkeys(regions[surface])}
-    return {
-        curve: surface[np.isin(regions[surface], [one for one in curves if curves[one] == curve])]
-        for curve in dict.fromkeys(curves.values())
-    }
+    """Nodes of the surface by their S-N curve."""
+    nodes = pd.Series(_curves(duty, regions, surface))
+    return {curve: own.index.to_numpy() for curve, own in nodes.groupby(nodes, sort=False)}
 
 
 def _with_castings(
@@ -162,9 +163,13 @@ def _with_castings(
     return replace(found, table=pd.concat((found.table, pd.DataFrame(rows)), axis=1))
 
 
-def _shown(damage: np.ndarray, regions: np.ndarray, duty: Duty) -> list[int]:
-    """Worst node of every region, the worst first, and a duty's own, by damage (nodes,)."""
-    known = pd.Series(damage).dropna().sort_values(ascending=False, kind="stable")
+def worst_first(damage: np.ndarray) -> pd.Series:
+    """Known ones of damages (nodes,) by node, falling."""
+    return pd.Series(damage).dropna().sort_values(ascending=False, kind="stable")
+
+
+def _shown(known: pd.Series, regions: np.ndarray, duty: Duty) -> list[int]:
+    """Worst node of every region, the worst first, and a duty's own, by falling damages."""
     shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
     return list(dict.fromkeys([*shortest, *duty.nodes]))
 
@@ -187,22 +192,17 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     shares = spent / spent.sum(axis=0)
     mean = (shares * damage).sum(axis=0)
     parts = [share[-1] * one.part_damage.values for share, one in zip(shares, each, strict=True)]
-    names = [
-        f"{stage.name}, {part}"
-        for stage, one in zip(duty.stages, each, strict=True)
-        for part in one.part.values
-    ]
+    of_stages = zip(duty.stages, each, strict=True)
+    names = [f"{stage.name}, {part}" for stage, one in of_stages for part in one.part.values]
     values = {
         "place_damage": sum(share * one.place_damage.values for share, one in zip(shares, each, strict=True)),
         "damage_an_hour": mean,
         "life": life_hours(mean),
         "part_damage": np.concatenate(parts),
     }
-    shown = _shown(mean[-1], last.regions, duty)
-    nodes = {node: last.nodes[node] for node in shown if node in last.nodes}
+    shown, nodes = _shown(worst_first(mean[-1]), last.regions, duty), dict(last.nodes)
     if more := [node for node in shown if node not in nodes]:
-        curves = {node: duty.material.curve(duty.miner, last.regions[node]) for node in more}
-        nodes |= node_lives(last.duty, last.runs, curves)
+        nodes |= node_lives(last.duty, last.runs, _curves(duty, last.regions, more))
         groups = _groups(duty, last.regions, last.whole.mesh.surface_nodes)
         planes = _on_critical_planes(last.duty, last.runs, groups, np.array(more))
         for name, own in zip(("plane_damage", "plane_normal"), planes, strict=True):
@@ -245,39 +245,35 @@ def nearest_nodes(one: LifeResults, last: LifeResults) -> np.ndarray:
 
 def _at_place(
     duty: Duty, runs: Sequence[UsedRun], groups: Mapping[SNCurve, np.ndarray], shoe: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> list[np.ndarray]:
     """Damage an hour (survivals, nodes), also (parts, nodes), and amplitude (nodes,), Pa, of a shoe."""
     whole, surface = runs[0].basis.shapes, np.concatenate([*groups.values()])
-    found = zip(*(_of_group(duty, runs, *group, shoe) for group in groups.items()), strict=True)
-    damage, parts, amplitude = (
-        _spread(np.concatenate(one, axis=-1), surface, len(whole.nodes)) for one in found
-    )
-    for history in (one.history for one in runs if one.history is not None):
-        damage[:, hot_spots.near_pull(history, whole, shoe)] = np.nan
-    return damage, parts, amplitude
+    of_groups = zip(*(_of_group(duty, runs, *group, shoe) for group in groups.items()), strict=True)
+    found = [_spread(np.concatenate(one, axis=-1), surface, len(whole.nodes)) for one in of_groups]
+    for run in runs:
+        if run.basis.history is not None:
+            found[0][:, hot_spots.near_pull(run.basis.history, whole, shoe)] = np.nan
+    return found
 
 
 def _of_group(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, surface: np.ndarray, shoe: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Same of some nodes of the surface, which have the same S-N curve."""
-    damage = np.zeros((len(duty.survivals), len(surface)))
-    parts, highest, lowest = [], np.full(len(surface), -np.inf), np.full(len(surface), np.inf)
-    for one in runs:
-        counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
-        modes, q = one.basis.shapes.stress_modes, one.basis.coordinates[shoe]
+    parts, ends = [], []  # (survivals, phases, nodes) each; highest and lowest stresses
+    for run in runs:
+        counting = run.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
+        modes, q = run.basis.shapes.stress_modes, run.basis.coordinates[shoe]
         found = recover_damage(modes, q, duty.criterion, counting, surface)
-        each = one.times_an_hour * found.damage.transpose(1, 2, 0)
-        damage += each.sum(axis=1)
-        parts.extend(each[-1])
-        highest, lowest = np.maximum(highest, found.highest), np.minimum(lowest, found.lowest)
+        parts.append(run.times_an_hour * found.damage.transpose(1, 2, 0))
+        ends.append((found.highest, found.lowest))
+    highest, lowest = np.max([high for high, _ in ends], axis=0), np.min([low for _, low in ends], axis=0)
     if len(runs) > 1:
-        often = min(one.times_an_hour for one in runs)
+        often = min(run.times_an_hour for run in runs)
         often = often if duty.changes_an_hour is None else duty.changes_an_hour
-        each = often * damage_between(curve, highest, lowest, duty.survivals)
-        damage += each
-        parts.append(each[-1])
-    return damage, np.array(parts), 0.5 * (highest - lowest)
+        parts.append(often * damage_between(curve, highest, lowest, duty.survivals)[:, None])
+    damage = sum((each.sum(axis=1) for each in parts), start=np.zeros((len(duty.survivals), len(surface))))
+    return damage, np.concatenate([each[-1] for each in parts]), 0.5 * (highest - lowest)
 
 
 def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
@@ -375,34 +371,31 @@ def shortest_lives(
     the damage, and the parts of all loads; life by each criterion, those signed without what goes from run
     to run; and whether a joint's rigid spider is near.
     """
-    whole, rows = runs[0].basis.shapes, []
-    truncation_known = all(one.basis.bound is not None for one in runs)
-    for node, life in nodes.items():
-        own = dataset.sel(node=node)
-        places, parts = own.place_damage.isel(survival=-1), own.part_damage
-        damage, factor = float(own.damage_an_hour[-1]), float(own.life_factor)
-        loads = life.load_shares
-        row: dict[str, object] = {"region": regions[node], "node": node}
-        row |= hot_spots.in_the_shoe(own.node_position)
-        for survival in own.survival.values:
-            row[f"{LIFE} that {100.0 * survival:g} % survive"] = float(own.life.sel(survival=survival))
-        row |= {
-            f"{LIFE} at least": float(life_hours(damage * factor)),
-            f"{LIFE} at most": float(life_hours(damage / factor)),
-            "verdict": trust.verdict_words(own.verdict.values[None], truncation_known)[0],
-            "worst place": int(places.shoe[int(np.nanargmax(places.values))]),
-            f"{LIFE} there": float(life_hours(float(places.max()))),
-            "main part": str(parts.part.values[int(parts.values.argmax())]) if damage > 0.0 else "",
-            "its share": float(parts.max()) / damage if damage > 0.0 else 0.0,
-            "main load": max(loads, key=lambda name: loads[name]) if loads else "",
-        }
-        row |= {hot_spots.SHARE + name: share for name, share in loads.items()}
-        row |= {f"{LIFE}, {name}": float(life_hours(one)) for name, one in life.by_criterion.items()}
-        row[f"{LIFE}, critical plane"] = float(life_hours(float(own.plane_damage[-1])))
-        beside = "beside spider" if node in whole.nodes_beside_spiders else ""
-        row["flag"] = "in spider" if node in whole.spider_nodes else beside
-        rows.append(row)
-    return pd.DataFrame(rows)
+    whole, own = runs[0].basis.shapes, dataset.sel(node=list(nodes))
+    damage, factor = own.damage_an_hour.values[-1], own.life_factor.values
+    places, parts = own.place_damage.isel(survival=-1), own.part_damage
+    shares = [one.load_shares for one in nodes.values()]
+    columns = {"region": regions[own.node], "node": own.node.values}
+    columns |= hot_spots.in_the_shoe(own.node_position)
+    for survival, lives in zip(own.survival.values, own.life.values, strict=True):
+        columns[f"{LIFE} that {100.0 * survival:g} % survive"] = lives
+    columns |= {
+        f"{LIFE} at least": life_hours(damage * factor),
+        f"{LIFE} at most": life_hours(damage / factor),
+        "verdict": trust.verdict_words(own.verdict, all(one.basis.bound is not None for one in runs)),
+        "worst place": places.shoe.values[np.nanargmax(places, axis=0)],
+        f"{LIFE} there": life_hours(places.max("shoe").values),
+        "main part": np.where(damage > 0.0, parts.part.values[parts.values.argmax(axis=0)], ""),
+        "its share": np.divide(parts.max("part"), damage, out=np.zeros(len(nodes)), where=damage > 0.0),
+        "main load": [max(loads, key=lambda name: loads[name], default="") for loads in shares],
+    }
+    columns |= pd.DataFrame(shares).add_prefix(hot_spots.SHARE).to_dict("series")
+    for name in SIGNED_CRITERIA:
+        columns[f"{LIFE}, {name}"] = life_hours(np.array([one.by_criterion[name] for one in nodes.values()]))
+    columns[f"{LIFE}, critical plane"] = life_hours(own.plane_damage.values[-1])
+    beside = np.where(np.isin(own.node, whole.nodes_beside_spiders), "beside spider", "")
+    columns["flag"] = np.where(np.isin(own.node, whole.spider_nodes), "in spider", beside)
+    return pd.DataFrame(columns)
 
 
 def in_words(table: pd.DataFrame) -> pd.DataFrame:
