@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import Errors, option
@@ -17,7 +18,6 @@ from exudyn_crawler.results.life.duty import Damage, Duty, DutyCase, DutyRun, re
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import Design, PlannedRun, Sweep, Variation, read_sweep
-from fem.damage import signed_signals
 from fem.defects import CycleStage
 
 WORST = 5
@@ -115,10 +115,10 @@ class CountedDuty:
     def of(cls, stages: Sequence[life.LifeResults], duty: Duty) -> "CountedDuty":
         """Cycles in the stages of a duty at nodes of the last one's mesh."""
         last, near = stages[-1], [life.nearest_nodes(one, stages[-1]) for one in stages]
-        chosen = set[int]()
+        surface, chosen = last.whole.mesh.surface_nodes, set[int]()
         for one, nearest in zip(stages, near, strict=True):
             for part in (*one.dataset.part_damage.values, one.dataset.damage_an_hour.values[-1]):
-                known = life.worst_first(part[nearest])
+                known = pd.Series(part[nearest[surface]], surface).sort_values(ascending=False)
                 known = known[(known > 0.0) & (last.regions[known.index] != BORES)]
                 chosen |= {*known.groupby(last.regions[known.index]).head(WORST).index}
         nodes = np.array(sorted(chosen))
@@ -184,9 +184,8 @@ def _counted(one: life.LifeResults, nodes: np.ndarray) -> CountedStage:
         counting = run.counting(one.duty.material.curve(one.duty.miner), (0.999,), 1e-3 / life.BEYOND)
         at_places = []
         for shoe in run.basis.coordinates:
-            of_nodes = (duty_runs.stress_at(run.basis, shoe, node) for node in nodes)
-            signals = [signed_signals(one.duty.criterion, stress)[0] for stress in of_nodes]
-            at_places.append([[signal.max() for signal in signals], [signal.min() for signal in signals]])
+            signals = duty_runs.node_signals(one.duty.criterion, run.basis, shoe, nodes)
+            at_places.append((signals.max(axis=1), signals.min(axis=1)))
             for node, signal in enumerate(signals):
                 cycles = counting.cycles(signal)
                 columns = np.full(len(cycles.begin), part), np.full(len(cycles.begin), node)

@@ -58,7 +58,8 @@ def test_every_tread_of_a_run_is_counted_by_its_place(rolled):
 
 @pytest.mark.simulation
 def test_a_life_shows_the_roller_path_of_its_rolled_runs(rolled):
-    run = SimpleNamespace(history=rolled, run=SimpleNamespace(name="propel"))
+    basis = SimpleNamespace(history=rolled)
+    run = SimpleNamespace(basis=basis, run=SimpleNamespace(name="propel"))
     duty = Duty(runs=(DutyRun(name="propel", folder=".", share=0.1),), material=FatigueMaterial.a36())
     found = roller_paths(SimpleNamespace(duty=duty, runs=[run]))
     pd.testing.assert_frame_equal(found["propel"], roller_path(rolled, [duty.material]))

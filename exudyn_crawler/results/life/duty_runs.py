@@ -12,7 +12,7 @@ from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
 from exudyn_crawler.results.stress.basis import StressBasis, parts_of, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
-from fem import Counting, Cycles, Shapes, SNCurve, damage, rank
+from fem import Counting, Cycles, Shapes, SNCurve, damage
 from fem.rainflow import repeated_cycles
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
@@ -183,9 +183,8 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
     for run, shoe in [(one, place) for one in runs for place in one.basis.coordinates]:
         often, counted = run.times_an_hour / len(run.basis.coordinates), {}
         for node, curve in curves.items():
-            stress = stress_at(run.basis, shoe, node)
             for criterion in damage.SIGNED_CRITERIA:
-                cycles = repeated_cycles(damage.signed_signals(criterion, stress)[0])
+                cycles = repeated_cycles(node_signals(criterion, run.basis, shoe, [node])[0])
                 harm = often * curve.damage(cycles.amplitude, cycles.mean, duty.survivals[-1:])[0]
                 by_criterion[node][criterion] += float(harm.sum())
                 if criterion == duty.criterion:
@@ -199,10 +198,15 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
     return {node: NodeLife(pd.concat(tables[node], ignore_index=True), by_criterion[node]) for node in curves}
 
 
-def stress_at(basis: StressBasis, shoe: int, node: int) -> np.ndarray:
-    """Stress (1, 6, t) at a node of a shoe, Pa."""
-    modes = basis.shapes.stress_modes[node]
-    return np.concatenate([rows @ modes.T for rows in rank.segments(basis.coordinates[shoe])]).T[None]
+def node_signals(
+    criterion: damage.SignedCriterion, basis: StressBasis, shoe: int, nodes: Sequence[int]
+) -> np.ndarray:
+    """Signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
+    modes, q, found = basis.shapes.stress_modes[nodes], basis.coordinates[shoe], []
+    for rows in parts_of(len(q)):
+        stress = modes.reshape(-1, modes.shape[2]) @ q[rows].T
+        found.append(damage.signed_signals(criterion, stress.reshape(len(nodes), 6, -1)))
+    return np.concatenate(found, axis=1)
 
 
 def _table(run: UsedRun, shoe: int, cycles: Cycles) -> pd.DataFrame:

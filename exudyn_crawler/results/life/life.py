@@ -98,7 +98,7 @@ def life_of(
         at_places.append(_at_place(duty, runs, groups, shoe))
     damage, parts, amplitude = (np.array(one) for one in zip(*at_places, strict=True))
     mean = damage.mean(axis=0)
-    known = worst_first(mean[-1])
+    known = _worst_first(mean[-1])
     shown = _shown(known, regions, duty)
     worst = np.union1d(known.index[known > 0.0][: duty.plane_nodes], shown)
     say(f"critical planes of the {len(worst)} worst nodes")
@@ -163,7 +163,7 @@ def _with_castings(
     return replace(found, table=pd.concat((found.table, pd.DataFrame(rows)), axis=1))
 
 
-def worst_first(damage: np.ndarray) -> pd.Series:
+def _worst_first(damage: np.ndarray) -> pd.Series:
     """Known ones of damages (nodes,) by node, falling."""
     return pd.Series(damage).dropna().sort_values(ascending=False, kind="stable")
 
@@ -200,7 +200,7 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
         "life": life_hours(mean),
         "part_damage": np.concatenate(parts),
     }
-    shown, nodes = _shown(worst_first(mean[-1]), last.regions, duty), dict(last.nodes)
+    shown, nodes = _shown(_worst_first(mean[-1]), last.regions, duty), dict(last.nodes)
     if more := [node for node in shown if node not in nodes]:
         nodes |= node_lives(last.duty, last.runs, _curves(duty, last.regions, more))
         groups = _groups(duty, last.regions, last.whole.mesh.surface_nodes)
