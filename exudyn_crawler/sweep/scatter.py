@@ -103,6 +103,29 @@ class CountedStage(NamedTuple):
     end: np.ndarray
     extremes: np.ndarray
 
+    def weighed(self, duty: Duty) -> tuple[np.ndarray, ...]:
+        """Node, both stresses (Pa) and number an hour of all cycles of a drawn duty."""
+        drawn = {one.name: one for one in duty.runs} | {_key(one): one for one in duty.cases}
+        often, load = np.zeros(len(self.runs)), np.ones(len(self.runs))
+        for k, one in enumerate(self.runs):
+            match drawn.get(one.run.name):
+                case DutyCase() as case:
+                    often[k], load[k] = case.an_hour, case.load
+                case DutyRun() as run:
+                    often[k] = run.times_an_hour(float(one.time[-1] - one.time[0]))
+        there, places = often > 0.0, self.extremes.shape[2]
+        between = load[there, None, None] * self.extremes[:, there]
+        high, low = between[0].max(axis=0).ravel(), between[1].min(axis=0).ravel()
+        changes = often[there].min() if duty.changes_an_hour is None else duty.changes_an_hour
+        changes = changes if there.sum() > 1 else 0.0
+        factor, nodes = load[self.part], np.tile(np.arange(self.extremes.shape[3]), places)
+        return (
+            np.concatenate((self.node, nodes)),
+            np.concatenate((factor * self.begin, low)),
+            np.concatenate((factor * self.end, high)),
+            np.concatenate((often[self.part], np.full(len(nodes), changes))) / places,
+        )
+
 
 @dataclass(frozen=True)
 class CountedDuty:
@@ -130,7 +153,7 @@ class CountedDuty:
         material, survival = duty.material, duty.survivals[-1:]
         curve = replace(material.curve(duty.miner), residual_stress=0.0)
         residual = np.array([material.casting(region).residual_stress for region in self.regions])
-        weighed = [self._weighed(one, of) for one, of in zip(self.stages, duty.by_stage(), strict=True)]
+        weighed = [one.weighed(of) for one, of in zip(self.stages, duty.by_stage(), strict=True)]
         damage = np.zeros((len(weighed), len(self.regions)))
         for own, (node, begin, end, often) in zip(damage, weighed, strict=True):
             moves = begin != end
@@ -152,29 +175,6 @@ class CountedDuty:
             found[f"life_{region}".replace(" ", "_")] = least
             found["life"] = min(found["life"], least)
         return found
-
-    def _weighed(self, stage: CountedStage, duty: Duty) -> tuple[np.ndarray, ...]:
-        """Node, both stresses (Pa) and number an hour of all cycles in a stage of a drawn duty."""
-        drawn = {one.name: one for one in duty.runs} | {_key(one): one for one in duty.cases}
-        often, load = np.zeros(len(stage.runs)), np.ones(len(stage.runs))
-        for k, one in enumerate(stage.runs):
-            match drawn.get(one.run.name):
-                case DutyCase() as case:
-                    often[k], load[k] = case.an_hour, case.load
-                case DutyRun() as run:
-                    often[k] = run.times_an_hour(float(one.time[-1] - one.time[0]))
-        there, places = often > 0.0, stage.extremes.shape[2]
-        between = load[there, None, None] * stage.extremes[:, there]
-        high, low = between[0].max(axis=0).ravel(), between[1].min(axis=0).ravel()
-        changes = often[there].min() if duty.changes_an_hour is None else duty.changes_an_hour
-        changes = changes if there.sum() > 1 else 0.0
-        factor, nodes = load[stage.part], np.tile(np.arange(stage.extremes.shape[3]), places)
-        return (
-            np.concatenate((stage.node, nodes)),
-            np.concatenate((factor * stage.begin, low)),
-            np.concatenate((factor * stage.end, high)),
-            np.concatenate((often[stage.part], np.full(len(nodes), changes))) / places,
-        )
 
 
 def _counted(one: life.LifeResults, nodes: np.ndarray) -> CountedStage:

@@ -10,7 +10,6 @@ from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.life_run import check_cases
 from exudyn_crawler.results.checks.cases import (
     CheckCase,
-    CheckCycle,
     GroundPart,
     OneSidedGround,
     PinForce,
@@ -67,10 +66,7 @@ def found(shoe):
     cases.append(
         CheckCase(name="stone", treads=rolled(), ground=OneSidedGround(stiffness=1e9, parts=(stone,)))
     )
-    check = ShoeCheck(
-        mesh="coarse", levels=(), cases=tuple(cases), cycles=(CheckCycle(first="even", second="ends"),)
-    )
-    return solve_cases(check, shoe)
+    return solve_cases(ShoeCheck(mesh="coarse", levels=(), cases=tuple(cases)), shoe)
 
 
 @pytest.mark.simulation
@@ -92,7 +88,6 @@ def test_stress_grows_with_loads_and_cycles_by_its_fifth_power(found):
     ratio = often[UNLOADED, "ends"] / often[UNLOADED, "twice"]
     np.testing.assert_allclose(ratio, 2.0**5, rtol=1e-3)
     between = found.cycle("even", "ends").set_index("region")["cycles to a crack"]
-    np.testing.assert_allclose(often["even", "ends"], between.sort_index())
     # the range between both is less than that from nothing
     assert (between.sort_index() > often[UNLOADED, "ends"]).all()
     high = found.table.set_index("case")["above yield"]

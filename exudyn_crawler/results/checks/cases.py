@@ -109,13 +109,6 @@ class CheckCase(Parameters):
             yield "energy needs treads, pressures and ground, and no pins that hold"
 
 
-class CheckCycle(Parameters):
-    """Two check cases between which a shoe goes, and back."""
-
-    first: Name = option("name of a case, or 'unloaded'")
-    second: Name = option("name of another one")
-
-
 class RollerForce(Parameters):
     """Level of the force on a rail at which the ready cases are checked."""
 
@@ -149,9 +142,6 @@ class ShoeCheck(Parameters):
         "at which the ready cases are checked; () for none", default=LEVELS
     )
     cases: tuple[CheckCase, ...] = option("further ones", default=())
-    cycles: tuple[CheckCycle, ...] = option(
-        "further ones, beside those from unloaded to each case", default=()
-    )
 
     def _errors(self) -> base.Errors:
         names = [one.name for one in self.cases]
@@ -189,7 +179,7 @@ Loads = Iterator[dict[str, Any]]
 
 def ready_cases(outline: ShoeOutline, force: float) -> list[CheckCase]:
     """Ready check cases of a shoe with a force (N) on each rail."""
-    both = {"treads": _rolled(force), "ground": OneSidedGround()}
+    both: dict[str, Any] = {"treads": _rolled(force), "ground": OneSidedGround()}
     kinds = (_supports, _rail_ends, _turns, _drives, _strikes)
     return [CheckCase(**both | one) for kind in kinds for one in kind(outline, force)]
 
@@ -241,8 +231,8 @@ def _rail_ends(outline: ShoeOutline, force: float) -> Loads:
 
 def _turns(outline: ShoeOutline, _force: float) -> Loads:
     """Pull of a chain that turns, shared by the pins, with the side force held at rails or pins."""
-    low, high = outline.low - UNDER_A_SIDE, outline.high + UNDER_A_SIDE
-    pushed = Pressure(facing="down", low=tuple(low), high=tuple(high), force=(0.0, SIDE, 0.0))
+    under = {"low": tuple(outline.low - UNDER_A_SIDE), "high": tuple(outline.high + UNDER_A_SIDE)}
+    pushed = Pressure.model_validate({"facing": "down", "force": (0.0, SIDE, 0.0), **under})
     rails, top = outline.rails, outline.top
     side = rails.left + rails.width / 2
     low, high = (-0.1, side - 0.005, rails.height - 0.025), (0.1, side + 0.005, top + 0.01)

@@ -50,11 +50,12 @@ class CheckedShoe:
     """
 
     def __init__(self, check: ready.ShoeCheck) -> None:
-        name, track = check.mesh, Track.ph4100c()
-        mesh = mesh_named(name) if not check.dimensions else None
-        if mesh is None:
-            name, dimensions = check.name, ShoeDimensions(**check.dimensions)
-            mesh = with_load_surfaces(mesh_shoe(dimensions, check.mesh))
+        track = Track.ph4100c()
+        if check.dimensions:
+            own = mesh_shoe(ShoeDimensions(**check.dimensions), check.mesh)
+            name, mesh = check.name, with_load_surfaces(own)
+        else:
+            name, mesh = check.mesh, mesh_named(check.mesh)
         self.mesh, self.body = mesh, ElasticBody(mesh, STEEL)
         pins = [replace(one, spider=check.spider) for one in pin_interfaces(mesh, name, track)]
         self.partition, self.outline = Partition(self.body, pins), ready.ShoeOutline.of(mesh)
@@ -238,7 +239,6 @@ def solve_cases(
     pairs += [
         (f"{a}, {level.name}", f"{b}, {level.name}") for level in check.levels for a, b in ready.READY_CYCLES
     ]
-    pairs += [(one.first, one.second) for one in check.cycles]
     return CheckResults(
         check,
         shoe,
@@ -278,7 +278,7 @@ def _solved(
         with errors_at(f"case {case.name!r}"):
             given = case
             if case.energy is not None:
-                given, *blows[case.name] = _blow(shoe, case, case.energy)
+                given, blows[case.name] = _blow(shoe, case, case.energy)
             each.append(shoe.loads(given))
     say(f"{len(cases)} cases in balance: answers of {len(shoe.mesh.nodes)} nodes")
     loads = np.stack(each, axis=-1)
@@ -307,7 +307,9 @@ def _rest(shoe: CheckedShoe, case: ready.CheckCase, loads: np.ndarray, answer: n
     return shoe.bed.settle(shoe.resultant(loads), shift, gap, stiffness)
 
 
-def _blow(shoe: CheckedShoe, case: ready.CheckCase, energy: float) -> tuple[ready.CheckCase, float, float]:
+def _blow(
+    shoe: CheckedShoe, case: ready.CheckCase, energy: float
+) -> tuple[ready.CheckCase, tuple[float, float]]:
     """Case with the pressures whose work until they rest, half of force times way, is an energy in J.
 
     All of it goes into shoe and ground, from the rest under all else: rope, crowd and dipper give nothing.
@@ -329,7 +331,7 @@ def _blow(shoe: CheckedShoe, case: ready.CheckCase, energy: float) -> tuple[read
         work = own + (way(times) - at_rest) / times  # of the unit blow by its own way, J
         times = np.sqrt(2.0 * energy / work)
     scaled = tuple(one.with_(force=tuple(times * part for part in one.force)) for one in case.pressures)
-    return case.with_(pressures=scaled, energy=None), times * whole / MEGA, work / whole**2
+    return case.with_(pressures=scaled, energy=None), (times * whole / MEGA, work / whole**2)
 
 
 def _moments(

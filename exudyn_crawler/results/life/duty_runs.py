@@ -199,7 +199,7 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
 
 
 def node_signals(
-    criterion: damage.SignedCriterion, basis: StressBasis, shoe: int, nodes: Sequence[int]
+    criterion: damage.SignedCriterion, basis: StressBasis, shoe: int, nodes: np.ndarray | list[int]
 ) -> np.ndarray:
     """Signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
     modes, q, found = basis.shapes.stress_modes[nodes], basis.coordinates[shoe], []

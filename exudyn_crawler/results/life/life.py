@@ -125,7 +125,7 @@ def life_of(
     return _with_castings(found, [found], [np.arange(len(whole.nodes))])
 
 
-def _curves(duty: Duty, regions: np.ndarray, nodes: Sequence[int]) -> dict[int, SNCurve]:
+def _curves(duty: Duty, regions: np.ndarray, nodes: np.ndarray | list[int]) -> dict[int, SNCurve]:
     """S-N curves of nodes by their regions."""
     of_regions = {region: duty.material.curve(duty.miner, region) for region in set(regions[nodes])}
     return {node: of_regions[regions[node]] for node in nodes}
