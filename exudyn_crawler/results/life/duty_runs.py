@@ -188,13 +188,13 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
                 harm = often * curve.damage(cycles.amplitude, cycles.mean, duty.survivals[-1:])[0]
                 by_criterion[node][criterion] += float(harm.sum())
                 if criterion == duty.criterion:
-                    counted[node] = cycles, {"times an hour": often, "damage an hour": harm}
+                    columns = {"times an hour": often, "damage an hour": harm}
+                    counted[node] = cycles, _table(run, shoe, cycles).assign(**columns)
         of_loads = _of_loads(duty, run.basis, shoe, {node: cycles for node, (cycles, _) in counted.items()})
-        for node, (cycles, columns) in counted.items():
-            columns |= {
-                SHARE + name: part / (cycles.end - cycles.begin) for name, part in of_loads[node].items()
-            }
-            tables[node].append(_table(run, shoe, cycles).assign(**columns))
+        for node, (cycles, table) in counted.items():
+            size = cycles.end - cycles.begin
+            shares = {SHARE + name: part / size for name, part in of_loads[node].items()}
+            tables[node].append(table.assign(**shares))
     return {node: NodeLife(pd.concat(tables[node], ignore_index=True), by_criterion[node]) for node in curves}
 
 

@@ -6,7 +6,7 @@ often as the duty says. Stages of wear add up by Miner's rule.
 """
 
 import itertools
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -327,8 +327,7 @@ def _life_trust(
     over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
     widest of the runs' counts, at the place that wears a node most.
     """
-    changes = (_changes(one.basis.coordinates.values()) for one in runs)
-    resolved = [trust.resolution_over(one.basis.shapes, q) for one, q in zip(runs, changes, strict=True)]
+    resolved = [trust.resolution_over(one.basis.shapes, _changes(one.basis.coordinates)) for one in runs]
     found = sum(resolved[1:], start=resolved[0])
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
@@ -345,9 +344,9 @@ def _life_trust(
     }
 
 
-def _changes(coordinates: Collection[Any]) -> Iterator[np.ndarray]:
+def _changes(coordinates: Mapping[int, Any]) -> Iterator[np.ndarray]:
     """Coordinates of a run's shoes less their means, in segments."""
-    for q in coordinates:
+    for q in coordinates.values():
         mean = sum(rows.sum(axis=0) for rows in rank.segments(q)) / len(q)
         yield from (rows - mean for rows in rank.segments(q))
 
