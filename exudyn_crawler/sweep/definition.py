@@ -21,7 +21,7 @@ from exudyn_crawler.case.parameters import checks, fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often
-from exudyn_crawler.sweep.vary import Varied, Vary, checked_case, idle
+from exudyn_crawler.sweep.vary import Varied, Vary, checked_case
 from meshes import SHOE_SIZES
 
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
@@ -29,7 +29,6 @@ SAMPLED = ("latin_hypercube", "sobol", "saltelli")  # designs that draw points b
 Row = tuple[Any, ...]  # values of a run, one of every `Vary`
 Made = TypeVar("Made")
 MOST_RUNS = 1_000_000
-SHOWN_ERRORS = 3  # wrong runs that an error names
 SHOWN_WARNINGS = 6  # implausible values that are warned of
 FOLDER_DIGITS = 16  # of a digest, in the name of a run's folder
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
@@ -133,17 +132,14 @@ class Variation(Parameters):
         return checked_case(content, type(self._varied))
 
     def _of_all(self, make: Callable[[int, Row], Made]) -> list[Made]:
-        """What is made of every run by its number and values; raises the first errors, with their values."""
-        made, errors = [], []
+        """What is made of every run by its number and values; an error names the run and its values."""
+        made = []
         for number, values in enumerate(self.rows, 1):
             try:
                 made.append(make(number, values))
             except ValueError as error:
                 named = ", ".join(f"{name} = {one}" for name, one in zip(self.columns, values, strict=True))
-                errors.append(f"run {number} ({named}): {error}")
-        more = f"; {len(errors)} of {len(self.rows)} runs are at fault" if len(errors) > 1 else ""
-        if errors:
-            raise ValueError("; ".join(errors[:SHOWN_ERRORS]) + more)
+                raise ValueError(f"run {number} ({named}): {error}") from error
         return made
 
     def table(self) -> pd.DataFrame:
@@ -161,9 +157,6 @@ class Sweep(Variation):
 
     def _errors(self) -> Errors:
         yield from super()._errors()
-        if isinstance(self._varied, Varied) and self._varied.life is None:
-            yield "vary: paths of life need an answer of model 'life'"
-            return
         self._check_rows()
         for answer in self.answers:
             answer.check(self.case)
@@ -174,60 +167,50 @@ class Sweep(Variation):
         return f"{self.case.case.name}, {self.case.duration:g} s"
 
     @cached_property
-    def _varied(self) -> CaseFile:
-        """What is varied: a case file; where paths ask for it with the first answer of life, for all."""
-        case_file = self.case.with_(outputs=self.outputs)
-        paths = (fields.parse_path(path) for one in self.vary for path in one.keys)
-        if not any(fields.names_of(path)[:1] == ["life"] for path in paths):
-            return case_file
-        life = next((one for one in self.answers if isinstance(one, Life)), None)
-        return Varied(**dict(case_file), life=life)
+    def _varied(self) -> Varied:
+        """What is varied: a case file and, where paths ask for it, the first answer of life, for all."""
+        life = None
+        if any(path.startswith("life.") for one in self.vary for path in one.keys):
+            life = next((one for one in self.answers if isinstance(one, Life)), None)
+            if life is None:
+                raise ValueError("vary: paths of life need an answer of model 'life'")
+        return Varied(**dict(self.case) | {"outputs": self.outputs}, life=life)
 
     def case_of(self, values: Row) -> tuple[CaseFile, str, tuple[Answers, ...]]:
         """Case, duration and outputs of a run; a digest, with which the case's name ends; and its answers."""
-        varied, answers, life = self._changed(values), self.answers, None
-        case_file = varied
-        if isinstance(varied, Varied):
-            case_file = CaseFile.model_construct(
-                **{name: getattr(varied, name) for name in CaseFile.model_fields}
-            )
+        varied, answers, lives = self._changed(values), self.answers, None
+        if varied.life is not None:
             drawn = {name: getattr(varied.life, name) for name in LIVES}
             answers = tuple(one.with_(**drawn) if isinstance(one, Life) else one for one in answers)
-            life = ANSWERS.dump_python(answers, mode="json")
-        digest = run_digest(case_file, life)
-        name = f"{case_file.case.name[:80]} {digest[:FOLDER_DIGITS]}"
+            lives = ANSWERS.dump_python(answers, mode="json")
         # it was checked as it is
-        named = case_file.model_copy(update={"case": case_file.case.model_copy(update={"name": name})})
-        return named, digest, answers
+        case_file = CaseFile.model_construct(
+            **{name: getattr(varied, name) for name in CaseFile.model_fields}
+        )
+        digest = run_digest(case_file, lives)
+        name = f"{case_file.case.name[:80]} {digest[:FOLDER_DIGITS]}"
+        case = case_file.case.model_copy(update={"name": name})
+        return case_file.model_copy(update={"case": case}), digest, answers
 
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
-        """All runs, checked; warns of what varies without any effect or is implausible."""
-        idling, odd = Counter[str](), dict[str, list[int]]()
+        """All runs, checked; warns of what is implausible, with the number of the first run that has it."""
+        odd: dict[str, int] = {}
 
         def plan(number: int, values: Row) -> PlannedRun:
             case_file, digest, asked = self.case_of(values)
             for answer in asked:
                 answer.check(case_file)
-            idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
             for line in checks.implausible(case_file.case, case_file.duration):
-                odd.setdefault(line, []).append(number)
+                odd.setdefault(line, number)
             return PlannedRun(number, values, digest, asked)
 
-        planned = self._of_all(plan)
-        lines = [line for line, count in idling.items() if count == len(self.rows)]
-        checks.warn_of([*lines, *self._odd_lines(odd)])
-        return tuple(planned)
-
-    def _odd_lines(self, odd: dict[str, list[int]]) -> Errors:
-        """What to warn of: implausible values and numbers of their runs, the first few of them."""
-        for answer in self.answers:
-            yield from (f"{answer.label}: {line}" for line in checks.out_of_range(answer))
-        for line, runs in itertools.islice(odd.items(), SHOWN_WARNINGS):
-            more = f" and {len(runs) - 1} more" if len(runs) > 1 else ""
-            yield line if len(runs) == len(self.rows) else f"run {runs[0]}{more}: {line}"
-        if len(odd) > SHOWN_WARNINGS:
-            yield f"{len(odd) - SHOWN_WARNINGS} more warnings of this sweep's values"
+        planned = tuple(self._of_all(plan))
+        lines = [f"{one.label}: {line}" for one in self.answers for line in checks.out_of_range(one)]
+        lines += [f"run {number}: {line}" for line, number in odd.items()]
+        more = [f"{len(lines) - SHOWN_WARNINGS} more warnings of this sweep's values"]
+        checks.warn_of(lines[:SHOWN_WARNINGS] + more * (len(lines) > SHOWN_WARNINGS))
+        return planned
 
 
 def run_digest(case_file: CaseFile, life: Any = None) -> str:
@@ -240,8 +223,8 @@ def run_digest(case_file: CaseFile, life: Any = None) -> str:
     if life is not None:
         content["life"] = life
     content["versions"] = _versions()
-    mesh = None if case_file.case.flexible is None else Path(case_file.case.flexible.mesh)
-    if mesh is not None and mesh.is_file():
+    flexible = case_file.case.flexible
+    if flexible is not None and (mesh := Path(flexible.mesh)).is_file():
         content["mesh"] = _file_digest(mesh, mesh.stat().st_mtime_ns)
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
@@ -263,35 +246,29 @@ def design_rows(design: Design, varied: tuple[Vary, ...], runs: int | None, seed
     Samples draw `runs` points: by `scipy.stats.qmc`, or (saltelli) those of SALib by which Sobol indices are
     estimated best (Saltelli 2002), as many again for every `Vary` and once more.
     """
-    if design in SAMPLED:
-        if runs is None:
-            raise ValueError(f"runs must be given with design {design!r}")
-        points = _points(design, len(varied), runs, seed)
-        return [tuple(one.at(u) for one, u in zip(varied, point, strict=True)) for point in points]
-    if runs is not None:
-        raise ValueError(f"runs must be left out with design {design!r}, whose values make its runs")
-    levels = [one.levels() for one in varied]
-    if design == "grid":
-        return list(itertools.product(*levels))
-    lengths = {one.label: len(values) for one, values in zip(varied, levels, strict=True)}
-    if len(set(lengths.values())) > 1:
-        counts = ", ".join(f"{name} {count}" for name, count in lengths.items())
-        raise ValueError(f"lists must have as many values each with design 'list', got {counts}")
-    return list(zip(*levels, strict=True))
+    if design not in SAMPLED:
+        if runs is not None:
+            raise ValueError(f"runs must be left out with design {design!r}, whose values make its runs")
+        levels = [one.levels() for one in varied]
+        if design == "grid":
+            return list(itertools.product(*levels))
+        lengths = {one.label: len(values) for one, values in zip(varied, levels, strict=True)}
+        if len(set(lengths.values())) > 1:
+            counts = ", ".join(f"{name} {count}" for name, count in lengths.items())
+            raise ValueError(f"lists must have as many values each with design 'list', got {counts}")
+        return list(zip(*levels, strict=True))
+    if runs is None:
+        raise ValueError(f"runs must be given with design {design!r}")
+    if design != "latin_hypercube" and runs & (runs - 1):
+        raise ValueError(f"runs must be a power of 2 with design {design!r}, got {runs}")
+    if design == "saltelli":
+        from SALib.sample.sobol import sample  # not everybody who plans a sweep has it
 
-
-def _points(design: Design, dimensions: int, runs: int, seed: int) -> list[list[float]]:
-    """Points in the unit cube."""
-    if design == "latin_hypercube":
-        return qmc.LatinHypercube(dimensions, rng=seed).random(runs).tolist()
-    if runs & (runs - 1):
-        like = f"such as {1 << (runs.bit_length() - 1)} or {1 << runs.bit_length()}"
-        raise ValueError(f"runs must be a power of 2 with design {design!r}, {like}, got {runs}")
-    if design == "sobol":
-        return qmc.Sobol(dimensions, rng=seed).random(runs).tolist()
-    from SALib.sample.sobol import sample  # not everybody who plans a sweep has it
-
-    return sample(salib_problem(dimensions), runs, calc_second_order=False, seed=seed).tolist()
+        points = sample(salib_problem(len(varied)), runs, calc_second_order=False, seed=seed)
+    else:
+        sampler = qmc.Sobol if design == "sobol" else qmc.LatinHypercube
+        points = sampler(len(varied), rng=seed).random(runs)
+    return [tuple(one.at(u) for one, u in zip(varied, point, strict=True)) for point in points.tolist()]
 
 
 def salib_problem(dimensions: int) -> dict[str, Any]:

@@ -21,10 +21,15 @@ from exudyn_crawler.views.tables import write_table
 MISSING = "missing"  # status of a run without an outcome
 BINS = 8  # of what varies continuously, for main effects
 LEAST_RUNS = 64  # finished runs of a sample from which first-order indices are estimated
+LEAST_SCATTERED = 10  # finished runs from which answers of a sample have a scatter
+PORTIONS = (0.01, 0.05, 0.1, 0.5, 0.9, 0.95, 0.99)
+CONFIDENCE = 0.95
+PARTS = (4, 2, 1)  # convergence shows quantiles of the first quarter, the first half and all of the runs
 SMALL = 1e-12  # of an answer's size: spread below which it does not vary
 EFFECTS = ("answer", "varied", "level", "mean", "least", "greatest", "runs")
 SALIB = {"first": "S1", "first_conf": "S1_conf", "total": "ST", "total_conf": "ST_conf"}  # its own names
 INDICES = ("answer", "varied", *SALIB)
+METHODS = {"grid": "variance of the grid's points", "saltelli": "Saltelli's estimators"}
 
 
 @dataclass(frozen=True)
@@ -43,22 +48,22 @@ class SweepRun:
 
 def results_table(sweep: AnySweep, outcomes: dict[str, worker.Outcome]) -> pd.DataFrame:
     """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
-    rows: list[dict[str, Any]] = []
-    for one in sweep.planned:
-        outcome = outcomes.get(one.digest, {})
-        answers = outcome.get("answers", {})
-        rows.append(
-            {"run": one.number, "folder": one.digest[: definition.FOLDER_DIGITS]}
-            | {name: _cell(value) for name, value in zip(sweep.columns, one.values, strict=True)}
-            | {answer.label: answers.get(answer.label) for answer in sweep.answers}
-            | {"status": outcome.get("status", MISSING), "reason": outcome.get("reason", "")}
-            | {"wall_time_s": outcome.get("wall_time_s")}
-        )
-    table = pd.DataFrame(rows)
-    numbers = [*(answer.label for answer in sweep.answers), "wall_time_s"]
-    table[numbers] = table[numbers].astype(float)
+    table, found = sweep.table(), [outcomes.get(one.digest, {}) for one in sweep.planned]
+    for name in sweep.columns:
+        table[name] = table[name].map(_cell)
+    for answer in sweep.answers:
+        numbers = [one.get("answers", {}).get(answer.label) for one in found]
+        table[answer.label] = np.array(numbers, dtype=float)
+    table["status"] = [one.get("status", MISSING) for one in found]
+    table["reason"] = [one.get("reason", "") for one in found]
+    table["wall_time_s"] = np.array([one.get("wall_time_s") for one in found], dtype=float)
     table.attrs = {"units": sweep.units(), "meanings": sweep.meanings()}
     return table
+
+
+def finished(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows of the finished runs."""
+    return table[table["status"] == worker.DONE]
 
 
 def _cell(value: Any) -> Any:
@@ -109,21 +114,10 @@ def scatter_tables(sweep: AnySweep, table: pd.DataFrame) -> dict[str, pd.DataFra
     distribution of independent draws. A Latin hypercube or a Sobol sequence covers the values that are drawn
     more evenly, so that its error is less as a rule and the bounds are on the safe side.
     """
-    if not sweep.is_sampled or (table["status"] == worker.DONE).sum() < LEAST_SCATTERED:
+    if not sweep.is_sampled or len(finished(table)) < LEAST_SCATTERED:
         return {}
-    tables = {"quantiles": quantiles(sweep, table), "sensitivities": sensitivities(sweep, table)}
-    return tables | {"failures": failures(sweep, table)}
-
-
-PORTIONS = (0.01, 0.05, 0.1, 0.5, 0.9, 0.95, 0.99)
-CONFIDENCE = 0.95
-PARTS = (4, 2, 1)  # convergence shows quantiles of the first quarter, the first half and all of the runs
-LEAST_SCATTERED = 10  # finished runs from which answers of a sample have a scatter
-
-
-def drawn_answers(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows of the finished runs, in the order in which they were drawn."""
-    return table[table["status"] == worker.DONE].sort_values("run")
+    made = {"quantiles": quantiles, "sensitivities": sensitivities, "failures": failures}
+    return {name: make(sweep, table) for name, make in made.items()}
 
 
 def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
@@ -132,7 +126,7 @@ def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     Columns answer, unit, runs, portion below, value, least and most (of `CONFIDENCE`; NaN where so few runs
     have none), and the value of the first quarter and half of the runs.
     """
-    done, units, rows = drawn_answers(table), table.attrs["units"], []
+    done, units, rows = finished(table), table.attrs["units"], []
     for answer in sweep.answers:
         values = done[answer.label].dropna().to_numpy()
         parts = [values[: max(1, len(values) // part)] for part in PARTS]
@@ -147,7 +141,7 @@ def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
 
 def sensitivities(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Spearman's rank correlation of all answers with all drawn numbers; p: how often chance makes it."""
-    done, rows = drawn_answers(table), []
+    done, rows = finished(table), []
     numeric = [name for name in sweep.columns if pd.api.types.is_numeric_dtype(done[name])]
     for answer in sweep.answers:
         known = done[done[answer.label].notna()]
@@ -165,7 +159,7 @@ def failures(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     A run stands for a shoe. Columns answer, hours, cracked (runs of all), portion with least and most, and
     shoes a year with theirs, the mean over the years until then; a cracked shoe counts once.
     """
-    done, fleet, rows = drawn_answers(table), sweep.fleet, []
+    done, fleet, rows = finished(table), sweep.fleet, []
     for answer in (one for one in sweep.answers if isinstance(one, Life)):
         lives = done[answer.label].dropna()
         if lives.empty:
@@ -208,7 +202,7 @@ def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
 
 def main_effects(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Mean and extremes of answers over all else, `EFFECTS`, at levels of what varies, or in bins of many."""
-    done = table[table["status"] == worker.DONE]
+    done = finished(table)
     frames = [pd.DataFrame(columns=list(EFFECTS))]
     for name in sweep.columns if len(done) else ():
         values, texts = numbers_of(done, name)
@@ -233,7 +227,7 @@ def sobol_indices(sweep: AnySweep, table: pd.DataFrame) -> tuple[pd.DataFrame, s
     computed, or why there are none.
     """
     none = pd.DataFrame(columns=list(INDICES))
-    done = table[table["status"] == worker.DONE]
+    done = finished(table)
     values = done[[answer.label for answer in sweep.answers]]
     spread = values.max() - values.min()
     varying = values.columns[values.notna().all() & (spread > SMALL * values.abs().max())]
@@ -250,9 +244,6 @@ def sobol_indices(sweep: AnySweep, table: pd.DataFrame) -> tuple[pd.DataFrame, s
     ]
     method = METHODS.get(sweep.design, "RBD-FAST, first order")
     return pd.concat(frames, ignore_index=True).reindex(columns=list(INDICES)), method
-
-
-METHODS = {"grid": "variance of the grid's points", "saltelli": "Saltelli's estimators"}
 
 
 def _indices(sweep: AnySweep, done: pd.DataFrame, answer: str) -> dict[str, Any]:
@@ -277,14 +268,14 @@ def _indices(sweep: AnySweep, done: pd.DataFrame, answer: str) -> dict[str, Any]
 
 def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Best and worst finished run of every answer: columns answer, which, run, value, unit and folder."""
-    done, units, rows = table[table["status"] == worker.DONE], table.attrs["units"], []
+    done, units, rows = finished(table), table.attrs["units"], []
     for answer in sweep.answers:
         values = done[answer.label].dropna()
         if values.empty:
             continue
-        least, greatest = values.idxmin(), values.idxmax()
-        best, worst = (greatest, least) if answer.better == "more" else (least, greatest)
-        for which, row in (("best", done.loc[best]), ("worst", done.loc[worst])):
-            value = float(row[answer.label])
-            rows.append((answer.label, which, int(row["run"]), value, units[answer.label], row["folder"]))
+        ends = [values.idxmin(), values.idxmax()]
+        best, worst = ends if answer.better == "less" else reversed(ends)
+        for which, at in (("best", best), ("worst", worst)):
+            run, folder = done.loc[at, ["run", "folder"]]
+            rows.append((answer.label, which, run, values[at], units[answer.label], folder))
     return pd.DataFrame(rows, columns=["answer", "which", "run", "value", "unit", "folder"])

@@ -1,4 +1,4 @@
-"""What of a case, or of its life, the runs of a sweep have otherwise, and values that change nothing."""
+"""What of a case, or of its life, the runs of a sweep have otherwise."""
 
 from functools import partial
 from typing import Annotated, Any, Literal, TypeVar
@@ -7,26 +7,16 @@ import numpy as np
 from pydantic import Field, ValidationError
 from scipy.stats import norm
 
-from exudyn_crawler.case import Case, CaseFile
+from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.parameters import fields, loads, reading
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, option, shown
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.sweep.answers import Life
 
-MOST_ERRORS = 3  # that an error names
 WITHIN = 0.9  # of drawn values between low and high
 Puts = tuple[Any, ...]  # values, one a path
 Base = TypeVar("Base", bound=CaseFile | Duty)
 Key = Annotated[str, Field(min_length=1, max_length=200)]
-IDLE: dict[str, dict[str, Any]] = {
-    "contact.edge_width": {"contact.sharing": "area"},
-    "contact.damping_depth": {"contact.damping": 0.0},
-    "contact.stiction_speed": {"contact.static_friction": 0.0},
-    "contact.friction_speed": {"contact.static_friction": 0.0, "contact.friction": 0.0},
-    "terrain.spring_offset": {"terrain.springs_per_unit": 1},
-    "solver.quiet_step": {"drive.on": None},
-}
-"""Paths whose values change nothing where one of others has a value."""
 
 
 class Varied(CaseFile):
@@ -36,16 +26,14 @@ class Varied(CaseFile):
 
 
 def checked_case(content: dict[str, Any], kind: type[Base]) -> Base:
-    """Case file, or duty, of a content; raises `ValueError` naming a few errors by their paths."""
+    """Case file, or duty, of a content; raises `ValueError` naming the first error by its path."""
     if (case := content.get("case")) is not None:
         of_shoes = loads.with_equal_loads(case["loads"], case["track"]["shoe_count"])
         content = content | {"case": case | {"loads": of_shoes}}
     try:
         return reading.from_content(kind, content)
     except ValidationError as error:
-        named = list(error_lines(error, kind))
-        more = f"; {len(named) - MOST_ERRORS} more" if len(named) > MOST_ERRORS else ""
-        raise ValueError("; ".join(named[:MOST_ERRORS]) + more) from error
+        raise ValueError(next(error_lines(error, kind))) from error
 
 
 class Vary(Parameters):
@@ -78,37 +66,38 @@ class Vary(Parameters):
             fields.parse_path(path)
         if not self.keys or len(set(self.keys)) != len(self.keys):
             yield f"key must be a path, or different ones, got {list(self.keys)}"
-        yield from (f"{self.label}: {error}" for error in self._value_errors())
+        errors = self._bound_errors() if self.values is None else self._value_errors(self.values)
+        yield from (f"{self.label}: {error}" for error in errors)
 
-    def _value_errors(self) -> Errors:
-        if self.values is None:
-            if self.settings is not None:
-                yield "settings need values, which they stand for"
-            if self.low is None or self.high is None:
-                yield "give values, or low and high"
-            elif self.low >= self.high:
-                yield f"low must be less than high = {self.high:g}, got {self.low:g}"
-            elif (self.scale == "log" or self.distribution == "weibull") and self.low <= 0.0:
-                log = "distribution 'weibull'" if self.distribution == "weibull" else "scale 'log'"
-                yield f"low must be positive with {log}, got {self.low:g}"
-            if self.distribution == "uniform" and self.within is not None:
-                yield f"within must be left out with distribution 'uniform', got {self.within:g}"
-            if self.distribution == "weibull" and self.scale == "log":
-                yield "scale must be left out with distribution 'weibull'"
-            if self.distribution != "uniform" and self.count is not None:
-                yield f"count must be left out with distribution {self.distribution!r}, which a sample draws"
-            return
+    def _bound_errors(self) -> Errors:
+        if self.settings is not None:
+            yield "settings need values, which they stand for"
+        if self.low is None or self.high is None:
+            yield "give values, or low and high"
+        elif self.low >= self.high:
+            yield f"low must be less than high = {self.high:g}, got {self.low:g}"
+        elif (self.scale == "log" or self.distribution == "weibull") and self.low <= 0.0:
+            log = "distribution 'weibull'" if self.distribution == "weibull" else "scale 'log'"
+            yield f"low must be positive with {log}, got {self.low:g}"
+        if self.distribution == "uniform" and self.within is not None:
+            yield f"within must be left out with distribution 'uniform', got {self.within:g}"
+        if self.distribution == "weibull" and self.scale == "log":
+            yield "scale must be left out with distribution 'weibull'"
+        if self.distribution != "uniform" and self.count is not None:
+            yield f"count must be left out with distribution {self.distribution!r}, which a sample draws"
+
+    def _value_errors(self, values: tuple[Any, ...]) -> Errors:
         if (self.low, self.high, self.count, self.distribution) != (None, None, None, "uniform"):
             yield "values take the place of low, high and count, and of a distribution"
-        if not self.values or any(one in self.values[:k] for k, one in enumerate(self.values)):
-            yield f"values must be different ones, got {list(self.values)}"
+        if not values or any(one in values[:k] for k, one in enumerate(values)):
+            yield f"values must be different ones, got {list(values)}"
         if self.settings is None:
             return
         if self.name is None or self.factor:
             yield "settings need a name of their values, and no factor"
         counts, paths = [len(row) for row in self.settings], len(self.keys)
-        if counts != [paths] * len(self.values):
-            lists = f"{len(self.values)} lists, one a value, of {paths} each, one a path"
+        if counts != [paths] * len(values):
+            lists = f"{len(values)} lists, one a value, of {paths} each, one a path"
             yield f"settings must be {lists}, got lists of {counts}"
 
     @property
@@ -120,6 +109,11 @@ class Vary(Parameters):
     def label(self) -> str:
         """Name of the column."""
         return self.name or fields.names_of(fields.parse_path(self.keys[0]))[-1]
+
+    @property
+    def _values(self) -> tuple[Any, ...]:
+        """Values, or bounds."""
+        return self.values or (self.low, self.high)
 
     def levels(self) -> tuple[Any, ...]:
         """Values of a grid; raises `ValueError` if there are bounds without a count."""
@@ -166,38 +160,39 @@ class Vary(Parameters):
 
     def applied(self, content: dict[str, Any], value: Any) -> dict[str, Any]:
         """Content of a case with a value, or what it stands for, or with what is there times a factor."""
-
-        def change(before: Any, put: Any) -> Any:
-            if self.factor:
-                return _multiplied(before, put)
-            # a count between bounds is a whole number, too
-            whole = isinstance(before, int) and not isinstance(before, bool) and isinstance(put, float)
-            return round(put) if whole and self.values is None else put
-
         puts: Puts = (value,) * len(self.keys)
         if self.settings is not None and self.values is not None:
             puts = self.settings[self.values.index(value)]
+        kind = Varied if "case" in content else None
         for path, put in zip(self.keys, puts, strict=True):
             with fields.errors_at(path):
-                change_to = partial(change, put=put)
-                kind = Varied if "case" in content else None
-                content = fields.with_change(content, fields.parse_path(path), change_to, kind)
+                content = fields.with_change(
+                    content, fields.parse_path(path), partial(self._changed, put), kind
+                )
         return content
+
+    def _changed(self, put: Any, before: Any) -> Any:
+        if self.factor:
+            return _multiplied(before, put)
+        # a count between bounds is a whole number, too
+        is_count = fields.is_number(before) and isinstance(before, int) and self.values is None
+        return round(put) if is_count else put
 
     def check(self, case_file: CaseFile | Duty) -> None:
         """Refuse, naming the path, what does not fit a case: unknown paths, another unit, wrong values."""
         for path in self.keys:
             entry = fields.entry_at(case_file, fields.parse_path(path))
-            if entry is not None and fields.is_table(entry.value):
+            if entry is None:
+                continue
+            if fields.is_table(entry.value):
                 raise ValueError(f"{path} is a table; key must be the path of a value in it")
-            if entry is not None and entry.place[-1] == fields.TAG:
+            if entry.place[-1] == fields.TAG:
                 raise ValueError(f"{path} cannot vary: each has values of its own; make a sweep of each")
             # settings are computed: their unit is that of what they stand for
-            if entry is not None and self.settings is None:
+            if self.settings is None:
                 self._check_unit(path, entry)
         content = case_file.model_dump(mode="json")
-        values = self.values or (self.low, self.high)
-        for value in values:
+        for value in self._values:
             try:
                 checked_case(self.applied(content, value), type(case_file))
             except ValueError as error:
@@ -206,7 +201,7 @@ class Vary(Parameters):
                 kinds = {one["type"] for one in cause.errors()} if isinstance(cause, ValidationError) else {}
                 if kinds != {"value_error"}:
                     raise
-        if self.factor and all(self.applied(content, value) == content for value in values[:2]):
+        if self.factor and all(self.applied(content, value) == content for value in self._values[:2]):
             raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
 
     def _check_unit(self, path: str, entry: fields.Entry) -> None:
@@ -216,11 +211,12 @@ class Vary(Parameters):
             raise ValueError(f"{path}: unit must be {meant}, got {self.unit!r}: values are in SI units")
         if self.unit is not None or self.factor:
             return
-        for value in self.values or (self.low, self.high):
-            if fields.is_number(value) and (cause := fields.likely_cause(float(value), entry.field)):
-                unit = f" {entry.unit}" if entry.unit else ""
-                meant = f"if it is meant, say unit = {entry.unit!r}"
-                raise ValueError(f"{path}: {value:g}{unit} is beyond what there is{cause}; {meant}")
+        for value in filter(fields.is_number, self._values):
+            if cause := fields.likely_cause(float(value), entry.field):
+                raise ValueError(
+                    f"{path}: {value:g} {entry.unit} is beyond what there is{cause}; "
+                    f"if it is meant, say unit = {entry.unit!r}"
+                )
 
 
 def _multiplied(before: Any, factor: Any) -> Any:
@@ -233,12 +229,3 @@ def _multiplied(before: Any, factor: Any) -> Any:
     if not np.isfinite(product):
         raise ValueError(f"the product must be finite, got {product}")
     return round(product) if isinstance(before, int) and product == round(product) else product
-
-
-def idle(paths: tuple[str, ...], case: Case) -> Errors:
-    """Those of some paths whose values change nothing in a case, a line each."""
-    for path in filter(IDLE.__contains__, paths):
-        for other, value in IDLE[path].items():
-            entry = fields.entry_at(case, fields.parse_path(other))
-            if entry is not None and entry.value == value:
-                yield f"{path}: it changes nothing with {other} = {fields.value_text(value)}"

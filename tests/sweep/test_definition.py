@@ -83,9 +83,7 @@ def test_units_and_meanings_are_those_of_the_case_and_the_catalogue():
 
 def test_runs_whose_values_do_not_fit_each_other_are_refused_by_their_number():
     sweep = small_sweep(vary=(Vary(key="contact.dynamic_friction", values=(0.2, 0.45, 0.5)),))
-    told = (
-        r"run 2 \(dynamic_friction = 0.45\): contact: dynamic_friction must not .*; 2 of 3 runs are at fault"
-    )
+    told = r"run 2 \(dynamic_friction = 0.45\): contact: dynamic_friction must not [^;]*$"
     with pytest.raises(ValueError, match=told):
         sweep.planned  # noqa: B018
 
@@ -96,12 +94,6 @@ def test_answers_are_checked_against_every_run():
         answers=(Answer(quantity="joint_force", start=0.015),),
     )
     with pytest.raises(ValueError, match=r"run 1 .*start must lie within the run of 0.01 s, got 0.015 s"):
-        sweep.planned  # noqa: B018
-
-
-def test_what_varies_without_effect_is_warned_of():
-    sweep = small_sweep(vary=(Vary(key="solver.quiet_step", values=(0.004, 0.008), unit="s"),))
-    with pytest.warns(ImplausibleWarning, match="solver.quiet_step: it changes nothing with drive.on = none"):
         sweep.planned  # noqa: B018
 
 
@@ -191,8 +183,8 @@ def test_the_same_seed_draws_the_same(design):
 @pytest.mark.parametrize(
     ("design", "runs", "told"),
     [
-        ("sobol", 7, "a power of 2 with design 'sobol', such as 4 or 8, got 7"),
-        ("saltelli", 9, "such as 8 or 16, got 9"),
+        ("sobol", 7, "runs must be a power of 2 with design 'sobol', got 7"),
+        ("saltelli", 9, "runs must be a power of 2 with design 'saltelli', got 9"),
         ("latin_hypercube", None, "runs must be given"),
         ("grid", 4, "runs must be left out"),
     ],

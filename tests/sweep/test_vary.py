@@ -1,11 +1,10 @@
-"""What varies: levels, factors, what does not fit the case, and by runs what changes nothing."""
+"""What varies: levels, factors, and what does not fit the case."""
 
-import numpy as np
 import pytest
 
-from exudyn_crawler import CaseFile, simulate
+from exudyn_crawler import CaseFile
 from exudyn_crawler.case.parameters.fields import parse_path, with_value
-from exudyn_crawler.sweep.vary import IDLE, Vary, checked_case, idle
+from exudyn_crawler.sweep.vary import Vary, checked_case
 from tests.sweep.cases import STIFFNESS, small_case
 
 
@@ -149,9 +148,9 @@ def test_items_that_a_list_does_not_have_are_refused():
         vary.applied(small_case().model_dump(mode="json"), 1.0)
 
 
-def test_few_of_many_faults_are_named():
+def test_the_first_of_many_faults_is_named():
     names = ("spring_stiffness", "spring_damping", "density", "unit_length")
-    with pytest.raises(ValueError, match=r"^terrain\.unit_length: .*; 1 more$"):
+    with pytest.raises(ValueError, match=r"^terrain\.unit_length: [^;]*got -1"):
         case_with(**{f"terrain__{name}": -1.0 for name in names})
 
 
@@ -173,42 +172,3 @@ def test_a_column_is_named_and_has_its_unit_by_the_paths_end():
     ):
         vary = Vary(key=path, values=(1.0,))
         assert (vary.label, vary.unit_in(case)) == (label, unit)
-
-
-PAIRS = (
-    ("contact.edge_width", 0.01, 0.3, {"contact__sharing": "area"}),
-    ("contact.damping_depth", 1e-3, 1.5e-2, {"contact__damping": 0.0}),
-    (
-        "contact.stiction_speed",
-        1e-4,
-        2e-2,
-        {"contact__static_friction": 0.0, "contact__dynamic_friction": 0.0},
-    ),
-    (
-        "contact.friction_speed",
-        0.05,
-        1.0,
-        {"contact__static_friction": 0.0, "contact__dynamic_friction": 0.0},
-    ),
-    ("terrain.spring_offset", 0.5, 2.0, {"terrain__springs_per_unit": 1, "terrain__column_tilt": True}),
-    ("solver.quiet_step", 2e-3, 8e-3, {"drive__on": None}),
-)
-
-
-def test_every_idle_value_is_tried():
-    assert [*IDLE] == [path for path, *_ in PAIRS]
-
-
-@pytest.mark.simulation
-@pytest.mark.parametrize(("path", "one", "other", "given"), PAIRS, ids=[path for path, *_ in PAIRS])
-def test_idle_values_change_nothing(path, one, other, given):
-    cases = [case_with(**given | {path.replace(".", "__"): value}) for value in (one, other)]
-    assert [len(list(idle([path], case))) for case in cases] == [1, 1]
-    first, second = (simulate(case, 0.01).dataset for case in cases)
-    assert all(np.array_equal(first[name], second[name], equal_nan=True) for name in first.data_vars)
-
-
-def test_what_counts_is_not_idle():
-    case = small_case().case
-    paths = [path for path in IDLE if path != "solver.quiet_step"]
-    assert list(idle([*paths, "terrain.spring_stiffness"], case)) == []
