@@ -53,16 +53,6 @@ class Spread:
             rows.append(row | {"verdict": top["verdict"]})
         return pd.DataFrame(rows)
 
-    def hot_spot_tables(self) -> dict[int, pd.DataFrame]:
-        """Hot spots of every shoe for reading, in MPa."""
-        tables = {}
-        for shoe, table in self.hot_spots.items():
-            tables[shoe] = hot_spots.hot_spot_table(table, self.dataset)
-            for name in OPEN_PARTS:
-                place = tables[shoe].columns.get_loc("flag")
-                tables[shoe].insert(place, f"{name} in MPa", table[name] / hot_spots.MEGA)
-        return tables
-
 
 def spread(
     run: str | Path,
@@ -87,8 +77,7 @@ def spread(
     """
     folder = Path(run)
     case_file = read_case(folder / record.CASE)
-    history = folders.matching_history(folder, case_file)
-    case = case_file.case
+    history, case = folders.matching_history(folder, case_file), case_file.case
     if case.flexible is None:
         raise ValueError(f"the run in {folder} must have flexible shoes to have stresses")
     other_laws = laws_beside(case) if laws else {}
@@ -97,25 +86,19 @@ def spread(
     for name in (folders.SPREAD, TABLE):
         refuse_existing(folder / folders.SPREAD_FOLDER / name, overwrite)
     out = writable_folder(folder / folders.SPREAD_FOLDER)
-
-    def peaks(cases: dict[str, Case]) -> dict[str, xr.DataArray]:
-        """Greatest von Mises stress of every node in runs, which are made where they have not finished."""
-        found = {}
-        for name, one in cases.items():
-            path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=ONE_TIME)
-            say(f"{one.name}: {name}")
-            again = overwrite and path.exists()
-            done = run_case(own, path, overwrite=again, take_finished=True, progress=progress, say=say)
-            found[name] = done.recovered().dataset.peak_von_mises
-        return found
-
-    from_starts = peaks({f"start {k + 1}": nudged(case, k) for k in range(1, starts)})
-    with_laws = peaks(other_laws)
+    peaks = {}
+    for name, one in ({f"start {k + 1}": nudged(case, k) for k in range(1, starts)} | other_laws).items():
+        path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=ONE_TIME)
+        say(f"{one.name}: {name}")
+        again = overwrite and path.exists()
+        done = run_case(own, path, overwrite=again, take_finished=True, progress=progress, say=say)
+        peaks[name] = done.recovered().dataset.peak_von_mises
     with parts.heartbeat(f"{case.name}: recovering stresses"):
-        found = spread_of(recovery.recover_stresses(history), from_starts, with_laws)
+        found = spread_of(recovery.recover_stresses(history), peaks, starts)
     write_netcdf(found.dataset.assign_attrs(case=case.model_dump_json()), out / folders.SPREAD, overwrite)
     write_table(found.by_shoe(), out / TABLE, overwrite)
-    for shoe, table in found.hot_spot_tables().items():
+    for shoe, spots in found.hot_spots.items():
+        table = hot_spots.hot_spot_table(spots, found.dataset)
         write_table(table, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
     return found
 
@@ -135,28 +118,22 @@ def laws_beside(case: Case) -> dict[str, Case]:
     return {f"law by {other}": case.with_(contact=contact.with_(sharing=other))}
 
 
-def spread_of(
-    first: recovery.StressResults, starts: Mapping[str, xr.DataArray], laws: Mapping[str, xr.DataArray]
-) -> Spread:
-    """Spread of a run by the greatest stresses (shoe, node), Pa, of others; ValueError if there are none."""
-    own = first.dataset.peak_von_mises.transpose("shoe", "node")
-    others = {**starts, **laws}
-    if not others:
-        raise ValueError("other runs must be at least one, got none")
-    for name, peak in others.items():
-        if peak.shape != own.shape or peak.shoe.values.tolist() != own.shoe.values.tolist():
-            raise ValueError(f"run {name!r} must have the same shoes and nodes")
-    runs = np.stack([own.values, *(peak.transpose("shoe", "node").values for peak in others.values())])
-    same = runs[: 1 + len(starts)]
-    low, high = same.min(axis=0), same.max(axis=0)
-    spread, beyond = high - low, np.maximum(runs - high, low - runs).max(axis=0)
-    columns = {"peak_spread": spread, "peak_choice": beyond, "run_peak": runs}
+def spread_of(first: recovery.StressResults, others: Mapping[str, xr.DataArray], starts: int) -> Spread:
+    """Spread of a run by the greatest stresses (shoe, node), Pa, of others by name.
+
+    The first of the others, with the run itself so many as `starts`, differ by their start alone.
+    """
+    peaks = [first.dataset.peak_von_mises, *others.values()]
+    runs = np.stack([peak.transpose("shoe", "node").values for peak in peaks])
+    low, high = runs[:starts].min(axis=0), runs[:starts].max(axis=0)
+    range_, beyond = high - low, np.maximum(runs - high, low - runs).max(axis=0)
+    columns = {"peak_spread": range_, "peak_choice": beyond, "run_peak": runs}
     dataset = first.dataset[["peak_von_mises", "node_position", "triangle", "in_spider", "truncation"]]
     dataset = dataset.assign({name: variable(name, values) for name, values in columns.items()})
-    dataset = dataset.assign(peak_verdict=recovery.verdicts(first.dataset, spread + beyond))
+    dataset = dataset.assign(peak_verdict=recovery.verdicts(first.dataset, range_ + beyond))
     bound, tables = float(first.dataset.truncation), {}
     for row, (shoe, table) in enumerate(first.hot_spots.items()):
         nodes = table["node"].to_numpy()
-        wider = table.assign(spread=spread[row, nodes], choice=beyond[row, nodes])
+        wider = table.assign(spread=range_[row, nodes], choice=beyond[row, nodes])
         tables[shoe] = judged(wider, None if np.isnan(bound) else bound, wider["spread"], wider["choice"])
     return Spread(dataset.assign_coords(run=[FIRST, *others]), tables)

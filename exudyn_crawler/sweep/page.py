@@ -24,6 +24,14 @@ LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
 """Runs in the table, runs that are drawn, and levels of what is not on the axis that have a curve each."""
 HEIGHT, ACROSS = 420, 6  # pixels of a row of panels, and panels in it at most
 FEW_TICKS = {"nticks": 4, "tickangle": 0}
+COLOURS = {"first": "#1c5fb0", "total": "#c98a1b"}  # of Sobol indices
+SCATTER = {
+    "quantiles": "Quantiles of the finished runs; least and most hold at 95 % for independent "
+    "draws. Where those of a quarter and of half of the runs lie beyond them, draw more.",
+    "failures": "Shoes that crack, by answers of life: every run is a shoe.",
+    "sensitivities": "Rank correlations (Spearman): 1 or -1 where one thing decides. How often chance alone "
+    "would show as much is in sensitivities.csv.",
+}
 
 
 def write_page(
@@ -43,30 +51,13 @@ def write_page(
 def sweep_page(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> str:
     """HTML of the page of a table as of `results_table`; it needs no other file but the runs it links to."""
     read = results.for_reading(table)
-    indices, method = results.sobol_indices(sweep, read)
-    shares = [page.paragraph(f"None: {method}.")]
-    if not indices.empty:
-        said = f"Shares of the variance that each makes alone (first) and in all (total): {method}."
-        shares = [page.paragraph(said), page.plot(index_figure(indices))]
     sections = [
         page.Section("best", "Best and worst runs", _best(sweep, read, links)),
-        page.Section("indices", "Sobol indices", page.together(*shares)),
+        page.Section("scatter", "Scatter", _scatter(sweep, read)),
+        *([] if _drawn(sweep, read).empty else _figures(sweep, read)),
+        page.Section("indices", "Sobol indices", _indices(sweep, read)),
         page.Section("runs", "Runs", _runs(sweep, read, links)),
     ]
-    if not _drawn(sweep, read).empty:
-        labels, effects = [answer.label for answer in sweep.answers], results.main_effects(sweep, read)
-        lines = page.paragraph("A line a run; draw along an axis to choose some of them.")
-        means = page.paragraph("Means over all else that varies; bars reach to the least and the greatest.")
-        curves = [page.plot(response_curves(sweep, read, label)) for label in labels]
-        bars = [page.plot(effect_figure(sweep, read, effects, label)) for label in labels]
-        through = page.plot(parallel_coordinates(sweep, read))
-        sections[1:1] = [
-            page.Section("parallel", "All runs", page.together(lines, through)),
-            page.Section("responses", "Response curves", page.together(*curves)),
-            page.Section("effects", "Main effects", page.together(means, *bars)),
-        ]
-    if scatter := results.scatter_tables(sweep, read):
-        sections[1:1] = [page.Section("scatter", "Scatter", _scatter(sweep, read, scatter))]
     counts = ", ".join(f"{count} {status}" for status, count in table["status"].value_counts().items())
     drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
     lead = f"{len(table)} runs of {sweep.named}, design {sweep.design}{drawn}: {counts}"
@@ -90,47 +81,6 @@ def _drawn(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     return done.iloc[:: -(-len(done) // MOST_DRAWN) or 1]
 
 
-SCATTER = {
-    "quantiles": "Quantiles of the finished runs; least and most hold at 95 % for independent "
-    "draws. Where those of a quarter and of half of the runs lie beyond them, draw more.",
-    "failures": "Shoes that crack, by answers of life: every run is a shoe.",
-    "sensitivities": "Rank correlations (Spearman): 1 or -1 where one thing decides. How often chance alone "
-    "would show as much is in sensitivities.csv.",
-}
-
-
-def _scatter(sweep: AnySweep, table: pd.DataFrame, scatter: Mapping[str, pd.DataFrame]) -> Markup:
-    tables, quantiles = dict(scatter), scatter["quantiles"]
-    ranks = tables["sensitivities"].pivot(index="varied", columns="answer", values="rank correlation")
-    order = ranks.abs().max(axis=1).sort_values(ascending=False).index
-    answers = [one.label for one in sweep.answers if one.label in ranks]
-    tables["sensitivities"] = (ranks.loc[order, answers].round(2) + 0.0).reset_index()  # without -0
-    shown = [(said, tables[name]) for name, said in SCATTER.items() if not tables[name].empty]
-    parts = [part for said, one in shown for part in (page.paragraph(said), page.table(one))]
-    if not quantiles.empty:
-        parts.insert(0, page.plot(distribution_figure(sweep, table, quantiles)))
-    return page.together(*parts)
-
-
-def distribution_figure(sweep: AnySweep, table: pd.DataFrame, quantiles: pd.DataFrame) -> go.Figure:
-    """Portion of the runs below each value of an answer, a panel each, with bounds of its quantiles."""
-    done = _drawn(sweep, table)
-    known = [one.label for one in sweep.answers if one.label in set(quantiles["answer"])]
-    figure = make_subplots(cols=len(known), shared_yaxes=True)
-    for k, name in enumerate(known, 1):
-        values, own = done[name].sort_values(), quantiles[quantiles["answer"] == name]
-        portions = np.arange(1, len(values) + 1) / len(values)
-        figure.add_scatter(x=values, y=portions, mode="lines", row=1, col=k, showlegend=False)
-        upper, lower = own["most"] - own["value"], own["value"] - own["least"]
-        bars = {"type": "data", "symmetric": False, "array": upper, "arrayminus": lower, "thickness": 1}
-        how = {"mode": "markers", "error_x": bars, "marker_color": "#444", "showlegend": False}
-        figure.add_scatter(x=own["value"], y=own["portion below"], row=1, col=k, **how)
-        kind = "log" if _is_life(table, name) else None
-        figure.update_xaxes(title_text=_label(table, name), type=kind, row=1, col=k, **FEW_TICKS)
-    figure.update_yaxes(title_text="portion of the runs below", row=1, col=1)
-    return figure.update_layout(height=HEIGHT, margin={"t": 30})
-
-
 def _best(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Markup:
     best = results.best_and_worst(sweep, table)
     if best.empty:
@@ -145,6 +95,43 @@ def _best(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Mar
     return page.table(pd.DataFrame(rows), compact=True)
 
 
+def _scatter(sweep: AnySweep, table: pd.DataFrame) -> Markup:
+    tables = results.scatter_tables(sweep, table)
+    if not tables:
+        return Markup("")
+    ranks = tables["sensitivities"].pivot(index="varied", columns="answer", values="rank correlation")
+    order = ranks.abs().max(axis=1).sort_values(ascending=False).index
+    answers = [one.label for one in sweep.answers if one.label in ranks]
+    # without -0
+    tables["sensitivities"] = (ranks.loc[order, answers].round(2) + 0.0).reset_index()
+    parts = [] if tables["quantiles"].empty else [distribution_figure(sweep, table, tables["quantiles"])]
+    shown = [(said, tables[name]) for name, said in SCATTER.items() if not tables[name].empty]
+    texts = [part for said, one in shown for part in (page.paragraph(said), page.table(one))]
+    return page.together(*map(page.plot, parts), *texts)
+
+
+def _figures(sweep: AnySweep, table: pd.DataFrame) -> list[page.Section]:
+    labels, effects = [answer.label for answer in sweep.answers], results.main_effects(sweep, table)
+    lines = page.paragraph("A line a run; draw along an axis to choose some of them.")
+    means = page.paragraph("Means over all else that varies; bars reach to the least and the greatest.")
+    curves = [page.plot(response_curves(sweep, table, label)) for label in labels]
+    bars = [page.plot(effect_figure(sweep, table, effects, label)) for label in labels]
+    through = page.plot(parallel_coordinates(sweep, table))
+    return [
+        page.Section("parallel", "All runs", page.together(lines, through)),
+        page.Section("responses", "Response curves", page.together(*curves)),
+        page.Section("effects", "Main effects", page.together(means, *bars)),
+    ]
+
+
+def _indices(sweep: AnySweep, table: pd.DataFrame) -> Markup:
+    indices, method = results.sobol_indices(sweep, table)
+    if indices.empty:
+        return page.paragraph(f"None: {method}.")
+    said = f"Shares of the variance that each makes alone (first) and in all (total): {method}."
+    return page.together(page.paragraph(said), page.plot(index_figure(indices)))
+
+
 def _runs(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Markup:
     shown, labels = table.head(LONGEST_TABLE), [answer.label for answer in sweep.answers]
     columns = [*sweep.columns, *labels, "status", "reason"]
@@ -156,24 +143,50 @@ def _runs(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Mar
     return page.together(*more, page.table(rows))
 
 
+def distribution_figure(sweep: AnySweep, table: pd.DataFrame, quantiles: pd.DataFrame) -> go.Figure:
+    """Portion of the runs below each value of an answer, a panel each, with bounds of its quantiles."""
+    done, by_answer = _drawn(sweep, table), quantiles.groupby("answer", sort=False)
+    figure = make_subplots(cols=len(by_answer), shared_yaxes=True)
+    for k, (name, own) in enumerate(by_answer, 1):
+        values, place = done[name].sort_values(), {"row": 1, "col": k}
+        portions = np.arange(1, len(values) + 1) / len(values)
+        figure.add_scatter(x=values, y=portions, mode="lines", **place)
+        bounds = _bars(own["value"], own["least"], own["most"])
+        how = {"mode": "markers", "error_x": bounds, "marker_color": "#444"}
+        figure.add_scatter(x=own["value"], y=own["portion below"], **how, **place)
+        kind = "log" if _is_life(table, name) else None
+        figure.update_xaxes(title_text=_label(table, name), type=kind, **FEW_TICKS, **place)
+    figure.update_yaxes(title_text="portion of the runs below", col=1)
+    return figure.update_layout(height=HEIGHT, margin={"t": 30}, showlegend=False)
+
+
+def _bars(value: pd.Series, least: pd.Series, most: pd.Series) -> dict[str, object]:
+    """Bars about values from the least to the most."""
+    ends = {"array": most - value, "arrayminus": value - least}
+    return {"type": "data", "symmetric": False, "thickness": 1} | ends
+
+
 def parallel_coordinates(sweep: AnySweep, table: pd.DataFrame) -> go.Figure:
     """A line a run through what varies and the answers, coloured by the first of these."""
     done, labels = _drawn(sweep, table), [answer.label for answer in sweep.answers]
-    dimensions: list[dict[str, object]] = []
-    for name in (*sweep.columns, *labels):
-        dimensions.append({"label": _label(table, name), "values": done[name]})
-        if _is_life(table, name):
-            decades = np.log10(done[name])
-            ticks = np.arange(np.ceil(decades.min()), decades.max() + 1e-9)
-            dimensions[-1] |= {"values": decades, "tickvals": ticks, "ticktext": [f"1e{k:g}" for k in ticks]}
-        places, texts = results.numbers_of(done, name)
-        if texts:
-            dimensions[-1] |= {"values": places, "tickvals": list(range(len(texts))), "ticktext": texts}
-    first = dimensions[len(sweep.columns)]
+    axes = [_axis(done, name) for name in (*sweep.columns, *labels)]
+    first = axes[len(sweep.columns)]
     bar = {name: first[name] for name in ("tickvals", "ticktext") if name in first}
     colour = {"color": first["values"], "colorscale": "Viridis", "showscale": True, "colorbar": bar}
-    figure = go.Figure(go.Parcoords(line=colour, dimensions=dimensions, labelangle=-25))
+    figure = go.Figure(go.Parcoords(line=colour, dimensions=axes, labelangle=-25))
     return figure.update_layout(height=HEIGHT, margin={"t": 110, "b": 30})
+
+
+def _axis(table: pd.DataFrame, name: str) -> dict[str, object]:
+    """Axis of parallel coordinates; they have logarithms of lives and numbers of texts."""
+    values, texts = results.numbers_of(table, name)
+    ticks = np.arange(len(texts))
+    if _is_life(table, name):
+        values = np.log10(values)
+        ticks = np.arange(np.ceil(values.min()), values.max() + 1e-9)
+        texts = [f"1e{k:g}" for k in ticks]
+    axis = {"label": _label(table, name), "values": values}
+    return axis | ({"tickvals": ticks, "ticktext": texts} if texts else {})
 
 
 def response_curves(sweep: AnySweep, table: pd.DataFrame, answer: str) -> go.Figure:
@@ -200,28 +213,10 @@ def effect_figure(sweep: AnySweep, table: pd.DataFrame, effects: pd.DataFrame, a
     panels = []
     for name in sweep.columns:
         rows = effects[(effects["answer"] == answer) & (effects["varied"] == name)]
-        upper, lower = rows["greatest"] - rows["mean"], rows["mean"] - rows["least"]
-        bars = {"type": "data", "symmetric": False, "array": upper, "arrayminus": lower, "thickness": 1}
+        bars = _bars(rows["mean"], rows["least"], rows["greatest"])
         line = {"mode": "lines+markers", "showlegend": False, "error_y": bars}
         panels.append([go.Scatter(x=rows["level"], y=rows["mean"], **line)])
     return _panels(sweep, table, answer, panels)
-
-
-def index_figure(indices: pd.DataFrame) -> go.Figure:
-    """Sobol indices: bars of first order and total, with their confidence, a panel an answer."""
-    answers = list(dict.fromkeys(indices["answer"]))
-    figure = make_subplots(cols=len(answers), shared_yaxes=True, subplot_titles=answers)
-    for k, answer in enumerate(answers):
-        own = indices[indices["answer"] == answer]
-        for kind, colour in (("first", "#1c5fb0"), ("total", "#c98a1b")):
-            if own[kind].isna().all():
-                continue
-            known = own[f"{kind}_conf"].notna().any()
-            error = {"type": "data", "array": own[f"{kind}_conf"]} if known else None
-            how = {"marker_color": colour, "error_y": error, "showlegend": k == 0}
-            figure.add_trace(go.Bar(x=own["varied"], y=own[kind], name=kind, **how), row=1, col=k + 1)
-    shown = {"height": HEIGHT, "barmode": "group", "margin": {"t": 40}}
-    return figure.update_layout(yaxis_title="share of the variance", **shown)
 
 
 def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list[go.Scatter]]) -> go.Figure:
@@ -241,6 +236,21 @@ def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list
     figure.update_yaxes(title_text=_label(table, answer), col=1)
     figure.update_yaxes(type="log" if _is_life(table, answer) else None)
     return figure.update_layout(height=HEIGHT if rows == 1 else 280 * rows, margin={"t": 30})
+
+
+def index_figure(indices: pd.DataFrame) -> go.Figure:
+    """Sobol indices: bars of first order and total, with their confidence, a panel an answer."""
+    answers = indices["answer"].unique()
+    figure = make_subplots(cols=len(answers), shared_yaxes=True, subplot_titles=answers)
+    for k, answer in enumerate(answers, 1):
+        own = indices[indices["answer"] == answer].dropna(axis="columns", how="all")
+        for kind, colour in COLOURS.items():
+            if kind in own:
+                error = {"type": "data", "array": own.get(f"{kind}_conf")}
+                how = {"marker_color": colour, "error_y": error, "showlegend": k == 1}
+                figure.add_bar(x=own["varied"], y=own[kind], name=kind, row=1, col=k, **how)
+    shown = {"height": HEIGHT, "barmode": "group", "margin": {"t": 40}}
+    return figure.update_layout(yaxis_title="share of the variance", **shown)
 
 
 def _report_of(run: Path, say: Callable[[str], None]) -> None:

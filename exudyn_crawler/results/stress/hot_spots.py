@@ -177,7 +177,8 @@ def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
         "von Mises in MPa": hot_spots["value"] / MEGA,
         "verdict": hot_spots["verdict"],
     }
-    columns |= {f"{name} in MPa": hot_spots[name] / MEGA for name in ("error", "jump")}
+    errors = [name for name in ("error", "jump", "spread", "choice") if name in hot_spots]
+    columns |= {f"{name} in MPa": hot_spots[name] / MEGA for name in errors}
     columns |= {"flag": hot_spots["flag"]} | hot_spots.filter(like=SHARE).to_dict("series")
     columns |= {"node": hot_spots["node"], "time in s": hot_spots["time"]}
     columns |= in_the_shoe(stress.node_position.isel(node=hot_spots["node"].to_numpy()))
