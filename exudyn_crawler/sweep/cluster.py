@@ -61,19 +61,16 @@ def _local(workers: int | None) -> Iterator[distributed.Client]:
         yield client
 
 
-@contextmanager
-def _remote(scheduler: str) -> Iterator[distributed.Client]:
+def _remote(scheduler: str) -> distributed.Client:
     try:
         is_file = Path(scheduler).suffix == ".json"
         if is_file and not Path(scheduler).is_file():
             raise FileNotFoundError("no such file")
         where = {"scheduler_file" if is_file else "address": scheduler}
-        client = distributed.Client(**where, timeout=CONNECT_WAIT, set_as_default=False)
+        return distributed.Client(**where, timeout=CONNECT_WAIT, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"scheduler must be one that answers, got {scheduler}: {reason}") from error
-    with client:
-        yield client
 
 
 def _check_workers(client: distributed.Client, runs: Path) -> None:

@@ -4,6 +4,7 @@ import hashlib
 import itertools
 import json
 import math
+import os
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
@@ -22,7 +23,6 @@ from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quan
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often
 from exudyn_crawler.sweep.vary import Varied, Vary, checked_case
-from meshes import SHOE_SIZES
 
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
 SAMPLED = ("latin_hypercube", "sobol", "saltelli")  # designs that draw points between bounds
@@ -288,42 +288,40 @@ def read_sweep(path: str | Path) -> Sweep:
 
     def values(content: reading.Content) -> reading.Content:
         case = case_of(content.pop("case", None), path)
-        for one in content["vary"] if isinstance(content.get("vary"), list) else ():
-            _resolve_meshes(one, path.parent)
-            _measured(one, case)
+        if isinstance(vary := content.get("vary"), list):
+            content["vary"] = [
+                _of_file(one, path.parent, case) if isinstance(one, dict) else one for one in vary
+            ]
         return content | {"case": case.model_dump(mode="json")}
 
     return reading.read_parameters(path, Sweep, "sweep file", values)
 
 
-def _measured(varied: Any, case_file: CaseFile) -> None:
-    """Put numbers of the case's unit in place of texts with units, which say that the numbers are meant."""
-    if not isinstance(varied, dict) or varied.get("factor") or varied.get("settings"):
-        return
+def _of_file(varied: reading.Content, folder: Path, case_file: CaseFile) -> reading.Content:
+    """What varies with whole paths of meshes, and numbers of the case's unit for texts with units."""
     keys = varied.get("key")
-    key = keys[0] if isinstance(keys, list) and keys else keys
-    unit = ""
+    if MESH in str(keys):
+        meshes = {
+            name: _whole_paths(varied[name], folder) for name in ("values", "settings") if name in varied
+        }
+        return varied | meshes
+    if varied.get("factor") or varied.get("settings"):
+        return varied
+    entry = None
     # paths that lead nowhere are refused with all else
     with suppress(ValueError):
-        entry = fields.entry_at(case_file, fields.parse_path(key)) if isinstance(key, str) else None
-        unit = "" if entry is None else entry.unit
-    for name in MEASURED:
-        number = reading.number_of(varied.get(name), unit)
-        if number != varied.get(name):
-            varied |= {name: number, "unit": varied.get("unit", unit)}
+        first = keys[0] if isinstance(keys, list) and keys else keys
+        entry = fields.entry_at(case_file, fields.parse_path(str(first)))
+    unit = "" if entry is None else entry.unit
+    numbers = {name: reading.number_of(varied[name], unit) for name in MEASURED if name in varied}
+    # a unit in words says that the numbers are meant
+    has_units = any(number != varied[name] for name, number in numbers.items())
+    return varied | numbers | ({"unit": varied.get("unit", unit)} if has_units else {})
 
 
-def _resolve_meshes(varied: Any, folder: Path) -> None:
-    """Put whole paths in place of names of mesh files that vary."""
-
-    def resolved(mesh: Any) -> Any:
-        return mesh if mesh in SHOE_SIZES or not isinstance(mesh, str) else str((folder / mesh).resolve())
-
-    match varied:
-        case {"key": str(key), "values": list(values)} if key == MESH:
-            values[:] = map(resolved, values)
-        case {"key": list(keys), "settings": list(rows)} if MESH in keys:
-            place = keys.index(MESH)
-            for row in rows:
-                if isinstance(row, list) and len(row) > place:
-                    row[place] = resolved(row[place])
+def _whole_paths(value: Any, folder: Path) -> Any:
+    """Value, or values, with whole paths in place of names of files in a folder."""
+    if isinstance(value, list):
+        return [_whole_paths(one, folder) for one in value]
+    is_file = isinstance(value, str) and os.path.isfile(folder / value)
+    return str((folder / value).resolve()) if is_file else value

@@ -226,6 +226,4 @@ def _multiplied(before: Any, factor: Any) -> Any:
     if not (fields.is_number(before) and fields.is_number(factor)):
         raise ValueError(f"a factor needs numbers, got {shown(factor)} times {shown(before)}")
     product = before * factor
-    if not np.isfinite(product):
-        raise ValueError(f"the product must be finite, got {product}")
-    return round(product) if isinstance(before, int) and product == round(product) else product
+    return int(product) if isinstance(before, int) and float(product).is_integer() else product

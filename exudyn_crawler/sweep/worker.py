@@ -60,17 +60,20 @@ def run_task(task: Task) -> Outcome:
     """Run a case into its folder, or what is missing of it, and answer; raises as `check_versions` alone."""
     check_versions(task.versions, own_versions(), platform.node())
     begun, computed = time.perf_counter(), time.process_time()
-    failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
     error, numbers = None, {}
     try:
-        numbers = _answered(task, overwrite=task.again and failed_before)
+        numbers = _answered(task)
     except Exception as raised:
         error = raised
-    taken = {"wall_time_s": time.perf_counter() - begun, "processor_time_s": time.process_time() - computed}
-    here = {"host": platform.node(), "process": os.getpid()} | {
-        name: round(s, 3) for name, s in taken.items()
-    }
-    outcome = write_outcome(task, error, numbers, **here)
+    outcome = write_outcome(
+        task,
+        error,
+        numbers,
+        host=platform.node(),
+        process=os.getpid(),
+        wall_time_s=round(time.perf_counter() - begun, 3),
+        processor_time_s=round(time.process_time() - computed, 3),
+    )
     note_file(folder_of(task.runs, task.digest) / OUTCOME)
     return outcome
 
@@ -84,10 +87,9 @@ def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
     """Outcome of a run; None if it has none that can be read, or it is that of another one."""
     try:
         outcome = json.loads((folder_of(runs, digest) / OUTCOME).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return outcome if outcome["digest"] == digest else None
+    except (OSError, ValueError, TypeError, KeyError):
         return None
-    whole = isinstance(outcome, dict) and outcome.get("digest") == digest
-    return outcome if whole and isinstance(outcome.get("answers"), dict) else None
 
 
 def write_outcome(
@@ -97,9 +99,9 @@ def write_outcome(
     reason = "" if error is None else " ".join(str(error).split())
     if error is not None and not (isinstance(error, errors.CrawlerError | ValueError | OSError) and reason):
         reason = f"{type(error).__name__}: {reason}"
-    outcome = {"digest": task.digest, "asked": json.loads(task.answers)}
-    outcome |= {"status": DONE if error is None else FAILED, "reason": reason, "answers": numbers, **more}
-    outcome |= {"finished": timestamp()}
+    status = DONE if error is None else FAILED
+    outcome = {"digest": task.digest, "asked": json.loads(task.answers), "status": status, "reason": reason}
+    outcome |= {"answers": numbers, **more, "finished": timestamp()}
     folder = folder_of(task.runs, task.digest)
     folder.mkdir(parents=True, exist_ok=True)
     with files.whole_file(folder / OUTCOME, overwrite=True) as temporary:
@@ -107,11 +109,11 @@ def write_outcome(
     return outcome
 
 
-def _answered(task: Task, overwrite: bool) -> dict[str, float | None]:
+def _answered(task: Task) -> dict[str, float | None]:
     """Answers of a run by name; None where a run has none."""
     case_file, folder = CaseFile.model_validate_json(task.case), folder_of(task.runs, task.digest)
-    folder.mkdir(parents=True, exist_ok=True)
-    how: dict[str, Any] = {"overwrite": overwrite, "take_finished": True, "progress": False}
+    has_failed = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
+    how: dict[str, Any] = {"overwrite": task.again and has_failed, "take_finished": True, "progress": False}
     give_up = time.monotonic() + LOCK_WAIT
     with warnings.catch_warnings():
         # the sweep warns of them once

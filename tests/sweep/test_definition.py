@@ -296,6 +296,7 @@ def test_everything_may_be_said(tmp_path):
 
 
 def test_meshes_are_found_from_the_files_folder(tmp_path):
+    (tmp_path / "own.msh").touch()
     text = f'case = "stress"\n[[vary]]\nkey = "flexible.mesh"\nvalues = ["coarse", "own.msh"]\n{ANSWERED}'
     sweep = read_sweep(written(tmp_path, text))
     assert sweep.vary[0].values == ("coarse", str(tmp_path / "own.msh"))
