@@ -268,10 +268,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
             if not isinstance(plan, DutyScatter):
                 typer.echo(running.folder_state(plan, folder, **how))
             return
-        if isinstance(plan, DutyScatter):
-            done = running.run_duty_scatter(plan, folder, typer.echo)
-        else:
-            done = running.run_sweep(plan, folder, scheduler=scheduler, say=typer.echo, **how)
+        done = running.run_sweep(plan, folder, scheduler=scheduler, say=typer.echo, **how)
         show(done)
         failed = int((done.table["status"] != "done").sum())
         more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""

@@ -7,15 +7,22 @@ import xarray as xr
 from pydantic import Field, TypeAdapter
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured, shown
 from exudyn_crawler.case_run import CaseRun
-from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
+from exudyn_crawler.results.history.catalogue import DTYPES, QUANTITIES, Quantity, select
 from exudyn_crawler.results.life.duty import Damage, Duty, DutyRun, Often, Survival
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
 from exudyn_crawler.run.folder.folder import SAME_TIME
 
-NOT_COUNTED = ("pair", "terrain coordinate", "tread")  # what no answer is of
+ANSWERABLE = {
+    name: one
+    for name, one in select(dimensions="time").items()
+    if one.numbers in DTYPES
+    and "body_axis" not in one.dimensions
+    and (one.by_shoe or one.per not in ("pair", "terrain coordinate", "tread"))
+}
+"""Quantities over time of which statistics are: real numbers and vectors of what all runs have."""
 DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")  # of what an answer is of
 
 STATISTICS: dict[str, Any] = {
@@ -27,7 +34,6 @@ STATISTICS: dict[str, Any] = {
     "range": lambda values: values.max() - values.min(),
     "end": lambda values: values.isel(time=-1).mean(),
 }
-Statistic = Literal["greatest", "least", "largest", "mean", "rms", "range", "end"]
 
 
 class AnyAnswer(Parameters):
@@ -66,7 +72,7 @@ class Answer(AnyAnswer):
 
     model: Literal["quantity"] = "quantity"
     quantity: str = option("name in the catalogue, such as joint_force")
-    statistic: Statistic = option(
+    statistic: Literal["greatest", "least", "largest", "mean", "rms", "range", "end"] = option(
         "greatest, least, largest (in magnitude), mean, rms, range, or end: the mean at the end", "greatest"
     )
     axis: Literal["x", "y", "z"] | None = option("of a vector, global; its length, if not given", None)
@@ -75,17 +81,11 @@ class Answer(AnyAnswer):
     end: float | None = measured("s", "last time that counts; the run's end, if not given", default=None)
 
     def _errors(self) -> Errors:
-        over_time = select(dimensions="time")
-        if self.quantity not in over_time:
-            near = difflib.get_close_matches(self.quantity, over_time, n=1, cutoff=0.0)
-            yield f"quantity must be one over time, got {self.quantity!r}; the nearest is {near[0]!r}"
-        quantity = over_time[self.quantity]
-        # statistics are of real numbers of what is counted, of no matrix
-        is_real = quantity.numbers in ("double", "single") and "body_axis" not in quantity.dimensions
-        if not is_real or not (quantity.by_shoe or quantity.per not in NOT_COUNTED):
-            got = f"got {self.quantity!r}: {quantity.meaning}"
-            yield f"quantity must be a number or a vector of a shoe, link, unit, roller or the track, {got}"
-        if self.axis is not None and "axis" not in quantity.dimensions:
+        if self.quantity not in ANSWERABLE:
+            near = difflib.get_close_matches(self.quantity, ANSWERABLE, n=1, cutoff=0.0)
+            of = "a number or a vector over time, of a shoe, link, unit, roller or the track"
+            yield f"quantity must be {of}, got {self.quantity!r}; the nearest is {near[0]!r}"
+        if self.axis is not None and "axis" not in QUANTITIES[self.quantity].dimensions:
             yield f"axis must be left out with {self.quantity}, which is no vector"
         if self.end is not None and self.end <= self.start:
             yield f"end must be greater than start = {self.start:g} s, got {self.end:g} s"
@@ -108,17 +108,14 @@ class Answer(AnyAnswer):
     def _case_errors(self, case_file: CaseFile) -> Errors:
         case, quantity = case_file.case, QUANTITIES[self.quantity]
         if lacking := quantity.lacking(case):
-            near = " (joint_force is that of whole links)" if self.quantity == "pin_force" else ""
-            yield f"{self.quantity} needs {lacking}{near}"
+            yield f"{self.quantity} needs {lacking}"
         yield from _beyond(case_file, start=self.start, end=self.end)
         what, numbers = _counted(quantity, case)
         wrong = [one for one in self.of or () if one not in numbers]
-        if wrong and not what:
-            yield f"of must be left out, {self.quantity} is of the whole {quantity.per}"
+        if wrong and not numbers:
+            yield f"of must be left out, {self.quantity} is of the whole {what}"
         if wrong:
-            whole = numbers == [*range(1, len(numbers) + 1)]
-            span = f"1..{len(numbers)}" if whole else ", ".join(map(str, numbers))
-            yield f"of must be {what} of {span}, got {wrong}"
+            yield f"of must be {what}s of {shown(numbers)}, got {wrong}"
 
     def of_run(self, run: CaseRun) -> float:
         """Number of a run."""
@@ -159,9 +156,8 @@ class HotSpot(AnyAnswer):
 
     def of_run(self, run: CaseRun) -> float:
         """Stress in a run."""
-        table = run.recovered().hot_spots[self.shoe]
-        stress = table.loc[table["rank"] == self.rank, "value"]
-        return float(stress.iloc[0]) if len(stress) else float("nan")
+        by_rank = run.recovered().hot_spots[self.shoe].set_index("rank")["value"]
+        return float(by_rank.get(self.rank, float("nan")))
 
 
 class Life(AnyAnswer, Damage, Often):
@@ -226,13 +222,16 @@ def _beyond(case_file: CaseFile, **times: float | None) -> Errors:
 
 def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
     """What a quantity is of, and their numbers; contacts count by shoe: pairs differ from run to run."""
-    flexible = () if case.flexible is None else case.flexible.shoes
-    joints = case.joints.tolist()
-    rollers = [] if case.undercarriage is None else [*range(1, len(case.undercarriage.rollers) + 1)]
-    # a link has two pins where one of its shoes is flexible
-    pins = [one for one in joints if {one, one % case.track.shoe_count + 1} & set(flexible)]
-    shoes, units = case.track.shoes.tolist(), case.terrain.units.tolist()
-    counted = {"shoe": ("shoes", shoes), "flexible shoe": ("flexible shoes", [*flexible])}
-    counted |= {"link": ("links", joints), "pin": ("links", pins)}
-    counted |= {"unit": ("units", units), "roller": ("rollers", rollers)}
-    return counted.get("shoe" if quantity.by_shoe else quantity.per, ("", []))
+    flexible = [] if case.flexible is None else [*case.flexible.shoes]
+    links = case.joints.tolist()
+    counted = {
+        "shoe": case.track.shoes.tolist(),
+        "flexible shoe": flexible,
+        "link": links,
+        # a link has two pins where one of its shoes is flexible
+        "pin": [one for one in links if {one, one % case.track.shoe_count + 1} & {*flexible}],
+        "unit": case.terrain.units.tolist(),
+        "roller": [*range(1, len(case.undercarriage.rollers) + 1)] if case.undercarriage else [],
+    }
+    what = "shoe" if quantity.by_shoe else quantity.per
+    return what, counted.get(what, [])

@@ -11,7 +11,7 @@ from contextlib import suppress
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeVar
 
 import pandas as pd
 from scipy.stats import qmc
@@ -20,7 +20,6 @@ from exudyn_crawler.case import CaseFile, Outputs, case_of
 from exudyn_crawler.case.case_file import BARE
 from exudyn_crawler.case.parameters import checks, fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
-from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often
 from exudyn_crawler.sweep.vary import Varied, Vary, checked_case
 
@@ -67,16 +66,14 @@ class Variation(Parameters):
     seed: int = option("of the random numbers", 1, ge=0, le=2**32 - 1)
     fleet: Fleet = option("shoes that a scatter of lives is counted for", Fleet())
 
-    if TYPE_CHECKING:  # what each kind has
+    # what each kind has, beside its answers
+    named: ClassVar[Any]
+    planned: ClassVar[Any]
+    _varied: ClassVar[Any]
+    if TYPE_CHECKING:
 
         @property
         def answers(self) -> tuple[Answers, ...]: ...  # noqa: D102
-        @property
-        def named(self) -> str: ...  # noqa: D102
-        @property
-        def planned(self) -> tuple[PlannedRun, ...]: ...  # noqa: D102
-        @property
-        def _varied(self) -> CaseFile | Duty: ...
 
     def _errors(self) -> Errors:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]

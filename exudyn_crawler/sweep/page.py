@@ -185,7 +185,7 @@ def _axis(table: pd.DataFrame, name: str) -> dict[str, object]:
         values = np.log10(values)
         ticks = np.arange(np.ceil(values.min()), values.max() + 1e-9)
         texts = [f"1e{k:g}" for k in ticks]
-    axis = {"label": _label(table, name), "values": values}
+    axis: dict[str, object] = {"label": _label(table, name), "values": values}
     return axis | ({"tickvals": ticks, "ticktext": texts} if texts else {})
 
 

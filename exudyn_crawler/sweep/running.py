@@ -15,15 +15,11 @@ from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.scatter import AnySweep, DutyScatter
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
-RUNS = "runs"  # folder of the folders of runs, where a sweep names no other storage
-BASE_CASE, DEFINITION = "base.toml", "sweep.json"
-TABLE, COLUMNS, DATASET = "results.csv", "results.parquet", "results.nc"
-REDUCTIONS = "reductions"
 PACKED = 0.75  # size of a history on disk to that in memory
 
 
 def run_sweep(
-    sweep: Sweep,
+    sweep: AnySweep,
     out: str | Path,
     *,
     scheduler: str | None = None,
@@ -36,8 +32,9 @@ def run_sweep(
     """Run all runs of a sweep that have not finished, on Dask, and gather the answers.
 
     A sweep that was stopped goes on when it is run into the same folder; one with more values or other
-    answers takes what is there. Runs that fail do not stop the others. A script that calls this without a
-    scheduler does so below ``if __name__ == "__main__":``, since its worker processes import it.
+    answers takes what is there. Runs that fail do not stop the others. Draws from a duty are no runs: their
+    lives are weighed in this process, with errors as of `life`. A script that calls this without a scheduler
+    does so below ``if __name__ == "__main__":``, since its worker processes import it.
 
     Every run has a folder in `runs` of `out`, or in the folder `storage`, which all workers have to share.
     `scheduler` is the address or scheduler file of a Dask cluster; without, one of this machine's has so many
@@ -49,17 +46,22 @@ def run_sweep(
     """
     sweep.planned  # noqa: B018 - refuses runs before a folder is made
     folder = writable_folder(Path(out))
-    runs = writable_folder(_runs_folder(folder, storage))
     work = record.RunFolder(folder, say)
     with record.held(folder, "sweep"), record.recorded(work):
-        write_case(sweep.case, folder / BASE_CASE, overwrite=True)
+        if isinstance(sweep, DutyScatter):
+            with work.timed("draws"):
+                lives = enumerate(sweep.lives(work.say), 1)
+            stored: dict[str, Outcome] = {str(k): {"status": DONE, "answers": one} for k, one in lives}
+            return _gathered(sweep, stored, folder, None, work)
+        runs = writable_folder(_runs_folder(folder, storage))
+        write_case(sweep.case, folder / "base.toml", overwrite=True)
         stored, missing, line = _state(sweep, runs, retry)
         work.say(line)
         if missing:
             # planning a sweep and looking at its results do without Dask
             from exudyn_crawler.sweep.cluster import connected, outcomes
 
-            shared = None if scheduler is None else folder / REDUCTIONS
+            shared = None if scheduler is None else folder / "reductions"
             tasks = tasks_of(sweep, missing, runs, shared, retry)
             with (
                 work.timed("runs"),
@@ -74,32 +76,18 @@ def run_sweep(
         return _gathered(sweep, stored, folder, runs, work)
 
 
-def run_duty_scatter(
-    sweep: DutyScatter, out: str | Path, say: Callable[[str], None] = record.quiet
-) -> results.SweepRun:
-    """Lives of all draws over a duty, in one process: its cycles are counted once; raises as `life`."""
-    sweep.planned  # noqa: B018 - refuses draws before a folder is made
-    folder = writable_folder(Path(out))
-    work = record.RunFolder(folder, say)
-    with record.held(folder, "sweep"), record.recorded(work):
-        with work.timed("draws"):
-            answers = sweep.lives(work.say)
-        stored = {str(k): {"status": DONE, "answers": one} for k, one in enumerate(answers, 1)}
-        return _gathered(sweep, stored, folder, None, work)
-
-
 def _gathered(
     sweep: AnySweep, stored: dict[str, Outcome], folder: Path, runs: Path | None, work: record.RunFolder
 ) -> results.SweepRun:
     """Tables and page of a sweep's outcomes; runs, if they have them, are in folders of `runs`."""
-    with whole_file(folder / DEFINITION, overwrite=True) as temporary:
+    with whole_file(folder / "sweep.json", overwrite=True) as temporary:
         temporary.write_text(sweep.model_dump_json(indent=2) + "\n", encoding="utf-8")
     with work.timed("tables and page"):
         table = results.results_table(sweep, stored)
         dataset = results.results_dataset(sweep, table)
-        results.write_units_csv(table, folder / TABLE)
-        results.write_parquet(table, folder / COLUMNS)
-        write_netcdf(dataset, folder / DATASET, overwrite=True)
+        results.write_units_csv(table, folder / "results.csv")
+        results.write_parquet(table, folder / "results.parquet")
+        write_netcdf(dataset, folder / "results.nc", overwrite=True)
         page.write_page(sweep, table, folder, runs, work.say)
         return results.SweepRun(sweep, table, dataset, folder)
 
@@ -115,7 +103,7 @@ def _runs_folder(folder: Path, storage: str | None) -> Path:
     """Folder of the folders of runs; refuses an address of object storage, where no run can work."""
     if storage is not None and "://" in storage:
         raise ValueError(f"storage must be a folder that all workers share, got {storage}")
-    return (folder / RUNS if storage is None else Path(storage)).resolve()
+    return (folder / "runs" if storage is None else Path(storage)).resolve()
 
 
 def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], list[PlannedRun], str]:

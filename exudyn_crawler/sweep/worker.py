@@ -5,17 +5,20 @@ import os
 import platform
 import time
 import warnings
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock, Timeout
+
 from exudyn_crawler import errors, files
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.model.reductions import program_digest
-from exudyn_crawler.run.folder.record import note_file, timestamp
+from exudyn_crawler.run.folder.record import LOCK, note_file, timestamp
 from exudyn_crawler.sweep import answers, definition
 
 LOCK_WAIT = 600.0
@@ -65,15 +68,10 @@ def run_task(task: Task) -> Outcome:
         numbers = _answered(task)
     except Exception as raised:
         error = raised
-    outcome = write_outcome(
-        task,
-        error,
-        numbers,
-        host=platform.node(),
-        process=os.getpid(),
-        wall_time_s=round(time.perf_counter() - begun, 3),
-        processor_time_s=round(time.process_time() - computed, 3),
-    )
+    here: dict[str, Any] = {"host": platform.node(), "process": os.getpid()}
+    here |= {"wall_time_s": round(time.perf_counter() - begun, 3)}
+    here |= {"processor_time_s": round(time.process_time() - computed, 3)}
+    outcome = write_outcome(task, error, numbers, **here)
     note_file(folder_of(task.runs, task.digest) / OUTCOME)
     return outcome
 
@@ -114,17 +112,12 @@ def _answered(task: Task) -> dict[str, float | None]:
     case_file, folder = CaseFile.model_validate_json(task.case), folder_of(task.runs, task.digest)
     has_failed = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
     how: dict[str, Any] = {"overwrite": task.again and has_failed, "take_finished": True, "progress": False}
-    give_up = time.monotonic() + LOCK_WAIT
+    folder.mkdir(parents=True, exist_ok=True)
+    with suppress(Timeout), FileLock(folder / LOCK, timeout=LOCK_WAIT):
+        pass
     with warnings.catch_warnings():
         # the sweep warns of them once
         warnings.simplefilter("ignore", errors.ImplausibleWarning)
-        while True:
-            try:
-                run = run_case(case_file, folder, reductions=task.reductions, **how)
-                break
-            except BlockingIOError:
-                if time.monotonic() > give_up:
-                    raise
-                time.sleep(1.0)
+        run = run_case(case_file, folder, reductions=task.reductions, **how)
         numbers = {one.label: one.of_run(run) for one in answers.ANSWERS.validate_json(task.answers)}
     return {name: None if value != value else value for name, value in numbers.items()}

@@ -24,7 +24,7 @@ from exudyn_crawler.sweep.results import (
     scatter_tables,
     sensitivities,
 )
-from exudyn_crawler.sweep.running import run_duty_scatter
+from exudyn_crawler.sweep.running import run_sweep
 from exudyn_crawler.sweep.scatter import _with_all_cases, read_scatter
 from exudyn_crawler.sweep.vary import Vary
 from fem import Shapes
@@ -391,7 +391,7 @@ def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
 
 
 def test_a_scatter_over_a_duty_leaves_what_a_sweep_leaves(drawn_duty, tmp_path):
-    run = run_duty_scatter(read_scatter(drawn_duty), tmp_path / "out")
+    run = run_sweep(read_scatter(drawn_duty), tmp_path / "out")
     assert {"results.csv", "results.nc", "quantiles.csv", "failures.csv", "sensitivities.csv"} <= {
         one.name for one in run.folder.iterdir()
     }
