@@ -5,6 +5,7 @@ pythonfmu makes the unit and carries it: the program that runs it needs this pac
 
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -151,19 +152,15 @@ class MachineOnTrack(Fmi2Slave):
             units["turn_rate"] = "rad/s, to the left, at the end of a step"
         wrench = np.ravel(self._case.machine_wrench(0.0)).tolist()
         self._inputs = dict.fromkeys(units, 0.0) | dict(zip(units, wrench, strict=False))
-        for name, meaning in units.items():
-            self._add(name, meaning, self._inputs, Fmi2Causality.input)
-        for name, meaning in _output_names(self._case).items():
-            self._add(name, meaning, self._outputs, Fmi2Causality.output)
+        self._register(units, self._inputs, Fmi2Causality.input)
+        self._register(_output_names(self._case), self._outputs, Fmi2Causality.output)
 
-    def _add(self, name: str, meaning: str, values: dict[str, float], causality: Fmi2Causality) -> None:
-        """Register a variable that is kept in `values`."""
-
-        def write(value: float) -> None:
-            values[name] = value
-
-        ways = {"getter": lambda: values[name], "setter": write}
-        self.register_variable(Real(name, causality=causality, description=meaning, **ways), nested=False)
+    def _register(self, named: dict[str, str], values: dict[str, float], causality: Fmi2Causality) -> None:
+        """Register variables, by their names and meanings, that are kept in `values`."""
+        for name, meaning in named.items():
+            ways = {"getter": partial(values.__getitem__, name), "setter": partial(values.__setitem__, name)}
+            variable = Real(name, causality=causality, description=meaning, **ways)
+            self.register_variable(variable, nested=False)
 
     def _commands(self) -> tuple[float, np.ndarray, float]:
         *wrench, speed, turn_rate = (*self._inputs.values(), 0.0)[:8]

@@ -149,8 +149,8 @@ def sensitivities(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
             found = spearmanr(known[name], known[answer.label])
             rows.append((answer.label, name, float(found.statistic), float(found.pvalue)))
     found = pd.DataFrame(rows, columns=["answer", "varied", "rank correlation", "p value"])
-    order = found["rank correlation"].abs().sort_values(ascending=False, kind="stable").index
-    return found.loc[order].sort_values("answer", kind="stable", ignore_index=True)
+    found = found.sort_values("rank correlation", key=abs, ascending=False, kind="stable")
+    return found.sort_values("answer", kind="stable", ignore_index=True)
 
 
 def failures(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
