@@ -8,9 +8,9 @@ from exudyn_crawler.errors import ENDED_FROM_OUTSIDE, GOES_ON, INTERRUPTED
 def main() -> None:
     """Entry point of `exudyn-crawler`; an interrupt while it loads is told in a line as any later one."""
     try:
-        from exudyn_crawler.cli import main as command
+        from exudyn_crawler.cli import app, call
 
-        command()
+        call(app)
     except KeyboardInterrupt:
         print(f"error: {INTERRUPTED}; {GOES_ON}", file=sys.stderr)
         sys.exit(ENDED_FROM_OUTSIDE)

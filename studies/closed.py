@@ -230,9 +230,3 @@ def study(
         )
         save(out, loads=loads, torque=torque, peaks=peaks, turns=turns)
         return runs, loads, torque, peaks, turns
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:closed")

@@ -1,4 +1,4 @@
-"""Commands of the studies, which `pyproject.toml` registers; each script of a study runs its own.
+"""Commands of the studies.
 
 Nothing heavy is imported before a command needs it, so that help comes at once.
 """
@@ -6,17 +6,22 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 import math
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from exudyn_crawler.cli.application import RESULTS, Out, Overwrite, with_example
+from exudyn_crawler.cli import application
+from exudyn_crawler.cli.application import RESULTS, Out, Overwrite
 from exudyn_crawler.views.tables import print_table, within_by_class
 from studies import CYCLE_DURATION, DURATION
 
 if TYPE_CHECKING:
     import pandas as pd
+
+app = typer.Typer(help="Studies of the papers and beyond them.", no_args_is_help=True, add_completion=False)
+command = partial(application.command, app)
 
 
 def _positive(duration: float | None) -> float | None:
@@ -68,7 +73,7 @@ def _show_comparison(table: "pd.DataFrame", study: str, out: Path) -> None:
     print_table(within_by_class(table), "Rows within their class")
 
 
-@with_example("exudyn-crawler kinematics --case translation --duration 2 --out results/short")
+@command("python -m studies kinematics --case translation --duration 2 --out results/short")
 def kinematics(
     case: Chosen = "both",
     duration: Duration = DURATION,
@@ -83,7 +88,7 @@ def kinematics(
     typer.echo(f"runs, figures and comparison.csv are in {out}")
 
 
-@with_example("exudyn-crawler forces --case translation --out results/straight")
+@command("python -m studies forces --case translation --out results/straight")
 def forces(
     case: Chosen = "both",
     duration: Duration = DURATION,
@@ -111,7 +116,7 @@ def forces(
     typer.echo(f"runs, figures, comparison.csv and turning_ratios.csv are in {out}")
 
 
-@with_example("exudyn-crawler stress --duration 8 --mesh coarse --out results/short")
+@command("python -m studies stress --duration 8 --mesh coarse --out results/short")
 def stress(
     duration: Duration = CYCLE_DURATION,
     mesh: MeshName = "study",
@@ -153,7 +158,7 @@ def stress(
     typer.echo(f"the run and comparison.csv are in {out}")
 
 
-@with_example("exudyn-crawler uneven ramp --duration 2")
+@command("python -m studies uneven ramp --duration 2")
 def uneven(
     grounds: Annotated[
         list[Ground] | None,
@@ -170,7 +175,7 @@ def uneven(
     typer.echo(f"runs and figures are in {out}")
 
 
-@with_example("exudyn-crawler shovel-life --stress results/stress --out results/life")
+@command("python -m studies shovel-life --stress results/stress --out results/life")
 def shovel_life(
     stress: Annotated[
         Path, typer.Option(help="folder of the stress study, which is run there where it is missing")
@@ -189,7 +194,7 @@ def shovel_life(
     typer.echo(f"lives, pages and summary.csv are in {out}")
 
 
-@with_example("exudyn-crawler rollers --duration 2 --mesh coarse --out results/short")
+@command("python -m studies rollers --duration 2 --mesh coarse --out results/short")
 def rollers(
     duration: AtMost = None,
     mesh: MeshName = "study",
@@ -208,7 +213,7 @@ def rollers(
     _show_tables(out, {"regions": (regions, REGIONS, keys)})
 
 
-@with_example("exudyn-crawler closed --duration 2 --out results/short")
+@command("python -m studies closed --duration 2 --out results/short")
 def closed(
     duration: AtMost = None,
     flexible: Annotated[
@@ -233,7 +238,7 @@ def closed(
     _show_tables(out, shown)
 
 
-@with_example("exudyn-crawler grounds --duration 2 --out results/short")
+@command("python -m studies grounds --duration 2 --out results/short")
 def grounds(
     duration: Duration = 60.0,
     mesh: MeshName = "coarse",
@@ -261,7 +266,7 @@ def grounds(
     _show_tables(out, shown)
 
 
-@with_example("python -m studies plate-sweep --out results/plate_sweep")
+@command("python -m studies plate-sweep --out results/plate_sweep")
 def plate_sweep(
     workers: Annotated[int | None, typer.Option(help="processes; one a core, if not given", min=1)] = None,
     out: Out = RESULTS / "plate_sweep",
@@ -275,7 +280,7 @@ def plate_sweep(
     typer.echo(f"the runs, results.csv and report.html are in {out}")
 
 
-@with_example("python -m studies sliding-modes --out results/sliding_modes")
+@command("python -m studies sliding-modes --out results/sliding_modes")
 def sliding_modes(
     runs: Annotated[bool, typer.Option("--runs", help="make the 10 s runs, too: ten minutes")] = False,
     out: Out = RESULTS / "sliding_modes",
@@ -289,7 +294,7 @@ def sliding_modes(
     typer.echo(f"the tables and modes.png are in {out}")
 
 
-@with_example("exudyn-crawler verify")
+@command("python -m studies verify")
 def verify() -> None:
     """Solve the two-body problem by hand and by the engine, side by side."""
     from studies.two_bodies import study

@@ -263,9 +263,3 @@ def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
     panels |= {f"link {COMPARED_JOINT} {label}": against(label, link) for label in figures.JOINT_VECTORS}
     phases = common_phases(*histories.values())
     return {name: figures.panel_figure(name, one, phases) for name, one in panels.items()}
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:forces")

@@ -263,9 +263,3 @@ def study(
         table["highest stress in MPa"] = highest[table["ground"]].values
         save(out, grounds=table, regions=regions, lives=lives)
         return runs, table, regions, lives
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:grounds")

@@ -57,9 +57,3 @@ def write_figures(histories: Mapping[str, History], out: Path) -> None:
         panels = overlay({case: one[label] for case, one in found.items()}, [shoe])
         name = f"{shoe} {quantity}.png".replace(" ", "_")
         save_figure(panel_figure(f"{shoe}: {quantity}", panels, phases), out / name, overwrite=True)
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:kinematics")

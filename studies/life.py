@@ -80,9 +80,3 @@ def study(
     summary = in_words(by_name("propel_and_material", shortest))
     write_table(summary, out / "summary.csv", overwrite)
     return tables, summary
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:shovel_life")

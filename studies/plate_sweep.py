@@ -124,9 +124,3 @@ def study(
     run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
     save_figure(lives_figure(run.dataset), out / PICTURE, overwrite=True)
     return run
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:plate_sweep")

@@ -187,9 +187,3 @@ def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:rollers")

@@ -316,9 +316,3 @@ def _tables(modes: xr.Dataset, runs: bool) -> Iterator[tuple[str, pd.DataFrame]]
     if runs:
         rows = [trial(ground, *one) for ground, some in TRIALS.items() for one in some]
         yield "runs", pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:sliding_modes")

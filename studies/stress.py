@@ -188,9 +188,3 @@ def with_modes(flexible: FlexibleShoes, choice: str) -> FlexibleShoes:
             numbers |= set(range(int(first), int(greatest) + 1))
         return whole.with_(modes=tuple(sorted(numbers)))
     raise ValueError(f'modes must be like "all", "1200Hz", "1-20,25" or "10 fixed", got {choice!r}')
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:stress")

@@ -221,9 +221,3 @@ def compare_with_paper(engine: TwoBodySolution) -> pd.DataFrame:
     }
     reported = reported_values("verification")
     return comparison_table(reported, [z[name.removesuffix(" at t=0.5 s")] for name in reported["quantity"]])
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:verify")

@@ -30,9 +30,3 @@ def study(
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
     with study_runs(out, files, **how) as runs:
         return runs
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:uneven")

@@ -134,15 +134,17 @@ def interruptible() -> Generator[None, None, None]:
 def call(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> Callable[..., tuple[object, str, str]]:
-    """Call the command in an empty folder: exit code, output and errors."""
+    """Call the command, or that of studies, in an empty folder: exit code, output and errors."""
     monkeypatch.chdir(tmp_path)
 
     def call(*arguments: object) -> tuple[object, str, str]:
         from exudyn_crawler import cli
+        from studies.commands import app as studies
 
-        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", *map(str, arguments)])
+        of_studies = arguments[:1] == ("studies",)
+        monkeypatch.setattr(sys, "argv", ["program", *map(str, arguments[of_studies:])])
         with pytest.raises(SystemExit) as end:
-            cli.main()
+            cli.call(studies if of_studies else cli.app)
         told = capsys.readouterr()
         return end.value.code, told.out, told.err
 

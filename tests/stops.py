@@ -18,7 +18,7 @@ from pathlib import Path
 import xarray as xr
 
 from exudyn_crawler import Case, simulate
-from exudyn_crawler.cli import main
+from exudyn_crawler.__main__ import main
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 OWN = {"run.json", "run.log", ".lock", "report.html"}

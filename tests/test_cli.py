@@ -3,7 +3,6 @@
 import importlib
 import importlib.metadata
 import json
-import runpy
 import subprocess
 import sys
 import tomllib
@@ -20,11 +19,10 @@ from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.cli import commands
-from exudyn_crawler.cli.application import COMMANDS as GROUP, registered
 from exudyn_crawler.results.checks.cases import read_check
-from studies.__main__ import STUDIES
+from studies.commands import app as studies
 
-COMMANDS = (
+STUDIES = (
     "kinematics",
     "forces",
     "stress",
@@ -33,7 +31,11 @@ COMMANDS = (
     "closed",
     "grounds",
     "shovel-life",
+    "plate-sweep",
+    "sliding-modes",
     "verify",
+)
+COMMANDS = (
     "demo",
     "scatter",
     "schema",
@@ -86,35 +88,23 @@ def test_the_installed_command_is_this_one():
     assert getattr(importlib.import_module(module), name) is __main__.main
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_help_shows_an_example(call, command):
-    code, out, err = call(command, "--help")
+@pytest.mark.parametrize("words", [(one,) for one in COMMANDS] + [("studies", one) for one in STUDIES])
+def test_help_shows_an_example(call, words):
+    code, out, err = call(*words, "--help")
     assert (code, err) == (0, "")
-    assert f"Example: exudyn-crawler {command}" in out
+    program = "exudyn-crawler" if len(words) == 1 else "python -m"
+    assert f"Example: {program} {' '.join(words)}" in out
     assert "--debug" in out
 
 
-def test_every_command_is_among_those_tested(call):
-    _, out, _ = call("--help")
-    own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
-    looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
-    running = {
-        "demo",
-        "init",
-        "info",
-        "run",
-        "check",
-        "fmu",
-        "ground",
-        "life",
-        "schema",
-        "spread",
-        "sweep",
-        "scatter",
-    }
-    assert own == running | looking
-    assert own | set(registered(GROUP)) == set(COMMANDS)
-    assert all(name in out for name in COMMANDS)
+@pytest.mark.parametrize(
+    ("app", "words", "commands"), [(cli.app, (), COMMANDS), (studies, ("studies",), STUDIES)]
+)
+def test_every_command_is_among_those_tested(call, app, words, commands):
+    _, out, _ = call(*words, "--help")
+    own = {command.callback.__name__.replace("_", "-") for command in app.registered_commands}
+    assert own == set(commands)
+    assert all(name in out for name in commands)
 
 
 @pytest.mark.simulation
@@ -184,14 +174,14 @@ NUMBERS = {"numpy", "scipy"} | TABLES
         (["init", "own", "--study", "opera"], ENGINE_AND_FIGURES),
         (["report", "nowhere"], ENGINE_AND_FIGURES | NUMBERS),
         (["animate", "nowhere"], ENGINE_AND_FIGURES | NUMBERS),
-        (["kinematics", "--duration=-1"], ENGINE_AND_FIGURES | NUMBERS),
+        (["studies", "kinematics", "--duration=-1"], ENGINE_AND_FIGURES | NUMBERS),
     ],
 )
 def test_help_a_case_and_a_refusal_load_nothing_heavy(arguments, heavy):
+    module, words = ("studies", arguments[1:]) if arguments[0] == "studies" else ("exudyn_crawler", arguments)
     script = (
-        f"import sys; sys.argv = ['exudyn-crawler', *{arguments}]\n"
-        "from exudyn_crawler.cli import main\n"
-        "try: main()\n"
+        f"import runpy, sys; sys.argv = ['program', *{words}]\n"
+        f"try: runpy.run_module({module!r}, run_name='__main__')\n"
         "except SystemExit: pass\n"
         f"heavy = {heavy} & set(sys.modules)\n"
         "sys.exit(str(heavy) if heavy else 0)"
@@ -230,7 +220,7 @@ def test_an_interrupt_while_words_are_read_is_told_in_a_line(call, monkeypatch):
     def interrupted(*_args):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("exudyn_crawler.cli.application.Commands.get_command", interrupted)
+    monkeypatch.setattr("typer.core.TyperGroup.get_command", interrupted)
     assert call("info", "stress") == (130, "", "error: interrupted; run the same command again to continue\n")
 
 
@@ -329,83 +319,6 @@ def test_a_stressed_shoe_is_animated_without_ground(call):
     code, _, err = call("animate", "study", "--stress", "7", "--scale", "2")
     assert code == 2
     assert_one_line(err, "--scale cannot go with --stress, whose picture shows no ground")
-
-
-def test_studies_and_commands_are_one():
-    studies = {one.__name__.replace("_", "-"): one for one in STUDIES}
-    ours = {name: one for name, one in registered(GROUP).items() if one.value.startswith("studies.")}
-    assert {"kinematics", "forces", "stress", "uneven", "verify"} <= set(ours)
-    assert all(studies[name] is one.load() for name, one in ours.items())
-
-
-@pytest.mark.parametrize(
-    ("script", "command"),
-    [
-        ("kinematics", "kinematics"),
-        ("forces", "forces"),
-        ("stress", "stress"),
-        ("uneven_ground", "uneven"),
-        ("two_bodies", "verify"),
-        ("rollers", "rollers"),
-        ("closed", "closed"),
-        ("ground", "grounds"),
-        ("life", "shovel_life"),
-        ("plate_sweep", "plate_sweep"),
-        ("sliding_modes", "sliding_modes"),
-    ],
-)
-def test_every_study_is_a_script(script, command, monkeypatch):
-    called = []
-    monkeypatch.setattr(cli, "run_script", called.append)
-    monkeypatch.delitem(sys.modules, f"studies.{script}", raising=False)  # runpy warns of one that is loaded
-    runpy.run_module(f"studies.{script}", run_name="__main__")
-    assert called == [f"studies.commands:{command}"]
-    assert command in {one.__name__ for one in STUDIES}
-
-
-@pytest.fixture
-def strangers(tmp_path_factory, monkeypatch):
-    """A package of somebody else, installed beside: a study with its case, and one that cannot be loaded."""
-    folder = tmp_path_factory.mktemp("packages")
-    (folder / "stranger.py").write_text(
-        "from exudyn_crawler import Case, CaseFile\n"
-        "def haul(times: int = 1) -> None:\n"
-        '    """Haul a load.\n\n    Example: exudyn-crawler haul\n    """\n'
-        "    if times < 1: raise ValueError(f'times must be positive, got {times}')\n"
-        "    print('hauled', times)\n"
-        "def start() -> CaseFile:\n"
-        "    return CaseFile(case=Case.translation(), duration=3.0)\n"
-    )
-    metadata = folder / "stranger-1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text(
-        "[exudyn_crawler.commands]\nhaul = stranger:haul\nbroken = lost:command\nrun = stranger:haul\n"
-        "[exudyn_crawler.cases]\nhaul = stranger:start\n"
-    )
-    monkeypatch.syspath_prepend(folder)
-
-
-@pytest.mark.usefixtures("strangers")
-def test_another_package_can_add_a_study(call, tmp_path):
-    assert call("haul", "--times", "3") == (0, "hauled 3\n", "")
-    code, _, err = call("haul", "--times", "0")
-    assert code == 2
-    assert_one_line(err, "times must be positive, got 0")
-    assert call("init", "own", "--study", "haul")[0] == 0
-    assert read_case(tmp_path / "own.toml").duration == 3.0
-    # a name that is taken stays with its owner
-    assert "Run a case file" in call("run", "--help")[1]
-
-
-@pytest.mark.usefixtures("strangers")
-def test_a_study_that_cannot_be_loaded_spoils_no_other(call):
-    code, out, _ = call("--help")
-    assert code == 0
-    assert all(name in out for name in (*COMMANDS, "haul", "broken"))
-    code, _, err = call("broken", "--loud", "now")
-    assert code == 1
-    assert_one_line(err, "No module named 'lost'")
 
 
 @pytest.mark.simulation
@@ -519,16 +432,22 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["run", "."], ". is a folder, no case file"),
         (["life", "."], ". is a folder, no duty file"),
         (["info", "stres"], "case must be a case file or a study of ['closed', 'demo', 'forces', "),
-        (["kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
-        (["kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
-        (["kinematics", "--case", "sideways"], "'sideways'"),
-        (["forces", "--reuse", "nowhere", "--duration", "0.01"], "no history at nowhere/history.nc"),
-        (["stress", "--mesh", "lost"], "no mesh file lost"),
-        (["stress", "--modes", "loud"], "modes must be like"),
-        (["stress", "--cycle", "nowhere.toml"], "no load cycle nowhere.toml"),
-        (["stress", "--duration", "0"], "duration must be positive and finite, got 0.0 s"),
-        (["uneven", "hill"], "'hill'"),
-        (["uneven", "ramp", "--duration", "nan"], "duration must be positive and finite, got nan s"),
+        (["studies", "kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
+        (["studies", "kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
+        (["studies", "kinematics", "--case", "sideways"], "'sideways'"),
+        (
+            ["studies", "forces", "--reuse", "nowhere", "--duration", "0.01"],
+            "no history at nowhere/history.nc",
+        ),
+        (["studies", "stress", "--mesh", "lost"], "no mesh file lost"),
+        (["studies", "stress", "--modes", "loud"], "modes must be like"),
+        (["studies", "stress", "--cycle", "nowhere.toml"], "no load cycle nowhere.toml"),
+        (["studies", "stress", "--duration", "0"], "duration must be positive and finite, got 0.0 s"),
+        (["studies", "uneven", "hill"], "'hill'"),
+        (
+            ["studies", "uneven", "ramp", "--duration", "nan"],
+            "duration must be positive and finite, got nan s",
+        ),
         (["report", "nowhere"], "no folder nowhere"),
         (["animate", "nowhere.nc"], "no history at nowhere.nc"),
         (["init"], "Missing argument 'NAME'"),
@@ -537,9 +456,9 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
             "study must be of ['closed', 'demo', 'forces', ",
         ),
         (["init", "nowhere/case"], "nowhere/case.toml"),
-        (["run", "a.toml", "--out", ""], "no value may be empty, got --out ''"),
-        (["stress", "--out="], "no value may be empty, got --out=;"),
-        (["run", ""], "no value may be empty, got run ''"),
+        (["run", "a.toml", "--out", ""], "no value may be empty, got ['run', 'a.toml', '--out', '']"),
+        (["studies", "stress", "--out="], "no value may be empty, got ['stress', '--out=']"),
+        (["run", ""], "no value may be empty, got ['run', '']"),
         (["sing"], "No such command 'sing'"),
         (["run", "a.toml", "--fast"], "No such option"),
     ],
@@ -565,7 +484,7 @@ def test_a_bad_case_file_is_a_line_a_fault(call, tmp_path):
 @pytest.mark.parametrize("content", [b"a = ", b"\xff\xfe", b"a = " + b"[" * 100_000])
 def test_a_load_cycle_that_is_no_toml_is_named(call, tmp_path, content):
     (tmp_path / "cycle.toml").write_bytes(content)
-    code, _, err = call("stress", "--cycle", "cycle.toml")
+    code, _, err = call("studies", "stress", "--cycle", "cycle.toml")
     assert code == 2
     assert_one_line(err, "cycle.toml: not TOML: ")
     assert not (tmp_path / "results").exists()
@@ -623,7 +542,7 @@ def test_all_else_is_one_line_too(call, monkeypatch, error, code, words):
         raise error
 
     monkeypatch.setattr("studies.kinematics.study", fail)
-    found, _, err = call("kinematics")
+    found, _, err = call("studies", "kinematics")
     assert found == code
     assert_one_line(err, words)
 

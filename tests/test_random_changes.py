@@ -8,9 +8,9 @@ import sys
 import pytest
 
 from exudyn_crawler import Case, CaseFile, LoadCycle, Terrain
+from exudyn_crawler.__main__ import main
 from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.case_file import case_text
-from exudyn_crawler.cli import main
 
 SEED = 20160316
 ODD = (

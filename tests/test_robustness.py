@@ -104,7 +104,7 @@ import resource, signal, sys
 import matplotlib.font_manager  # keeps a cache, which has to be there
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2)
-from exudyn_crawler.cli import main
+from exudyn_crawler.__main__ import main
 main()
 """
 

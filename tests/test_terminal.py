@@ -10,11 +10,10 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, cli
-from exudyn_crawler.cli import application
 from exudyn_crawler.cli.commands import show_answers
 from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
 from exudyn_crawler.views.tables import cell_text
-from studies.__main__ import app as studies
+from studies.commands import app as studies
 from studies.comparison import comparison_table, reported_values
 from studies.ground import PAPERS, row
 from studies.sliding_modes import COORDINATES
@@ -163,30 +162,30 @@ VALUES = pd.DataFrame({"value": [133.94821e6]})
 STRESSES = SimpleNamespace(hot_spots={13: VALUES}, dataset=None)
 RUN = SimpleNamespace(recovered=lambda: STRESSES, history=None)
 FAKES = {
-    "kinematics": {"studies.kinematics.study": result({}, compared("kinematics"))},
-    "forces": {"studies.forces.study": result({}, compared("forces"))},
-    "forces --variants": {
+    "studies kinematics": {"studies.kinematics.study": result({}, compared("kinematics"))},
+    "studies forces": {"studies.forces.study": result({}, compared("forces"))},
+    "studies forces --variants": {
         "studies.variants.compare_variants": result(compared("forces").drop(columns=["study", "ratio"])),
         "studies.variants.counts": result(HAND),
     },
-    "stress --mesh coarse": {
+    "studies stress --mesh coarse": {
         "studies.stress.study": result(RUN, compared("stress")),
         "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
         "studies.stress.highest_in_propel_and_loading": result(SPREAD),
     },
-    "shovel-life": {"studies.life.study": result({}, LIFE.assign(propel_and_material="dragged_a36"))},
-    "rollers": {"studies.rollers.study": result({}, SPOTS.assign(case="rolled", shoe=7))},
-    "closed": {"studies.closed.study": result({}, LOOP, TORQUE, PEAKS, TURNS)},
-    "grounds --powers": {"studies.ground.power_study": result(POWERS)},
+    "studies shovel-life": {"studies.life.study": result({}, LIFE.assign(propel_and_material="dragged_a36"))},
+    "studies rollers": {"studies.rollers.study": result({}, SPOTS.assign(case="rolled", shoe=7))},
+    "studies closed": {"studies.closed.study": result({}, LOOP, TORQUE, PEAKS, TURNS)},
+    "studies grounds --powers": {"studies.ground.power_study": result(POWERS)},
     "studies plate-sweep": {"studies.plate_sweep.study": result(SimpleNamespace(table=PLATES))},
     "studies sliding-modes": {
         "studies.sliding_modes.study": result(
             ("modes", MODES), ("growth over friction", pd.DataFrame([{"friction": 0.15} | GROWTH]))
         )
     },
-    "rollers --choices": {"studies.rollers.open_choices": result(compared("stress"))},
-    "stress --choices": {"studies.stress.open_choices": result(compared("stress"))},
-    "verify": {"studies.two_bodies.study": result(HAND, compared("kinematics"))},
+    "studies rollers --choices": {"studies.rollers.open_choices": result(compared("stress"))},
+    "studies stress --choices": {"studies.stress.open_choices": result(compared("stress"))},
+    "studies verify": {"studies.two_bodies.study": result(HAND, compared("kinematics"))},
     "info": {},
     "info stress": {},
     "life duty.toml": {
@@ -225,19 +224,19 @@ FAKES = {
 PAGE = Path("results/case/report.html")
 FAKES["run case.toml --no-page"] = FAKES["run case.toml"]
 NUMBERS = {
-    "closed": ["803", "54.68", "1196", "116.3"],
-    "grounds --powers": ["93.73", "13.13", "83.26"],
+    "studies closed": ["803", "54.68", "1196", "116.3"],
+    "studies grounds --powers": ["93.73", "13.13", "83.26"],
     "studies plate-sweep": ["79 120 000", "40 000 000"],
     "studies sliding-modes": ["1.842", "-0.01429"],
-    "shovel-life": ["300 900", "0.04392"],
-    "rollers": ["133.9", "33.53"],
+    "studies shovel-life": ["300 900", "0.04392"],
+    "studies rollers": ["133.9", "33.53"],
     "life duty.toml": ["300 900", "0.04392"],
     "check shoe.toml": ["412 300", "16.49"],
     "scatter sample.toml": ["1235", "kN"],
     "spread .": ["133.9", "12.35"],
-    "verify": ["-2 146 000", "3e-09"],
+    "studies verify": ["-2 146 000", "3e-09"],
     "run case.toml": ["655.1", "33.53"],
-    "stress --mesh coarse": ["133.9", "33.53", "386.4"],
+    "studies stress --mesh coarse": ["133.9", "33.53", "386.4"],
     "sweep sweep.toml --dry-run": ["10 MN/m", "30 MN/m"],
     "sweep sweep.toml": ["700", "kN", "1a2b"],
     "info": ["100"],
@@ -263,7 +262,7 @@ def terminal(monkeypatch, capsys, tmp_path):
         program, *rest = words.split() if words.startswith("studies ") else ("exudyn-crawler", *words.split())
         monkeypatch.setattr(sys, "argv", [program, *rest])
         with pytest.raises(SystemExit) as end:
-            application.call(studies) if program == "studies" else cli.main()
+            cli.call(studies if program == "studies" else cli.app)
         told = capsys.readouterr()
         assert (end.value.code, told.err) == (0, "")
         return re.sub(r"\x1b\[[0-9;]*m", "", told.out).splitlines()
@@ -293,7 +292,11 @@ def test_no_number_is_cut_in_any_table(terminal, monkeypatch, words, width):
 @pytest.mark.parametrize(
     ("words", "columns", "file"),
     [
-        ("kinematics", "quantity statistic unit paper computed within", "results/kinematics/comparison.csv"),
+        (
+            "studies kinematics",
+            "quantity statistic unit paper computed within",
+            "results/kinematics/comparison.csv",
+        ),
         ("life duty.toml", "region life least most verdict", "results/duty/shortest_lives.csv"),
     ],
 )
@@ -350,4 +353,4 @@ def test_tables_of_the_grounds_are_read_in_any_terminal(terminal, monkeypatch, g
     monkeypatch.setattr("studies.ground.study_runs", lambda *_, **__: nullcontext(grounds))
     Path("results/ground").mkdir(parents=True)
     pull = row(grounds[PAPERS])["mean pull in kN"]
-    check_tables(terminal("grounds", width), width, [cell_text(pull)])
+    check_tables(terminal("studies grounds", width), width, [cell_text(pull)])

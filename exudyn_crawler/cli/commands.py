@@ -5,6 +5,7 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 
 import json
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -24,23 +25,8 @@ START = "kinematics"  # study whose case `init` starts from where none is named
 NEEDED = ("distributed", "SALib", "pyarrow")  # modules of the extra `sweep`
 SHOWN = 60  # rows of the table of runs that are printed
 
-app = typer.Typer(
-    cls=application.Commands,
-    help="Simulator of the crawler tracks of mining shovels.",
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-)
-
-
-def main() -> None:
-    """Entry point of `exudyn-crawler`."""
-    application.call(app)
-
-
-def command(example: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Register a command that reports what goes wrong in a line; its help has an example of its words."""
-    described = application.with_example(f"exudyn-crawler {example}")
-    return lambda function: app.command()(application.readable(described(function)))
+app = typer.Typer(help="Simulator of the crawler tracks of mining shovels.", no_args_is_help=True)
+command = partial(application.command, app)
 
 
 def _show_versions(wanted: bool) -> None:
@@ -62,7 +48,7 @@ def common(
     """Options before the name of a command."""
 
 
-@command("init my_track --study closed")
+@command("exudyn-crawler init my_track --study closed")
 def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
     study: Annotated[str | None, typer.Option(help=f"study to start from; that of NAME, or {START}")] = None,
@@ -70,13 +56,13 @@ def init(
 ) -> None:
     """Write a case file with every value, its unit and its meaning, to be changed and run."""
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
-    of_name = path.stem if path.stem in application.registered(application.CASES) else START
+    of_name = path.stem if path.stem in application.study_cases().names else START
     case_file = application.study_case(study or of_name)
     written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite, by_hand=True)
     typer.echo(f"{written}: edit it, then run it: exudyn-crawler run {written}")
 
 
-@command("info soft_ground.toml")
+@command("exudyn-crawler info soft_ground.toml")
 def info(
     case: Annotated[
         str, typer.Argument(help="case file, or name of a study", metavar="[CASE.toml|STUDY]")
@@ -87,7 +73,7 @@ def info(
     from exudyn_crawler.case.case_file import nearest_base, run_lines
     from exudyn_crawler.case.parameters import checks, fields
 
-    studies = sorted(application.registered(application.CASES))
+    studies = sorted(application.study_cases().names)
     if case in studies:
         if changes:
             raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")
@@ -109,7 +95,7 @@ def info(
         typer.echo(reductions_line())
 
 
-@command("run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7")
+@command("exudyn-crawler run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7")
 def run(
     case: Annotated[Path, typer.Argument(help="case file", metavar="CASE.toml")],
     out: application.OfName = None,
@@ -163,7 +149,7 @@ def show_answers(run: "CaseRun") -> None:
         )
 
 
-@command("demo")
+@command("exudyn-crawler demo")
 def demo(
     out: application.Out = application.RESULTS / "demo",
     prepare: bool = typer.Option(
@@ -191,7 +177,7 @@ def demo(
     typer.echo("next, a machine of your own: exudyn-crawler init my_machine --study demo")
 
 
-@command("schema")
+@command("exudyn-crawler schema")
 def schema(
     out: Annotated[Path, typer.Argument(help="file to write", metavar="FILE")] = Path("case.schema.json"),
     overwrite: application.Overwrite = False,
@@ -205,7 +191,7 @@ def schema(
     typer.echo(f"{out}: begin a case file in the same folder with the line '#:schema {out.name}'")
 
 
-@command("fmu mine.toml")
+@command("exudyn-crawler fmu mine.toml")
 def fmu(
     case: Annotated[Path, typer.Argument(help="case file of a machine on its track", metavar="CASE.toml")],
     changes: application.Changes = None,
@@ -276,7 +262,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         typer.echo(f"{done.folder}: {where}{more}")
 
     run.__name__, run.__doc__ = show.__name__, show.__doc__
-    command(example)(run)
+    command(f"exudyn-crawler {example}")(run)
 
 
 def sweep(run: "SweepRun") -> None:

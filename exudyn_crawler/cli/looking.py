@@ -20,7 +20,7 @@ Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
 
 
-@command("report results/stress")
+@command("exudyn-crawler report results/stress")
 def report(
     run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
     out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
@@ -33,7 +33,7 @@ def report(
     application.report_made(page, ": open it in a browser")
 
 
-@command("animate results/kinematics/translation --end 5")
+@command("exudyn-crawler animate results/kinematics/translation --end 5")
 def animate(
     run: application.Run,
     out: Annotated[
@@ -65,7 +65,7 @@ def animate(
     application.report_made(path)
 
 
-@command("node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05")
+@command("exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05")
 def node_stress(
     run: application.Run,
     shoe: Shoe,
@@ -99,7 +99,7 @@ def node_stress(
     application.report_made(write_table(recovery.node_table(stress), out, overwrite))
 
 
-@command("pin-forces results/stress/cycle --shoe 13")
+@command("exudyn-crawler pin-forces results/stress/cycle --shoe 13")
 def pin_forces(
     run: application.Run, shoe: Shoe, out: Out = None, overwrite: application.Overwrite = False
 ) -> None:
@@ -111,7 +111,7 @@ def pin_forces(
     application.report_made(write_table(exports.pin_table(history, shoe), out, overwrite))
 
 
-@command("shoe-loads results/stress/cycle --shoe 13 --program abaqus")
+@command("exudyn-crawler shoe-loads results/stress/cycle --shoe 13 --program abaqus")
 def shoe_loads(
     run: application.Run,
     shoe: Shoe,
@@ -145,7 +145,7 @@ def shoe_loads(
     application.report_made(write_table(table, folder / f"{name}.csv", overwrite))
 
 
-@command("compare results/soft_ground results/hard_ground --out soft_and_hard.html")
+@command("exudyn-crawler compare results/soft_ground results/hard_ground --out soft_and_hard.html")
 def compare(
     first: Annotated[Path, typer.Argument(help="folder of a run, or its history", metavar="A")],
     second: Annotated[Path, typer.Argument(help="folder of the other run, or its history", metavar="B")],
@@ -178,7 +178,7 @@ def compare(
     typer.echo(f"{page}: open it in a browser; {whole}: the table of results")
 
 
-@command("ground oil_sand.toml")
+@command("exudyn-crawler ground oil_sand.toml")
 def ground(
     file: Annotated[Path, typer.Argument(help="file of a law of the ground", metavar="LAW.toml")],
     out: Annotated[
@@ -196,7 +196,7 @@ def ground(
     application.report_made(style.save_figure(figure, out or file.with_suffix(".png"), overwrite))
 
 
-@command("life digging.toml --out results/digging")
+@command("exudyn-crawler life digging.toml --out results/digging")
 def life(
     duty: Annotated[Path, typer.Argument(help="duty file", metavar="DUTY.toml")],
     out: application.OfName = None,
@@ -215,7 +215,7 @@ def life(
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
 
 
-@command("check overhanging.toml --no-pictures")
+@command("exudyn-crawler check overhanging.toml --no-pictures")
 def check(
     file: Annotated[Path, typer.Argument(help="file of a shoe's check", metavar="SHOE.toml")],
     out: application.OfName = None,
@@ -231,7 +231,7 @@ def check(
     typer.echo(f"all regions, section moments and pictures are in {folder}; check.html: open it in a browser")
 
 
-@command("spread results/stress/cycle")
+@command("exudyn-crawler spread results/stress/cycle")
 def spread(
     run: application.Run,
     starts: Annotated[int, typer.Option(help="starts that differ by rounding, including the run's own")] = 3,

@@ -20,6 +20,7 @@ from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser, SkipP
 import exudyn_crawler
 from docs import conf
 from exudyn_crawler import Terrain, cli
+from studies.commands import app as studies
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
@@ -97,13 +98,15 @@ def test_commands_in_blocks_and_text_have_their_options(page):
     )
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     assert set(re.findall(r"^make ([a-z-]+)", blocks, re.MULTILINE)) <= targets
-    known, inline = typer.main.get_command(cli.app), re.findall(r"`exudyn-crawler ([a-z][^`]+)`", text)
-    for line in re.findall(r"^exudyn-crawler ([^#\n]+)", blocks, re.MULTILINE) + inline:
-        name, *words = shlex.split(line)
-        command = known.get_command(typer.Context(known), name)
-        assert command is not None, name
-        if words and not {"--help", "..."} & set(words):
-            command.make_context(name, ["1" if word in ("SHOE", "X", "Y", "Z") else word for word in words])
+    for program, app in (("exudyn-crawler", cli.app), ("python -m studies", studies)):
+        known, inline = typer.main.get_command(app), re.findall(rf"`{program} ([a-z][^`]+)`", text)
+        for line in re.findall(rf"^{program} ([^#\n]+)", blocks, re.MULTILINE) + inline:
+            name, *words = shlex.split(line)
+            command = known.get_command(typer.Context(known), name)
+            assert command is not None, name
+            if words and not {"--help", "..."} & set(words):
+                given = ["1" if word in ("SHOE", "X", "Y", "Z") else word for word in words]
+                command.make_context(name, given)
 
 
 def public_names_by_module(nodes):
