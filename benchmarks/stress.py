@@ -70,7 +70,7 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
     with tempfile.TemporaryDirectory() as folder:
         kept = Checkpoints(Path(folder))
         simulate(case, time + case.solver.step, False, kept)
-        state, _ = kept.load(case)[-1].end()
+        state = kept.load(case)[-1].read().state
     return state, system_history(compiled_system(case), state[None])
 
 

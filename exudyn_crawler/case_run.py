@@ -1,16 +1,16 @@
 """One case into one folder: simulate what is missing, recover stresses, then a list of writers."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 from exudyn_crawler import errors, files
 from exudyn_crawler.case import CaseFile, CellTerrain, check_case_file
 from exudyn_crawler.model import flexible_shoes, reductions as cache
-from exudyn_crawler.results.history.history import MOST_IN_MEMORY, History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress import basis, recovery
 from exudyn_crawler.run.folder import checkpoints, folder as folders, progress as parts, record
 from exudyn_crawler.run.solve.simulation import compiled, simulate
@@ -90,11 +90,15 @@ def run_case(
     with cache.reductions_in(reductions):
         if path is not None and take_finished and folders.held_of(path, case_file) is record.Holds.FINISHED:
             say(f"{case.name}: finished already, in {path}")
+            work = _Work(record.RunFolder(report=say), case_file, progress)
             history = folders.matching_history(path, case_file)
-            work = _Work(record.RunFolder(report=say), case_file, progress, {})
             return CaseRun(history, _stresses(history, work), path)
         with folders.run_in(path, case_file, overwrite, say) as folder:
-            work = _Work.begun(folder, case_file, progress, reused is not None)
+            times = parts.rule_of_thumb(case_file)
+            if reused is not None or folder.holds is record.Holds.HISTORY:
+                times = {part: time for part, time in times.items() if part not in parts.SIMULATION}
+            folder.say(parts.times_line(times))
+            work = _Work(folder, case_file, progress)
             if case.flexible is not None:
                 with work.part(parts.REDUCE):
                     stored = flexible_shoes.whole_reduction(case)
@@ -111,44 +115,21 @@ def run_case(
             if path is not None:
                 with work.part(parts.WRITE):
                     write_outputs(history, stresses, path, outputs)
-            work.note_times()
     return CaseRun(history, stresses, path)
 
 
 class _Work(NamedTuple):
-    """A run at work: its folder, what it is to do, and how long its parts are expected to take, s."""
+    """A run at work: its folder, and what it is to do."""
 
     folder: record.RunFolder
     case_file: CaseFile
     progress: bool | None
-    expected: Mapping[str, float]
-
-    @classmethod
-    def begun(
-        cls, folder: record.RunFolder, case_file: CaseFile, progress: bool | None, simulated: bool
-    ) -> Self:
-        """Run that begins, and says how long that will take."""
-        times = parts.RunTimes(case_file)
-        there = simulated or folder.holds is record.Holds.HISTORY
-        without = {parts.SIMULATE, parts.COMPILE} if there else set()
-        if folder.path is None:
-            without.add(parts.WRITE)
-        folder.say(times.line(without))
-        return cls(folder, case_file, progress, times.expected(without))
-
-    def note_times(self) -> None:
-        """Note what the parts took for later runs, but for a simulation that only went on."""
-        if self.progress is not False:
-            whole = self.folder.holds is record.Holds.NOTHING
-            taken = self.folder.stages.items()
-            noted = {part: time for part, time in taken if whole or part != parts.SIMULATE}
-            parts.RunTimes(self.case_file).note(noted)
 
     @contextmanager
     def part(self, name: str) -> Iterator[None]:
         """Take the time of a part, and show its progress."""
-        title = f"{self.case_file.case.name}: {name}"
-        with self.folder.timed(name), parts.heartbeat(title, self.expected.get(name), self.progress):
+        title, expected = f"{self.case_file.case.name}: {name}", parts.rule_of_thumb(self.case_file).get(name)
+        with self.folder.timed(name), parts.heartbeat(title, expected, self.progress):
             yield
 
 
@@ -172,13 +153,20 @@ def _history(work: _Work) -> History:
     case, path = case_file.case, folder.path
     if path is None:
         return _simulated(work, None)
-    points = checkpoints.Checkpoints(path / record.CHECKPOINTS, folder.say)
-    if folder.simulated:
+    points = checkpoints.Checkpoints(path, folder.say)
+    if folder.holds is record.Holds.HISTORY:
         folder.say(f"{case.name}: simulated already, going on with what is made of it")
-        history = folders.matching_history(path, case_file)
     else:
-        history = _simulated_into(work, path, points)
-    points.settle(case, path / record.END)
+        try:
+            _simulated(work, points)
+        except errors.SimulationStopped as stop:
+            if stop.history is not None:
+                points.hand_over(path / record.STOPPED_HISTORY)
+            raise
+        points.hand_over(path / record.HISTORY)
+        (path / record.STOPPED_HISTORY).unlink(missing_ok=True)
+    history = folders.matching_history(path, case_file)
+    points.settle(case)
     # these are the run's, also where it was stopped after them
     for one in (path / record.HISTORY, path / record.END):
         files.note_written(one)
@@ -189,26 +177,7 @@ def _simulated(work: _Work, points: checkpoints.Checkpoints | None) -> History:
     """Simulate; take the time of this, and that of compiling the equations before if they are not yet."""
     case_file, progress = work.case_file, work.progress
     with work.folder.timed(parts.COMPILE):
-        compiled(case_file.case, progress, work.expected.get(parts.COMPILE))
+        compiled(case_file.case, progress)
     with work.folder.timed(parts.SIMULATE):
         times = case_file.outputs.ground_times
         return simulate(case_file.case, case_file.duration, progress, points, times)
-
-
-def _simulated_into(work: _Work, path: Path, points: checkpoints.Checkpoints) -> History:
-    """Simulate what is missing in a folder."""
-    folder, case, end, whole = work.folder, work.case_file.case, path / record.END, path / record.HISTORY
-    is_shorter = folder.holds is not record.Holds.NOTHING and end.is_file() and whole.is_file()
-    if is_shorter and not points.load(case):
-        points.begin_from(end, whole)
-    try:
-        history = _simulated(work, points)
-    except errors.SimulationStopped as stop:
-        if stop.history is not None:
-            files.move_file(points.history, path / record.STOPPED_HISTORY, overwrite=True)
-        raise
-    files.move_file(points.history, whole, overwrite=True)
-    folder.note_history()
-    (path / record.STOPPED_HISTORY).unlink(missing_ok=True)
-    # a large one is read from its file time and again
-    return History.load(whole) if history.dataset.nbytes > MOST_IN_MEMORY else history

@@ -1,7 +1,7 @@
 """Files that appear whole or not at all and are never overwritten unasked; NetCDF files with checksums."""
 
 import io
-import os
+import secrets
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -34,41 +34,21 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     disk is full, say.
     """
     refuse_existing(path, overwrite)
-    with _errors_naming(path):
-        handle, name = tempfile.mkstemp(prefix=PARTIAL, suffix=f"-{path.name}", dir=path.parent)
-        os.close(handle)
-        temporary = Path(name)
+    temporary = path.with_name(f"{PARTIAL}{secrets.token_hex(4)}-{path.name}")
+    try:
+        temporary.touch(exist_ok=False)
         try:
             yield temporary
             if path.exists() and not overwrite:
                 raise FileExistsError(f"{path} was written by somebody else in the meantime")
-            # mkstemp keeps the file to its owner; give it the rights that a new file has here
-            mask = os.umask(0)
-            os.umask(mask)
-            temporary.chmod(0o666 & ~mask)
             temporary.replace(path)
             note_written(path)
         finally:
             temporary.unlink(missing_ok=True)
-
-
-@contextmanager
-def _errors_naming(path: Path) -> Iterator[None]:
-    """Make errors of writing name the file which was meant."""
-    try:
-        yield
     except FileExistsError:
         raise
     except OSError as error:
         raise type(error)(f"{path} could not be written: {error.strerror or error}") from error
-
-
-def move_file(source: Path, path: Path, overwrite: bool = False) -> None:
-    """Move a whole file to another place on the same disk; raises as `whole_file`."""
-    refuse_existing(path, overwrite)
-    with _errors_naming(path):
-        source.replace(path)
-    note_written(path)
 
 
 _noting: list[set[Path]] = []  # sets of the blocks of `noted_files` that have not ended
@@ -183,9 +163,8 @@ def write_netcdf_along(
     with (
         whole_file(path, overwrite) as temporary,
         interrupts_wait() as waiting,
-        temporary.open("r+b", buffering=0) as opened,
+        _Disk(temporary, "r+") as disk,
     ):
-        disk = _Disk(opened)
         disk.write(_netcdf_bytes(first.drop_vars(along)))
         disk.check()
         with h5netcdf.File(disk, "r+", libver=VERSIONS) as file:
@@ -219,26 +198,22 @@ def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
     made.attrs.update(_in_headers(variable.attrs))
 
 
-class _Disk:
+class _Disk(io.FileIO):
     """File for HDF5, which does not survive a write that fails: it is told of none, and `check` is."""
 
-    def __init__(self, file: io.FileIO) -> None:
-        self._file = file
-        self._failure: OSError | None = None
-        self.seek, self.tell, self.readinto = file.seek, file.tell, file.readinto
-        self.read, self.truncate, self.flush = file.read, file.truncate, file.flush
+    failure: OSError | None = None
 
-    def write(self, content: bytes | memoryview) -> int:
+    def write(self, content: Any) -> int:
         """Write all of the content; after a failure, nothing."""
         try:
             rest = memoryview(content)
-            while self._failure is None and len(rest):
-                rest = rest[self._file.write(rest) :]
+            while self.failure is None and len(rest):
+                rest = rest[super().write(rest) :]
         except OSError as error:
-            self._failure = error
+            self.failure = error
         return len(content)
 
     def check(self) -> None:
         """Raise the first failure."""
-        if self._failure is not None:
-            raise self._failure
+        if self.failure is not None:
+            raise self.failure

@@ -113,7 +113,7 @@ def test_netcdf_in_parts_that_finds_no_room_is_named_and_leaves_nothing(tmp_path
     def full(self, content, write=_Disk.write):
         written.append(len(content))
         if len(written) == 10:
-            self._failure = OSError(errno.ENOSPC, "No space left on device")
+            self.failure = OSError(errno.ENOSPC, "No space left on device")
         return write(self, content)
 
     monkeypatch.setattr(_Disk, "write", full)

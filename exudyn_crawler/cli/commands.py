@@ -14,7 +14,7 @@ import typer
 
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
-from exudyn_crawler.run.folder.progress import RunTimes
+from exudyn_crawler.run.folder.progress import rule_of_thumb, times_line
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def info(
     columns = ("key", "value", "in the base", "meaning")
     title = f"{case}: {sum(row[2] != '' for row in rows)} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
-    typer.echo("\n".join([*run_lines(case_file), RunTimes(case_file).line()]))
+    typer.echo("\n".join([*run_lines(case_file), times_line(rule_of_thumb(case_file))]))
     checks.warn_implausible(case_file.case, case_file.duration)
     if case_file.case.flexible is not None:
         from exudyn_crawler.model.reductions import reductions_line
@@ -109,14 +109,10 @@ def run(
     overwrite: application.Overwrite = False,
 ) -> None:
     """Run a case file into a folder of its own."""
-    from exudyn_crawler.run.folder.folder import refuse_occupied
-
-    # what is refused is refused before the engine is loaded, which takes a second
     case_file = crawler.read_case(case, changes or ())
     if page is not None:
         case_file = case_file.with_({"outputs.page": page})
     out = out or application.RESULTS / case.stem
-    refuse_occupied(out, case_file, overwrite)
     from exudyn_crawler.case.case_file import run_lines
 
     typer.echo("\n".join(run_lines(case_file)))

@@ -17,7 +17,7 @@ LIVES = ("region", "life in h at least", "life in h at most", "verdict", "main p
 """Same of shortest lives."""
 
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
-Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
+Out = Annotated[Path | None, typer.Option(help="file to write; one beside RUN or LAW, if not given")]
 
 
 @command("exudyn-crawler report results/stress")
@@ -181,9 +181,7 @@ def compare(
 @command("exudyn-crawler ground oil_sand.toml")
 def ground(
     file: Annotated[Path, typer.Argument(help="file of a law of the ground", metavar="LAW.toml")],
-    out: Annotated[
-        Path | None, typer.Option(help="picture to write; one beside the file, if not given")
-    ] = None,
+    out: Out = None,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Draw a law of the ground: pressure over sinkage with unloading, shear over slip with a reversal."""

@@ -20,9 +20,6 @@ from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.track_system import TrackSystem
 from fem.compiling import notify_compiling
 
-EQUATIONS = (residual,)
-"""Compiled functions of which every run needs one; each is made of many others."""
-
 
 def track_system(case: Case) -> TrackSystem:
     """Build the multibody system of a case."""

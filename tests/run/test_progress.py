@@ -5,19 +5,16 @@ import time as clock
 
 import pytest
 
-from exudyn_crawler import CaseFile
-from exudyn_crawler.model.reductions import reductions_in
+from exudyn_crawler import Case, CaseFile
 from exudyn_crawler.run.folder import progress
 from exudyn_crawler.run.folder.progress import (
-    EARLIER,
-    FIELDS,
-    ONCE,
-    REDUCE,
+    RECOVER,
     SIMULATE,
-    RunTimes,
+    WRITE,
     heartbeat,
     progress_bar,
     rule_of_thumb,
+    times_line,
 )
 from tests.rolled import small_flexible_case
 
@@ -104,31 +101,13 @@ def test_a_terminal_has_a_bar_of_what_is_expected(capsys):
     assert "of about 60 s" in shown
 
 
-def test_times_of_parts_are_those_of_earlier_runs_on_this_machine(tmp_path):
-    case_file = CaseFile(case=small_flexible_case(), duration=1.0)
-    rule = rule_of_thumb(case_file)
-    with reductions_in(tmp_path):
-        first = RunTimes(case_file)
-        assert first.expected() == rule
-        assert "by a rule of thumb: reduce the flexible shoe 8.3 s (once), compile" in first.line()
-        for factor in (2.0, 3.0, 30.0):
-            first = RunTimes(case_file)
-            first.note({part: factor * time for part, time in rule.items()})
-        again = RunTimes(case_file)
-        assert again.expected() == {part: 3.0 * time for part, time in rule.items() if part not in ONCE}
-        assert "as in earlier runs on this machine: simulate " in again.line()
-        # another shoe is reduced, as slowly as the first
-        case = case_file.case
-        stiff = case_file.with_(case=case.with_(flexible=case.flexible.with_(youngs_modulus=210e9)))
-        assert RunTimes(stiff).expected()[REDUCE] == 3.0 * rule[REDUCE]
-        (tmp_path / EARLIER).write_text("[1")
-        assert RunTimes(case_file).expected() == rule
-
-
-def test_a_part_that_was_found_says_nothing_of_its_time(tmp_path):
-    case_file = CaseFile(case=small_flexible_case(), duration=1.0)
-    with reductions_in(tmp_path):
-        RunTimes(case_file).note({REDUCE: 0.3, FIELDS: 0.2, SIMULATE: 1.0})
-        stiff = case_file.with_({"flexible.youngs_modulus": 210e9})
-        assert RunTimes(stiff).expected()[REDUCE] == rule_of_thumb(stiff)[REDUCE]
-        assert REDUCE not in RunTimes(case_file).expected()
+def test_parts_that_stay_on_a_machine_are_told_apart():
+    line = times_line(rule_of_thumb(CaseFile(case=small_flexible_case(), duration=1.0)))
+    every, once = line.split(", once on a machine about ")
+    assert every.startswith("time: about ")
+    for part in (SIMULATE, RECOVER, WRITE):
+        assert f"{part} " in every
+    assert "(reduce the flexible shoe 8.3 s, compile the equations 50 s" in once
+    assert once.endswith(" more, by a rule of thumb")
+    rigid = CaseFile(case=Case.translation().with_({"formulation": "engine"}), duration=1.0)
+    assert "once" not in times_line(rule_of_thumb(rigid))

@@ -73,7 +73,7 @@ def not_again(monkeypatch):
     [
         ("run.folder.checkpoints._write", interrupt),
         ("run.folder.checkpoints.save_joined", no_room),
-        ("files.move_file", interrupt),
+        ("run.folder.checkpoints.Checkpoints.hand_over", interrupt),
         ("run.folder.checkpoints.Checkpoints.settle", interrupt),
         ("run.folder.checkpoints.Checkpoints.remove", interrupt),
         ("views.tables.write_table", no_room),
@@ -213,7 +213,6 @@ def test_a_study_that_was_stopped_while_overwriting_runs_all_its_cases_anew(
 
 def test_a_history_too_large_for_memory_gives_the_same_files(staged, tmp_path, monkeypatch):
     monkeypatch.setattr("exudyn_crawler.results.history.history.MOST_IN_MEMORY", 0)
-    monkeypatch.setattr(case_run_module, "MOST_IN_MEMORY", 0)
     run_case(STAGED, tmp_path)
     assert_same(tmp_path, staged)
 

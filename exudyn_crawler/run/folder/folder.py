@@ -21,8 +21,6 @@ from fem.interrupts import interrupts_wait
 
 RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
 SAME_TIME = 1e-6  # s by which durations may differ and be the same
-Report = Callable[[str], None]
-GOES_ON = (Holds.STOPPED, Holds.HISTORY, Holds.SHORTER)
 
 
 @contextmanager
@@ -30,7 +28,7 @@ def run_in(
     out: Path | None,
     case_file: CaseFile | None = None,
     overwrite: bool = False,
-    report: Report = quiet,
+    report: Callable[[str], None] = quiet,
     cases: Mapping[str, CaseFile] | None = None,
 ) -> Iterator[RunFolder]:
     """Hold a folder while a run works in it, and record what the results come from.
@@ -48,14 +46,21 @@ def run_in(
         yield RunFolder(report=report)
         return
     with record.held(writable_folder(out)):
-        folder = _taken(out, case_file, cases or {}, overwrite, report)
-        if folder.holds is Holds.NOTHING and overwrite:
+        holds = _held_of_study(out, cases or {}) if case_file is None else held_of(out, case_file)
+        goes_on = holds in (Holds.STOPPED, Holds.HISTORY)
+        replaced = goes_on and record.earlier_record(out).get("overwrites") is True
+        if overwrite and not replaced:
+            goes_on = False
+        if goes_on:
+            _remove(out, {name for name in record.recorded_files(out) if not _stays(out, name)})
+        elif overwrite:
             for one in (out, *(out / name for name in cases or ())):
                 _empty(one)
-        elif folder.holds is not Holds.NOTHING:
-            _remove(out, {name for name in record.recorded_files(out) if not _stays(out, name)})
+        else:
+            _refuse_results(out, below=case_file is None)
+        folder = RunFolder(out, report, holds if goes_on else Holds.NOTHING, overwrite or replaced)
         if case_file is not None:
-            _write_case(out / CASE, case_file, replace=overwrite or folder.holds is not Holds.NOTHING)
+            _write_case(out / CASE, case_file, replace=overwrite or goes_on)
         clear_partial_files(out, below=case_file is not None)
         with record.recorded(folder):
             yield folder
@@ -65,42 +70,30 @@ def run_in(
                 )
 
 
-def refuse_occupied(out: Path, case_file: CaseFile, overwrite: bool = False) -> None:
-    """Refuse a folder that `run_in` would not take for a case, before anything is loaded: FileExistsError."""
-    if out.is_dir():
-        _taken(out, case_file, {}, overwrite, quiet)
-
-
 def held_of(out: Path, case_file: CaseFile) -> Holds:
-    """What the folder of a run holds of a case; nothing, too, if it holds another one."""
+    """What the folder of a run holds of a case; nothing, too, if it holds another one, or a longer run."""
     noted, found = record.earlier_record(out), None
     with suppress(CaseFileError, FileNotFoundError):
         found = read_case(out / CASE) if noted else None
-    if found is None or found.case != case_file.case:
+    if found is None or found.case != case_file.case or found.duration > case_file.duration + SAME_TIME:
         return Holds.NOTHING
-    if noted.get("status") != record.DONE:
-        less = case_file.duration - found.duration
-        if less < -SAME_TIME:
-            return Holds.NOTHING
-        return Holds.HISTORY if noted.get("simulated") is True and less <= SAME_TIME else Holds.STOPPED
     end = _end(out / HISTORY)
-    if end is None or end > case_file.duration + SAME_TIME:
-        return Holds.NOTHING
-    return Holds.SHORTER if end < case_file.duration - SAME_TIME else Holds.FINISHED
+    is_shorter = end is not None and end < case_file.duration - SAME_TIME
+    if noted.get("status") == record.DONE:
+        return Holds.NOTHING if end is None else Holds.STOPPED if is_shorter else Holds.FINISHED
+    # a history that cannot be read is refused where it is read
+    return Holds.STOPPED if is_shorter or not (out / HISTORY).is_file() else Holds.HISTORY
 
 
 def _held_of_study(out: Path, cases: Mapping[str, CaseFile]) -> Holds:
-    """What the folder of a study holds of cases in folders of their names; it is never shorter."""
+    """Whether the folder of a study holds a part of cases in folders of their names, and no other ones."""
     noted = record.earlier_record(out)
-    if not noted:
-        return Holds.NOTHING
     if noted.get("status") != record.DONE:
-        return Holds.STOPPED
-    found = {name: held_of(out / name, case_file) for name, case_file in cases.items()}
-    if set(found.values()) <= {Holds.FINISHED}:
-        return Holds.FINISHED
-    others = [name for name, one in found.items() if one is Holds.NOTHING and (out / name / CASE).exists()]
-    return Holds.NOTHING if others else Holds.STOPPED
+        return Holds.STOPPED if noted else Holds.NOTHING
+    there = {name for name in cases if (out / name / CASE).exists()}
+    found = {held_of(out / name, cases[name]) for name in there}
+    is_whole = found == {Holds.FINISHED} and len(there) == len(cases)
+    return Holds.NOTHING if is_whole or Holds.NOTHING in found else Holds.STOPPED
 
 
 @interrupts_wait()
@@ -110,19 +103,6 @@ def _end(path: Path) -> float | None:
     with suppress(Exception), h5py.File(path, "r") as file:
         return float(file["time"][-1])
     return None
-
-
-def _taken(
-    out: Path, case_file: CaseFile | None, cases: Mapping[str, CaseFile], overwrite: bool, report: Report
-) -> RunFolder:
-    """Folder with what it holds of a run; refuses one that the run may not have."""
-    holds = _held_of_study(out, cases) if case_file is None else held_of(out, case_file)
-    overwrites = holds in GOES_ON and record.earlier_record(out).get("overwrites") is True
-    if (overwrite and not overwrites) or holds is Holds.FINISHED:
-        holds = Holds.NOTHING
-    if holds is Holds.NOTHING and not overwrite:
-        _refuse_results(out, below=case_file is None)
-    return RunFolder(out, report, holds, overwrite or overwrites, simulated=holds is Holds.HISTORY)
 
 
 def _refuse_results(out: Path, below: bool = False) -> None:
@@ -152,7 +132,7 @@ def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
 def _empty(out: Path) -> None:
     """Remove what an earlier run recorded in a folder, and what it was to go on with; the case file stays."""
     parts = {path.relative_to(out).as_posix() for path in out.glob(f"{record.CHECKPOINTS}/*.n[pc]*")}
-    _remove(out, (record.recorded_files(out) | parts | {record.STOPPED_HISTORY, record.END}) - {CASE})
+    _remove(out, record.recorded_files(out) | parts | {HISTORY, record.STOPPED_HISTORY, record.END})
 
 
 def _stays(out: Path, name: str) -> bool:
@@ -162,12 +142,11 @@ def _stays(out: Path, name: str) -> bool:
 
 
 def _remove(out: Path, names: set[str]) -> None:
-    """Remove files and the folders that they leave empty, and nothing outside of the folder."""
-    whole = out.resolve()
-    paths = [path for name in names if (path := (out / name).resolve()).is_relative_to(whole)]
-    for path in filter(Path.is_file, paths):
-        path.unlink()
-    for folder in {path.parent for path in paths} - {whole}:
+    """Remove files of a folder, but for its case, and the folders below that they leave empty."""
+    paths = [out / name for name in names - {CASE}]
+    for path in paths:
+        path.unlink(missing_ok=True)
+    for folder in {path.parent for path in paths} - {out}:
         if folder.is_dir() and {path.name for path in folder.iterdir()} <= {record.LOCK}:
             (folder / record.LOCK).unlink(missing_ok=True)
             folder.rmdir()

@@ -1,23 +1,19 @@
 """What a run takes: the time of its parts before it begins, and its progress while it works.
 
-Times are those of a rule, in s of wall time on two cores (docs/speed.md, docs/sweeps.md), times what earlier
-runs on this machine took over what the rule gives. Progress is a bar on a terminal and elsewhere a line now
-and then; a run's log has the lines, too.
+Times are those of a rule, in s of wall time on two cores (docs/speed.md, docs/sweeps.md). Progress is a bar
+on a terminal and elsewhere a line now and then; a run's log has the lines, too.
 """
 
-import hashlib
-import json
 import logging
-import statistics
 import sys
 import threading
 import time as clock
-from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from rich import progress as bars
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 if TYPE_CHECKING:
     from exudyn_crawler.case import CaseFile
@@ -27,8 +23,8 @@ LINE_EVERY = 10.0  # s of wall time between lines where there is no terminal, an
 
 REDUCE, COMPILE, SIMULATE = "reduce the flexible shoe", "compile the equations", "simulate"
 FIELDS, RECOVER, WRITE = "static fields of the shoe", "recover stresses", "tables and figures"
-ONCE = (REDUCE, COMPILE, FIELDS)
-"""Parts that stay on a machine: another run of the same shoe, or with the same equations, has none."""
+ONCE = (REDUCE, COMPILE, FIELDS)  # stay on a machine: for another run of the same shoe or kind of track
+SIMULATION = (COMPILE, SIMULATE)  # a history takes their place
 BEGIN, BEGIN_CLOSED = 0.5, 2.5  # s of a run beside its steps: rest, files, record; rest of a closed track
 SHOES = 13
 STEP = {True: 0.6e-3, False: 1.2e-3}  # s a step of so many rigid shoes, with compiled equations and without
@@ -39,11 +35,6 @@ PER_NODE = {REDUCE: 0.6e-3, FIELDS: 1.0e-3, SIMULATE: 1.5e-4, RECOVER: 5e-5}  # 
 COMPILING = 50.0  # s of the equations of a kind of track
 WRITING = {"tables": 0.5, "figures": 5.0, "pictures": 1.0, "page": 4.0}  # s, pictures of each flexible shoe
 TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
-EARLIER, REMEMBERED = "run_times.json", 5
-"""File of earlier runs among the cached reductions, and runs of a kind that count."""
-MOST_MADE = 200  # parts that stay on the machine and are remembered
-FOUND = 0.2
-"""Part of its time below which a part was found and not made."""
 
 logger = logging.getLogger("exudyn_crawler")
 
@@ -72,66 +63,50 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
     return times | ({WRITE: writing} if writing else {})
 
 
-class RunTimes:
-    """Time of the parts of a run: expected, and noted for later runs on this machine."""
+def times_line(times: Mapping[str, float]) -> str:
+    """Time of the parts of a run (s) by the rule, for reading; apart what earlier ones may have left."""
+    from exudyn_crawler.case.parameters.fields import in_units
 
-    def __init__(self, case_file: "CaseFile") -> None:
-        from exudyn_crawler.model.reductions import program_digest, reductions_folder
+    def told(parts: Mapping[str, float]) -> str:
+        words = ", ".join(f"{part} {in_units(time, TIMES, 2)}" for part, time in parts.items())
+        return f"about {in_units(sum(parts.values()), TIMES, 2)} ({words})"
 
-        case, made = case_file.case, program_digest()
-        self._rule, self._file = rule_of_thumb(case_file), reductions_folder() / EARLIER
-        self._earlier: dict[str, Any] = {}
-        with suppress(OSError, ValueError, TypeError):
-            self._earlier = dict(json.loads(self._file.read_text(encoding="utf-8")))
-        mesh = "" if case.flexible is None else f" {case.flexible.mesh}"
-        kind = "closed" if case.is_closed else "rolled" if case.is_rolled else "dragged"
-        kind += "" if case.is_compiled else " by Exudyn"
-        written = " ".join(name for name in WRITING if getattr(case_file.outputs, name))
-        of = {COMPILE: kind, SIMULATE: f"{kind}{mesh}", WRITE: f"{written}{mesh}"}
-        self._keys = {part: f"{part}: {of.get(part, mesh)}" for part in self._rule}
-        made += case.model_dump_json(include={"flexible", "track", "shoe", "undercarriage"})
-        digest = hashlib.sha256(made.encode()).hexdigest()
-        self._made = {part: f"{self._keys[part]} {digest}" for part in ONCE if part in self._rule}
-        self._made |= {COMPILE: f"{kind} {program_digest()}"}
+    once = {part: time for part, time in times.items() if part in ONCE}
+    every = {part: time for part, time in times.items() if part not in ONCE}
+    more = f", once on a machine {told(once)} more" if once else ""
+    return f"time: {told(every)}{more}, by a rule of thumb"
 
-    def expected(self, without: Collection[str] = ()) -> dict[str, float]:
-        """Wall time in s of the parts that the run is going to have, in order."""
-        there = self._earlier.get("made", [])
-        parts = [part for part in self._rule if part not in without and self._made.get(part) not in there]
-        ratios = {part: self._earlier.get(self._keys[part]) or [1.0] for part in parts}
-        return {part: self._rule[part] * statistics.median(ratios[part]) for part in parts}
 
-    def line(self, without: Collection[str] = ()) -> str:
-        """Time of a run and of each of its parts, for reading."""
-        from exudyn_crawler.case.parameters.fields import in_units
+@contextmanager
+def _shown(
+    title: str, total: float | None, show: bool | None, *columns: bars.ProgressColumn, transient: bool = False
+) -> Iterator[Callable[..., None]]:
+    """Bar on a terminal, elsewhere a line every `LINE_EVERY`; gives a function of what is done and the line.
 
-        parts = self.expected(without)
-        words = [
-            f"{part} {in_units(time, TIMES, 2)}{' (once)' if part in ONCE else ''}"
-            for part, time in parts.items()
-        ]
-        known = any(self._keys[part] in self._earlier for part in parts)
-        whence = "as in earlier runs on this machine" if known else "by a rule of thumb"
-        return f"time: about {in_units(sum(parts.values()), TIMES, 2)} {whence}: {', '.join(words)}"
+    `show` None shows a bar on a terminal and lines where stderr is something else; a log has lines, too.
+    """
+    console, told = Console(stderr=True), clock.perf_counter()
+    on_terminal = show or (show is None and console.is_terminal)
+    described = bars.TextColumn("{task.description}"), bars.BarColumn()
+    with bars.Progress(
+        *described,
+        *columns,
+        console=console,
+        transient=transient and console.is_terminal,
+        disable=not on_terminal,
+    ) as bar:
+        task = bar.add_task(title, total=total, speed="")
 
-    def note(self, taken: Mapping[str, float]) -> None:
-        """Note what the parts of a run took, s, as far as it had them whole."""
-        found: dict[str, Any] = dict(self._earlier)
-        for part, time in taken.items():
-            ratio = time / self._rule[part] if self._rule.get(part) else 0.0
-            if ratio > 0.0 and (part not in ONCE or ratio > FOUND):
-                found[self._keys[part]] = [*found.get(self._keys[part], []), ratio][-REMEMBERED:]
-        there = dict.fromkeys(
-            [*found.get("made", []), *(self._made[one] for one in taken if one in self._made)]
-        )
-        found["made"] = [*there][-MOST_MADE:]
-        # what only saves a guess stops no run
-        with suppress(OSError):
-            from exudyn_crawler.files import whole_file
+        def tell(done: float, now: float, line: str, **fields: Any) -> None:
+            nonlocal told
+            bar.update(task, completed=done, **fields)
+            if now - told >= LINE_EVERY and line:
+                told = now
+                logger.info("%s: %s", title, line)
+                if show is None and not on_terminal:
+                    print(f"{title}: {line}", file=sys.stderr, flush=True)
 
-            self._file.parent.mkdir(parents=True, exist_ok=True)
-            with whole_file(self._file, overwrite=True) as temporary:
-                temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        yield tell
 
 
 @contextmanager
@@ -142,22 +117,14 @@ def progress_bar(
 
     `show` None shows a bar on a terminal, and a line every `LINE_EVERY` where stderr is something else.
     """
-    console, begun = Console(stderr=True), list[tuple[float, float]]()
-    on_terminal = show or (show is None and console.is_terminal)
+    begun, shown = list[tuple[float, float]](), 0.0
     digits = ".2f" if unit == "s" else ".0f"
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn(f"{{task.completed:{digits}}} of {{task.total:g}} {unit}"),
-        TextColumn("{task.fields[speed]}"),
-        TimeRemainingColumn(),
-    )
-    shown = told = clock.perf_counter()
-    with Progress(*columns, console=console, disable=not on_terminal) as bar:
-        task = bar.add_task(title, total=duration, speed="")
+    done = bars.TextColumn(f"{{task.completed:{digits}}} of {{task.total:g}} {unit}")
+    columns = done, bars.TextColumn("{task.fields[speed]}"), bars.TimeRemainingColumn()
+    with _shown(title, duration, show, *columns) as tell:
 
-        def tell(time: float) -> None:
-            nonlocal shown, told
+        def at(time: float) -> None:
+            nonlocal shown
             now = clock.perf_counter()
             # the first step, which loads or compiles, does not count
             if not begun or (len(begun) == 1 and time > begun[0][0]):
@@ -167,46 +134,27 @@ def progress_bar(
             shown, (first, start) = now, begun[-1]
             wall = (now - start) / (time - first) if time > first else None
             speed = "" if wall is None else f"{wall:.3g} s wall per {unit.removesuffix('s') or unit}"
-            bar.update(task, completed=time, speed=speed)
-            if now - told >= LINE_EVERY and time < duration:
-                told = now
-                left = "" if wall is None else f", {speed}, about {wall * (duration - time):.0f} s left"
-                _line(f"{title}: {time:.4g} of {duration:g} {unit}{left}", show is None and not on_terminal)
+            left = "" if wall is None else f", {speed}, about {wall * (duration - time):.0f} s left"
+            line = f"{time:.4g} of {duration:g} {unit}{left}" if time < duration else ""
+            tell(time, now, line, speed=speed)
 
-        yield tell
-
-
-def _line(text: str, shown: bool) -> None:
-    """Write a line of progress to the log and, where it is `shown`, to stderr."""
-    logger.info(text)
-    if shown:
-        note(text)
-
-
-def note(line: str) -> None:
-    """Write a line to stderr, where progress is shown, too."""
-    print(line, file=sys.stderr, flush=True)
+        yield at
 
 
 @contextmanager
 def heartbeat(title: str, expected: float | None = None, show: bool | None = None) -> Iterator[None]:
     """Show how long a block has taken, of what it is `expected` to take (s); `show` as of `progress_bar`."""
-    start, ended, console = clock.perf_counter(), threading.Event(), Console(stderr=True)
-    on_terminal = show or (show is None and console.is_terminal)
+    start, ended = clock.perf_counter(), threading.Event()
     about = "" if expected is None else f" of about {expected:.0f} s"
-    columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn(about)
 
     def beat() -> None:
-        told = start
         while not ended.wait(min(REFRESH, LINE_EVERY)):
             now = clock.perf_counter()
-            bar.update(task, completed=now - start)
-            if now - told >= LINE_EVERY:
-                told = now
-                _line(f"{title}: {now - start:.0f} s so far{about}", show is None and not on_terminal)
+            tell(now - start, now, f"{now - start:.0f} s so far{about}")
 
-    with Progress(*columns, console=console, transient=console.is_terminal, disable=not on_terminal) as bar:
-        task = bar.add_task(title, total=expected)
+    with _shown(
+        title, expected, show, bars.TimeElapsedColumn(), bars.TextColumn(about), transient=True
+    ) as tell:
         thread = threading.Thread(target=beat, daemon=True)
         thread.start()
         try:

@@ -45,12 +45,13 @@ def earlier_record(folder: Path) -> dict[str, Any]:
 
 
 def recorded_files(folder: Path) -> set[str]:
-    """Names of files that the record in a folder lists, without such as lead out of it or are no names."""
-    listed = earlier_record(folder).get("files")
+    """Names of the files in a folder that its record lists; nothing outside of it."""
+    whole, listed = folder.resolve(), earlier_record(folder).get("files")
     names = [one for one in listed if isinstance(one, str)] if isinstance(listed, list) else []
-    paths = {name: Path(name) for name in names if "\0" not in name}
     return {
-        name for name, one in paths.items() if one.parts and not one.is_absolute() and ".." not in one.parts
+        name
+        for name in names
+        if (folder / name).is_file() and (folder / name).resolve().is_relative_to(whole)
     }
 
 
@@ -124,9 +125,8 @@ class Holds(Enum):
     """What a folder holds of a run that is to go into it."""
 
     NOTHING = "nothing of it"
-    STOPPED = "the run, stopped in its simulation"
-    HISTORY = "the run, stopped after its simulation"
-    SHORTER = "a finished run of less time"
+    STOPPED = "a part of its simulation"
+    HISTORY = "all of its simulation"
     FINISHED = "all of it"
 
 
@@ -143,7 +143,6 @@ class RunFolder:
     holds: Holds = Holds.NOTHING  # what the folder held of the run when it began
     overwrites: bool = False  # whether it was to replace another run, also if it was stopped and goes on now
     stages: dict[str, float] = field(default_factory=dict)  # wall time in s of those that have ended
-    simulated: bool = False  # whether the run's history is in the folder
     _record: Callable[[], None] = lambda: None
 
     def say(self, text: str) -> None:
@@ -165,19 +164,13 @@ class RunFolder:
             with suppress(OSError):
                 self._record()
 
-    def note_history(self) -> None:
-        """Record that the history of the run is in the folder."""
-        self.simulated = True
-        self._record()
-
 
 @contextmanager
 def recorded(folder: RunFolder) -> Iterator[None]:
     """Log and record what goes on in a folder, and which files it leaves there."""
     out = folder.path
     assert out is not None
-    before = recorded_files(out)
-    begun = time.perf_counter()
+    before, begun, found = recorded_files(out), time.perf_counter(), versions()
     record = {
         "status": "running",
         "command": sys.argv,
@@ -190,39 +183,36 @@ def recorded(folder: RunFolder) -> Iterator[None]:
             "python": platform.python_version(),
             "threads": {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
         },
-        "versions": versions(),
+        "versions": found,
         "commit": commit(),
         "overwrites": folder.overwrites,
     }
-
-    def finished() -> dict[str, Any]:
-        return {"finished": timestamp(), "wall_time_s": round(time.perf_counter() - begun, 3)}
-
     with logged(out), noted_files() as noted:
 
-        def write(outcome: dict[str, Any]) -> None:
-            whole, resolved = out.resolve(), [path.resolve() for path in noted]
-            inside = {path.relative_to(whole).as_posix() for path in resolved if path.is_relative_to(whole)}
-            files = {name for name in inside | before if (out / name).is_file()}
-            known = {"simulated": folder.simulated, "stages_s": folder.stages, "files": sorted(files)}
-            write_record(out, record | outcome | known)
+        def write(**outcome: str) -> None:
+            whole, paths = out.resolve(), [path.resolve() for path in noted]
+            inside = {path.relative_to(whole).as_posix() for path in paths if path.is_relative_to(whole)}
+            files = sorted(name for name in inside | before if (out / name).is_file())
+            if outcome:
+                taken = round(time.perf_counter() - begun, 3)
+                record.update(finished=timestamp(), wall_time_s=taken, **outcome)
+            write_record(out, record | {"stages_s": folder.stages, "files": files})
 
-        folder._record = lambda: write({})
-        logger.info("%s %s, process %d", PROGRAM, versions().get(PROGRAM, ""), os.getpid())
+        folder._record = write
+        logger.info("%s %s, process %d", PROGRAM, found.get(PROGRAM, ""), os.getpid())
         for name in (CASE, LOG):
             note_written(out / name)
-        write({})
+        write()
         try:
             yield
         except BaseException as error:
-            stopped = isinstance(error, SimulationStopped | KeyboardInterrupt)
-            outcome = {"status": "stopped" if stopped else "failed", "error": str(error) or repr(error)}
-            logger.error("%s", outcome["status"], exc_info=error)
+            status = "stopped" if isinstance(error, SimulationStopped | KeyboardInterrupt) else "failed"
+            logger.error("%s", status, exc_info=error)
             # what went wrong matters more than a record that cannot be written either
             with suppress(OSError):
-                write(finished() | outcome)
+                write(status=status, error=str(error) or repr(error))
             raise
-        write(finished() | {"status": DONE})
+        write(status=DONE)
         logger.info("done")
 
 

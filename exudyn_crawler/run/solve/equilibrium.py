@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from exudyn_crawler.case import Case, SphereContact
+from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground import sphere_contact, terrain
 from exudyn_crawler.model.compiled_system import MANY, CompiledSystem, compiled_system
@@ -118,7 +118,7 @@ def static_equilibrium(case: Case) -> np.ndarray:
 
     Laid out as `model.state` says: m and rad, from the places at t = 0 before settling. EquilibriumError
     where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
-    shoes that the ground carries least.
+    shoe that the ground carries least.
     """
     if case.terrain.model == "cells":
         return _compiled_rest(case)
@@ -129,21 +129,13 @@ def static_equilibrium(case: Case) -> np.ndarray:
         # Exudyn's joints turn otherwise with the lugs of bent shoes: from the other rest these would swing
         return _rest(ExudynSystem(case, static=True), q)
     system = ExudynSystem(case, static=True)
-    radius = case.contact.radius if isinstance(case.contact, SphereContact) else None
-    try:
-        q = _rest(system, system.first_guess()) if case.terrain.is_even else _on_uneven_ground(system)
-    except EquilibriumError as error:
-        if radius is None or not case.terrain.is_even:
-            raise
-        raise EquilibriumError(
-            f"{error}. The spheres' radius of {radius} m may "
-            f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
-        ) from error
+    q = _rest(system, system.first_guess()) if case.terrain.is_even else _on_uneven_ground(system)
     contact = system.contact
     if isinstance(contact, sphere_contact.SphereGroundContact) and (sunken := contact.sunken(q)):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
-            f"the ground; they need a contact.radius greater than {radius} m, or flatter ground"
+            f"the ground; they need a contact.radius greater than {case.sphere_contact().radius} m, or "
+            "flatter ground"
         )
     return q
 
@@ -162,12 +154,11 @@ def _compiled_rest(case: Case) -> np.ndarray:
             # over stones and ledges shoes tilt far from any guess
             return crept(system, guess)
     except NewtonError as failed:
-        if case.running_gear is not None or system.sticks:
+        is_free = case.running_gear is None and not system.sticks
+        if not is_free or (case.terrain.is_even and case.pair_contact().normal == "face"):
             raise _no_rest(system, failed) from failed
-        if not case.terrain.is_even:
-            return _on_rising_ground(case)
-        if case.pair_contact().normal == "face":
-            raise _no_rest(system, failed) from failed
+    if not case.terrain.is_even:
+        return _on_rising_ground(case)
     # normals that lean push a long chain about at the seams: it starts from its rest on faces alone
     return _rest_from(case, _compiled_rest(case.with_(contact=case.pair_contact().with_(normal="face"))))
 
@@ -210,11 +201,9 @@ def _oiled(case: Case, speed: float) -> Case:
 
 
 def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
-    slides = "; the ground's shear may be too weak to hold the shoes: compare contact.law with the slope"
-    even = system.sticks and system.case.terrain.is_even and failed.singular
     return EquilibriumError(
         f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
-        f"{failed.fault(system.layout)}{slides if even else ''}"
+        f"{failed.fault(system.layout)}"
     )
 
 
@@ -245,19 +234,19 @@ def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
         try:
             _damped_motion(system, settings)
         except NewtonError as failed:
-            raise EquilibriumError(
-                f"no static equilibrium of case {case.name!r} was found on its uneven ground: damped motion "
-                f"failed, {failed.fault(system.layout)}. {_unsupported(system)}"
-            ) from failed
+            why = f"damped motion failed, {failed.fault(system.layout)}"
+            break
         q, rates, _ = system.coordinates()
         speed = np.abs(rates).max()
         if speed < SLOW:
             return q
         with suppress(EquilibriumError):
             return _rest(system, q, POLISHING)
+        why = f"it still moves at {speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion"
+    force = system.contact_wrenches()[:, 2]
     raise EquilibriumError(
-        f"no static equilibrium of case {case.name!r} was found on its uneven ground: it still moves at "
-        f"{speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion. {_unsupported(system)}"
+        f"no static equilibrium of case {case.name!r} was found on its uneven ground: {why}; the ground "
+        f"carries shoe {force.argmin() + 1} least, with {force.min():.3g} N"
     )
 
 
@@ -291,12 +280,3 @@ def _damped_motion(system: ExudynSystem, settings: "exu.SimulationSettings") -> 
     with interrupts_wait() as waiting:
         system.after_step(lambda _time: not waiting)
         system.solve(settings)
-
-
-def _unsupported(system: ExudynSystem) -> str:
-    """Which shoes the ground carries least in the last state of a search."""
-    force = system.contact_wrenches()[:, 2]
-    lifted = np.flatnonzero(force < 0.1 * system.case.mean_load) + 1
-    if len(lifted):
-        return f"In the last state the ground hardly carries shoes {lifted.tolist()}."
-    return f"In the last state the ground carries shoe {force.argmin() + 1} least, with {force.min():.3g} N."

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,14 +15,14 @@ from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.ground import rotations, sphere_contact
 from exudyn_crawler.model import flexible_shoes, state
 from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, kind_of, track_system
+from exudyn_crawler.model.formulation import compile_equations, kind_of, track_system
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
-from exudyn_crawler.run.folder.progress import COMPILE, REDUCE, heartbeat, note, progress_bar
+from exudyn_crawler.run.folder.progress import COMPILE, COMPILING, REDUCE, heartbeat, progress_bar
 from exudyn_crawler.run.solve.equilibrium import newton_settings, static_equilibrium
-from exudyn_crawler.run.solve.stages import Recorder, RunStages, is_quiet, stage_times
-from fem import compiling, interrupts
+from exudyn_crawler.run.solve.stages import Recorder, is_quiet
+from fem import interrupts
 
 
 def solver_settings(solver: Solver) -> "exu.SimulationSettings":
@@ -62,32 +62,29 @@ def integrate(
 ) -> History:
     """Integrate a built system from its initial state; see `simulate`."""
     case, settings = system.case, solver_settings(system.case.solver)
-    recorder = Recorder(system, duration, ground_times)
-    ends = stage_times(case, duration)
-    stages = RunStages(system, recorder, ends, checkpoints)
-    reason = None
+    recorder = Recorder(system, duration, ground_times, checkpoints)
+    reason = ""
     with progress_bar(case.name, duration, progress) as tell, _watched(system, recorder, tell) as watch:
-        for number, (start, end) in enumerate(pairwise(ends)):
-            if number < stages.first:
+        for number, (start, end) in enumerate(pairwise(recorder.ends)):
+            if number < recorder.first:
                 continue
             system.switch_drive(case.drive.drives_after(start))
             set_times(settings, case.solver, start, end, is_quiet(case, start))
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             reason = _solve(system, settings, watch)
-            if reason is not None:
+            if reason or watch.waiting:
                 break
-            stages.end(number)
+            recorder.end_stage(number)
     if watch.waiting:
         reason = INTERRUPTED
-    if reason is not None:
-        raise SimulationStopped(recorder.time, reason, None if stages.nothing else stages.history())
-    return stages.history()
+    if reason:
+        raise SimulationStopped(recorder.time, reason, None if recorder.nothing else recorder.history())
+    return recorder.history()
 
 
-LOOK, WORN, SLACK_TENSION = 0.02, 0.005, 2e4
+LOOK = 0.02
 """s between two looks at a closed chain: a lug of the M113's pitch takes five times as long over a tooth
-at 1.5 m/s; growth of the pitch by which a chain is called worn; N, a tension by which it is called slack, a
-third of a metre's weight."""
+at 1.5 m/s."""
 
 
 class ChainWatch:
@@ -180,14 +177,10 @@ class ChainWatch:
         # of a track without any on its tumbler the one nearest to that
         off = np.where(np.repeat(on, len(x) // len(on)), np.inf, radius).argmin()
         shoe = 1 + int(other.argmax() if other.any() else off)
-        slack = "too slack to stay on the tumbler (idler.slack, idler.take_up)"
-        pulled = "pulled harder than such teeth hold (tumbler.reach, tumbler.depth)"
-        why = slack if tension.min() < SLACK_TENSION else pulled
-        if self.closed.pitch_growth > WORN:
-            why += f", or worn: its pitch has grown by {self.closed.pitch_growth:g}"
         return (
             f"shoe {shoe} jumped a tooth of the tumbler, at tensions of {tension.min():.3g} to "
-            f"{tension.max():.3g} N; likely a chain {why}"
+            f"{tension.max():.3g} N; likely a chain too slack to stay on it (idler.slack, idler.take_up), "
+            "worn, or pulled harder than such teeth hold (tumbler.reach, tumbler.depth)"
         )
 
 
@@ -235,9 +228,9 @@ def _watched(system: TrackSystem, recorder: Recorder, tell: Callable[[float], No
         system.after_step(None)
 
 
-def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str | None:
-    """Integrate one stage; gives why it stopped early, or None."""
-    reason = None
+def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str:
+    """Integrate one stage; gives why it stopped early, if it did."""
+    reason = ""
     try:
         system.solve(settings)
     except NewtonError as failed:
@@ -245,30 +238,15 @@ def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watc
         reason = f"Newton's method failed at the least step {least:g} s; {fault}"
         if watch.chain is not None and (wrong := watch.chain.fault(system.state())):
             reason = f"{wrong}; {reason}"
-    if watch.waiting:
-        return INTERRUPTED
     return watch.fault or reason
 
 
-COMPILING = (
-    "compiling the equations of motion of {} tracks, once on this machine: half a minute or more "
-    "(Ctrl-C takes effect afterwards)"
-)
-"""Rolled, dragged and closed tracks have equations of their own."""
-
-
-def compiled(case: Case, progress: bool | None = None, expected: float | None = None) -> None:
-    """Compile what a case needs, once on a machine; says so unless `progress` is false."""
-    if not case.is_compiled:
-        return
-    line = COMPILING.format(kind_of(case))
-    told = nullcontext() if progress is False else compiling.notify_compiling(EQUATIONS, lambda: note(line))
-    with (
-        told,
-        heartbeat(f"{case.name}: {COMPILE}", expected, progress),
-        threadpool_limits(1, user_api="blas"),
-    ):
-        compile_equations(kind_of(case))
+def compiled(case: Case, progress: bool | None = None) -> None:
+    """Compile the equations of a case's kind of track, once on a machine."""
+    if case.is_compiled:
+        shown = heartbeat(f"{case.name}: {COMPILE}", COMPILING, progress)
+        with shown, threadpool_limits(1, user_api="blas"):
+            compile_equations(kind_of(case))
 
 
 def simulate(

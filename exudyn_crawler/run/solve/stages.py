@@ -8,7 +8,7 @@ import numpy as np
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.track_system import TrackSystem
 from exudyn_crawler.results.history import History, files, ground_map, states
-from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
+from exudyn_crawler.run.folder.checkpoints import Checkpoints, StageEnd
 
 TIME_TOLERANCE = 1e-9
 """Relative difference below which two times are the same."""
@@ -47,19 +47,48 @@ class Recorder:
     """Keeps the state at the start, unless it goes on behind another one's end, and every output interval.
 
     At the first steps behind `ground_times` (s) also what the ground remembers, in `then` (cells, THEN).
+    `ends` of the stages (s) go from 0 to the run's duration. Checkpoints take every stage but the last, and
+    the history; without them both are in memory. The system is brought to the end of the last stage that they
+    hold; `first` is the number of the first stage that is to be integrated.
     """
 
-    def __init__(self, system: TrackSystem, duration: float, ground_times: Sequence[float] = ()) -> None:
-        self._system = system
+    def __init__(
+        self,
+        system: TrackSystem,
+        duration: float,
+        ground_times: Sequence[float] = (),
+        checkpoints: Checkpoints | None = None,
+    ) -> None:
+        self._system, self._duration, self._checkpoints = system, duration, checkpoints
         self._interval = system.case.solver.output_interval
-        self._duration = duration
         self._tolerance = TIME_TOLERANCE * max(1.0, duration)
         self._next = 0.0
         self._states: list[np.ndarray] = []
-        self._in_stage = False  # whether one of them is of the stage that goes on
+        self._chunks: list[files.Chunk] = []  # of the history, of stages before
+        self._in_stage = False  # whether a state is stored of the stage that goes on
         self._ground_times = list(ground_times)
         self.then = np.zeros((0, ground_map.THEN))
         self.time = 0.0
+        self.ends = stage_times(system.case, duration)
+        self.first = 0
+        if checkpoints is not None:
+            self._go_on_from(checkpoints)
+
+    def _go_on_from(self, checkpoints: Checkpoints) -> None:
+        """Bring the system to the end of the last stage that is also one of this run, but not its last."""
+        last, case = None, self._system.case
+        for stage in checkpoints.load(case, self._system.layout.to_json()):
+            # a shorter run ends within a stage of a longer one
+            is_last = stage.number >= len(self.ends) - 2
+            if is_last or abs(stage.time - self.ends[stage.number + 1]) > TIME_TOLERANCE * self._duration:
+                break
+            last = stage
+            self._chunks.append(stage.chunk)
+        if last is not None:
+            self.first, end = last.number + 1, last.read()
+            self._system.set_state(end.state, end.memory)
+            self.go_on(last.time, end.memory)
+            checkpoints.say(f"{case.name}: going on from the checkpoint at t = {last.time:g} s")
 
     def go_on(self, time: float, memory: Mapping[str, np.ndarray] | None = None) -> None:
         """Go on behind a time, s, of which the state is stored, in another process with a stored memory."""
@@ -68,11 +97,6 @@ class Recorder:
         if memory is not None:
             self.then = memory.get(KEPT, self.then)
             self._ground_times = [one for one in self._ground_times if one > time + self._tolerance]
-
-    def memory(self) -> dict[str, np.ndarray]:
-        """Memory of the ground, with that of chosen times."""
-        memory = self._system.memory()
-        return memory | {KEPT: self.then} if memory else memory
 
     def store(self, time: float) -> None:
         """Store the state if its turn has come; the last one always."""
@@ -86,11 +110,26 @@ class Recorder:
             if memory := self._system.memory():
                 self.then = np.concatenate((self.then, ground_map.memory_now(memory, time)))
 
-    def end_stage(self) -> None:
-        """Store the state at the end of a stage shorter than the output interval: each has one at least."""
+    def end_stage(self, number: int) -> None:
+        """End a stage that was integrated, which has one state at least; start the next one from its end."""
         if not self._in_stage:
             self._states.append(self._system.state())
         self._in_stage = False
+        state = self._system.state()
+        self._system.set_state(state)
+        if self._checkpoints is None or number == len(self.ends) - 2:
+            return
+        memory = self._system.memory()
+        stage = StageEnd(
+            case=self._system.case.model_dump_json(),
+            number=number,
+            time=self.time,
+            layout=self._system.layout.to_json(),
+            state=state,
+            memory=memory | {KEPT: self.then} if memory else memory,
+            history=states.system_history(self._system, self.taken()).dataset,
+        )
+        self._chunks.append(self._checkpoints.save(stage).chunk)
 
     def taken(self) -> np.ndarray:
         """States stored since the last call, one a row; they are not kept any longer."""
@@ -99,62 +138,9 @@ class Recorder:
         return rows
 
     @property
-    def count(self) -> int:
-        """Number of states stored since then."""
-        return len(self._states)
-
-
-class RunStages:
-    """Stages of a run; with checkpoints, what a recorder stored leaves its memory with each.
-
-    The system is brought to the end of the last stage that the checkpoints hold; `first` is the number of the
-    first stage that is to be integrated. `ends` of the stages (s) go from 0 to the run's duration.
-    Checkpoints take every stage but the last, and the history; without them both are in memory.
-    """
-
-    def __init__(
-        self, system: TrackSystem, recorder: Recorder, ends: Sequence[float], checkpoints: Checkpoints | None
-    ) -> None:
-        self._system, self._recorder, self._checkpoints = system, recorder, checkpoints
-        self._last = len(ends) - 2
-        self._chunks: list[files.Chunk] = []
-        self.first = 0
-        if checkpoints is not None:
-            self._go_on(checkpoints, ends)
-
-    def _go_on(self, checkpoints: Checkpoints, ends: Sequence[float]) -> None:
-        tolerance, kept = TIME_TOLERANCE * ends[-1], list[Checkpoint]()
-        for stage in checkpoints.load(self._system.case, self._system.layout.to_json()):
-            # a shorter run ends within a stage of a longer one
-            if stage.number >= self._last or abs(stage.time - ends[stage.number + 1]) > tolerance:
-                break
-            kept.append(stage)
-        if kept:
-            last = kept[-1]
-            self._chunks, self.first = checkpoints.chunks(kept), last.number + 1
-            state, memory = last.end()
-            self._system.set_state(state, memory)
-            self._recorder.go_on(last.time, memory)
-            checkpoints.say(f"{self._system.case.name}: going on from the checkpoint at t = {last.time:g} s")
-
-    def end(self, number: int) -> None:
-        """End a stage that was integrated, and start the next one from its state."""
-        self._recorder.end_stage()
-        state = self._system.state()
-        self._system.set_state(state)
-        if self._checkpoints is None or number == self._last:
-            return
-        history = states.system_history(self._system, self._recorder.taken()).dataset
-        layout = self._system.layout.to_json()
-        case, time = self._system.case, self._recorder.time
-        memory = self._recorder.memory()
-        stage = self._checkpoints.save(case, number, time, layout, state, memory, history)
-        self._chunks.append(stage.chunk)
-
-    @property
     def nothing(self) -> bool:
         """Whether no state was stored yet."""
-        return not (self._chunks or self._recorder.count)
+        return not (self._chunks or self._states)
 
     def history(self) -> History:
         """History of all stages, and of as much of one that stopped early as was stored.
@@ -162,8 +148,8 @@ class RunStages:
         With checkpoints it is written into their folder, which takes no more memory for a longer run, and
         read from there.
         """
-        case, end = self._system.case, ground_map.end_memory(self._system.memory(), self._recorder.then)
-        rows = self._recorder.taken()
+        case, end = self._system.case, ground_map.end_memory(self._system.memory(), self.then)
+        rows = self.taken()
         if self._checkpoints is None:
             return History(case, states.system_history(self._system, rows).dataset.assign(end))
         if len(rows):
