@@ -464,10 +464,9 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
             for one in acting.wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
                 yield replace(one, shoe=0, force=-one.force, moment=-one.moment)
         return
-    frame = acting.frame_of(history)
-    pulls, pins = acting.drive_pulls(history, frame), middle_pins(history, "front")
+    pulls, pins = acting.drive_pulls(history), middle_pins(history, "front")
     for shoe in case.track.shoes.tolist():
-        for one in acting.rollers_on(history, shoe, *acting.shoe_frames(history, shoe)):
+        for one in acting.treads_on(history, shoe, *acting.shoe_frames(history, shoe)):
             yield replace(one, shoe=0, force=-one.force)
         pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
         yield acting.Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero)

@@ -11,7 +11,6 @@ from exudyn_crawler import History
 from exudyn_crawler.files import write_netcdf_along
 from exudyn_crawler.results.history.files import (
     CASE,
-    SHAPES,
     TERRAIN_COORDINATES,
     Chunk,
     packed,
@@ -52,7 +51,7 @@ def test_a_history_from_a_file_goes_to_other_processes(translation, tmp_path):
 
 def test_units_move_by_the_terrains_coordinates(translation):
     dataset = translation.dataset
-    for name, shape in SHAPES.items():
+    for name, shape in (("unit_heave", "heave_shape"), ("unit_tilt", "tilt_shape")):
         product = dataset[shape].values @ dataset.terrain_motion_rate.values.T
         rate = dataset[f"{name}_rate"].values
         assert rate == pytest.approx(product.T, abs=1e-12 * np.abs(rate).max())
@@ -119,7 +118,7 @@ def test_writing_takes_no_more_memory_for_more_chunks(translation, tmp_path):
     def chunks(count):
         def later(number):
             time = part.time.values + number
-            return lambda: [part.copy(deep=True).assign_coords(time=time)]
+            return lambda: part.copy(deep=True).assign_coords(time=time)
 
         return [Chunk(100, Chunk.of(part).pairs, later(number)) for number in range(count)]
 

@@ -10,7 +10,7 @@ from exudyn_crawler import Duty, FatigueMaterial, History
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress import basis as stress_basis_module
-from exudyn_crawler.results.stress.basis import StoredRows, stress_basis
+from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import critical_plane, damage, extremes, rank
 
@@ -31,17 +31,6 @@ def duty():
     run = DutyRun(name="propel", folder=".", share=0.1)
     material = FatigueMaterial.a36().with_(fatigue_strength=90e6)
     return Duty(runs=(run,), material=material, plane_nodes=0, survivals=(0.9,))
-
-
-def test_stored_rows_are_those_that_were_written(tmp_path):
-    rows, stored = np.arange(60.0).reshape(20, 3), StoredRows(3)
-    stored.append(rows[:7])
-    stored.append(rows[7:])
-    assert (len(stored), stored.shape) == (20, (20, 3))
-    for part in (slice(None), slice(4, 11), slice(5, 5), slice(18, 99)):
-        assert np.array_equal(stored[part], rows[part])
-    assert np.array_equal(stored[np.array([19, 3, 3])], rows[[19, 3, 3]])
-    assert np.array_equal(np.concatenate(list(stored)), rows)
 
 
 def test_stresses_from_segments_are_those_of_the_whole_run(flexible_run, in_segments):

@@ -96,5 +96,5 @@ def test_what_is_no_history_or_has_no_mesh_is_named(flexible_run, tmp_path):
 
 
 def test_rigid_runs_have_no_stress(translation):
-    with pytest.raises(ValueError, match="rigid shoes alone, which have no stress; got shoe 13"):
+    with pytest.raises(ValueError, match="shoe must be a flexible one of the history, of none, got 13"):
         node_stress(translation, 13, near=(0, 0, 0))

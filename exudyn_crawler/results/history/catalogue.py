@@ -22,10 +22,12 @@ Variable = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
 
 CONTACT_KEYS = ("contact_shoe", "contact_unit", "contact_finger")
 """Coordinates along the contacts: numbers of shoe and unit, and of a finger, 0 for a whole underside."""
-OPEN_LINKS = "link of shoes i and i + 1"
-CLOSED_LINKS = f"{OPEN_LINKS}, the last one of the last shoe and the first"
-PAIR_OF_LOOPS = f"{OPEN_LINKS}, the last one of each of two tracks of its last shoe and its first"
-"""What the dimension of the links says of itself."""
+LINKS = (
+    "link of shoes i and i + 1",
+    "link of shoes i and i + 1, the last one of the last shoe and the first",
+    "link of shoes i and i + 1, the last one of each of two tracks of its last shoe and its first",
+)
+"""What the dimension of the links says of itself, by the number of closed tracks."""
 TRACK = "track"
 """Dimension after time of what a machine on two tracks has twice, and a case of one track once."""
 CATALOGUE = Path(__file__).with_name("quantities.csv")
@@ -136,7 +138,7 @@ def variable(name: str, values: np.ndarray, without: tuple[str, ...] = ()) -> Va
 
 def link_name(links: xr.DataArray, link: int) -> str:
     """Name of one of the links of a coordinate, by the shoes that it joins."""
-    loops = {CLOSED_LINKS: 1, PAIR_OF_LOOPS: 2}.get(links.attrs.get("long_name", ""), 0)
+    loops = LINKS.index(links.attrs.get("long_name", LINKS[0]))
     count = int(links.max()) // loops if loops else link + 1
     return f"link {link}-{link + 1 if link % count else link + 1 - count}"
 
@@ -159,12 +161,8 @@ def rotation_matrices(angles: np.ndarray) -> np.ndarray:
 def axes(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
     """Rotation matrices of the shoes: (time, shoe, axis, body_axis), for each body axis its direction."""
     angles = dataset.angles.transpose("time", "shoe", "axis")
-    names = {name: dataset[name].values for name in ("time", "shoe", "axis")}
-    return xr.DataArray(
-        rotation_matrices(angles.values),
-        coords=names | {"body_axis": names["axis"]},
-        dims=QUANTITIES["axes"].dimensions,
-    )
+    names = {name: dataset[name].values for name in angles.dims} | {"body_axis": dataset.axis.values}
+    return xr.DataArray(rotation_matrices(angles.values), names, list(names))
 
 
 def terrain_deformation(case: Case, dataset: xr.Dataset, begin: xr.Dataset) -> xr.DataArray:

@@ -7,7 +7,7 @@ below what the solver leaves out of balance. A run leaves a chunk a stage, joine
 
 import json
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -27,12 +27,10 @@ from fem.interrupts import interrupts_wait
 
 CASE = "case"  # attribute of a file
 LAYOUT_VERSION = "layout_version"  # attribute of the version of the states that a history was made of
-RATES = ("", "_rate", "_acceleration")
 TERRAIN = "terrain_motion"
-SHAPES = {"unit_heave": "heave_shape", "unit_tilt": "tilt_shape"}
-"""Shapes of the terrain's coordinates, by what they give."""
 TERRAIN_COORDINATES = tuple(select(per="terrain coordinate"))
 """Coordinates of a history's dataset: what the units' motion is made of."""
+UNIT_MOTION = tuple(select(per="unit"))
 
 
 @contextmanager
@@ -77,9 +75,8 @@ def unit_motion(shape: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
 def packed(dataset: xr.Dataset) -> xr.Dataset:
     """Dataset of a history as a file holds it."""
     if TERRAIN in dataset.variables:
-        dataset = dataset.drop_vars([f"{name}{rate}" for name in SHAPES for rate in RATES])
-    single = {name: QUANTITIES[name].dtype for name in _single(dataset)}
-    return dataset.assign({name: dataset[name].astype(dtype) for name, dtype in single.items()})
+        dataset = dataset.drop_vars(UNIT_MOTION, errors="ignore")
+    return dataset.assign({name: dataset[name].astype(QUANTITIES[name].dtype) for name in _single(dataset)})
 
 
 def unpacked(dataset: xr.Dataset) -> xr.Dataset:
@@ -102,10 +99,13 @@ def with_motion_of_units(dataset: xr.Dataset) -> xr.Dataset:
     if TERRAIN not in dataset.variables:
         return dataset
     computed = {}
-    for rate, name, shape in ((rate, *one) for rate in RATES for one in SHAPES.items()):
-        shapes, motion = dataset.variables[shape].values, dataset.variables[f"{TERRAIN}{rate}"]
+    for name in UNIT_MOTION:
+        # such as unit_tilt_rate of tilt_shape and terrain_motion_rate
+        _, shape, *rate = name.split("_")
+        shapes = dataset.variables[f"{shape}_shape"].values
+        motion = dataset.variables["_".join((TERRAIN, *rate))]
         part, sizes = partial(_part_of_motion, shapes, motion), (motion.shape[0], len(shapes))
-        computed[f"{name}{rate}"] = _lazy(f"{name}{rate}", sizes, part)
+        computed[name] = _lazy(name, sizes, part)
     return dataset.set_coords(list(TERRAIN_COORDINATES)).assign(computed)
 
 
@@ -146,25 +146,24 @@ class Chunk:
 
     times: int  # number of its stored times
     pairs: np.ndarray  # (contacts, 3), shoe, unit and finger of each of its contacts
-    parts: Callable[[], Iterable[xr.Dataset]]  # its datasets, one after the other
+    read: Callable[[], xr.Dataset]
 
     @classmethod
-    def of(cls, dataset: xr.Dataset) -> Self:
-        """A whole dataset of a history."""
-        return cls(dataset.sizes["time"], _pairs(dataset), lambda: blocks(dataset))
+    def of(cls, dataset: xr.Dataset, read: Callable[[], xr.Dataset] | None = None) -> Self:
+        """A dataset of a history, which memory holds unless `read` gives it again."""
+        return cls(dataset.sizes["time"], _pairs(dataset), read or (lambda: dataset))
 
     @classmethod
     def of_file(cls, path: Path, end: float) -> Self:
         """What a saved history holds up to a time, s."""
-        with interrupts_wait(), xr.open_dataset(path, engine="h5netcdf") as dataset:
-            times = int(np.count_nonzero(dataset.time.values <= end + 1e-9 * max(1.0, end)))
-            pairs = _pairs(dataset)
 
-        def parts() -> Iterator[xr.Dataset]:
-            with xr.open_dataset(path, engine="h5netcdf", cache=False) as dataset:
-                yield from blocks(unpacked(dataset).isel(time=slice(times)))
+        @interrupts_wait()
+        def read() -> xr.Dataset:
+            stored = xr.open_dataset(path, engine="h5netcdf", cache=False)
+            times = np.count_nonzero(stored.time.values <= end + 1e-9 * max(1.0, end))
+            return stored.isel(time=slice(int(times)))
 
-        return cls(times, pairs, parts)
+        return cls.of(read(), read)
 
 
 def contact_coordinates(pairs: np.ndarray) -> dict[str, tuple[str, np.ndarray]]:
@@ -183,23 +182,18 @@ def save_joined(
 
     `end` are cells of the ground as of the history's end, in place of those that chunks have.
     """
-    parts = _parts(chunks)
-    if end is not None:
-        parts = (part.drop_dims(("cell", "ground_time"), errors="ignore").assign(end) for part in parts)
     # ASCII, so that the text has a checksum
     text = json.dumps(case.model_dump(mode="json"))
-    whole = (packed(part).assign_attrs({CASE: text}) for part in parts)
-    times = sum(chunk.times for chunk in chunks)
-    return write_netcdf_along("time", times, whole, path, overwrite)
-
-
-def _parts(chunks: Sequence[Chunk]) -> Iterator[xr.Dataset]:
-    """Datasets of all chunks that have a time, with the contacts of all of them."""
     filled = [chunk for chunk in chunks if chunk.times]
     pairs = np.unique(np.concatenate([chunk.pairs for chunk in filled]), axis=0)
-    for chunk in filled:
-        for part in chunk.parts():
-            yield _with_contacts(part, pairs)
+
+    def whole(part: xr.Dataset) -> xr.Dataset:
+        if end is not None:
+            part = part.drop_dims(("cell", "ground_time"), errors="ignore").assign(end)
+        return packed(_with_contacts(part, pairs)).assign_attrs({CASE: text})
+
+    parts = (whole(part) for chunk in filled for part in blocks(chunk.read()))
+    return write_netcdf_along("time", sum(chunk.times for chunk in filled), parts, path, overwrite)
 
 
 def _with_contacts(dataset: xr.Dataset, pairs: np.ndarray) -> xr.Dataset:

@@ -73,22 +73,24 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     at_end = mapped(history.cell_sinkage, history.cell_pressure)
     greatest = "greatest sinkage along the normal of the ground"
     stays = "sinkage that stays where nothing presses"
-    fields = {
-        "height": (terrain.surface(*np.meshgrid(x, y, indexing="ij")), "height before any shoe came"),
-        "sinkage": (at_end[0], greatest),
-        "rut": (at_end[1], stays),
-    }
-    named = {"x": (x, "x of the cells' middles, global"), "y": (y, "y of the cells' middles, global")}
+    height, dims = terrain.surface(*np.meshgrid(x, y, indexing="ij")), ("x", "y")
     ground = xr.Dataset(
-        {name: (("x", "y"), one, {"units": "m", "long_name": text}) for name, (one, text) in fields.items()},
-        coords={name: (name, one, {"units": "m", "long_name": text}) for name, (one, text) in named.items()},
+        {
+            "height": _metres(dims, height, "height before any shoe came"),
+            "sinkage": _metres(dims, at_end[0], greatest),
+            "rut": _metres(dims, at_end[1], stays),
+        },
+        coords={
+            "x": _metres("x", x, "x of the cells' middles, global"),
+            "y": _metres("y", y, "y of the cells' middles, global"),
+        },
         attrs={"title": f"{case.name}: ground at t = {history.duration:g} s", "end": history.duration},
     )
     if not len(times):
         return ground
     stored = history.time.values
     rows = np.unique([np.abs(stored - time).argmin() for time in times])
-    depth = pressed_depths(history, rows, x, y, ground.height.values)
+    depth = pressed_depths(history, rows, x, y, height)
     then = np.full((2, *depth.shape), np.nan)
     if "ground_time" in history.dataset:
         kept, within = history.ground_time.values, max(case.solver.step, case.solver.quiet_step)
@@ -97,17 +99,18 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
             if abs(kept[nearest] - time) <= within:
                 now = history.dataset.isel(ground_time=nearest)
                 then[:, row] = mapped(now.cell_sinkage_then, now.cell_pressure_then)
-    over = {
-        "depth": (depth, "how deep undersides had pressed the ground until then"),
-        "sinkage_then": (then[0], f"{greatest} until then"),
-        "rut_then": (then[1], f"{stays}, of then"),
-    }
+    over, single = ("time", *dims), np.float32
     ground = ground.assign_coords(time=("time", stored[rows], {"units": "s"}))
-    dimensions = ("time", "x", "y")
-    meant = {name: {"units": "m", "long_name": text} for name, (_, text) in over.items()}
     return ground.assign(
-        {name: (dimensions, one.astype(np.float32), meant[name]) for name, (one, _) in over.items()}
+        depth=_metres(over, depth.astype(single), "how deep undersides had pressed the ground until then"),
+        sinkage_then=_metres(over, then[0].astype(single), f"{greatest} until then"),
+        rut_then=_metres(over, then[1].astype(single), f"{stays}, of then"),
     )
+
+
+def _metres(dims: str | tuple[str, ...], values: np.ndarray, meaning: str) -> tuple[Any, ...]:
+    """Variable in m."""
+    return dims, values, {"units": "m", "long_name": meaning}
 
 
 def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:

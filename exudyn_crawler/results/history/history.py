@@ -126,7 +126,7 @@ class History:
             own = own.assign_coords(flexible_shoe=own.flexible_shoe - mine.start)
             number_of = own.strip_wheel - number * len(wheels)
             own = own.assign(strip_wheel=number_of.where(own.strip_wheel > 0, 0).astype(int))
-        joint = ("joint", case.joints, {"long_name": catalogue.CLOSED_LINKS})
+        joint = ("joint", case.joints, {"long_name": catalogue.LINKS[1]})
         own = own.drop_vars(["shoe_track", "joint_track"]).assign_coords(
             shoe=case.track.shoes, joint=joint, wheel=wheels
         )
@@ -183,8 +183,8 @@ def as_history(run: History | str | Path) -> History:
 def _check(case: Case, dataset: xr.Dataset) -> None:
     """Refuse a dataset whose variables are not those of a history of the case."""
     catalogue.check_dimensions(dataset)
-    needed = (False, (case.terrain.model,))
-    always = {name for needs in needed for name in catalogue.select(files="history", needs=needs)}
+    stored = catalogue.select(files="history").items()
+    always = {name for name, one in stored if {*one.needs} <= {case.terrain.model}}
     always -= {*files.TERRAIN_COORDINATES}
     if missing := sorted(always - set(map(str, dataset.variables))):
         raise ValueError(f"it has no {missing[0]}")

@@ -21,15 +21,14 @@ AXES = ["x", "y", "z"]
 
 CONTACTS = catalogue.select(per="pair", files="history")  # variables of every contact
 
-LINKS = (catalogue.OPEN_LINKS, catalogue.CLOSED_LINKS, catalogue.PAIR_OF_LOOPS)
-
 VERSIONS = {f"{name.replace('-', '_')}_version": version(name) for name in ("exudyn", "exudyn-crawler")}
 
 NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
 
-
 COORDINATES = ("coordinates", "coordinates rate")
+
+Arrays = dict[str, np.ndarray]  # variables by name
 
 
 class _States(NamedTuple):
@@ -54,18 +53,23 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     """History of states (times, layout.size) of a system."""
     case, states = system.case, _States(system, rows)
     time = states.part("time")
-    start = case.shoe_reference if case.is_closed else case.track.com_positions(case.shoe.com_height)
+    # the shoes of an open track start level
+    start = case.shoe_reference if case.is_closed else case.shoe_reference[:, :3]
     contacts, pairs = _contacts(states)
-    values = _motion(states, "shoes", start) | _reactions(states) | _terrain(states) | contacts
+    values = _motion(states, "shoes", start)
+    values |= _reactions(states, values) | _terrain(states) | contacts
     values["shoe_load"] = case.loads.loads(time)
     if system.gear_forces is not None:
-        values |= (_closed if case.is_closed else _rolled)(states, _gear_forces(states, system.gear_forces))
+        each = states.each(system.gear_forces, "time", *COORDINATES)
+        found = {name: np.array([one[name] for one in each]) for name in each[0]}
+        values |= _motion(states, SIDE_FRAME, case.frame_start, "side_frame_")
+        values |= (_closed if case.is_closed else _rolled)(states, values, found)
     dataset = xr.Dataset(
         {name: catalogue.variable(name, one) for name, one in values.items()},
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
-            "joint": ("joint", case.joints, {"long_name": LINKS[case.is_closed * case.tracks]}),
+            "joint": ("joint", case.joints, {"long_name": catalogue.LINKS[case.is_closed * case.tracks]}),
             **({"unit": case.terrain.units} if len(case.terrain.units) else {}),
             "axis": AXES,
             **_coordinates(system),
@@ -76,7 +80,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     return History(case=case, dataset=files.with_motion_of_units(dataset))
 
 
-def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -> dict[str, np.ndarray]:
+def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -> Arrays:
     """Motion of the bodies of a part of the states, whose coordinates count from where they start.
 
     `start` (..., 3) are positions (m), or with the angles there (rad) (..., 6).
@@ -95,7 +99,7 @@ def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -
     }
 
 
-def _pins(states: _States) -> tuple[np.ndarray, np.ndarray]:
+def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Force and torque of every joint on its rear shoe: arrays (times, links, sides, 3), NaN for no joint.
 
     A joint's equations are ``p_front - p_rear = 0`` and, with the axes of the rear shoe marked 0 and of
@@ -104,10 +108,7 @@ def _pins(states: _States) -> tuple[np.ndarray, np.ndarray]:
     three are along the axes of the chain's plane (`model.joints.plane_axis`).
     """
     layout, case = states.system.layout, states.system.case
-    joints, angles = case.joints, states.part("shoes")[..., 3:]
-    if case.is_closed:
-        angles = angles + case.shoe_reference[:, 3:]
-    frames = rotations.rotation_matrices(angles)
+    joints, frames = case.joints, rotations.rotation_matrices(angles)
     rear, front = np.moveaxis(frames[:, case.links - 1], 2, 0)
     y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
     level = np.stack((np.cos(angles[..., 2]), np.sin(angles[..., 2]), np.zeros(angles.shape[:2])), axis=-1)
@@ -127,15 +128,18 @@ def _pins(states: _States) -> tuple[np.ndarray, np.ndarray]:
     return force, torque
 
 
-def _reactions(states: _States) -> dict[str, np.ndarray]:
+def _reactions(states: _States, motion: Arrays) -> Arrays:
     """Forces and torques of links and drive; of a track with flexible shoes those of each pin, too."""
-    layout, (force, torque) = states.system.layout, _pins(states)
+    layout, point, angles = states.system.layout, states.system.point, motion["angles"]
+    force, torque = _pins(states, angles)
+    # the front shoe is the last of the flexible ones, if it is one of them
+    modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(angles), 0))
     named = {
         "joint_force": np.nansum(force, axis=2),
         "joint_torque": np.nansum(torque, axis=2),
         "drive_force": -states.part("drive")[:, 0] * (not states.system.case.is_rolled),
-        "drive_point": _drive_point(states),
-        "drive_torque": -states.part("turn")[:, 0] if layout.has("turn") else np.zeros(len(states.rows)),
+        "drive_point": motion["position"][:, -1] + point.arm(angles[:, -1], modal),
+        "drive_torque": -states.part("turn")[:, 0] if layout.has("turn") else np.zeros(len(angles)),
     }
     if layout.flexible_shoes:
         # a rigid link has one joint, whose reaction is no pin's
@@ -149,35 +153,24 @@ def _reactions(states: _States) -> dict[str, np.ndarray]:
     return named
 
 
-def _drive_point(states: _States) -> np.ndarray:
-    """Where the drive acts: array (times, 3)."""
-    case, point, front = states.system.case, states.system.point, states.part("shoes")[:, -1]
-    # the front shoe is the last of the flexible ones, if it is one of them
-    modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(front), 0))
-    start = case.shoe_reference[-1]
-    return front[:, :3] + start[:3] + point.arm(front[:, 3:] + start[3:], modal)
-
-
-def _terrain(states: _States) -> dict[str, np.ndarray]:
-    contact = states.system.contact
+def _terrain(states: _States) -> Arrays:
+    """Coordinates of the terrain and their shapes, or the motion of units that are bodies."""
+    coordinates, named = states.system.contact.coordinates, Arrays()
     if not len(states.system.case.terrain.units):
-        return {}
-    modes = contact.coordinates
-    if isinstance(modes, terrain.TerrainModes):
-        shapes = dict(zip(files.SHAPES.values(), (modes.heave, modes.tilt), strict=True))
-        rates = zip(RATES, files.RATES, strict=True)
-        return shapes | {
-            f"{files.TERRAIN}{name}": states.part(f"terrain{rate}").copy() for rate, name in rates
-        }
-    named = {}
+        return named
+    if reduced := isinstance(coordinates, terrain.TerrainModes):
+        named = {"heave_shape": coordinates.heave, "tilt_shape": coordinates.tilt}
     for rate in RATES:
-        units = np.stack([modes.motion(row) for row in states.part(f"terrain{rate}")])
-        for name, column in (("heave", 2), ("tilt", 3)):
-            named[f"unit_{name}{rate.replace(' ', '_')}"] = units[..., column]
+        rows, after = states.part(f"terrain{rate}"), rate.replace(" ", "_")
+        if reduced:
+            named[f"{files.TERRAIN}{after}"] = rows.copy()
+        else:
+            units = np.stack([coordinates.motion(row) for row in rows])
+            named |= {f"unit_heave{after}": units[..., 2], f"unit_tilt{after}": units[..., 3]}
     return named
 
 
-def _contacts(states: _States) -> tuple[dict[str, np.ndarray], np.ndarray]:
+def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
     """Contacts over time, a column for each volume of a pair that ever met; zero while there is none."""
     more = ("contact",) if states.system.layout.contact else ()
     results = states.each(states.system.contact.results, *COORDINATES, *more)
@@ -201,21 +194,13 @@ def _contacts(states: _States) -> tuple[dict[str, np.ndarray], np.ndarray]:
     return tables, pairs
 
 
-def _gear_forces(states: _States, forces: Callable[..., dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """What a running gear does to the shoes, as of `TrackSystem.gear_forces`, over all times."""
-    each = states.each(forces, "time", *COORDINATES)
-    return {name: np.array([one[name] for one in each]) for name in each[0]}
-
-
-def _rolled(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Motion of the side frame, forces of its rollers and pull of its drive."""
-    case = states.system.case
-    frame, motion = case.undercarriage, _motion(states, SIDE_FRAME, case.frame_start, "side_frame_")
+def _rolled(states: _States, motion: Arrays, found: Arrays) -> Arrays:
+    """Forces of the rollers of a side frame and pull of its drive."""
+    case, frame = states.system.case, states.system.case.undercarriage
     assert frame is not None
     turned = rotations.rotation_matrices(motion["side_frame_angles"])[:, 0, 0]
     axes = motion["side_frame_position"][:, :1] + np.outer(turned, frame.rollers)
-    first = case.shoe_reference[0, 0] + states.part("shoes")[:, :1, 0]
-    behind = np.floor((axes - first) / case.track.pitch).astype(int)
+    behind = np.floor((axes - motion["position"][:, :1, 0]) / case.track.pitch).astype(int)
     behind = np.clip(behind, 0, case.track.shoe_count - len(NEIGHBOURS))
     rollers, when = np.arange(axes.shape[1]), np.arange(len(axes))[:, None, None]
     shoes = behind[..., None] + np.arange(len(NEIGHBOURS))
@@ -226,7 +211,7 @@ def _rolled(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarr
         np.where(has, found[name][when, shoes], 0.0).sum(axis=3).reshape(split).transpose(0, 1, 3, 4, 2, 5)
         for name in ("strip_force", "strip_foot")
     )
-    return motion | {
+    return {
         "drive_pull": -states.part("drive")[:, 0],
         "roller_shoe": behind + 1,
         "roller_force": force.sum(axis=(3, 4)),
@@ -235,8 +220,8 @@ def _rolled(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarr
     }
 
 
-def _closed(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Motion of side frame and tumbler of a closed track, drive, wheels and teeth."""
+def _closed(states: _States, motion: Arrays, found: Arrays) -> Arrays:
+    """Motion of the tumbler of a closed track, drive, wheels and teeth."""
     case = states.system.case
     names, start = TUMBLERS[case.tracks], case.tumbler_reference
     place = states.parts(names)[..., :3] + start[:, :3]
@@ -248,7 +233,7 @@ def _closed(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarr
     take_up = _take_up(states)
     if case.tracks == 1:
         place, torque, pitch, rate, take_up = (one[:, 0] for one in (place, torque, pitch, rate, take_up))
-    named = _motion(states, SIDE_FRAME, case.frame_start, "side_frame_") | {
+    named = {
         "tumbler_position": place,
         "tumbler_angle": pitch,
         "tumbler_speed": rate,
@@ -263,22 +248,16 @@ def _closed(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarr
         "wheel_energy": found["energy"][:, 0],
         "tooth_energy": found["energy"][:, 1],
     }
-    return named | (_on_flexible_shoes(states, found) if states.system.layout.flexible_shoes else {})
-
-
-def _on_flexible_shoes(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Every strip of a wheel and every lug of the flexible shoes of a closed track."""
-    case = states.system.case
+    if not states.system.layout.flexible_shoes:
+        return named
     shoes = np.array(states.system.layout.flexible_shoes) - 1
-    angles = states.part("shoes")[:, shoes, 3:] + case.shoe_reference[shoes, 3:]
-    across = rotations.rotation_matrices(angles)[..., 1]
-    names, of_track = TUMBLERS[case.tracks], shoes // case.loop.shoe_count
-    turned = states.parts(names)[..., 3:] + case.tumbler_reference[:, 3:]
-    axis = rotations.rotation_matrices(turned[:, of_track])[..., 1]
+    across = rotations.rotation_matrices(motion["angles"][:, shoes])[..., 1]
+    turned = states.parts(names)[..., 3:] + start[:, 3:]
+    axis = rotations.rotation_matrices(turned[:, shoes // case.loop.shoe_count])[..., 1]
     times, count, slots, strips = found["strip_guide"].shape
     split = (times, count, slots, len(SIDES), strips // len(SIDES), 3)
     guide = found["strip_guide"][..., None] * across[:, :, None, None]
-    return {
+    return named | {
         "strip_wheel": found["strip_wheel"] + 1,
         "strip_force": found["strip_force"].reshape(split),
         "strip_foot": found["strip_foot"].reshape(split),
@@ -304,8 +283,8 @@ def _take_up(states: _States) -> np.ndarray:
 
 def _coordinates(system: "TrackSystem") -> dict[str, object]:
     """Coordinates of the dimensions of flexible shoes, and of rollers and treads."""
-    named: dict[str, object] = {}
-    if system.frequencies is not None:
+    named, flexible = dict[str, object](), system.frequencies is not None
+    if flexible:
         named["flexible_shoe"] = list(system.layout.flexible_shoes)
         named["mode"] = np.arange(1, system.layout.modes + 1)
         named["frequency"] = ("mode", system.frequencies, {"units": "Hz"})
@@ -315,18 +294,14 @@ def _coordinates(system: "TrackSystem") -> dict[str, object]:
     if system.case.tracks > 1:
         side = np.repeat(SIDES, system.case.loop.shoe_count)
         named |= {catalogue.TRACK: list(SIDES), "shoe_track": ("shoe", side), "joint_track": ("joint", side)}
-    frame, gear = system.case.undercarriage, system.case.running_gear
-    if gear is None or (frame is None and system.frequencies is None):
-        return named
-    strips = np.arange(1, gear.strips + 1)
-    named |= {
-        "rail": list(SIDES),
-        "strip": ("strip", strips, {"long_name": "of a tread, from right to left"}),
-    }
-    if frame is None:
-        return named
-    rollers, under = np.arange(1, len(frame.rollers) + 1), "shoe under a roller's axis, or the next"
-    return named | {
-        "roller": ("roller", rollers, {"long_name": "from rear to front"}),
-        "neighbour": ("neighbour", list(NEIGHBOURS), {"long_name": under}),
-    }
+    gear = system.case.running_gear
+    if gear is not None and (system.case.is_rolled or flexible):
+        strips = np.arange(1, gear.strips + 1)
+        named["rail"] = list(SIDES)
+        named["strip"] = ("strip", strips, {"long_name": "of a tread, from right to left"})
+    if system.case.undercarriage is not None:
+        rollers = np.arange(1, len(system.case.undercarriage.rollers) + 1)
+        under = "shoe under a roller's axis, or the next"
+        named["roller"] = ("roller", rollers, {"long_name": "from rear to front"})
+        named["neighbour"] = ("neighbour", list(NEIGHBOURS), {"long_name": under})
+    return named

@@ -1,7 +1,8 @@
 """What a run comes to: key results, extremes, loads, differences from another run, and its bouncing."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from operator import attrgetter
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -15,6 +16,17 @@ KEY_UNITS = catalogue.READ_IN | {"m": ("mm", 1e3)}
 """Units in which key results are read, which are small in m."""
 
 
+class Extreme(NamedTuple):
+    """Extreme value of a series, the first of several."""
+
+    value: float
+    of: str  # what has it: shoe, link, roller
+    at: float  # s
+
+
+_value = attrgetter("value")
+
+
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
     """Greatest stress, forces, sinkage and speed of a run, how far it went and how far from rest it began.
 
@@ -23,28 +35,26 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     """
     ranked = sorted(catalogue.select(key_result=True).values(), key=lambda one: one.key_result)
     named = {one.name: one for one in ranked if history.has(one.name, stress)}
-    found: dict[str, dict[str, Any]] = {}
+    greatest: dict[str, Extreme] = {}
     for part, own in history.parts(stress):
         for name, values in part.over_time(named, own).items():
-            unit, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
-            sizes = _size(values) * factor
-            at, of, time = _extreme(sizes)
-            if name not in found or float(sizes.isel(at)) > found[name]["value"]:
-                result, value = named[name].key_result.partition(" ")[2], float(sizes.isel(at))
-                found[name] = {"result": result, "value": value, "of": of, "at": time, "unit": unit}
-    rows = list(found.values())
+            found = _extreme(_size(values))
+            greatest[name] = max(greatest.get(name, found), found, key=_value)
+    rows = []
+    for name, one in greatest.items():
+        unit, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
+        rows.append((named[name].key_result.partition(" ")[2], one.value * factor, unit, one.of, one.at))
     # of the front shoe, or of the side frame that rolls over the shoes
     rolled = history.case.running_gear is not None
     way = part.side_frame_way if rolled else part.displacement.isel(shoe=-1)
-    of, value = "side frame" if rolled else f"shoe {int(history.shoe[-1])}", float(_size(way.isel(time=-1)))
-    rows.append({"result": "way", "value": value, "of": of, "at": history.duration, "unit": "m"})
-    of, force = unbalanced(history)
-    start = {"at": float(history.time[0]), "unit": "kN"}
-    rows.append({"result": "out of balance at the start", "value": 1e-3 * force, "of": of, **start})
+    of = "side frame" if rolled else f"shoe {int(history.shoe[-1])}"
+    rows.append(("way", float(_size(way.isel(time=-1))), "m", of, history.duration))
+    of, force = _unbalanced(history)
+    rows.append(("out of balance at the start", 1e-3 * force, "kN", of, float(history.time[0])))
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
 
 
-def unbalanced(history: History) -> tuple[str, float]:
+def _unbalanced(history: History) -> tuple[str, float]:
     """Shoe or side frame farthest from rest as a run starts, and its mass times its acceleration then, N."""
     case, start = history.case, history.dataset.isel(time=0)
     shoes = case.shoe.mass * _size(start.acceleration).values
@@ -62,12 +72,12 @@ def _size(values: xr.DataArray) -> xr.DataArray:
     return abs(values) if values.attrs.get("units") == "N" else values
 
 
-def _extreme(values: xr.DataArray, which: str = "greatest") -> tuple[dict[str, int], str, float]:
-    """Where the least or greatest value of a series is, what it is of and when (s); the first of several."""
-    places = values.argmin(...) if which == "least" else values.argmax(...)
-    at = {str(dim): int(index) for dim, index in places.items()}
+def _extreme(values: xr.DataArray, which: Literal["least", "greatest", "largest"] = "greatest") -> Extreme:
+    """Least or greatest value of a series, or that of largest magnitude."""
+    ranked = -values if which == "least" else abs(values) if which == "largest" else values
+    at = {str(dim): int(index) for dim, index in ranked.argmax(...).items()}
     of = ", ".join(_item(values, dim, index) for dim, index in at.items() if dim != "time")
-    return at, of, float(values.time[at["time"]])
+    return Extreme(float(values.isel(at)), of, float(values.time[at["time"]]))
 
 
 def _item(values: xr.DataArray, dim: str, index: int) -> str:
@@ -83,26 +93,21 @@ def _item(values: xr.DataArray, dim: str, index: int) -> str:
 
 def extremes(history: History) -> pd.DataFrame:
     """Least and greatest value of every variable with numbers, axis by axis, of what and when (s)."""
-    rows: dict[tuple[str, str], dict[str, Any]] = {}
+    found: dict[tuple[str, str, str], tuple[Extreme, Extreme]] = {}
     # a variable of a long run may be larger than memory
     for part in blocks(history.dataset):
-        for name, axis, values in _series(part):
-            new = {"variable": name, "axis": axis, "unit": values.attrs.get("units", "")}
-            row = rows.setdefault((name, axis), new)
-            for which, sense in (("least", -1.0), ("greatest", 1.0)):
-                at, of, time = _extreme(values, which)
-                value = float(values.isel(at))
-                if which not in row or sense * value > sense * row[which]:
-                    row |= {which: value, f"{which}_of": of, f"{which}_at in s": time}
-    return pd.DataFrame(list(rows.values()))
-
-
-def _series(part: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray]]:
-    """Every variable over time, axis by axis, with some number: its name, axis and values."""
-    for name, values in part.data_vars.items():
-        if "time" in values.dims and np.issubdtype(values.dtype, np.number):
-            by_axis = _by_axis(values.load())
-            yield from ((str(name), axis, one) for axis, one in by_axis if bool(one.notnull().any()))
+        for name, values in part.data_vars.items():
+            if "time" not in values.dims or not np.issubdtype(values.dtype, np.number):
+                continue
+            for axis, one in _by_axis(values.load()):
+                if one.notnull().any():
+                    low, high = _extreme(one, "least"), _extreme(one)
+                    key = (str(name), axis, values.attrs.get("units", ""))
+                    least, greatest = found.get(key, (low, high))
+                    found[key] = min(least, low, key=_value), max(greatest, high, key=_value)
+    columns = [f"{which}{of}" for which in ("least", "greatest") for of in ("", "_of", "_at in s")]
+    rows = [(*key, *least, *greatest) for key, (least, greatest) in found.items()]
+    return pd.DataFrame(rows, columns=["variable", "axis", "unit", *columns])
 
 
 def _by_axis(values: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
@@ -162,10 +167,8 @@ def tension_along_chain(history: History) -> xr.Dataset:
     return xr.Dataset(named | at, {"joint": data.joint, "place": np.arange(1, count + 1)})
 
 
-COLUMNS = (
-    *("quantity", "axis", "unit", "greatest in A", "greatest in B", "change in %"),
-    *("rms difference", "greatest difference", "of", "at in s"),
-)
+COLUMNS = ["quantity", "axis", "unit", "greatest in A", "greatest in B", "change in %"]
+COLUMNS += ["rms difference", "greatest difference", "of", "at in s"]
 STILL = 1e-7
 """Part of the greatest on all axes below which nothing moves along one: what the solver leaves out of balance
 (0.2 N) over the forces."""
@@ -196,29 +199,14 @@ def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.
         greatest = float(abs(a).max()) if a.size else 0.0
         for (axis, one), (_, other) in zip(_by_axis(a), _by_axis(b), strict=True):
             still = axis and all(bool((abs(values) <= STILL * greatest).all()) for values in (one, other))
-            row = {} if still else _difference(one, other, ROUNDING * max(greatest, ROUNDING))
-            if row:
-                rows.append({"quantity": str(name), "axis": axis} | row)
-    return pd.DataFrame(rows, columns=list(COLUMNS))
-
-
-def _difference(a: xr.DataArray, b: xr.DataArray, rounding: float) -> dict[str, object]:
-    """Row of one series with its unit; nothing where no difference is beyond rounding."""
-    difference = b - a
-    if not bool((abs(difference) > rounding).any()):
-        return {}
-    at, of, time = _extreme(abs(difference).fillna(0.0))
-    size, other = float(abs(a).max()), float(abs(b).max())
-    return {
-        "unit": a.attrs.get("units", ""),
-        "greatest in A": size,
-        "greatest in B": other,
-        "change in %": 100.0 * (other - size) / size if size > 0.0 else np.nan,
-        "rms difference": float(np.sqrt((difference**2).mean())),
-        "greatest difference": float(difference.isel(at)),
-        "of": of,
-        "at in s": time,
-    }
+            difference = other - one
+            if still or not (abs(difference) > ROUNDING * max(greatest, ROUNDING)).any():
+                continue
+            size, now = float(abs(one).max()), float(abs(other).max())
+            change = 100.0 * (now - size) / size if size > 0.0 else np.nan
+            rms, found = float(np.sqrt((difference**2).mean())), _extreme(difference.fillna(0.0), "largest")
+            rows.append((str(name), axis, one.attrs.get("units", ""), size, now, change, rms, *found))
+    return pd.DataFrame(rows, columns=COLUMNS)
 
 
 BAND = (3.0, 30.0)  # Hz, between what loads and drive do and what the elastic shoes do

@@ -115,23 +115,21 @@ def actions(history: History, shoe: int | None = None) -> list[Action]:
 
 
 def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
-    position, frames = shoe_frames(history, shoe)
+    (position, frames), flexible = shoe_frames(history, shoe), history.case.flexible
+    bends = flexible is not None and shoe in flexible.shoes
     yield from _joints(history, shoe, position, frames)
     yield from _weight_and_load(history, shoe, position, frames)
-    if "node_force" in history.dataset and shoe in history.flexible_shoe:
+    if bends and "node_force" in history.dataset:
         yield from _grid(history, shoe, position, frames)
     else:
-        yield from _contacts(history, shoe)
-    if history.case.is_closed and "strip_force" in history.dataset and shoe in history.flexible_shoe:
-        yield from _strips(history, shoe, position, frames)
-        yield from _lugs(history, shoe, position, frames)
-    elif history.case.is_closed:
-        yield from wheels_and_teeth(history, shoe, position)
-    elif shoe == history.case.track.shoe_count:
+        yield from _contacts(history, shoe, bends)
+    if shoe == history.case.track.shoe_count and not history.case.is_closed:
         yield from _drive(history, shoe, position, frames)
-    if history.case.undercarriage is not None:
-        yield from rollers_on(history, shoe, position, frames)
-        yield from _chain(history, history.case.undercarriage, shoe, position, frames)
+    if history.case.is_closed and not bends:
+        yield from wheels_and_teeth(history, shoe, position)
+    elif history.case.running_gear is not None:
+        yield from treads_on(history, shoe, position, frames)
+        yield from (_lugs if history.case.is_closed else _chain)(history, shoe, position, frames)
 
 
 def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
@@ -153,16 +151,12 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
             if closed is not None and force.shape[1] == 1:
                 centers = [c for name, c in track.joint_centers.items() if name.startswith(end)]
                 place = np.mean(centers, axis=0)
-            moment = torque[:, side] + _by_wear(history.case, where, frames, pushed)
+            moment = torque[:, side]
+            if closed is not None and end == "rear":  # a worn pin is farther back
+                wear = (track.pitch - closed.chain_pitch(track)) * frames[:, :, 0]
+                moment = moment + np.cross(wear, pushed)
             point = position + frames @ place
             yield Action("joint", shoe, where, point, pushed, moment, AtInterface(where))
-
-
-def _by_wear(case: Case, where: str, frames: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Moment (times, 3) about a joint centre of a force at its pin; worn rear pins are farther back."""
-    if case.closed_track is None or where.startswith("front"):
-        return np.zeros_like(force)
-    return np.cross((case.track.pitch - case.closed_track.chain_pitch(case.track)) * frames[:, :, 0], force)
 
 
 def _weight_and_load(
@@ -191,10 +185,8 @@ def _grid(history: History, shoe: int, position: np.ndarray, frames: np.ndarray)
         yield Action("contact", shoe, "cells", position + frames @ place, force, zero, AtGridNode(node))
 
 
-def _contacts(history: History, shoe: int) -> Iterator[Action]:
+def _contacts(history: History, shoe: int, bends: bool) -> Iterator[Action]:
     """Contact with every unit that the shoe ever met, or with the cells."""
-    flexible = history.case.flexible
-    bends = flexible is not None and shoe in flexible.shoes
     own = np.flatnonzero(history.contact_shoe.values == shoe)
     # read once, for histories larger than memory
     area, point, normal, friction, torque = (
@@ -228,34 +220,6 @@ def wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Itera
     yield Action("tooth", shoe, "COM", position, on_shoe.tooth_force.values, on_shoe.tooth_moment.values)
 
 
-def _strips(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Every strip of a wheel of a closed track that was ever on a flexible shoe, and its flange."""
-    on_shoe = history.dataset.sel(flexible_shoe=shoe)
-    numbers, zero = np.asarray(on_shoe.strip_wheel), np.zeros_like(position)
-    force, foot, guide = (on_shoe[f"strip_{name}"].values for name in ("force", "foot", "guide"))
-    _, _, rails, strips, _ = force.shape
-    for wheel, name in enumerate(history.wheel.values.tolist()):
-        here = np.isin(numbers, wheel + 1)
-        if not here.any():
-            continue
-        for rail, strip in np.ndindex(rails, strips):
-            pressed, sideways, point = zero.copy(), zero.copy(), position.copy()
-            for slot in range(here.shape[1]):
-                on, at = here[:, slot], (here[:, slot], slot, rail, strip)
-                sideways[on], point[on] = guide[at], foot[at]
-                pressed[on] = force[at] - guide[at]
-            still = ~np.any((pressed != 0.0) | (sideways != 0.0), axis=1)
-            point[still] = position[still]
-            x = np.einsum("ti,ti->t", point - position, frames[:, :, 0])
-            entry, where = OnRail(rail * strips + strip, x, wheel), f"{name} {SIDES[rail]}"
-            if pressed.any():
-                # with two tracks wheels are "right idler" and so on
-                kind = next(kind for kind in ("roller", "idler", "carrier", "slide") if kind in name)
-                yield Action(kind, shoe, where, point, pressed, zero, entry)
-            if sideways.any():
-                yield Action("guide", shoe, f"flange of {where}", point, sideways, zero, entry)
-
-
 def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Teeth on the lugs of a flexible shoe, which the bores next to them hold, and their flange."""
     on_shoe, track = history.dataset.sel(flexible_shoe=shoe), history.case.track
@@ -269,37 +233,49 @@ def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray)
                 yield Action(kind, shoe, where, point, force, moment, AtInterface(where))
 
 
-def rollers_on(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Every strip of a roller that was ever on the shoe."""
-    behind, zero = history.roller_shoe.values, np.zeros_like(position)
-    # read once: a history larger than memory reads a variable from its file whenever it is asked for
-    tread_force, tread_foot = history.tread_force.values, history.tread_foot.values
-    _, rollers, rails, strips, neighbours, _ = tread_force.shape
-    for roller, rail, strip in np.ndindex(rollers, rails, strips):
-        force, foot = zero.copy(), position.copy()
-        for neighbour in range(neighbours):
-            here = behind[:, roller] + neighbour == shoe
-            at = (slice(None), roller, rail, strip, neighbour)
-            pressed = here & tread_force[at].any(axis=1)
-            force[pressed] = tread_force[at][pressed]
-            foot[pressed] = tread_foot[at][pressed]
-        if force.any():
-            x = np.einsum("ti,ti->t", foot - position, frames[:, :, 0])
-            where = f"roller {roller + 1} {SIDES[rail]}"
-            entry = OnRail(rail * strips + strip, x, roller)
-            yield Action("roller", shoe, where, foot, force, zero, entry)
+def treads_on(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
+    """Every strip of a tread that was ever on the shoe, and its flange; a flexible one in a closed track."""
+    # wheels (times, slots), from 0, that are on the shoe, and vectors (times, slots, rails, strips, 3) of
+    # strips, read once: a history larger than memory reads a variable from its file whenever it is asked for
+    if history.case.is_closed:
+        own, names = history.dataset.sel(flexible_shoe=shoe), history.wheel.values.tolist()
+        force, foot, guide = (own[f"strip_{name}"].values for name in ("force", "foot", "guide"))
+        wheels = own.strip_wheel.values - 1
+    else:
+        dims = ("time", "roller", "neighbour", "rail", "strip", "axis")
+        force, foot = (history.dataset[f"tread_{name}"].transpose(*dims).values for name in ("force", "foot"))
+        times, rollers, neighbours, *strips = force.shape
+        on = history.roller_shoe.values[..., None] + np.arange(neighbours) == shoe
+        wheels = np.where(on, np.arange(rollers)[:, None], -1).reshape(times, -1)
+        force, foot = (one.reshape(times, -1, *strips) for one in (force, foot))
+        names = [f"roller {number}" for number in range(1, rollers + 1)]
+        guide = np.broadcast_to(0.0, force.shape)
+    for wheel, rail, strip in np.ndindex(len(names), *force.shape[2:4]):
+        pressed, sideways, point = np.zeros_like(position), np.zeros_like(position), position.copy()
+        here = (wheels == wheel) & force[:, :, rail, strip].any(axis=-1)
+        for slot in np.flatnonzero(here.any(axis=0)):
+            on, at = here[:, slot], (here[:, slot], slot, rail, strip)
+            sideways[on], point[on] = guide[at], foot[at]
+            pressed[on] = force[at] - guide[at]
+        x = np.einsum("ti,ti->t", point - position, frames[:, :, 0])
+        entry, where = OnRail(rail * force.shape[3] + strip, x, wheel), f"{names[wheel]} {SIDES[rail]}"
+        if pressed.any():
+            # with two tracks wheels are "right idler" and so on
+            kind = next(kind for kind in ("roller", "idler", "carrier", "slide") if kind in where)
+            yield Action(kind, shoe, where, point, pressed, np.zeros_like(position), entry)
+        if sideways.any():
+            where = f"flange of {where}"
+            yield Action("guide", shoe, where, point, sideways, np.zeros_like(position), entry)
 
 
-def _chain(
-    history: History, frame: Undercarriage, shoe: int, position: np.ndarray, frames: np.ndarray
-) -> Iterator[Action]:
+def _chain(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Pull of the drive at the shoe's front pins, and the tension of the chain at the outermost ones."""
-    track, zero = history.case.track, np.zeros_like(position)
-    pulls = {"front": -drive_pulls(history, frame)[:, shoe - 1], "rear": zero[:, 0]}
+    track, zero, tension = history.case.track, np.zeros_like(position), frame_of(history).end_tension
+    pulls = {"front": -drive_pulls(history)[:, shoe - 1], "rear": zero[:, 0]}
     if shoe == track.shoe_count:
-        pulls["front"] = pulls["front"] + frame.end_tension
+        pulls["front"] = pulls["front"] + tension
     if shoe == 1:
-        pulls["rear"] = pulls["rear"] - frame.end_tension
+        pulls["rear"] = pulls["rear"] - tension
     for where, center in track.joint_centers.items():
         force = zero.copy()
         force[:, 0] = 0.5 * pulls[where.split()[0]]
@@ -307,9 +283,9 @@ def _chain(
             yield Action("chain", shoe, where, position + frames @ center, force, zero, AtInterface(where))
 
 
-def drive_pulls(history: History, frame: Undercarriage) -> np.ndarray:
+def drive_pulls(history: History) -> np.ndarray:
     """Pull of the drive at each shoe's front pins, backward, N: array (times, shoes)."""
-    track = history.case.track
+    track, frame = history.case.track, frame_of(history)
     first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead
     tumbler = history.side_frame_position.sel(axis="x").values + frame.tumbler
     shares = frame.shares_of_links(tumbler - first, track.shoe_count - 1, track.pitch)

@@ -1,5 +1,6 @@
 """What acts on a shoe in its axes: all of it at one instant, for other programs, and its pins over time."""
 
+import itertools
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -186,9 +187,6 @@ def pin_table(history: History, shoe: int) -> pd.DataFrame:
         )
     columns = {"time in s": found.time.values}
     for name, letter, unit in (("force", "F", "N"), ("moment", "M", "N m")):
-        columns |= {
-            f"{pin} {letter}{axis} in {unit}": found[name].sel(pin=pin, axis=axis).values
-            for pin in found.pin.values
-            for axis in found.axis.values
-        }
+        for pin, axis in itertools.product(found.pin.values, found.axis.values):
+            columns[f"{pin} {letter}{axis} in {unit}"] = found[name].sel(pin=pin, axis=axis).values
     return pd.DataFrame(columns)

@@ -49,11 +49,6 @@ class NodalShares(NamedTuple):
     nodes: np.ndarray
     weights: np.ndarray
 
-    def work(self, modes: np.ndarray) -> np.ndarray:
-        """Work (3 p, m) on modes (n, 3, m)."""
-        rows: np.ndarray = np.tensordot(self.weights, modes[self.nodes], axes=1)
-        return rows.reshape(-1, modes.shape[2])
-
 
 class StripStations(NamedTuple):
     """Stations of the strips' lines."""
@@ -109,9 +104,10 @@ class ShoeUnitLoads:
     @cached_property
     def work(self) -> np.ndarray:
         """Work (k, M) of the unit loads on all modes: their modal loads."""
-        modes = len(self.whole.frequencies)
-        spread = [family.work(self.whole.modes) for family in self.spread.values()]
-        return np.concatenate([self.whole.pilots.reshape(-1, modes), *spread, self.integrated.inside.T])
+        modes, count = self.whole.modes, len(self.whole.frequencies)
+        spread = [np.tensordot(one.weights, modes[one.nodes], axes=1) for one in self.spread.values()]
+        rows = [one.reshape(-1, count) for one in (self.whole.pilots, *spread)]
+        return np.concatenate([*rows, self.integrated.inside.T])
 
     @cached_property
     def answers(self) -> np.ndarray:
@@ -245,7 +241,5 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
 def check_flexible(case: Case, shoe: int) -> None:
     """Refuse a shoe that is not a flexible one of a history's case, by a ValueError."""
     there = [] if case.flexible is None else list(case.flexible.shoes)
-    if not there:
-        raise ValueError(f"the run has rigid shoes alone, which have no stress; got shoe {shoe}")
     if shoe not in there:
-        raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")
+        raise ValueError(f"shoe must be a flexible one of the history, of {there or 'none'}, got {shoe}")

@@ -8,10 +8,8 @@ points, and stations of each rail with a pressure about them. `StaticLoads.share
 these, with the same forces.
 """
 
-import itertools
 import tempfile
-import weakref
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -117,35 +115,6 @@ def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations
     return csr_array(block_diag(blocks))
 
 
-class StoredRows:
-    """Rows (t, m) in a file without a name, of which parts are read: coordinates of a long run."""
-
-    def __init__(self, columns: int) -> None:
-        self._file = tempfile.TemporaryFile(dir=writable_folder(reductions.reductions_folder()))  # noqa: SIM115 - as long as it
-        self.shape = (0, columns)
-        weakref.finalize(self, self._file.close)
-
-    def append(self, rows: np.ndarray) -> None:
-        """Write rows behind the others."""
-        rows.tofile(self._file)
-        self.shape = (self.shape[0] + len(rows), self.shape[1])
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __iter__(self) -> Iterator[np.ndarray]:
-        """Blocks of rows, in order."""
-        return (self[rows] for rows in parts_of(len(self)))
-
-    def __getitem__(self, rows: slice | np.ndarray) -> np.ndarray:
-        """Rows of a slice, or of numbers."""
-        # mapped anew each time: what was read once does not stay in memory
-        return np.array(np.memmap(self._file, float, "r", shape=self.shape)[rows])
-
-
-Rows = np.ndarray | StoredRows
-
-
 def parts_of(times: int) -> list[slice]:
     """Slices of successive stored times whose loads are in memory together."""
     return [slice(start, min(start + PART, times)) for start in range(0, times, PART)]
@@ -159,7 +128,7 @@ class StressBasis:
     loads: Mapping[int, Mapping[str, csr_array]] | None
     """Coordinates (times, loads) by shoe, as of `loads_by_kind`; None for a long run, which has them anew."""
     answers: np.ndarray  # (loads, columns), coordinates of the columns that a unit of each load makes
-    coordinates: Mapping[int, Any]  # (times, columns), their products by shoe: an array or `StoredRows`
+    coordinates: Mapping[int, np.ndarray]  # (times, columns), their products by shoe; in files of a long run
     bound: float | None
     """Pa by which left-out fields change the stress of any node at most; None without fields: not known."""
     history: History | None = None  # of a run
@@ -186,32 +155,36 @@ class StressBasis:
 def _in_memory(history: History, rows: np.ndarray | slice) -> History:
     """Stored times of a history, all of it in memory but the motion of the units, which are hundreds."""
     part = history.dataset.isel(time=rows)
-    units = {f"{name}{rate}" for name in files.SHAPES for rate in files.RATES}
-    return History(history.case, part.assign({name: part[name].load() for name in {*part.data_vars} - units}))
+    kept = part.drop_vars(files.UNIT_MOTION, errors="ignore").load()
+    return History(history.case, part.assign(kept.data_vars))
 
 
 @dataclass(frozen=True)
-class _Histories(Sequence[np.ndarray]):
-    """Coordinates (times, fields) of static fields' loads of a long run, of a segment and a shoe each."""
+class _Again:
+    """What a function yields, as often as it is iterated over."""
 
-    history: History
-    shoes: Sequence[int]
-    shares: csr_array
+    make: Callable[[], Iterator[Any]]
 
-    def loads(self) -> Iterator[tuple[int, csr_array]]:
-        """Loads of all segments with their shoe."""
-        for rows in parts_of(self.history.time.size):
-            part = _in_memory(self.history, rows)
-            yield from ((shoe, sum(load_map.loads_by_kind(part, shoe).values())) for shoe in self.shoes)
+    def __iter__(self) -> Iterator[Any]:
+        return self.make()
 
-    def __len__(self) -> int:
-        return len(self.shoes) * len(parts_of(self.history.time.size))
 
-    def __iter__(self) -> Iterator[np.ndarray]:
-        return ((load @ self.shares).toarray() for _, load in self.loads())
+def _long_loads(history: History, shoes: Sequence[int]) -> Iterator[tuple[int, csr_array]]:
+    """Loads of a long run, of a segment and a shoe each."""
+    for rows in parts_of(history.time.size):
+        part = _in_memory(history, rows)
+        yield from ((shoe, sum(load_map.loads_by_kind(part, shoe).values())) for shoe in shoes)
 
-    def __getitem__(self, number: Any) -> Any:
-        return next(itertools.islice(self, number, None))
+
+def _in_files(loads: Iterable[tuple[int, csr_array]], answers: np.ndarray) -> dict[int, np.ndarray]:
+    """Products of loads and answers by shoe, in files without a name that memory maps."""
+    folder, stored = writable_folder(reductions.reductions_folder()), dict[int, Any]()
+    for shoe, load in loads:
+        if shoe not in stored:
+            stored[shoe] = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115 - its map keeps it
+        (load @ answers).tofile(stored[shoe])
+    columns = answers.shape[1]
+    return {k: np.asarray(np.memmap(file, float, "r")).reshape(-1, columns) for k, file in stored.items()}
 
 
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
@@ -219,29 +192,26 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
 
     Of a run of more than `LONG` stored times memory holds a segment; its coordinates are in a file.
     """
-    if history.case.flexible is None:
-        raise ValueError("the history has no flexible shoes")
-    chosen = list(history.case.flexible.shoes if shoes is None else shoes)
+    chosen = list(history.case.flexible_shoes().shoes if shoes is None else shoes)
     units, static = load_map.unit_loads(history.case), static_loads(history.case)
-    shapes: fem.Shapes = units.whole
-    by_kind, answers, bound = None, units.answers, None
-    shares = eye_array(units.size, format="csr") if static is None else static.shares
-    long = _Histories(history, chosen, shares)
+    by_kind, loads = None, _Again(lambda: _long_loads(history, chosen))
     if history.time.size <= LONG:
         by_kind = {shoe: load_map.loads_by_kind(history, shoe) for shoe in chosen}
-    loads = {} if by_kind is None else {shoe: sum(kinds.values()) for shoe, kinds in by_kind.items()}
+        summed = [(shoe, sum(kinds.values())) for shoe, kinds in by_kind.items()]
+        loads = _Again(lambda: iter(summed))
+    shapes: fem.Shapes = units.whole
+    answers, bound = units.answers, None
     if static is not None:
-        frequencies = units.whole.frequencies
-        histories = [(load @ static.shares).toarray() for load in loads.values()] or long
+        frequencies, shares = units.whole.frequencies, static.shares
+        histories: Any = _Again(lambda: ((load @ shares).toarray() for _, load in loads))
         most = int(MOST_FIELDS * len(frequencies))
         columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
-        answers = static.shares @ np.hstack((static.fields.held(frequencies), columns.turn))
+        answers = shares @ np.hstack((static.fields.held(frequencies), columns.turn))
         shapes, bound = columns.beside(units.whole), columns.bound
-    coordinates: dict[int, Any] = {shoe: load @ answers for shoe, load in loads.items()}
     if by_kind is None:
-        coordinates = {shoe: StoredRows(answers.shape[1]) for shoe in chosen}
-        for shoe, load in long.loads():
-            coordinates[shoe].append(load @ answers)
+        coordinates = _in_files(loads, answers)
+    else:
+        coordinates = {shoe: load @ answers for shoe, load in loads}
     return StressBasis(shapes, by_kind, answers, coordinates, bound, history)
 
 

@@ -13,7 +13,7 @@ from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history import History, as_history, catalogue, files, phases
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress import hot_spots
-from exudyn_crawler.results.stress.basis import Rows, stress_basis, unit_stress
+from exudyn_crawler.results.stress.basis import stress_basis, unit_stress
 from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes, trust
 from fem.stress import principal, von_mises
 
@@ -112,7 +112,7 @@ def _frames(history: History, times: Sequence[float] | None) -> dict[int, list[s
 
 
 def _of_shoe(
-    history: History, whole: Shapes, q: Rows, found: Extremes, frames: np.ndarray, at_load: np.ndarray
+    history: History, whole: Shapes, q: np.ndarray, found: Extremes, frames: np.ndarray, at_load: np.ndarray
 ) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
     time, displacements = history.time.values, whole.displacement(q[frames])
@@ -225,13 +225,11 @@ def node_stress(
 
 def node_table(found: xr.Dataset) -> pd.DataFrame:
     """Dataset of `node_stress` as a table: a row a stored time, stresses in MPa."""
-    columns = {"time in s": found.time.values}
-    stress = {name: found.stress.sel(component=name) for name in COMPONENTS}
-    stress |= {f"principal {k}": found.principal.sel(order=k) for k in (1, 2, 3)} | {
-        "von Mises": found.von_mises
-    }
-    columns |= {f"{name} in MPa": one.values / hot_spots.MEGA for name, one in stress.items()}
-    return pd.DataFrame(columns)
+    names = [*COMPONENTS, *(f"principal {k}" for k in found.order.values), "von Mises"]
+    stress = np.column_stack((found.stress, found.principal, found.von_mises)) / hot_spots.MEGA
+    table = pd.DataFrame(stress, columns=[f"{name} in MPa" for name in names])
+    table.insert(0, "time in s", found.time.values)
+    return table
 
 
 def _chosen(whole: Shapes, near: np.typing.ArrayLike | None, node: int | None) -> tuple[int, float]:

@@ -161,8 +161,7 @@ def _read(path: Path) -> StageEnd:
 def _checkpoint(path: Path, content: StageEnd, shorter: Path | None = None) -> Checkpoint:
     """Checkpoint in a file without what is read from there, or from a shorter run's history, when needed."""
     if shorter is None:
-        whole = Chunk.of(content.history)
-        chunk = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_read(path).history).parts())
+        chunk = Chunk.of(content.history, lambda: _read(path).history)
     else:
         with reading_history(shorter):
             chunk = Chunk.of_file(shorter, content.time)
