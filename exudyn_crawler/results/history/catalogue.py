@@ -34,17 +34,19 @@ CATALOGUE = Path(__file__).with_name("quantities.csv")
 """Columns as the fields of `Quantity`; several words in one with spaces between."""
 SEVERAL = ("dimensions", "files", "derived_from", "needs", "curve_axes")  # columns of several words
 DTYPES = {"double": "f8", "single": "f4"}  # of real numbers in files
-NEEDS = {
-    "flexible": "flexible shoes, the case has none",
-    "rolled": "a rolled case (undercarriage), the case has none",
-    "dragged": "a dragged track, the case has an undercarriage or a closed_track",
-    "frame": "a side frame (undercarriage or closed_track), the case has none",
-    "closed": "a closed_track, the case has none",
-    "units": "a terrain of units, the case has one of cells",
-    "cells": "a terrain of cells, the case has one of units",
-    "chosen": "outputs.ground_times, the run had none",
+GEAR = "undercarriage or closed_track"
+NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
+    "flexible": (lambda case: case.flexible is not None, "flexible shoes, the case has none"),
+    "rolled": (lambda case: case.is_rolled, "a rolled case (undercarriage), the case has none"),
+    "dragged": (lambda case: case.running_gear is None, f"a dragged track, the case has an {GEAR}"),
+    "frame": (lambda case: case.running_gear is not None, f"a side frame ({GEAR}), the case has none"),
+    "closed": (lambda case: case.is_closed, "a closed_track, the case has none"),
+    "units": (lambda case: case.terrain.model == "units", "a terrain of units, the case has one of cells"),
+    "cells": (lambda case: case.terrain.model == "cells", "a terrain of cells, the case has one of units"),
+    # by the run, of which a case says nothing
+    "chosen": (lambda _case: True, "outputs.ground_times, the run had none"),
 }
-"""What a quantity may need, and why a case does not do."""
+"""What a quantity may need: whether a case has it, and why one does not do."""
 READ_IN = {
     "N": ("kN", 1e-3),
     "N m": ("kN m", 1e-3),
@@ -90,12 +92,8 @@ class Quantity:
 
     def lacking(self, case: Case) -> str:
         """What it needs and a case does not have, for reading; empty if it needs nothing more."""
-        gear = case.running_gear is not None
-        has = {"flexible": case.flexible is not None, "rolled": case.is_rolled, "dragged": not gear}
-        has |= {"frame": gear, "closed": case.is_closed}
-        has |= {model: case.terrain.model == model for model in ("units", "cells")}
-        has["chosen"] = True  # by the run, of which a case says nothing
-        return " and ".join(NEEDS[need] for need in self.needs if not has[need])
+        needs = (NEEDS[need] for need in self.needs)
+        return " and ".join(why for has, why in needs if not has(case))
 
 
 with CATALOGUE.open(encoding="utf-8", newline="") as _file:

@@ -118,12 +118,11 @@ class History:
         arm = self.case.track_middles[number] * turn[..., 1]
         place = own.side_frame_position.transpose(..., "axis")
         own = own.isel(shoe=mine, joint=mine, wheel=slice(number * len(wheels), (number + 1) * len(wheels)))
-        if "contact" in own.dims:
-            own = own.isel(contact=np.isin(own.contact_shoe, own.shoe))
-            own = own.assign_coords(contact_shoe=own.contact_shoe - mine.start)
-        if "flexible_shoe" in own.dims:
-            own = own.isel(flexible_shoe=np.isin(own.flexible_shoe, own.shoe))
-            own = own.assign_coords(flexible_shoe=own.flexible_shoe - mine.start)
+        for dim, shoe in {"contact": "contact_shoe", "flexible_shoe": "flexible_shoe"}.items():
+            if dim in own.dims:
+                own = own.isel({dim: np.isin(own[shoe], own.shoe)})
+                own = own.assign_coords({shoe: own[shoe] - mine.start})
+        if "strip_wheel" in own:
             number_of = own.strip_wheel - number * len(wheels)
             own = own.assign(strip_wheel=number_of.where(own.strip_wheel > 0, 0).astype(int))
         joint = ("joint", case.joints, {"long_name": catalogue.LINKS[1]})

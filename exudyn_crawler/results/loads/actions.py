@@ -251,8 +251,10 @@ def treads_on(history: History, shoe: int, position: np.ndarray, frames: np.ndar
         names = [f"roller {number}" for number in range(1, rollers + 1)]
         guide = np.broadcast_to(0.0, force.shape)
     for wheel, rail, strip in np.ndindex(len(names), *force.shape[2:4]):
-        pressed, sideways, point = np.zeros_like(position), np.zeros_like(position), position.copy()
         here = (wheels == wheel) & force[:, :, rail, strip].any(axis=-1)
+        if not here.any():
+            continue
+        pressed, sideways, point = np.zeros_like(position), np.zeros_like(position), position.copy()
         for slot in np.flatnonzero(here.any(axis=0)):
             on, at = here[:, slot], (here[:, slot], slot, rail, strip)
             sideways[on], point[on] = guide[at], foot[at]

@@ -176,15 +176,15 @@ def _long_loads(history: History, shoes: Sequence[int]) -> Iterator[tuple[int, c
         yield from ((shoe, sum(load_map.loads_by_kind(part, shoe).values())) for shoe in shoes)
 
 
-def _in_files(loads: Iterable[tuple[int, csr_array]], answers: np.ndarray) -> dict[int, np.ndarray]:
-    """Products of loads and answers by shoe, in files without a name that memory maps."""
+def _in_files(parts: Iterable[tuple[int, np.ndarray]]) -> dict[int, np.ndarray]:
+    """Rows (times, columns) of shoes that come in parts, each in a file without a name that memory maps."""
     folder, stored = writable_folder(reductions.reductions_folder()), dict[int, Any]()
-    for shoe, load in loads:
+    for shoe, rows in parts:
         if shoe not in stored:
             stored[shoe] = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115 - its map keeps it
-        (load @ answers).tofile(stored[shoe])
-    columns = answers.shape[1]
-    return {k: np.asarray(np.memmap(file, float, "r")).reshape(-1, columns) for k, file in stored.items()}
+        rows.tofile(stored[shoe])
+    maps = {shoe: np.memmap(file, float, "r") for shoe, file in stored.items()}
+    return {shoe: np.asarray(one).reshape(-1, rows.shape[1]) for shoe, one in maps.items()}
 
 
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
@@ -194,11 +194,11 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
     """
     chosen = list(history.case.flexible_shoes().shoes if shoes is None else shoes)
     units, static = load_map.unit_loads(history.case), static_loads(history.case)
-    by_kind, loads = None, _Again(lambda: _long_loads(history, chosen))
+    by_kind: dict[int, dict[str, csr_array]] | None = None
+    loads: Iterable[tuple[int, csr_array]] = _Again(lambda: _long_loads(history, chosen))
     if history.time.size <= LONG:
         by_kind = {shoe: load_map.loads_by_kind(history, shoe) for shoe in chosen}
-        summed = [(shoe, sum(kinds.values())) for shoe, kinds in by_kind.items()]
-        loads = _Again(lambda: iter(summed))
+        loads = [(shoe, sum(kinds.values())) for shoe, kinds in by_kind.items()]
     shapes: fem.Shapes = units.whole
     answers, bound = units.answers, None
     if static is not None:
@@ -208,10 +208,8 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
         columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
         answers = shares @ np.hstack((static.fields.held(frequencies), columns.turn))
         shapes, bound = columns.beside(units.whole), columns.bound
-    if by_kind is None:
-        coordinates = _in_files(loads, answers)
-    else:
-        coordinates = {shoe: load @ answers for shoe, load in loads}
+    products = ((shoe, load @ answers) for shoe, load in loads)
+    coordinates = _in_files(products) if by_kind is None else dict(products)
     return StressBasis(shapes, by_kind, answers, coordinates, bound, history)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 from typing import Literal, get_args
 
 import numpy as np
@@ -148,19 +149,17 @@ def highest_nodes(
 
 def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
     """Highest von Mises stress of every flexible shoe in every phase of the load cycle: when and where."""
-    rows = []
-    for shoe in stress.shoe.values:
-        of_shoe = stress.sel(shoe=shoe)
-        for phase in phases(history.case.loads, history.duration):
-            within = of_shoe.isel(time=phase.rows(stress.time.values))
-            if within.sizes["time"] == 0:
-                continue
-            at = within.isel(time=int(within.highest_von_mises.argmax("time")))
-            node = int(at.highest_node)
-            row = {"shoe": int(shoe), "phase": phase.name, "begin in s": phase.begin, "end in s": phase.end}
-            row["highest von Mises in MPa"] = float(at.highest_von_mises) / MEGA
-            row |= {"time in s": float(at.time), "node": node}
-            rows.append(row | in_the_shoe(stress.node_position.isel(node=node)))
+    rows, reached = [], phases(history.case.loads, history.duration)
+    for shoe, phase in product(stress.shoe.values, reached):
+        within = stress.sel(shoe=shoe).isel(time=phase.rows(stress.time.values))
+        if within.sizes["time"] == 0:
+            continue
+        at = within.isel(time=int(within.highest_von_mises.argmax("time")))
+        node = int(at.highest_node)
+        row = {"shoe": int(shoe), "phase": phase.name, "begin in s": phase.begin, "end in s": phase.end}
+        row["highest von Mises in MPa"] = float(at.highest_von_mises) / MEGA
+        row |= {"time in s": float(at.time), "node": node}
+        rows.append(row | in_the_shoe(stress.node_position.isel(node=node)))
     return pd.DataFrame(rows)
 
 

@@ -245,10 +245,7 @@ def _chosen(whole: Shapes, near: np.typing.ArrayLike | None, node: int | None) -
         raise ValueError(f"near must be three finite numbers in m, got {near!r}")
     distances = np.linalg.norm(whole.nodes - point, axis=1)
     number = int(distances.argmin())
-    distance = float(distances[number])
-    if distance > np.ptp(whole.nodes, axis=0).max():
-        raise ValueError(
-            f"near must be at the shoe, in m in its frame, got {point.tolist()}, "
-            f"{distance:.4g} m from the nearest node"
-        )
-    return number, distance
+    far = f"got {point.tolist()}, {distances[number]:.4g} m from the nearest node"
+    if distances[number] > np.ptp(whole.nodes, axis=0).max():
+        raise ValueError(f"near must be at the shoe, in m in its frame, {far}")
+    return number, float(distances[number])
