@@ -10,6 +10,7 @@ these, with the same forces.
 
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -179,12 +180,14 @@ def _long_loads(history: History, shoes: Sequence[int]) -> Iterator[tuple[int, c
 def _in_files(parts: Iterable[tuple[int, np.ndarray]]) -> dict[int, np.ndarray]:
     """Rows (times, columns) of shoes that come in parts, each in a file without a name that memory maps."""
     folder, stored = writable_folder(reductions.reductions_folder()), dict[int, Any]()
-    for shoe, rows in parts:
-        if shoe not in stored:
-            stored[shoe] = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115 - its map keeps it
-        rows.tofile(stored[shoe])
-    maps = {shoe: np.memmap(file, float, "r") for shoe, file in stored.items()}
-    return {shoe: np.asarray(one).reshape(-1, rows.shape[1]) for shoe, one in maps.items()}
+    # a map keeps its file when that is closed
+    with ExitStack() as opened:
+        for shoe, rows in parts:
+            if shoe not in stored:
+                stored[shoe] = opened.enter_context(tempfile.TemporaryFile(dir=folder))
+            rows.tofile(stored[shoe])
+        maps = {shoe: np.memmap(file, float, "r") for shoe, file in stored.items()}
+        return {shoe: np.asarray(one).reshape(-1, rows.shape[1]) for shoe, one in maps.items()}
 
 
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
