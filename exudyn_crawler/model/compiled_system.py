@@ -4,11 +4,10 @@ Exudyn's generalized-alpha method predicts a step, accepts or halves it and says
 is a single object that has the coordinates and nothing else.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.cells.contact import CellGroundContact
@@ -19,7 +18,7 @@ from exudyn_crawler.ground.rotations import Weights, moments_on_angles
 from exudyn_crawler.ground.terrain import TerrainModes
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
-from exudyn_crawler.model.engine import coordinates_only, exu, predict
+from exudyn_crawler.model.engine import add_coordinates, exu, predict
 from exudyn_crawler.model.equations import STIFFNESS, gear_contacts, matrix, residual
 from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
@@ -32,7 +31,6 @@ from exudyn_crawler.model.state import (
     BODY_COORDINATES,
     IDLERS,
     MOTOR,
-    RATES,
     SIDE_FRAME,
     TUMBLERS,
     StateLayout,
@@ -62,12 +60,10 @@ uneven ones; limits as of `creep`."""
 
 def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateLayout:
     """Layout of the states of a case; `pins` name link (from 1) and side of each."""
-    others: tuple[str, ...] = () if case.running_gear is None else (SIDE_FRAME,)
-    tumblers = TUMBLERS[case.tracks] if case.is_closed else ()
-    idlers = IDLERS[case.tracks] if case.has_tensioners else ()
-    turned = (*tumblers, *idlers)
-    others += turned
-    names = [f"shoe {number}" for number in case.track.shoes] + list(others)
+    turned = TUMBLERS[case.tracks] if case.is_closed else ()
+    turned += IDLERS[case.tracks] if case.has_tensioners else ()
+    others = turned if case.running_gear is None else (SIDE_FRAME, *turned)
+    names = [*(f"shoe {number}" for number in case.track.shoes), *others]
     return StateLayout(
         shoes=case.track.shoe_count,
         terrain=tables.terrain.heave.shape[1],
@@ -100,18 +96,16 @@ class CompiledSystem(TrackSystem):
             raise ValueError(
                 "the case needs contact.model 'pair' or 'cells' and terrain_formulation 'reduced'"
             )
-        self.case, self.contact, self.floating, self.point = case, contact, parts.floating, parts.point
-        self.tables, pins = parts.tables, parts.pins
+        super().__init__(case, parts)
+        self.tables = parts.tables
         self._plain = plain(self.tables)
-        self.layout = layout_of(case, self.tables, pins)
+        self.layout = layout_of(case, self.tables, parts.pins)
         size, multipliers = self.layout.coordinate_count, self.tables.multiplier_count
-        self.container = exu.SystemContainer()
-        self.mbs = coordinates_only(self.container, size)
+        add_coordinates(self.mbs, size)
         self._driven = True
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)
         self._scratch = (np.zeros(size + multipliers), np.zeros(self.tables.fronts.size))
-        self._cells: TrackOnCells | None = None
         if isinstance(contact, CellGroundContact):
             self._workspace = Workspace.allocate(self.tables, 0, contact.ground.shoes)
             bodies, cells = self._plain[0], Workspace(*self._workspace).cells or ()
@@ -131,22 +125,16 @@ class CompiledSystem(TrackSystem):
         self._factored: Weights | None = None
         # speed (m/s) with rate of turning (rad/s), and wrench on the side frame (6,) in place of the case's
         self.commands: Callable[[float], tuple[np.ndarray, np.ndarray]] | None = None
-        self._bending = np.flatnonzero(self.tables.bodies.modal >= 0)
-        if self.tables.teeth is not None:
-            lugs = np.arange(len(self.tables.teeth.markers)).reshape(self.layout.shoes, -1)
-            self._lugs = lugs[self._bending]
         if self._cells is not None:
             self._put_down(self._cells)
 
-    @property
-    def gear_forces(self) -> Callable[[float, np.ndarray, np.ndarray], dict[str, np.ndarray]] | None:
+    def gear_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
         """As of `TrackSystem`."""
-        return None if self.tables.wheels is None else self._gear_forces
-
-    def _gear_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
+        if self.tables.wheels is None:
+            return {}
         arguments, factors = tuple(self.inputs(time)), tuple(AT_REST)
         gear_contacts(self._plain, np.stack((q, q_t)), arguments, factors, self._workspace)
-        work, n, bending = Workspace(*self._workspace), self.layout.shoes, self._bending
+        work, n = Workspace(*self._workspace), self.layout.shoes
         wheels = WheelWorkspace(*(work.wheels or ()))
         if work.teeth is None:
             return {f"strip_{name}": getattr(wheels, name).copy() for name in STRIPS}
@@ -158,9 +146,12 @@ class CompiledSystem(TrackSystem):
             "guide": wheels.guide.sum(axis=(1, 2)) + teeth.guide.reshape(n, -1).sum(axis=1),
         }
         forces["energy"] = np.concatenate((wheels.energy, teeth.energy))
+        bending = np.flatnonzero(self.tables.bodies.modal >= 0)
         if bending.size:
             forces |= {f"strip_{name}": getattr(wheels, name)[bending] for name in STRIPS}
-            forces |= {f"lug_{name}": getattr(teeth, name)[self._lugs] for name in LUGS}
+            for name in LUGS:
+                of_lugs = getattr(teeth, name)
+                forces[f"lug_{name}"] = of_lugs.reshape(n, -1, *of_lugs.shape[1:])[bending]
         return forces
 
     def switch_drive(self, on: bool) -> None:
@@ -190,82 +181,69 @@ class CompiledSystem(TrackSystem):
         cells.commit()
         # what holds the front shoe without a drive is the ground alone
         self.switch_drive(self.case.drive.drives_after(0.0))
-        multipliers = np.zeros_like(self._multipliers)
-
-        def attempt(step: float, drag: float) -> int | None:
-            nonlocal q, multipliers
-            self._state[0], self._multipliers[:] = q, multipliers
-            cells.cover(self._state)
-            iterations = self._creep(step, drag, SETTLING_LIMITS)
-            if iterations is not None:
-                cells.commit()
-                q, multipliers = self._state[0].copy(), self._multipliers.copy()
-            return iterations
-
         tilts = self.case.running_gear is None and not self.case.terrain.is_even
-        self.creep_for(UNEVEN_SETTLING if tilts else SETTLING, attempt)
-        return q
+        return self.creep(q, UNEVEN_SETTLING if tilts else SETTLING, SETTLING_LIMITS, cells.commit)
 
-    def creep_for(self, duration: float, attempt: Callable[[float, float], int | None]) -> None:
-        """Creep for some time (s) by attempts at steps (s) with a drag (1/s).
+    def creep(
+        self,
+        q: np.ndarray,
+        duration: float,
+        limits: tuple[float, int],
+        accepted: Callable[[], None] = lambda: None,
+    ) -> np.ndarray:
+        """Coordinates to which all bodies creep from `q` in a time (s), without inertia, under first loads.
 
-        Attempts give their iterations or fail with None. The time counts from where the drag is least.
+        A force in proportion to the momentum slows them; the time counts from where that drag is least.
+        `limits` are the residual (N, root mean square) that ends a step's search, and most iterations;
+        `accepted` is called after every step. A `NewtonError` if steps become too short.
         """
         closed = self.case.is_closed
         least = CLOSED_DRAG if closed else DRAG
-        drag, step = (FIRST_DRAG, SLOWED_STEP) if closed else (DRAG, FIRST_STEP)
-        time = 0.0
+        drag, h = (FIRST_DRAG, SLOWED_STEP) if closed else (DRAG, FIRST_STEP)
+        time, multipliers, inputs = 0.0, np.zeros_like(self._multipliers), self.inputs(0.0)
+        inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
         while time < duration:
-            iterations = attempt(step, drag)
-            if iterations is None and least < drag < MOST_DRAG:
+            self._state[0], self._state[1:], self._multipliers[:] = q, 0.0, multipliers
+            if self._cells is not None:
+                self._cells.cover(self._state)
+            weights = Weights(1.0, 1.0 / h, drag / h, False, h)
+            converged, iterations = self._step(inputs, weights, (*limits, False))
+            if converged and np.isfinite(self._state).all():
+                accepted()
+                q, multipliers = self._state[0].copy(), self._multipliers.copy()
+                if drag > least:
+                    drag = max(least, 0.5 * drag) if iterations < SOME else drag
+                else:
+                    time += h
+                    h = min(1.5 * h, LONGEST_STEP) if iterations < FEW else h
+            elif least < drag < MOST_DRAG:
                 drag *= 4.0
-            elif iterations is None:
-                step *= 0.25
-                if step < LEAST_STEP:
-                    raise self.failure()
-            elif drag > least:
-                drag = max(least, 0.5 * drag) if iterations < SOME else drag
             else:
-                time += step
-                step = min(1.5 * step, LONGEST_STEP) if iterations < FEW else step
+                h *= 0.25
+                if h < LEAST_STEP:
+                    raise self.failure()
+        return q
 
     def _put_down(self, cells: TrackOnCells) -> None:
         """Let slip count from where shoes are put down before they go to their rest."""
         self._state[0], self._state[1:] = self.first_guess(), 0.0
         cells.put_down(self._state)
 
-    def initial(self) -> np.ndarray:
-        """Coordinates that the state has, in which `set_initial` leaves shoes on cells settled."""
-        return self._state[0].copy()
-
-    def memory(self) -> dict[str, np.ndarray]:
-        """As of `TrackSystem`."""
-        return {} if self._cells is None else self._cells.memory()
-
-    def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
-        """Start from a row as of `state`; its time goes into the solver's settings."""
-        for rate, name in enumerate(RATES):
-            self._state[rate] = self.layout.part(row, f"coordinates{name}")
-        self._multipliers[:] = self.layout.part(row, "multipliers")
+    def _start(self, state: np.ndarray, multipliers: np.ndarray) -> None:
+        self._state[:], self._multipliers[:] = state, multipliers
         if self._cells is not None:
-            if memory is not None:
-                self._cells.remember(memory)
             self._cells.put_down(self._state)
         self._hand_over(exu.ConfigurationType.Initial)
 
-    def state(self) -> np.ndarray:
-        """Current state in one row, laid out as `layout` says."""
-        data = self.mbs.systemData
-        parts: dict[str, ArrayLike] = {
-            "time": data.GetTime(),
-            "coordinates": data.GetODE2Coordinates(),
-            "coordinates rate": data.GetODE2Coordinates_t(),
-            "coordinates acceleration": data.GetODE2Coordinates_tt(),
-            "multipliers": self._multipliers,
-        }
-        if self._cells is not None:
-            parts["contact"] = self._cells.contacts(self.layout.contact)
-        return self.layout.pack(parts)
+    def coordinates(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """As of `TrackSystem`."""
+        data: Any = self.mbs.systemData
+        return data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt()
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """As of `TrackSystem`."""
+        return self._multipliers
 
     def solve(self, settings: "exu.SimulationSettings") -> None:
         """Integrate between the times of the settings; errors as of `TrackSystem.solve`."""
@@ -285,11 +263,6 @@ class CompiledSystem(TrackSystem):
     def failure(self) -> NewtonError:
         """Error of the last step that was tried."""
         return NewtonError(self.in_units(self._scratch[0]), self._singular)
-
-    @property
-    def multipliers(self) -> np.ndarray:
-        """Of pins, drive, turn and holds: N and N m."""
-        return self._multipliers
 
     @property
     def pin_rows(self) -> int:
@@ -339,31 +312,6 @@ class CompiledSystem(TrackSystem):
         if self.point.rows.shape[1]:
             direction[-self.point.rows.shape[1] :] = along[6:]
         return out[:-2], direction
-
-    def creep(
-        self, q: np.ndarray, multipliers: np.ndarray, step: float, drag: float, limits: tuple[float, int]
-    ) -> tuple[np.ndarray, np.ndarray, int] | None:
-        """One step (s) without inertia from coordinates and multipliers, under the loads of t = 0.
-
-        `drag` (1/s) is force over momentum, `limits` are the residual (N, root mean square) that ends the
-        search, and most iterations. Gives coordinates, multipliers and iterations; None if the step is too
-        long to be found.
-        """
-        self._state[0], self._state[1:] = q, 0.0
-        if self._cells is not None:
-            self._cells.cover(self._state)
-        self._multipliers[:] = multipliers
-        iterations = self._creep(step, drag, limits)
-        return None if iterations is None else (self._state[0].copy(), self._multipliers.copy(), iterations)
-
-    def _creep(self, h: float, drag: float, limits: tuple[float, int]) -> int | None:
-        """Iterations of a step as of `creep`, which the state takes; None if it is too long to be found."""
-        self._state[1:] = 0.0
-        inputs = self.inputs(0.0)
-        inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
-        weights = Weights(1.0, 1.0 / h, drag / h, False, h)
-        converged, iterations = self._step(inputs, weights, (*limits, False))
-        return iterations if converged and np.isfinite(self._state).all() else None
 
     def calls(self) -> dict[str, list[tuple[Any, tuple]]]:
         """Compiled functions with arguments as a run calls them, by what they make."""

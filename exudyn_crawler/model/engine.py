@@ -9,10 +9,11 @@ from typing import Any
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
+from exudyn.rigidBodyUtilities import RigidBodyInertia
 
 exu.config.printToConsole = False
 
-__all__ = ["exu", "items"]
+__all__ = ["RigidBodyInertia", "exu", "items"]
 
 
 def predict(
@@ -40,21 +41,30 @@ def predict(
     state[2] = 0.0
 
 
-def coordinates_only(container: "exu.SystemContainer", size: int) -> "exu.MainSystem":
-    """System of one object that has so many coordinates and a mass for each."""
-    mbs = container.AddSystem()
+def generic_node(mbs: "exu.MainSystem", name: str, size: int) -> int:
+    """Node of so many coordinates, all zero."""
     zeros = [0.0] * size
-    node = mbs.AddNode(
+    return mbs.AddNode(
         items.NodeGenericODE2(
+            name=name,
             referenceCoordinates=zeros,
             initialCoordinates=zeros,
             initialCoordinates_t=zeros,
             numberOfODE2Coordinates=size,
         )
     )
-    index = np.arange(size)
-    mass = exu.MatrixContainer()
-    mass.SetWithSparseMatrix(np.column_stack((index, index, np.ones(size))), size, size)
-    mbs.AddObject(items.ObjectGenericODE2(name="track", nodeNumbers=[node], massMatrix=mass))
+
+
+def sparse(values: np.ndarray) -> "exu.MatrixContainer":
+    """Matrix as Exudyn takes it, without its zeros."""
+    rows, columns = np.nonzero(values)
+    matrix = exu.MatrixContainer()
+    matrix.SetWithSparseMatrix(np.column_stack((rows, columns, values[rows, columns])), *values.shape)
+    return matrix
+
+
+def add_coordinates(mbs: "exu.MainSystem", size: int) -> None:
+    """Make of an empty system one object that has so many coordinates and a mass for each."""
+    nodes = [generic_node(mbs, "track", size)]
+    mbs.AddObject(items.ObjectGenericODE2(name="track", nodeNumbers=nodes, massMatrix=sparse(np.eye(size))))
     mbs.Assemble()
-    return mbs

@@ -1,17 +1,17 @@
 """What a run asks of a multibody system, of Exudyn's items or of compiled equations, and how it fails."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Case, CellTerrain, Terrain
-from exudyn_crawler.ground.contact import GroundContact
+from exudyn_crawler.case import Case, Terrain
+from exudyn_crawler.model.build import Parts
 from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.flexible_shoes import FloatingShoe
-from exudyn_crawler.model.shoe_mesh import DrivePoint
-from exudyn_crawler.model.state import StateLayout
+from exudyn_crawler.model.forces.cells import TrackOnCells
+from exudyn_crawler.model.state import RATES, StateLayout
 
 FIRST_DEPTH = 1e-5
 """m, of all rollers in their rails to start from: enough to be felt."""
@@ -44,23 +44,26 @@ class NewtonError(Exception):
 
 
 class TrackSystem(ABC):
-    """Multibody system that Exudyn steps through time."""
+    """Multibody system that Exudyn steps through time; `parts` are those of its case."""
 
-    case: Case  # what it was built of
-    contact: GroundContact  # contact forces as functions of its coordinates
-    floating: FloatingShoe | None  # what the flexible shoes share
-    point: DrivePoint  # point of the front shoe that the drive moves
     layout: StateLayout  # what the numbers of a state are
-    mbs: "exu.MainSystem"  # the assembled system
+
+    def __init__(self, case: Case, parts: Parts) -> None:
+        self.case = case
+        self.contact = parts.contact  # contact forces as functions of its coordinates
+        self.floating = parts.floating  # what the flexible shoes share
+        self.point = parts.point  # point of the front shoe that the drive moves
+        self.container = exu.SystemContainer()
+        self.mbs = self.container.AddSystem()
+        self._cells: TrackOnCells | None = None
 
     @property
     def frequencies(self) -> np.ndarray | None:
         """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
         return None if self.floating is None else self.floating.reduced.frequencies
 
-    @property
-    def gear_forces(self) -> Callable[[float, np.ndarray, np.ndarray], dict[str, np.ndarray]] | None:
-        """Reads what a running gear does to the shoes at a time (s), coordinates and rates; None without.
+    def gear_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
+        """What a running gear does to the shoes at a time (s), coordinates and rates; empty without any.
 
         Gives of f shoes, all of an open track and the flexible ones of a closed track, "strip_wheel"
         (f, slots), "strip_force" and "strip_foot" (f, slots, strips, 3), "strip_guide" (f, slots, strips), as
@@ -70,29 +73,35 @@ class TrackSystem(ABC):
         both across the track (shoes,); "on_wheels", the force on every wheel (wheels, 3); and "energy", J, in
         the contacts of wheels and of teeth (2,).
         """
-        return None
+        return {}
 
     @property
     def sticks(self) -> bool:
         """Whether the ground holds shoes at rest by its shear, without slip."""
-        return isinstance(self.case.terrain, CellTerrain)
+        return self._cells is not None
 
     def first_guess(self) -> np.ndarray:
         """Coordinates from which a rest is sought: units sunk by their weight, shoes by their loads.
 
-        On ground that sticks shoes have been put down there, and shear from there.
+        On ground that sticks shoes have been put down there, and shear from there. A closed track is put on
+        the ground as it was assembled.
         """
         case, sag = self.case, 0.0
         q = np.zeros(self.layout.coordinate_count)
         shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
-        if case.is_closed:
-            return self._lowered(q)
-        # rails of neighbours at one height: rollers may be on either
-        loads = case.pressed(case.loads.loads(0.0)[0] if case.is_rolled else case.first_loads)
+        if case.closed_track is not None and case.closed_track.support == "posts":
+            return q
         if isinstance(case.terrain, Terrain):
             sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
             terrain = q[shoes.size : shoes.size + self.contact.coordinates.size]
             terrain[:] = self.contact.coordinates.sunk_evenly(-sag)
+        if case.is_closed:
+            loaded = float(case.settled_depths(case.pressed(case.first_loads)).max())
+            bodies = [*range(len(shoes)), *range(-len(self.layout.bodies), 0)]
+            q[[6 * body + 2 for body in bodies]] = -sag - loaded
+            return q
+        # rails of neighbours at one height: rollers may be on either
+        loads = case.pressed(case.loads.loads(0.0)[0] if case.is_rolled else case.first_loads)
         shoes[:, 2] = -sag - case.settled_depths(loads)
         x, half = self.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
         rear, front = self.contact.surface(x - half), self.contact.surface(x + half)
@@ -100,20 +109,6 @@ class TrackSystem(ABC):
         shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
         if case.is_rolled:  # the frame's coordinates come last
             q[-4] = shoes[0, 2] - FIRST_DEPTH
-        return q
-
-    def _lowered(self, q: np.ndarray) -> np.ndarray:
-        """Coordinates `q` of zeros with a closed track put on the ground as it was assembled."""
-        case, sag = self.case, 0.0
-        if case.closed_track is None or case.closed_track.support == "posts":
-            return q
-        if isinstance(case.terrain, Terrain):
-            sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
-            first = 6 * case.track.shoe_count
-            q[first : first + self.contact.coordinates.size] = self.contact.coordinates.sunk_evenly(-sag)
-        loaded = float(case.settled_depths(case.pressed(case.first_loads)).max())
-        bodies = [*range(case.track.shoe_count), *range(-len(self.layout.bodies), 0)]
-        q[[6 * body + 2 for body in bodies]] = -sag - loaded
         return q
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:
@@ -127,22 +122,48 @@ class TrackSystem(ABC):
 
     def memory(self) -> dict[str, np.ndarray]:
         """Memory of the ground, as of the last step, as arrays by name; of ground without any none."""
-        return {}
+        return {} if self._cells is None else self._cells.memory()
 
     @abstractmethod
     def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`."""
 
-    @abstractmethod
     def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
         """Start from a row as of `state`, whose time goes into the solver's settings, and a memory.
 
         Without one, as of `memory`, the ground keeps what it has.
         """
+        if self._cells is not None and memory is not None:
+            self._cells.remember(memory)
+        state = np.stack([self.layout.part(row, f"coordinates{rate}") for rate in RATES])
+        self._start(state, self.layout.part(row, "multipliers"))
 
     @abstractmethod
+    def _start(self, state: np.ndarray, multipliers: np.ndarray) -> None:
+        """Start from coordinates, rates and accelerations (3, coordinates); slip counts from there."""
+
     def state(self) -> np.ndarray:
         """Current state in one row, laid out as `layout` says."""
+        parts: dict[str, ArrayLike] = {"time": self.mbs.systemData.GetTime(), "multipliers": self.multipliers}
+        parts |= {f"coordinates{rate}": part for rate, part in zip(RATES, self.coordinates(), strict=True)}
+        return self.layout.pack(parts | {"contact": self.stored_contacts()})
+
+    @abstractmethod
+    def coordinates(self) -> Sequence[np.ndarray]:
+        """Current coordinates, rates and accelerations, in the layout's order."""
+
+    @property
+    @abstractmethod
+    def multipliers(self) -> np.ndarray:
+        """Of all constraints, in the layout's order: N and N m."""
+
+    def stored_contacts(self) -> np.ndarray:
+        """What a state has of the contacts (shoes, layout.contact) that does not follow from the rest."""
+        return (
+            np.zeros((self.layout.shoes, 0))
+            if self._cells is None
+            else self._cells.contacts(self.layout.contact)
+        )
 
     @abstractmethod
     def switch_drive(self, on: bool) -> None:

@@ -101,9 +101,3 @@ def test_shoes_at_the_settled_depth_carry_their_loads(contact, request):
     carried = contact.forces(q, np.zeros_like(q))[2:SIX:6]
     # shoe 10 stands on one unit of 7 m; by area every shoe has one whole law
     assert carried[9] == pytest.approx(4.3e5, rel=1e-9)
-
-
-def test_flexible_shoes_need_independent_coordinates():
-    case = CASES["pair"].with_(terrain_formulation="constrained")
-    with pytest.raises(ValueError, match="coordinates must be the terrain's independent ones"):
-        ground_contact(case, flexible_shoes=[6])

@@ -9,7 +9,7 @@ from exudyn_crawler.ground.laws import impact_force
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT
-from exudyn_crawler.ground.rotations import ForceRows, Weights
+from exudyn_crawler.ground.rotations import ForceRows, Weights, moments_of
 
 TERRAINS = {
     f"{name} {tilt}": terrain.with_(tilt=tilt)
@@ -54,9 +54,8 @@ def test_what_shoes_receive_units_give(contacts, seed):
     contact = contacts["constrained"]
     q, q_t = (as_bodies(contacts, x) for x in spread(contacts["reduced"], seed))
     bodies = contact.bodies_at(q, q_t)
-    found = contact.wrenches(bodies)
-    both = np.vstack((found.shoes, found.units))
-    force, moment = both[:, :3], both[:, 3:]
+    force, moment = np.split(contact.forces(q, q_t).reshape(-1, 6), 2, axis=1)
+    moment[:SHOES] = moments_of(bodies.shoes[:, 3:], moment[:SHOES])
     center = np.vstack((bodies.shoes[:, :3], bodies.units[:, :3]))
     assert np.abs(force).max() > 1e5
     assert force.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-9 * np.abs(force).sum())

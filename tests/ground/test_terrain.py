@@ -17,7 +17,7 @@ from exudyn_crawler.ground.terrain import (
     units_near,
 )
 from exudyn_crawler.model.build import parts_of
-from exudyn_crawler.model.exudyn.bodies import add_terrain_modes, add_units, coordinate_marker
+from exudyn_crawler.model.exudyn.bodies import add_terrain_modes, add_units
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 from tests.model.linearized import linearized
 
@@ -120,7 +120,7 @@ def terrain_alone(terrain, formulation):
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     if formulation == "constrained":
-        nodes = add_units(mbs, case, coordinate_marker(mbs, mbs.AddNode(items.NodePointGround()), 0))
+        nodes = add_units(mbs, case)
     else:
         nodes = add_terrain_modes(mbs, parts_of(case).tables.terrain, case.gravity_vector())
     return container, mbs, nodes, terrain_coordinates(case)

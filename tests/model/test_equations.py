@@ -8,6 +8,7 @@ import scipy.linalg
 
 from exudyn_crawler import Case, FlexibleShoes, PairContact, Terrain, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import by_engine, compiled, compiled_matrix, gaps_of, random_state, residual_of
@@ -168,7 +169,7 @@ def test_compiled_code_gives_back_every_reference_to_an_array(case):
         if cells is not None:
             cells.cover(system._state)
         # whether it converges does not matter
-        system.creep(system.first_guess(), np.zeros_like(system.multipliers), 1e-3, 100.0, (1e-2, 3))
+        system._step(system.inputs(0.0), Weights(1.0, 1e3, 1e5, False, 1e-3), (1e-2, 3))
         for function, arguments in (one for calls in system.calls().values() for one in calls):
             function(*arguments)
         if cells is not None:

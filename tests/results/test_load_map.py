@@ -8,7 +8,7 @@ import pytest
 from exudyn_crawler import simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.shoe_mesh import cubic_weights, rail_rows
+from exudyn_crawler.model.shoe_mesh import cubic_weights, rail_rows, station_spacing
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.actions import Action, OnRail, OverRectangle, actions
 from exudyn_crawler.results.loads.exports import roller_loads
@@ -76,11 +76,11 @@ def test_patches_of_a_shoe_cover_its_underside(flexible_run):
 def test_a_force_anywhere_on_a_rail_moves_modes_as_in_the_equations():
     """Cubics between the stations of the equations, whose values at thirds are coordinates."""
     case = small_flexible_case()
-    units, rails = unit_loads(case), rail_rows(unit_loads(case).whole, case)
-    x = np.linspace(case.shoe.rails.rear, case.shoe.rails.front, 41)
+    units, rails = unit_loads(case), case.shoe.rails
+    x = np.linspace(rails.rear, rails.front, 41)
     force = np.random.default_rng(3).standard_normal((41, 3))
-    for line, rows in enumerate(rails.rows):
-        at = cubic_weights((x - rails.rear) / rails.spacing) @ rows.reshape(len(rows), -1)
+    for line, rows in enumerate(rail_rows(units.whole, case.running_gear, rails)):
+        at = cubic_weights((x - rails.rear) / station_spacing(rails)) @ rows.reshape(len(rows), -1)
         expected = np.einsum("tc,tcm->tm", force, at.reshape(41, 3, -1))
         action = Action("roller", 5, "", np.zeros((41, 3)), force, np.zeros((41, 3)), OnRail(line, x))
         found = coordinates(units, action, np.tile(np.eye(3), (41, 1, 1))) @ units.work

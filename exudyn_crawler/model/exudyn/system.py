@@ -1,7 +1,7 @@
 """Multibody system of a case of Exudyn's own items: the other formulation.
 
 Exudyn forms the equations of motion, with Euler parameters in place of angles and its own floating frames of
-reference, and differentiates them numerically; the contact of shoes and units is one user force that calls
+reference, and differentiates them numerically; the contact of shoes and ground is one user force that calls
 the kernel of the compiled equations. States are those of the compiled equations. It carries every case
 without rollers; the compiled equations are checked against it.
 """
@@ -9,13 +9,13 @@ without rollers; the compiled equations are checked against it.
 import dataclasses
 import math
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.case import Case
+from exudyn_crawler.ground import rotations
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
@@ -25,9 +25,9 @@ from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.compiled_system import compiled_system, layout_of
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.exudyn import bodies, drive
-from exudyn_crawler.model.exudyn.euler_parameters import SIZE, BodyCoordinates
+from exudyn_crawler.model.exudyn.euler_parameters import BodyCoordinates
 from exudyn_crawler.model.forces.cells import CellWorkspace, TrackOnCells
-from exudyn_crawler.model.state import RATES, StateLayout, pin_name
+from exudyn_crawler.model.state import StateLayout, pin_name
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
 CELL = 1.0
@@ -55,9 +55,8 @@ def add_spheres(
     contact.excludeDuplicatedTrigSphereContactPoints = True
     (x0, x1), (y0, y1) = terrain.bounds
     tops = terrain.top_heights
-    contact.SetSearchTreeCellSize(
-        [max(1, math.ceil((x1 - x0) / CELL)), max(1, math.ceil((y1 - y0) / CELL)), 1]
-    )
+    sides = [math.ceil((high - low) / CELL) for low, high in terrain.bounds]
+    contact.SetSearchTreeCellSize([*(max(1, side) for side in sides), 1])
     contact.SetSearchTreeBox([x0, y0, tops.min() - 1.0], [x1, y1, tops.max() + 1.0])
     # the stiffnesses of both partners act in series, their dampings add
     law: dict[str, Any] = {
@@ -77,7 +76,7 @@ def add_spheres(
         )
     for body in bodies:
         for center in centers:
-            marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=center.tolist()))
+            marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=center))
             contact.AddSphereWithMarker(markerIndex=marker, radius=spheres.radius, **law)
     return contact
 
@@ -102,12 +101,9 @@ class ExudynSystem(TrackSystem):
         if case.is_rolled:
             raise ValueError("the case must not be rolled for a system of Exudyn's items")
         parts = parts_of(case)
-        self.case, self.floating, self.point, self.contact = case, parts.floating, parts.point, parts.contact
+        super().__init__(case, parts)
         self._coordinates = BodyCoordinates(parts.tables.bodies.reference)
-        self.container = exu.SystemContainer()
-        self.mbs = self.container.AddSystem()
         self.general: exu.GeneralContact | None = None
-        self._cells: TrackOnCells | None = None
         joints = self._assemble(parts, static)
         self.layout, self._rows = self._layout_of(parts, joints)
         if not static:
@@ -116,99 +112,75 @@ class ExudynSystem(TrackSystem):
     def _assemble(self, parts: Parts, static: bool) -> list[int]:
         """Add all items; gives the joints that the compiled equations have, too."""
         mbs, case, tables, gravity = self.mbs, self.case, parts.tables, self.case.gravity_vector()
-        fixed = bodies.coordinate_marker(mbs, mbs.AddNode(items.NodePointGround()), 0)
         # coordinates come in the order of the nodes
-        nodes = bodies.add_shoe_nodes(mbs, tables)
-        if isinstance(parts.contact.coordinates, UnitCoordinates):
-            ground = bodies.add_units(mbs, case, fixed)
-        else:
-            has_units = len(tables.terrain.reference) > 0
-            ground = bodies.add_terrain_modes(mbs, tables.terrain, gravity) if has_units else []
+        nodes, ground = bodies.add_shoe_nodes(mbs, tables), []
+        if isinstance(self.contact.coordinates, UnitCoordinates):
+            ground = bodies.add_units(mbs, case)
+        elif self.contact.coordinates.size:
+            ground = bodies.add_terrain_modes(mbs, tables.terrain, gravity)
         shoes = bodies.add_shoes(mbs, tables, nodes, bodies.points_of(tables), gravity)
+        self._shoe_bodies = shoes.bodies
         joints = []
         for p, (link, side) in enumerate(parts.pins):
-            pin = items.ObjectJointGeneric(
-                name=pin_name(side, link),
-                markerNumbers=shoes.markers[2 * p : 2 * p + 2],
-                constrainedAxes=[1, 1, 1, 1, 0, 1],
+            ends = shoes.markers[2 * p : 2 * p + 2]
+            joints.append(
+                mbs.CreateGenericJoint(pin_name(side, link), ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
             )
-            joints.append(mbs.AddObject(pin))
-        drive.add_loads(mbs, case, shoes.markers[2 * len(joints) :], static)
-        if isinstance(parts.contact, PairGroundContact):
-            self._add_contact(parts.contact, [*shoes.nodes, *ground, *shoes.modal_nodes])
-        elif isinstance(parts.contact, CellGroundContact) and tables.cells is not None:
-            workspace = plain(CellWorkspace.allocate(tables.cells, parts.contact.ground.shoes))
-            tables_of_cells = plain(tables.bodies), plain(tables.cells)
-            self._cells = TrackOnCells(parts.contact.ground, *tables_of_cells, workspace)
-            self._add_cells(self._cells, [*shoes.nodes, *shoes.modal_nodes])
+        drive.add_loads(mbs, case, shoes.markers[2 * len(joints) : -1], static)
+        if isinstance(self.contact, PairGroundContact):
+            self._add_force([*nodes, *ground, *shoes.modal_nodes], self.contact.forces)
+        elif isinstance(self.contact, CellGroundContact) and tables.cells is not None:
+            workspace = plain(CellWorkspace.allocate(tables.cells, self.contact.ground.shoes))
+            self._cells = TrackOnCells(
+                self.contact.ground, plain(tables.bodies), plain(tables.cells), workspace
+            )
+            self._add_cells(self._cells, [*nodes, *shoes.modal_nodes])
         else:
             self.general = add_spheres(mbs, case, shoes.bodies, ground, static)
-        front = drive.FrontShoe(mbs, tables, shoes)
         if static:
-            joints += front.holds(fixed)
+            self._drives = [drive.add_hold(mbs, shoes)]
             if case.terrain.down[2] > -1.0:
-                drive.add_slope_friction(mbs, case, shoes.nodes, tables.bodies.mass)
+                drive.add_slope_friction(mbs, case, nodes, tables.bodies.mass)
             if self.general is not None and not case.terrain.is_even:
-                drive.add_dashpots(mbs, case, shoes.nodes, fixed)
+                drive.add_dashpots(mbs, case, nodes)
         else:
-            turn = case.drive.turn_rate or StepProfile.constant(0.0)
-            joints += [front.drive(case.drive.speed), front.turn(turn)]
-        self._drives = joints[len(parts.pins) :]
-        self._shoe_bodies = [int(body) for body in shoes.bodies]
+            self._drives = drive.add_drive(mbs, case, tables, shoes)
         mbs.Assemble()
-        return [int(joint) for joint in joints]
+        return joints + self._drives
 
-    def _add_contact(self, contact: PairGroundContact, nodes: list[int]) -> None:
-        """Contact of all shoes and units as one user force over their nodes."""
-        first, coordinates = SIZE * self.case.track.shoe_count, self._coordinates
+    def _add_force(self, nodes: list[int], forces: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
+        """Forces of the ground on all coordinates of a state, at these and their rates, as one user force."""
+        coordinates = self._coordinates
 
         def force(_mbs, _t, _item, q, q_t):
-            own, own_t = np.array(q), np.array(q_t)
-            shoes, rates = coordinates.motion(own, own_t)
-            found = contact.wrenches(contact.bodies(shoes, rates, own[first:], own_t[first:]))
-            on_shoes = coordinates.generalized(own, found.shoes)
-            return np.concatenate((on_shoes, contact.coordinates.project(found.units), found.modal.ravel()))
+            own = np.array(q)
+            return coordinates.forces_of_state(own, forces(*coordinates.to_state(own, np.array(q_t))))
 
-        self._add_force(nodes, force)
-
-    def _add_force(self, nodes: list[int], force: Callable[..., np.ndarray]) -> None:
+        massless = exu.MatrixContainer()
         self.mbs.AddObject(
             items.ObjectGenericODE2(
-                name="contact",
-                nodeNumbers=nodes,
-                massMatrix=exu.MatrixContainer(),
-                forceUserFunction=force,
+                name="contact", nodeNumbers=nodes, massMatrix=massless, forceUserFunction=force
             )
         )
 
     def _add_cells(self, cells: TrackOnCells, nodes: list[int]) -> None:
-        """Ground of cells as one user force over the shoes, covered and committed about each step."""
+        """Ground of cells under the shoes, covered and committed about each step."""
+        reference = self.contact.shoe_reference
         # the engine keeps these functions, and they would keep the system
         system = weakref.proxy(self)
 
-        def force(_mbs, _t, _item, q, q_t):
-            own = np.array(q)
-            wrenches, modal = cells.press(system._motion(own, np.array(q_t)))
-            return np.concatenate((system._coordinates.generalized(own, wrenches), modal.ravel()))
+        def forces(q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
+            wrenches, modal = cells.press(np.stack((q, q_t)))
+            angles = reference[:, 3:] + q[: reference.size].reshape(-1, 6)[:, 3:]
+            wrenches[:, 3:] = rotations.moments_on_angles(angles, wrenches[:, 3:])
+            return np.concatenate((wrenches.ravel(), modal.ravel()))
 
         def cover(_mbs, _time):
-            cells.cover(system._motion(*system._current()))
+            cells.cover(np.stack(system.coordinates()))
             return True
 
-        self._add_force(nodes, force)
+        self._add_force(nodes, forces)
         self.mbs.SetPreStepUserFunction(cover)
-
-    def _current(self) -> tuple[np.ndarray, np.ndarray]:
-        data = self.mbs.systemData
-        return np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
-
-    def _motion(self, own: np.ndarray, own_t: np.ndarray) -> np.ndarray:
-        """Coordinates and rates of a track on cells as the compiled equations have them (2, coordinates)."""
-        (shoes, rates), first = self._coordinates.motion(own, own_t), SIZE * self.case.track.shoe_count
-        moved = (shoes - self.contact.shoe_reference).ravel()
-        return np.stack(
-            [np.concatenate(one) for one in ((moved, own[first:]), (rates.ravel(), own_t[first:]))]
-        )
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:
         """As of `TrackSystem`; cells remember each step first."""
@@ -218,15 +190,11 @@ class ExudynSystem(TrackSystem):
             return
 
         def remembered(time: float) -> bool:
-            cells.press(self._motion(*self._current()))
+            cells.press(np.stack(self.coordinates()))
             cells.commit()
             return ends(time)
 
         super().after_step(remembered)
-
-    def memory(self) -> dict[str, np.ndarray]:
-        """As of `TrackSystem`."""
-        return {} if self._cells is None else self._cells.memory()
 
     def _layout_of(self, parts: Parts, joints: list[int]) -> tuple[StateLayout, np.ndarray]:
         """Layout of the states, and where Exudyn has their multipliers.
@@ -234,24 +202,25 @@ class ExudynSystem(TrackSystem):
         Behind the joints of the compiled equations come Exudyn's other items; the norm of Euler parameters
         is none of the state's.
         """
-        data = self.mbs.systemData
-        rows_of = {number: list(data.GetObjectLTGAE(number)) for number in range(data.NumberOfObjects())}
-        norms = {row for body in self._shoe_bodies for row in rows_of[body]}
-        kept = {number: rows_of.pop(number) for number in joints}
-        kept = {
-            number: [rows[k] for k in PIN_ROWS] if len(rows) > 1 else rows for number, rows in kept.items()
-        }
-        kept |= {number: rows for number, rows in rows_of.items() if set(rows) - norms}
+        data, multipliers, rows = self.mbs.systemData, [], []
+        norms = {row for body in self._shoe_bodies for row in data.GetObjectLTGAE(body)}
+        others = set(range(data.NumberOfObjects())) - {*map(int, joints)}
+        for k, number in enumerate([*joints, *sorted(others)]):
+            of_item = [row for row in data.GetObjectLTGAE(number) if row not in norms]
+            if k < len(parts.pins):
+                of_item = [of_item[row] for row in PIN_ROWS]
+            if of_item:
+                multipliers.append((self.mbs.GetObject(number)["name"], len(of_item)))
+                rows += of_item
         layout = layout_of(self.case, parts.tables, parts.pins)
-        names = [self.mbs.GetObject(number)["name"] for number in kept]
         layout = dataclasses.replace(
             layout,
-            terrain=parts.contact.coordinates.size,
-            terrain_bodies=isinstance(parts.contact.coordinates, UnitCoordinates),
-            multipliers=tuple((name, len(rows)) for name, rows in zip(names, kept.values(), strict=True)),
+            terrain=self.contact.coordinates.size,
+            terrain_bodies=isinstance(self.contact.coordinates, UnitCoordinates),
+            multipliers=tuple(multipliers),
             contact=layout.contact if self.general is None else 6,
         )
-        return layout, np.concatenate(list(kept.values())).astype(int)
+        return layout, np.array(rows, dtype=int)
 
     def coordinates(self) -> list[np.ndarray]:
         """Current coordinates, rates and accelerations, in the layout's order."""
@@ -259,33 +228,23 @@ class ExudynSystem(TrackSystem):
         rates = (data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())
         return self._coordinates.to_state(*map(np.array, rates))
 
+    @property
+    def multipliers(self) -> np.ndarray:
+        """As of `TrackSystem`."""
+        return np.array(self.mbs.systemData.GetAECoordinates())[self._rows]
+
     def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`, on cells at that to which these settle there."""
         if self._cells is not None:
             twin = compiled_system(self.case)
             twin.set_initial(q)
             self._cells.remember(twin.memory())
-            q = twin.initial()
-        self._set(q, np.zeros_like(q), np.zeros_like(q))
-        self._stand(q, np.zeros_like(q))
+            q = twin.coordinates()[0]
+        self._start(np.stack((q, np.zeros_like(q), np.zeros_like(q))))
 
-    def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
-        """Start from a row as of `state`; its time goes into the solver's settings."""
-        q, q_t, q_tt = (self.layout.part(row, f"coordinates{rate}") for rate in RATES)
-        self._set(q, q_t, q_tt)
-        if self._cells is not None and memory is not None:
-            self._cells.remember(memory)
-        self._stand(q, q_t)
-
-    def _stand(self, q: np.ndarray, q_t: np.ndarray) -> None:
-        """Let slip on cells count from here."""
-        if self._cells is not None:
-            self._cells.put_down(np.stack((q, q_t)))
-            self._cells.cover(np.stack((q, q_t)))
-
-    def _set(self, q: np.ndarray, q_t: np.ndarray, q_tt: np.ndarray) -> None:
+    def _start(self, state: np.ndarray, multipliers: np.ndarray | None = None) -> None:
         data, initial = self.mbs.systemData, exu.ConfigurationType.Initial
-        own, own_t, own_tt = (values.tolist() for values in self._coordinates.of_state(q, q_t, q_tt))
+        own, own_t, own_tt = (values.tolist() for values in self._coordinates.of_state(*state))
         data.SetODE2Coordinates(own, initial)
         data.SetODE2Coordinates_t(own_t, initial)
         data.SetODE2Coordinates_tt(own_tt, initial)
@@ -294,19 +253,13 @@ class ExudynSystem(TrackSystem):
             # and would let the track fall through the first step
             data.SetODE2Coordinates(own)
             self.general.UpdateContacts(self.mbs)
-
-    def state(self) -> np.ndarray:
-        """Current state in one row, laid out as `layout` says."""
-        data = self.mbs.systemData
-        parts: dict[str, ArrayLike] = {
-            f"coordinates{rate}": values for rate, values in zip(RATES, self.coordinates(), strict=True)
-        }
-        parts |= {"time": data.GetTime(), "multipliers": np.array(data.GetAECoordinates())[self._rows]}
         if self._cells is not None:
-            parts["contact"] = self._cells.contacts(self.layout.contact)
-        if self.general is not None:
-            parts["contact"] = self.contact_wrenches()
-        return self.layout.pack(parts)
+            self._cells.put_down(state)
+            self._cells.cover(state)
+
+    def stored_contacts(self) -> np.ndarray:
+        """As of `TrackSystem`; with Exudyn's contact its wrenches."""
+        return super().stored_contacts() if self.general is None else self.contact_wrenches()
 
     def contact_wrenches(self) -> np.ndarray:
         """Exudyn's contact forces on the shoes and moments about their origins: (shoes, 6), N and N m."""

@@ -59,7 +59,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     values = _motion(states, "shoes", start)
     values |= _reactions(states, values) | _terrain(states) | contacts
     values["shoe_load"] = case.loads.loads(time)
-    if system.gear_forces is not None:
+    if case.running_gear is not None:
         each = states.each(system.gear_forces, "time", *COORDINATES)
         found = {name: np.array([one[name] for one in each]) for name in each[0]}
         values |= _motion(states, SIDE_FRAME, case.frame_start, "side_frame_")

@@ -53,20 +53,10 @@ def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
     where they are. So all bodies creep to where they stay, without inertia and slowed in proportion to their
     mass, while friction in proportion to the slip holds what it would hold.
     """
-    q, multipliers = guess, np.zeros(len(system.multipliers))
-
-    def attempt(step: float, drag: float) -> int | None:
-        nonlocal q, multipliers
-        crept_to = system.creep(q, multipliers, step, drag, CREEPING_LIMITS)
-        if crept_to is None:
-            return None
-        q, multipliers, iterations = crept_to
-        return iterations
-
     terrain, closed = system.case.terrain, system.case.is_closed
     level = terrain.model == "units" and terrain.is_even and terrain.grade == terrain.side_slope == 0.0
-    system.creep_for(CREEPING if level and not closed else CREEPING_OTHERS, attempt)
-    return q
+    time = CREEPING if level and not closed else CREEPING_OTHERS
+    return system.creep(guess, time, CREEPING_LIMITS)
 
 
 def rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
