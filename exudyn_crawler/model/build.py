@@ -22,7 +22,14 @@ from exudyn_crawler.model.forces.teeth import Teeth
 from exudyn_crawler.model.forces.units import TerrainTable
 from exudyn_crawler.model.forces.wheels import ROLLED, Wheels
 from exudyn_crawler.model.joints import ROWS, ClosedJoints, Joints, Markers, Pull
-from exudyn_crawler.model.shoe_mesh import DrivePoint, drive_point, pin_middle, rail_rows, strip_lines
+from exudyn_crawler.model.shoe_mesh import (
+    DrivePoint,
+    drive_point,
+    pin_middle,
+    rail_rows,
+    station_spacing,
+    strip_lines,
+)
 from exudyn_crawler.model.tables import FrontRows, Tables
 from fem.patches import hat_grid
 
@@ -54,66 +61,40 @@ def _flexible_modes(case: Case, floating: FloatingShoe) -> tuple[Modes, np.ndarr
     return modes, heavy_places.sum(axis=0), places.T @ heavy_places
 
 
-class _MarkerList:
-    """Markers as they are added."""
-
-    def __init__(self, modes: int) -> None:
-        self._modes = modes
-        self._rows: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]] = []
-
-    def add(
-        self,
-        body: int,
-        position: ArrayLike,
-        displacement: np.ndarray | None = None,
-        rotation: np.ndarray | None = None,
-    ) -> int:
-        """Number of a marker on a body at a position (3,), m, which modes move by rows (3, modes)."""
-        none = np.zeros((3, self._modes))
-        moved, turned = (none if rows is None else rows for rows in (displacement, rotation))
-        self._rows.append((body, np.array(position, dtype=float), moved, turned))
-        return len(self._rows) - 1
-
-    def table(self) -> Markers:
-        """All of them."""
-        body, position, moved, turned = (np.array(one) for one in zip(*self._rows, strict=True))
-        bends = moved.any(axis=(1, 2)) | turned.any(axis=(1, 2))
-        return Markers(body, position, moved, turned, np.where(bends, self._modes, 0))
-
-
 class _Builder:
     """Tables of a case as they are made, one after the other."""
 
     def __init__(
-        self, case: Case, terrain: TerrainModes, floating: FloatingShoe | None, point: DrivePoint
+        self, case: Case, terrain_size: int, floating: FloatingShoe | None, point: DrivePoint
     ) -> None:
-        self.case, self.terrain, self.floating, self.point = case, terrain, floating, point
+        self.case, self.floating, self.point = case, floating, point
         self.shoes = case.track.shoe_count
         self.flexible = np.zeros(self.shoes, dtype=bool)
         self.flexible[flexible_shoes(case)] = True
         self.modes = 0 if floating is None else floating.mode_count
-        self.markers = _MarkerList(self.modes)
+        self._markers: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]] = []
         self.frame, self.closed = case.undercarriage, case.closed_track
         # a side frame, or the machine on two tracks, and the tumblers of closed ones
         self.tumblers = self.shoes + 1 + np.arange(case.tracks if self.closed else 0)
         self.tensioner = self.closed.idler.tensioner if self.closed else None
         self.idlers = self.shoes + 1 + len(self.tumblers) + np.arange(case.tracks if self.tensioner else 0)
-        self.count = self.shoes + len(case.frame_parts[:1]) + len(self.tumblers) + len(self.idlers)
+        # bodies that turn against the frame
+        self.turning = [*self.tumblers.tolist(), *self.idlers.tolist()]
+        self.count = self.shoes + len(case.frame_parts[:1]) + len(self.turning)
+        self.first_modal = 6 * self.shoes + terrain_size
 
-    @property
-    def first_terrain(self) -> int:
-        """Number of the terrain's first coordinate."""
-        return 6 * self.shoes
+    def _add(self, body: int, position: ArrayLike, *rows: np.ndarray | None) -> int:
+        """Number of a marker on a body at a position (3,), m, which rows (3, modes) move and turn."""
+        none = np.zeros((3, self.modes))
+        moved, turned = (none if one is None else one for one in (*rows, None, None)[:2])
+        self._markers.append((body, np.array(position, dtype=float), moved, turned))
+        return len(self._markers) - 1
 
-    @property
-    def first_modal(self) -> int:
-        """Number of the first modal coordinate."""
-        return self.first_terrain + self.terrain.size
-
-    @property
-    def first_other(self) -> int:
-        """Number of the first coordinate of bodies that are no shoes."""
-        return self.first_modal + int(self.flexible.sum()) * self.modes
+    def markers(self) -> Markers:
+        """All markers that were added."""
+        body, position, moved, turned = (np.array(one) for one in zip(*self._markers, strict=True))
+        bends = moved.any(axis=(1, 2)) | turned.any(axis=(1, 2))
+        return Markers(body, position, moved, turned, np.where(bends, self.modes, 0))
 
     def bodies(self) -> tuple[Bodies, Modes]:
         """Shoes, then the side frame or the machine, and the tumblers of closed tracks."""
@@ -136,18 +117,16 @@ class _Builder:
             reference[n, :3] = case.frame_start
         if self.closed is not None:
             tumbler, own = self.closed.tumbler, self.tumblers
-            mass[own], first[own] = tumbler.mass, none
+            mass[own], reference[own] = tumbler.mass, case.tumbler_reference
             second[own] = second_moment(tumbler.mass, inertia_tensor(tumbler.inertia), none)
-            reference[own] = case.tumbler_reference
             if self.tensioner is not None:
                 own, inertia = self.idlers, self.tensioner.inertia_tensor(self.closed.idler.radius)
-                mass[own], first[own] = self.tensioner.mass, none
+                mass[own], reference[own] = self.tensioner.mass, case.idler_reference
                 second[own] = second_moment(self.tensioner.mass, inertia, none)
-                reference[own] = case.idler_reference
         modal = np.full(self.count, -1)
         chosen = np.flatnonzero(self.flexible)
         modal[chosen] = self.first_modal + self.modes * np.arange(len(chosen))
-        others = self.first_other + 6 * np.arange(self.count - n)
+        others = self.first_modal + self.modes * len(chosen) + 6 * np.arange(self.count - n)
         coordinate = np.concatenate((6 * np.arange(n), others))
         return Bodies(coordinate, modal, reference, mass, first, second, np.zeros((self.count, 2, 3))), modes
 
@@ -155,12 +134,12 @@ class _Builder:
         """Marker of a joint centre of a shoe, or of a place (3,), m, that goes with its bore."""
         at = self._worn(name) if place is None else place
         if self.floating is None or not self.flexible[shoe]:
-            return self.markers.add(shoe, at)
+            return self._add(shoe, at)
         joint = self.floating.joints.index(name)
         moved, turned = self.floating.reduced.pilots[joint, :3], self.floating.reduced.pilots[joint, 3:]
         arm = at - self.case.track.joint_centers[name]
         center = self.floating.reduced.interfaces[joint].center + arm
-        return self.markers.add(shoe, center, moved + np.cross(turned.T, arm).T, turned)
+        return self._add(shoe, center, moved + np.cross(turned.T, arm).T, turned)
 
     def _worn(self, name: str) -> np.ndarray:
         """Joint centre of a shoe, or the middle of two; the pins of a worn chain are farther apart."""
@@ -174,14 +153,20 @@ class _Builder:
     def _pin_middle(self, shoe: int, end: str) -> int:
         """Marker in the middle of the rear or the front pins of a shoe."""
         reduced = self.floating.reduced if self.floating is not None and self.flexible[shoe] else None
-        return self.markers.add(shoe, *pin_middle(self.case.track, reduced, end))
+        return self._add(shoe, *pin_middle(self.case.track, reduced, end))
 
-    def _free_idlers(self) -> np.ndarray:
-        """Places of the idlers where their tensioners do not push them: array (idlers, 3), m, global."""
-        if self.tensioner is None:
+    def _axes(self) -> np.ndarray:
+        """Where in the frame the bodies that turn have their axes: array (bodies, 3), m.
+
+        Those of idlers are where their tensioners do not push them.
+        """
+        if self.closed is None:
             return np.zeros((0, 3))
-        beyond = self.tensioner.preload / self.tensioner.stiffness - self.case.assembled.take_up
-        return self.case.idler_reference[:, :3] + np.array([beyond, 0.0, 0.0])
+        axes = self.case.tumbler_reference[:, :3]
+        if self.tensioner is not None:
+            beyond = self.tensioner.preload / self.tensioner.stiffness - self.case.assembled.take_up
+            axes = np.vstack((axes, self.case.idler_reference[:, :3] + np.array([beyond, 0.0, 0.0])))
+        return axes - self.case.frame_start
 
     def joints(self) -> tuple[Joints, list[tuple[int, str]]]:
         """Joints, and of each pin the link's number (from 1), or that of a bearing (-1, -2), and its side."""
@@ -196,22 +181,15 @@ class _Builder:
         last, gear = self.shoes - 1, self.case.running_gear
         joined = self.case.links - 1
         bodies = [tuple(joined[link - 1].tolist()) for link, _ in names for _ in range(ROWS)]
-        for tumbler in self.tumblers.tolist():
-            axis = self.case.tumbler_reference[tumbler - self.shoes - 1, :3] - self.case.frame_start
-            pins.append((self.markers.add(self.shoes, axis), self.markers.add(tumbler, np.zeros(3))))
-            names.append((self.shoes - tumbler, SIDES[0]))
-            bodies += [(self.shoes, tumbler)] * ROWS
-        for idler, start in zip(self.idlers.tolist(), self._free_idlers(), strict=True):
-            axis = start - self.case.frame_start
-            pins.append((self.markers.add(self.shoes, axis), self.markers.add(idler, np.zeros(3))))
-            names.append((self.shoes - idler, SIDES[0]))
-            bodies += [(self.shoes, idler)] * ROWS
+        for body, axis in zip(self.turning, self._axes(), strict=True):
+            pins.append((self._add(self.shoes, axis), self._add(body, np.zeros(3))))
+            names.append((self.shoes - body, SIDES[0]))
+            bodies += [(self.shoes, body)] * ROWS
         if gear is not None:
-            drive = self.markers.add(self.shoes, np.zeros(3))
+            drive = self._add(self.shoes, np.zeros(3))
         else:
-            drive = self.markers.add(
-                last, self.point.place, self.point.rows if self.point.rows.size else None
-            )
+            rows = self.point.rows if self.point.rows.size else None
+            drive = self._add(last, self.point.place, rows)
         on_posts = closed is not None and closed.support == "posts"
         held = range(6) if on_posts else FRAME_HOLDS if self.case.car_body is None else ()
         holds = [] if gear is None else [(self.shoes, k) for k in held]
@@ -232,16 +210,16 @@ class _Builder:
         for s in range(self.shoes):
             if self.floating is not None and self.flexible[s]:
                 floating = self.floating
-                markers.append(self.markers.add(s, floating.load_point, floating.load_rows))
-                beside.append(self.markers.add(s, floating.beside, floating.beside_rows))
+                markers.append(self._add(s, floating.load_point, floating.load_rows))
+                beside.append(self._add(s, floating.beside, floating.beside_rows))
             else:
-                markers.append(self.markers.add(s, self.case.shoe.load_point))
-                beside.append(self.markers.add(s, (0.0, 1.0, 0.0)))
+                markers.append(self._add(s, self.case.shoe.load_point))
+                beside.append(self._add(s, (0.0, 1.0, 0.0)))
         if self.closed is not None:
-            markers.append(self.markers.add(self.shoes, np.zeros(3)))
+            markers.append(self._add(self.shoes, np.zeros(3)))
             beside.append(-1)
         if self.frame is not None:
-            markers += [self.markers.add(self.shoes, np.zeros(3))]
+            markers += [self._add(self.shoes, np.zeros(3))]
             markers += [self._pin_middle(0, "rear"), self._pin_middle(self.shoes - 1, "front")]
             beside += [-1] * 3
         return Loads(np.array(markers), np.array(beside))
@@ -272,14 +250,13 @@ class _Builder:
             return None
         # the bearings of the tumblers, which come last, are no part of the chains
         pins = int((1 + self.flexible[self.case.links - 1].any(axis=1)).sum())
-        tracks, slides = len(self.tumblers), len(self.idlers)
+        tracks, slides, turned = len(self.tumblers), len(self.idlers), self.turning
         compliance = np.outer([*[closed.compliance] * pins, *[0.0] * (tracks + slides)], ACROSS_CHAIN)
         relaxation = np.zeros_like(compliance)
         if self.tensioner is not None:
             compliance[-slides:, 0] = 1.0 / self.tensioner.stiffness
             relaxation[-slides:, 0] = self.tensioner.damping / self.tensioner.stiffness
         limit = np.inf if closed.torque_limit is None else closed.torque_limit
-        turned = [*self.tumblers, *self.idlers]
         return ClosedJoints(
             compliance=compliance,
             relaxation=relaxation,
@@ -325,7 +302,7 @@ class _Builder:
         for track, idler in enumerate(self.idlers):
             w = track * len(wheels) + len(gear.rollers)
             frames[w], places[w], beside[w] = idler, [(0.0, y, 0.0) for y in lines], 0.0
-        along = rail_rows(None if self.floating is None else self.floating.reduced, self.case)
+        reduced = None if self.floating is None else self.floating.reduced
         strips, ahead = gear.strips, np.subtract.outer(gear.rollers, gear.rollers)
         on_a_rail = (ahead >= 0.0) & (ahead < rails.front - rails.rear + 2.0 * ROLLED)
         return Wheels(
@@ -338,8 +315,8 @@ class _Builder:
             flange=flange,
             height=height,
             rail=(rails.rear, rails.front, rails.height),
-            rows=along.rows,
-            spacing=along.spacing,
+            rows=rail_rows(reduced, gear, rails),
+            spacing=station_spacing(rails),
             slots=max(2, int(on_a_rail.sum(axis=0).max())),  # of the upper run two
         )
 
@@ -418,28 +395,21 @@ class Parts(NamedTuple):
 
 def parts_of(case: Case) -> Parts:
     """Flexible shoes, contact and tables of a case."""
-    floating = None if case.flexible is None else floating_shoe(case)
-    bends = case.track.shoe_count - 1 in flexible_shoes(case)
+    bending, floating = flexible_shoes(case), None if case.flexible is None else floating_shoe(case)
+    bends = case.track.shoe_count - 1 in bending
     point = drive_point(case, floating.reduced if floating is not None and bends else None)
-    contact = ground_contact(case, None if floating is None else floating.underside, flexible_shoes(case))
-    return Parts(floating, point, contact, *_tables_of(case, contact, floating, point))
-
-
-def _tables_of(
-    case: Case, contact: GroundContact, floating: FloatingShoe | None, point: DrivePoint
-) -> tuple[Tables, list[tuple[int, str]]]:
-    """Tables of a case, and of each link pin the link's number (from 1) and its side."""
+    contact = ground_contact(case, None if floating is None else floating.underside, bending)
     coordinates = contact.coordinates
     terrain = coordinates if isinstance(coordinates, TerrainModes) else reduced_coordinates(case)
-    builder = _Builder(case, terrain, floating, point)
+    builder = _Builder(case, terrain.size, floating, point)
     bodies, modes = builder.bodies()
-    joints, names = builder.joints()
+    joints, pins = builder.joints()
     loads, pull, teeth = builder.loads(), builder.pull(), builder.teeth()
     nothing = np.zeros(0, dtype=np.int64)
     tables = Tables(
         bodies=bodies,
         modes=modes,
-        markers=builder.markers.table(),
+        markers=builder.markers(),
         joints=joints,
         loads=loads,
         terrain=TerrainTable(
@@ -449,9 +419,9 @@ def _tables_of(
             np.ascontiguousarray(terrain.stiffness),
             np.ascontiguousarray(terrain.damping),
             terrain.weight,
-            builder.first_terrain,
+            6 * builder.shoes,
         ),
-        flexible=np.array([builder.first_modal, int(builder.flexible.sum())]),
+        flexible=np.array([builder.first_modal, len(bending)]),
         contact=contact.geometry if isinstance(contact, PairGroundContact) else None,
         fronts=fronts_of([], []),
         rows=FrontRows(*[nothing] * len(FrontRows._fields)),
@@ -461,5 +431,5 @@ def _tables_of(
         teeth=teeth,
         wheels=builder.wheels(),
     )
-    fronts, rows = _elimination(tables, builder.shoes, [link for link, _ in names])
-    return tables._replace(fronts=fronts, rows=rows), names
+    fronts, rows = _elimination(tables, builder.shoes, [link for link, _ in pins])
+    return Parts(floating, point, contact, tables._replace(fronts=fronts, rows=rows), pins)

@@ -6,9 +6,19 @@ from functools import lru_cache
 import numpy as np
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
-from exudyn_crawler.model.reductions import cached_reduction
+from exudyn_crawler.case.parameters.track import CONSTRAINT_MODES
+from exudyn_crawler.model import reductions
 from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, pin_interfaces, pulled_node
-from fem import CachedReduction, ElasticBody, Interface, Material, Nested, ReducedBody, nested_reduction
+from fem import (
+    CachedReduction,
+    ElasticBody,
+    Interface,
+    Material,
+    Nested,
+    ReducedBody,
+    cached_craig_bampton,
+    nested_reduction,
+)
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
 from meshes.checks import check_surfaces
@@ -77,7 +87,8 @@ def _reduction(
     if node is not None:
         loads[DRIVE] = np.zeros_like(body.mesh.nodes)
         loads[DRIVE][node, 0] = 1.0
-    return cached_reduction(body, interfaces, fixed_modes, loads)
+    folder = reductions.reductions_folder()
+    return cached_craig_bampton(folder, body, interfaces, fixed_modes, loads, warn=reductions.warn)
 
 
 def check_shoe(case: Case) -> None:
@@ -103,17 +114,12 @@ def whole_reduction(case: Case) -> CachedReduction:
     return _reduction(flexible.mesh, _material(flexible), case.track, flexible.recovered_modes, loaded, node)
 
 
-def integrated_reduction(case: Case) -> Nested:
-    """Modes that a run of a case integrates, and where they lie in `whole_reduction`; remembered.
+@lru_cache(maxsize=4)
+def integrated_in(flexible: FlexibleShoes, whole: ReducedBody) -> Nested:
+    """Modes of flexible shoes that are integrated, and where they lie in the whole reduction; remembered.
 
     A ValueError says if no mode remains.
     """
-    return integrated_in(case.flexible_shoes(), whole_reduction(case).body)
-
-
-@lru_cache(maxsize=4)
-def integrated_in(flexible: FlexibleShoes, whole: ReducedBody) -> Nested:
-    """Modes of flexible shoes that are integrated, and where they lie in the whole reduction; remembered."""
     nested = nested_reduction(whole, flexible.fixed_modes, [MACHINE_LOAD] if flexible.load_mode else [])
     if flexible.modes is not None:
         return nested.with_modes([number - 1 for number in flexible.modes])
@@ -132,20 +138,19 @@ def integrated_in(flexible: FlexibleShoes, whole: ReducedBody) -> Nested:
 def floating_shoe(case: Case) -> FloatingShoe:
     """Reduce the mesh of a case's flexible shoes and integrate what the multibody system needs.
 
-    The last few results are remembered: a run builds its system twice. Errors are those of `check_shoe` and
-    `integrated_reduction`.
+    Errors are those of `check_shoe` and `integrated_in`.
     """
     check_shoe(case)
-    reduced = integrated_reduction(case).body
-    return _floating_shoe(case.flexible_shoes(), case.track, tuple(case.shoe.footprint.tolist()), reduced)
+    flexible, body = case.flexible_shoes(), whole_reduction(case).body
+    return _floating_shoe(flexible, tuple(case.shoe.footprint.tolist()), integrated_in(flexible, body).body)
 
 
 @lru_cache(maxsize=4)
 def _floating_shoe(
-    flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...], reduced: ReducedBody
+    flexible: FlexibleShoes, footprint: tuple[float, ...], reduced: ReducedBody
 ) -> FloatingShoe:
-    body, interfaces = shoe_model(flexible, track)
-    under = body.mesh.nodes_of("underside")
+    """Remembered, since a run builds its system twice."""
+    under = reduced.mesh.nodes_of("underside")
     weights = reduced.weights(flexible.load_surface)
     spread = (*side_weights(weights, reduced.nodes), weights)
     right, left, middle = (one @ reduced.nodes / one.sum() for one in spread)
@@ -153,12 +158,12 @@ def _floating_shoe(
     part = 1.0 / (left[1] - right[1])
     return FloatingShoe(
         reduced=reduced,
-        joints=tuple(interface.name for interface in interfaces),
+        joints=tuple(interface.name for interface in reduced.interfaces),
         load_point=middle,
         load_rows=rows,
         beside=part * (left - right),
         beside_rows=part * (by_left - by_right),
-        underside=integrate_underside(body.mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
+        underside=integrate_underside(reduced.nodes[under, :2], reduced.modes[under], np.array(footprint)),
     )
 
 

@@ -49,27 +49,24 @@ def compile_equations(kind: str) -> None:
     """
     begun: list[subprocess.Popen] = []
     with notify_compiling([residual], lambda: begun.append(_beside(kind))):
-        _compile(_any_system(kind), "residual")
+        _compile(kind, "residual")
     for process in begun:
         process.wait()
 
 
 def compile_matrix(kind: str) -> None:
     """Compile the matrix, its elimination and the contacts that a history keeps."""
-    system = _any_system(kind)
-    _compile(system, "matrix")
+    system = _compile(kind, "matrix")
     none = np.zeros(system.layout.coordinate_count)
     system.contact.results(none, none)
 
 
-def _any_system(kind: str) -> CompiledSystem:
-    """System of a case of a kind."""
-    return compiled_system(KINDS[kind]())
-
-
-def _compile(system: CompiledSystem, part: str) -> None:
+def _compile(kind: str, part: str) -> CompiledSystem:
+    """System of a case of a kind, with a part of its equations compiled."""
+    system = compiled_system(KINDS[kind]())
     for function, arguments in system.calls()[part]:
         function.compile(tuple(typeof(one) for one in arguments))
+    return system
 
 
 def _beside(kind: str) -> subprocess.Popen:

@@ -2,23 +2,18 @@
 
 import logging
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from platformdirs import user_cache_path
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from fem import CachedFields, CachedReduction, ElasticBody, Interface, UnitLoads
 
 VARIABLE = "EXUDYN_CRAWLER_CACHE"
 """Environment variable that names the folder of caches in place of the user's cache folder."""
 
-logger = logging.getLogger("exudyn_crawler")
+warn = logging.getLogger("exudyn_crawler").warning
+"""What a cache has to tell goes to the log."""
 
 _chosen: ContextVar[Path | None] = ContextVar("folder of reductions", default=None)
 
@@ -45,34 +40,11 @@ def reductions_in(folder: str | Path | None) -> Iterator[None]:
 
 def program_digest() -> str:
     """SHA-256 of all sources that results are made with."""
+    # `reductions_line` must not wait for finite elements
     from fem.sources import source_digest
 
     package = Path(__file__).parents[1]
     return source_digest(package, *(package.parent / name for name in ("fem", "meshes")))
-
-
-def cached_reduction(
-    body: "ElasticBody",
-    interfaces: "Sequence[Interface]",
-    fixed_modes: int,
-    loads: "Mapping[str, np.ndarray]",
-) -> "CachedReduction":
-    """Reduction of a body as of `fem.cached_craig_bampton`; its warnings go to the log."""
-    # `reductions_line` must not wait for finite elements
-    from fem import cached_craig_bampton
-
-    return cached_craig_bampton(
-        reductions_folder(), body, interfaces, fixed_modes, loads, warn=logger.warning
-    )
-
-
-def cached_fields(
-    body: "ElasticBody", reduction: "CachedReduction", families: "Mapping[str, UnitLoads]"
-) -> "CachedFields":
-    """Static fields as of `fem.cached_static_fields`; their warnings go to the log."""
-    from fem import cached_static_fields
-
-    return cached_static_fields(reductions_folder(), body, reduction, families, warn=logger.warning)
 
 
 def reductions_line() -> str:

@@ -1,7 +1,6 @@
 """Where a flexible shoe's mesh meets pins, ground, rollers and drive; whether it fits rigid neighbours."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -83,15 +82,6 @@ STATIONS = 9
 """Along a rail, its ends included."""
 
 
-class RailRows(NamedTuple):
-    """Displacements of lines along the rails by m modes, at even stations."""
-
-    rear: float  # x of the first station, m, the shoe's frame
-    spacing: float  # distance of neighbours, m
-    # (lines, STATIONS + 2, 3, m): at the stations and extrapolated evenly by one on each side
-    rows: np.ndarray
-
-
 def strip_lines(frame: RunningGear, rails: Rails) -> np.ndarray:
     """Y of the strips of a roller, those of the right tread first: array (2 strips,), m."""
     return np.concatenate([middle + frame.strip_places for middle in rails.middles])
@@ -116,21 +106,15 @@ def extended(rows: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.concatenate((before, rows, behind), axis=1))
 
 
-def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
-    """Displacements of the rails of a case's flexible shoes under the strips of its rollers.
+def rail_rows(reduced: ReducedBody | None, frame: RunningGear, rails: Rails) -> np.ndarray:
+    """Displacements of lines along the rails, under the strips of wheels, by m modes of flexible shoes.
 
-    Without a reduced body rows have no modes.
+    At even stations, as of `extended`: array (lines, STATIONS + 2, 3, m); without a reduced body m is 0.
     """
-    frame, rails = case.running_gear, case.shoe.rails
-    modes = 0 if reduced is None else len(reduced.frequencies)
-    if frame is None or rails is None:
-        return RailRows(0.0, 1.0, np.zeros((0, STATIONS + 2, 3, modes)))
     if reduced is None:
-        lines = len(strip_lines(frame, rails))
-        return RailRows(rails.rear, station_spacing(rails), np.zeros((lines, STATIONS + 2, 3, 0)))
+        return np.zeros((len(strip_lines(frame, rails)), STATIONS + 2, 3, 0))
     nodes, weights = strip_weights(reduced.mesh, frame, rails)
-    rows = np.einsum("lsn,nck->lsck", weights, reduced.modes[nodes])
-    return RailRows(rails.rear, station_spacing(rails), extended(rows))
+    return extended(np.einsum("lsn,nck->lsck", weights, reduced.modes[nodes]))
 
 
 def cubic_weights(t: np.ndarray) -> np.ndarray:

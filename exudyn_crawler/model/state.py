@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from math import prod
-from typing import NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -61,22 +60,15 @@ class StateLayout:
     bodies: tuple[str, ...] = ()  # names of the bodies beside the shoes
 
     @cached_property
-    def _coordinate_shapes(self) -> dict[str, tuple[int, ...]]:
-        return {
-            "shoes": (self.shoes, 6),
-            "terrain": (self.terrain,),
-            "modes": (len(self.flexible_shoes), self.modes),
-            **dict.fromkeys(self.bodies, (6,)),
-        }
-
-    @cached_property
     def _parts(self) -> dict[str, tuple[int, tuple[int, ...]]]:
         """First index and shape of every part and of the groups of parts."""
+        shapes = {"shoes": (self.shoes, 6), "terrain": (self.terrain,)}
+        shapes |= {"modes": (len(self.flexible_shoes), self.modes), **dict.fromkeys(self.bodies, (6,))}
         parts: dict[str, tuple[int, tuple[int, ...]]] = {"time": (0, ())}
         first = 1
         for rate in RATES:
             start = first
-            for name, shape in self._coordinate_shapes.items():
+            for name, shape in shapes.items():
                 parts[name + rate] = (first, shape)
                 first += prod(shape)
             parts[f"coordinates{rate}"] = (start, (first - start,))
@@ -88,10 +80,10 @@ class StateLayout:
         parts["contact"] = (first, (self.shoes, self.contact))
         return parts
 
-    @cached_property
+    @property
     def coordinate_count(self) -> int:
         """Number of coordinates."""
-        return sum(prod(shape) for shape in self._coordinate_shapes.values())
+        return self._parts["coordinates"][1][0]
 
     @property
     def equation_count(self) -> int:
@@ -111,11 +103,13 @@ class StateLayout:
         """
         if rows.shape[-1] != self.size:
             raise ValueError(f"rows of a state must have {self.size} numbers, got {rows.shape[-1]}")
-        first, shape = self._parts.get(name) or self._no_part(name)
+        first, shape = self._place(name)
         return rows[..., first : first + prod(shape)].reshape((*rows.shape[:-1], *shape))
 
-    def _no_part(self, name: str) -> NoReturn:
-        raise ValueError(f"a state has no part {name!r}; it has {sorted(self._parts)}")
+    def _place(self, name: str) -> tuple[int, tuple[int, ...]]:
+        if name not in self._parts:
+            raise ValueError(f"a state has no part {name!r}; it has {sorted(self._parts)}")
+        return self._parts[name]
 
     def first_multiplier(self, name: str) -> int:
         """Index of an item's first multiplier among all multipliers; a ValueError if it has none."""
@@ -137,7 +131,7 @@ class StateLayout:
         filled = np.zeros(self.size, dtype=bool)
         for name, values in parts.items():
             # every step of a run comes here: slices in place of `part`
-            first, shape = self._parts.get(name) or self._no_part(name)
+            first, shape = self._place(name)
             value = np.asarray(values)
             if value.shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {value.shape}")

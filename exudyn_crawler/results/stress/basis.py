@@ -93,7 +93,8 @@ def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> 
         blocks.append(kron(shares, eye_array(3)))
     families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
     blocks.append(eye_array(len(units.integrated.body.frequencies)))
-    cached = reductions.cached_fields(units.body, whole, families)
+    folder = reductions.reductions_folder()
+    cached = fem.cached_static_fields(folder, units.body, whole, families, warn=reductions.warn)
     return StaticLoads(cached.fields, csr_array(block_diag(blocks)))
 
 
