@@ -55,11 +55,7 @@ class SphereGroundContact:
         self._case, self._terrain, self._grid = case, terrain, grid_of(terrain)
         self._tops, self._tilts = 0.5 * terrain.unit_height + terrain.top_heights, terrain.tilts
         self._centers, self._radius = sphere_centers(case), case.sphere_contact().radius
-
-    @property
-    def size(self) -> int:
-        """Number of generalized coordinates: six a shoe, then the units'."""
-        return self.shoe_reference.size + self.coordinates.size
+        self.size = self.shoe_reference.size + coordinates.size  # six coordinates a shoe, then the units'
 
     def _shoes(self, q: np.ndarray) -> np.ndarray:
         return self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
@@ -71,12 +67,6 @@ class SphereGroundContact:
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the units' faces at places x (m), with the springs free."""
         return self._terrain.surface(x)
-
-    def _places(self, q: np.ndarray) -> np.ndarray:
-        """Centres of the spheres (shoes, spheres, 3), m, global."""
-        shoes = self._shoes(q)
-        turned = self._centers @ rotation_matrices(shoes[:, 3:]).transpose(0, 2, 1)
-        return np.asarray(shoes[:, None, :3] + turned)
 
     def _above(self, q: np.ndarray, places: np.ndarray, units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Height (m) of places (..., 3) over the faces of units (...,), and the faces' normals (..., 3)."""
@@ -94,7 +84,8 @@ class SphereGroundContact:
 
     def depths(self, q: np.ndarray) -> np.ndarray:
         """Depth of the spheres in the faces of the units below them: (shoes, spheres), m; negative above."""
-        places = self._places(q)
+        shoes = self._shoes(q)
+        places = shoes[:, None, :3] + self._centers @ rotation_matrices(shoes[:, 3:]).transpose(0, 2, 1)
         return self._radius - self._above(q, places, self._grid.units_below(places[..., :2]))[0]
 
     def sunken(self, q: np.ndarray) -> list[int]:

@@ -206,23 +206,19 @@ class _Builder:
 
     def loads(self) -> Loads:
         """Machine load of every shoe; with a side frame, its load and the tension of the chain's ends."""
-        markers, beside = [], []
+        places = []
         for s in range(self.shoes):
             if self.floating is not None and self.flexible[s]:
                 floating = self.floating
-                markers.append(self._add(s, floating.load_point, floating.load_rows))
-                beside.append(self._add(s, floating.beside, floating.beside_rows))
+                place = self._add(s, floating.load_point, floating.load_rows)
+                places.append((place, self._add(s, floating.beside, floating.beside_rows)))
             else:
-                markers.append(self._add(s, self.case.shoe.load_point))
-                beside.append(self._add(s, (0.0, 1.0, 0.0)))
-        if self.closed is not None:
-            markers.append(self._add(self.shoes, np.zeros(3)))
-            beside.append(-1)
+                places.append((self._add(s, self.case.shoe.load_point), self._add(s, (0.0, 1.0, 0.0))))
+        if self.case.running_gear is not None:
+            places.append((self._add(self.shoes, np.zeros(3)), -1))
         if self.frame is not None:
-            markers += [self._add(self.shoes, np.zeros(3))]
-            markers += [self._pin_middle(0, "rear"), self._pin_middle(self.shoes - 1, "front")]
-            beside += [-1] * 3
-        return Loads(np.array(markers), np.array(beside))
+            places += [(self._pin_middle(0, "rear"), -1), (self._pin_middle(self.shoes - 1, "front"), -1)]
+        return Loads(*(np.array(one) for one in zip(*places, strict=True)))
 
     def pull(self) -> Pull | None:
         """Pull of a side frame's drive."""

@@ -113,10 +113,7 @@ class StateLayout:
 
     def first_multiplier(self, name: str) -> int:
         """Index of an item's first multiplier among all multipliers; a ValueError if it has none."""
-        names = [item for item, _ in self.multipliers]
-        if name not in names:
-            raise ValueError(f"a state has no multipliers of {name!r}; it has those of {names}")
-        return sum(size for _, size in self.multipliers[: names.index(name)])
+        return self._place(name)[0] - self._place("multipliers")[0]
 
     def has(self, name: str) -> bool:
         """Whether there is a part of this name."""

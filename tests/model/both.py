@@ -80,7 +80,7 @@ def sphere_wrenches(case, q):
     system.set_initial(q)
     with static_solver(system.mbs) as (solver, settings):
         solver.ComputeNewtonResidual(system.mbs, settings)
-    return system.contact_wrenches()
+    return system.stored_contacts()
 
 
 @contextmanager

@@ -102,7 +102,9 @@ def integrated(tables, start, gravity, h, steps):
         state[0] += h * state[1] + h * h * ((0.5 - beta) * before + beta * algorithmic)
         state[1] += h * ((1.0 - gamma) * before + gamma * algorithmic)
         state[2] = 0.0
-        converged, *_ = step(values, state, multipliers, inputs, weights, (1e-6, 50, False), workspace, scratch)
+        converged, *_ = step(
+            values, state, multipliers, inputs, weights, (1e-6, 50, False), workspace, scratch
+        )
         assert converged
         algorithmic = algorithmic + (1.0 - alpha_f) / (1.0 - alpha_m) * state[2]
         found.append((state.copy(), multipliers.copy()))

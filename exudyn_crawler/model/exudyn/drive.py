@@ -27,26 +27,14 @@ def add_loads(mbs: "exu.MainSystem", case: Case, markers: list[int], static: boo
     shift, down = case.loads.side_shift, case.terrain.down
     shares = [(profile, side) for profile in case.loads.of_shoes for side in SIDES]
     for marker, (profile, side) in zip(markers, shares, strict=True):
-        force = _share(profile, shift, side, down)
+
+        @lru_cache(maxsize=4)  # a step asks for the same time again and again
+        def force(time: float, profile: StepProfile = profile, side: float = side) -> list[float]:
+            return (0.5 * profile.value(time) * (1.0 + side * shift.value(time)) * down).tolist()
+
         changes = not static and max(len({*profile.values}), len({*shift.values})) > 1
-        mbs.CreateForce(
-            itemNumber=marker,
-            loadVector=force(0.0),
-            loadVectorUserFunction=(lambda _mbs, t, _load, force=force: force(t)) if changes else 0,
-        )
-
-
-def _share(
-    profile: StepProfile, shift: StepProfile, side: float, down: np.ndarray
-) -> Callable[[float], list[float]]:
-    """Force over time, cached: a step asks for the same time again and again."""
-
-    @lru_cache(maxsize=4)
-    def force(time: float) -> list[float]:
-        size = 0.5 * profile.value(time) * (1.0 + side * shift.value(time))
-        return (size * down).tolist()
-
-    return force
+        over_time = (lambda _mbs, t, _load, force=force: force(t)) if changes else 0
+        mbs.CreateForce(itemNumber=marker, loadVector=force(0.0), loadVectorUserFunction=over_time)
 
 
 def add_slope_friction(mbs: "exu.MainSystem", case: Case, nodes: list[int], masses: np.ndarray) -> None:

@@ -258,13 +258,9 @@ class ExudynSystem(TrackSystem):
             self._cells.cover(state)
 
     def stored_contacts(self) -> np.ndarray:
-        """As of `TrackSystem`; with Exudyn's contact its wrenches."""
-        return super().stored_contacts() if self.general is None else self.contact_wrenches()
-
-    def contact_wrenches(self) -> np.ndarray:
-        """Exudyn's contact forces on the shoes and moments about their origins: (shoes, 6), N and N m."""
+        """As of `TrackSystem`; of Exudyn's contact forces (N) and moments about the origins (N m)."""
         if self.general is None:
-            raise ValueError("contact.model must be 'spheres' for Exudyn's contact forces")
+            return super().stored_contacts()
         forces = np.asarray(self.general.GetSystemODE2RhsContactForces(copy=True))
         return self._coordinates.wrenches(np.array(self.mbs.systemData.GetODE2Coordinates()), forces)
 
