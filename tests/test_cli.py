@@ -315,12 +315,6 @@ def test_a_study_of_several_runs_names_them(call, tmp_path):
     assert_one_line(err, "no history at study/history.nc; name one of study/straight, study/turning")
 
 
-def test_a_stressed_shoe_is_animated_without_ground(call):
-    code, _, err = call("animate", "study", "--stress", "7", "--scale", "2")
-    assert code == 2
-    assert_one_line(err, "--scale cannot go with --stress, whose picture shows no ground")
-
-
 @pytest.mark.simulation
 def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
     code, out, err = call("init", "soft")

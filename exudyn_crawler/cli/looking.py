@@ -38,11 +38,7 @@ def animate(
     run: application.Run,
     out: Annotated[
         Path | None,
-        typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4 or RUN/shoe_N.mp4, if not given"),
-    ] = None,
-    stress: Annotated[
-        int | None,
-        typer.Option(help="number of a flexible shoe to show with its stress, instead of the track"),
+        typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4, if not given"),
     ] = None,
     scale: Annotated[
         float | None,
@@ -53,15 +49,11 @@ def animate(
     speed: Annotated[float, typer.Option(help="simulated seconds in a second of the film")] = 1.0,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display."""
-    if stress is not None and scale is not None:
-        raise ValueError("--scale cannot go with --stress, whose picture shows no ground")
-    beside = application.history_path(run)
-    default = beside.with_suffix(".mp4") if stress is None else beside.with_name(f"shoe_{stress}.mp4")
-    path = out or default
+    """Animate the track on the deforming terrain, without a display."""
+    path = out or application.history_path(run).with_suffix(".mp4")
     history = application.loaded(run)  # refused before all that draws is loaded
     with heartbeat(f"animation of {run}"):
-        crawler.write_animation(history, path, overwrite, scale, stress, speed=speed, start=start, end=end)
+        crawler.write_animation(history, path, overwrite, scale, speed=speed, start=start, end=end)
     application.report_made(path)
 
 

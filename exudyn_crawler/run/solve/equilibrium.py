@@ -233,7 +233,7 @@ def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
         with suppress(EquilibriumError):
             return _rest(system, q, POLISHING)
         why = f"it still moves at {speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion"
-    force = system.contact_wrenches()[:, 2]
+    force = system.stored_contacts()[:, 2]
     raise EquilibriumError(
         f"no static equilibrium of case {case.name!r} was found on its uneven ground: {why}; the ground "
         f"carries shoe {force.argmin() + 1} least, with {force.min():.3g} N"

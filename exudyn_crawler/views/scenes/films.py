@@ -1,4 +1,4 @@
-"""Moving pictures, as MP4 or GIF: a track on its deforming terrain, and a flexible shoe with its stress."""
+"""Moving pictures of a track on its deforming terrain, as MP4 or GIF."""
 
 from pathlib import Path
 
@@ -8,13 +8,10 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case import ClosedTrack
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history import History, as_history, common_phases
-from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views import figures, style
-from exudyn_crawler.views.scenes import gear, pictures, shoes, track
-from exudyn_crawler.views.scenes.scene import Scene, View
+from exudyn_crawler.views.scenes import pictures, shoes, track
 
 RATE, MOST_PICTURES = 20, 20_000
 """Pictures a second of an animation, if no other number is asked for; and at most in all, 1000 s."""
@@ -24,56 +21,21 @@ FORMATS = {".mp4": ("libx264", "yuv420p", [], 100), ".gif": ("gif", "pal8", ["-v
 """Codec, format of colours, further options of ffmpeg and pixels an inch of a track, by the suffix."""
 VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
 """Inches: width of both views of a track, height of the curves, and height of all writing above and below."""
-DEEPEST, MARGIN, HEADROOM = 0.25, 0.08, 0.35
-"""m that the greatest displacement of the ground is drawn at most, and that are shown about a shoe; part of
-the curves' height that is left free above and below them, for the legend."""
-SHOE_SIZE, SHOE_DPI = (9.0, 8.2), 90  # inches, width and height of a picture of a shoe, and pixels an inch
-ABOVE, BELOW = View.seen_from(azimuth=212.0, elevation=34.0), View.seen_from(azimuth=212.0, elevation=-28.0)
-PARTS = (0.02, 0.51, 0.84, 0.41), (0.02, 0.255, 0.84, 0.25)
-"""Both views of a shoe, and their parts of its picture: left, bottom, width and height over its own."""
+DEEPEST, HEADROOM = 0.25, 0.35
+"""m that the greatest displacement of the ground is drawn at most; part of the curves' height that is left
+free above and below them, for the legend."""
 
 
-class Picture:
-    """Figure that can be brought to a time of a history; `name` stands before the time in the title."""
+class TrackPicture:
+    """Figure that can be brought to a time of a run: the track from above and from the side, and curves.
 
-    history: History
-    name: str
-    figure: Figure
-    title: mpl.text.Text
-    cursor: mpl.lines.Line2D
-    _drawn: tuple[mpl.artist.Artist, ...] = ()
-
-    def draw(self, now: History) -> pictures.Drawn:
-        """Draw what changes, of one instant as of `track.instants`; it is returned."""
-        raise NotImplementedError
-
-    def show(self, time: float) -> Figure:
-        """Bring the picture to the stored time nearest to `time` (s)."""
-        now = track.instants(self.history, [time])
-        for artist in self._drawn:
-            artist.remove()
-        self._drawn = tuple(self.draw(now))
-        at = float(now.time[0])
-        self.cursor.set_xdata([at] * 2)
-        self.title.set_text(f"{self.name}: t = {at:.2f} s")
-        return self.figure
-
-    def image(self, time: float) -> np.ndarray:
-        """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
-        canvas = FigureCanvasAgg(self.show(time))
-        # ticks are chosen when drawn, by the style's size of writing
-        with mpl.rc_context(style.STYLE):
-            canvas.draw()
-        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
-
-
-class TrackPicture(Picture):
-    """Track from above and, with the ground's displacements `scale` times larger, from the side; curves."""
+    From the side the ground's displacements are `scale` times larger.
+    """
 
     def __init__(self, history: History, scale: float, dpi: float = 100) -> None:
         if not scale > 0.0:
             raise ValueError(f"scale must be positive, got {scale:g}")
-        self.history, self.name, self._scale = history, history.case.name, scale
+        self.history, self._scale = history, scale
         self._force_scale = shoes.shoe_force_scale(history)
         # of cells as the run begins and ends
         ends = track.instants(history, [0.0, history.duration])
@@ -98,8 +60,9 @@ class TrackPicture(Picture):
             _curves(history).draw(curves)
             curves.set(xlabel="time in s", xlim=(0.0, history.duration), ymargin=HEADROOM)
             curves.legend(loc="upper left", ncols=len(curves.lines), columnspacing=1.0, handlelength=1.2)
-            self.cursor = curves.axvline(0.0, color="black", lw=0.8)
-            self.title = self.figure.suptitle("", x=0.01, ha="left", parse_math=False)
+            self._cursor = curves.axvline(0.0, color="black", lw=0.8)
+            self._title = self.figure.suptitle("", x=0.01, ha="left", parse_math=False)
+            self._drawn: pictures.Drawn = []
             self.show(0.0)
             figures.draw_phases([curves], common_phases(history))
             # the layout is solved once; solving it anew would take most of the time of a picture
@@ -118,10 +81,25 @@ class TrackPicture(Picture):
             return f"{ground}; arrows: forces on each shoe, {kinds}, {most:.4g} kN at most"
         return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
 
-    def draw(self, now: History) -> pictures.Drawn:
-        """Draw both views of one instant."""
-        plan = pictures.draw_plan(self._plan, now, self._heave)
-        return plan + pictures.draw_side(self._side, now, self._scale, self._force_scale)
+    def show(self, time: float) -> None:
+        """Bring the figure to the stored time nearest to `time` (s)."""
+        now = track.instants(self.history, [time])
+        for artist in self._drawn:
+            artist.remove()
+        self._drawn = pictures.draw_plan(self._plan, now, self._heave)
+        self._drawn += pictures.draw_side(self._side, now, self._scale, self._force_scale)
+        at = float(now.time[0])
+        self._cursor.set_xdata([at] * 2)
+        self._title.set_text(f"{self.history.case.name}: t = {at:.2f} s")
+
+    def image(self, time: float) -> np.ndarray:
+        """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
+        self.show(time)
+        canvas = FigureCanvasAgg(self.figure)
+        # ticks are chosen when drawn, by the style's size of writing
+        with mpl.rc_context(style.STYLE):
+            canvas.draw()
+        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
 def ground_scale(history: History) -> float:
@@ -149,83 +127,6 @@ def _curves(history: History) -> figures.Panel:
     return figures.Panel("x velocity", "m/s", {name: speed.isel(shoe=at) for name, at in ends.items()})
 
 
-class ShoePicture(Picture):
-    """Shoe with its stress from above and from below, and its load over time.
-
-    Colours, magnification of the elastic displacement and lengths of arrows are the same at all times. The
-    stored instants nearest to `times` (n,), s, can be shown. A ValueError if the shoe is no flexible one.
-    """
-
-    def __init__(self, history: History, shoe: int, times: np.ndarray) -> None:
-        rows = np.unique(history.dataset.get_index("time").get_indexer(times, method="nearest"))
-        surface = surface_stress(history, shoe, rows).rename(time="frame")
-        fields = {f"frame_{name}": surface[name] for name in ("von_mises", "displacement")}
-        self.stress = surface.assign({name: one.expand_dims(shoe=[shoe]) for name, one in fields.items()})
-        self.history = History(history.case, history.dataset.isel(time=rows).load())
-        self.name, self._shoe = f"{history.case.name}, shoe {shoe}", shoe
-        self.scales = shoes.Scales.of(self.stress, self.history)
-        with mpl.rc_context(style.STYLE | {"figure.constrained_layout.use": False}):
-            self.figure = Figure(figsize=SHOE_SIZE, dpi=SHOE_DPI)
-            self._axes = [self.figure.add_axes(place) for place in PARTS]
-            for ax in self._axes:
-                ax.set_axis_off()
-            self.cursor = self._draw_curves(self.figure.add_axes((0.08, 0.07, 0.8, 0.17)), history)
-            shoes.stress_bar(self.figure, (0.88, 0.34, 0.022, 0.53), self.scales)
-            self.title = self.figure.text(0.02, 0.985, "", va="top", fontsize=13, parse_math=False)
-            larger = f"elastic displacement drawn {self.scales.displacement:g} times larger"
-            words = f"{larger}; arrows: forces on the shoe"
-            self.figure.text(0.02, 0.947, words, va="top", fontsize=8.5, color="#444444")
-
-    def _draw_curves(self, ax: mpl.axes.Axes, history: History) -> mpl.lines.Line2D:
-        """Draw what presses on the shoe and its highest stress over time, and a cursor, which is returned."""
-        shown = self.stress.frame.values
-        quantity, name = "contact_force", "ground on the shoe"
-        if history.case.is_rolled:
-            quantity, name = "rail_force", "rollers on the shoe"
-        elif history.case.is_closed:
-            quantity, name = "wheel_load", "wheels on the shoe"
-        pressed = abs(history.over_time([quantity])[quantity].sel(shoe=self._shoe, axis="z")) / style.KILO
-        ax.plot(history.time, pressed, color=style.ROLLER_FORCE, label=name)
-        ax.margins(y=HEADROOM)
-        ax.set(xlabel="time in s", ylabel="force in kN", xlim=(shown[0], shown[-1]))
-        stress = ax.twinx()
-        highest = self.stress.frame_von_mises.max(("node", "shoe")) / style.MEGA
-        stress.plot(shown, highest, color="black", label="highest stress")
-        stress.set(ylabel="stress in MPa", ylim=(0.0, self.scales.stress / style.MEGA))
-        stress.spines["right"].set_visible(True)
-        stress.grid(False)
-        figures.draw_phases([ax], common_phases(history))
-        lines = [*ax.lines, *stress.lines]
-        ax.legend(lines, [str(line.get_label()) for line in lines], loc="upper left", ncols=2)
-        return ax.axvline(shown[0], color="black", lw=0.8)
-
-    def scene(self, now: History) -> Scene:
-        """Shoe at an instant, bent, with what presses on it and the rollers near it."""
-        return shoes.stress_scene(self.stress.sel(frame=now.time.values), self.history, self.scales)
-
-    def _window(self, view: View) -> pictures.Window:
-        """Least and greatest coordinates to the right and upward of what is shown at any time."""
-        points, case = self.stress.node_position.values, self.history.case
-        if view is ABOVE and case.running_gear is not None:
-            (frame, rails), ends = gear.frame_on_rails(case), (-shoes.BESIDE, shoes.BESIDE)
-            radius = frame.roller_radius if isinstance(frame, ClosedTrack) else frame.radius
-            top = rails.height + 2.0 * radius
-            points = np.vstack((points, [(x, y, top) for x in ends for y in rails.middles]))
-        seen = view.project(points)
-        (left, bottom, _), (right, top, _) = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN
-        return float(left), float(right), float(bottom), float(top)
-
-    def draw(self, now: History) -> pictures.Drawn:
-        """Shoe from above with the rollers, and from below without."""
-        scene, place = self.scene(now), track.shoe_pose(now.dataset.isel(time=0), self._shoe)
-        drawn: pictures.Drawn = []
-        for ax, seen in zip(self._axes, (ABOVE, BELOW), strict=True):
-            view, solids = seen.on(place), scene.solids[: None if seen is ABOVE else 1]
-            drawn.append(pictures.paint(ax, [one.at() for one in solids], view, self._window(seen)))
-            drawn += pictures.draw_arrows(ax, scene.arrows, view)
-        return drawn
-
-
 def film_times(
     duration: float, rate: int = RATE, speed: float = 1.0, start: float = 0.0, end: float | None = None
 ) -> np.ndarray:
@@ -248,7 +149,6 @@ def write_animation(
     path: str | Path,
     overwrite: bool = False,
     scale: float | None = None,
-    shoe: int | None = None,
     *,
     rate: int = RATE,
     speed: float = 1.0,
@@ -257,13 +157,12 @@ def write_animation(
 ) -> Path:
     """Write an animation of a run as MP4 or GIF, as the suffix of the path says, without a display.
 
-    `scale` magnifies the ground's displacements in the side view, by a fitting round number if not given; a
-    flexible `shoe` is shown with its stress in place of the track. A second shows `rate` pictures of `speed`
-    simulated seconds, from `start` to `end` (s; the run's end if None). The file is returned.
+    `scale` magnifies the ground's displacements in the side view, by a fitting round number if not given. A
+    second shows `rate` pictures of `speed` simulated seconds, from `start` to `end` (s; the run's end if
+    None). The file is returned.
 
-    A ValueError for another suffix, times outside the run, a scale, rate or speed that is not positive, a
-    shoe that is not a flexible one, or more than 20 000 pictures; a FileExistsError if the file exists and
-    `overwrite` is false.
+    A ValueError for another suffix, times outside the run, a scale, rate or speed that is not positive, or
+    more than 20 000 pictures; a FileExistsError if the file exists and `overwrite` is false.
     """
     path = Path(path)
     if path.suffix not in FORMATS:
@@ -272,11 +171,7 @@ def write_animation(
     history = as_history(history)
     times = film_times(history.duration, rate, speed, start, end)
     codec, colours, options, dpi = FORMATS[path.suffix]
-    picture: Picture
-    if shoe is None:
-        picture = TrackPicture(history, ground_scale(history) if scale is None else scale, dpi)
-    else:
-        picture = ShoePicture(history, shoe, times)
+    picture = TrackPicture(history, ground_scale(history) if scale is None else scale, dpi)
     with whole_file(path, overwrite) as temporary:
         # the ffmpeg that imageio-ffmpeg brings along; players of H.264 want even sides
         size = picture.figure.canvas.get_width_height(physical=True)
