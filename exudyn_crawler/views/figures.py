@@ -31,6 +31,7 @@ GROUPS = (
     *("teeth", "tumbler", "side frame", "links", "track"),
 )
 """Groups of curves, in the order in which they are offered."""
+LABEL = {name: one.label for name, one in QUANTITIES.items()}
 KINEMATICS = {name.replace("_", " "): one.label for name, one in select(curves="motion").items()}
 """Figures of kinematic quantities that the papers draw, and the labels of what they show."""
 VECTORS = select(curves="contact", curve_axes=False, dimensions="axis")
@@ -38,17 +39,16 @@ CONTACT_VECTORS = [one.label for one in VECTORS.values()]
 CONTACT_SCALARS = [one.label for one in select(curves="contact").values() if one.label not in CONTACT_VECTORS]
 JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values() if not one.needs]
 """Labels of forces and sinkage of shoes, and of forces of links."""
-DEPTH, DEPTH_ON_CELLS = QUANTITIES["penetration"].label, "sinkage"
-"""Label of how deep shoes are in the ground, and what it is called on cells, which have no heave."""
-HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
-ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
-ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails"  # its name on one rail
-PULL = QUANTITIES["drive_pull"].label
-TENSION, WHEEL_FORCE, WHEEL_LOAD, TOOTH_FORCE, DRIVE_MOMENT = (
-    QUANTITIES[name].label
-    for name in ("link_tension", "wheel_force", "wheel_load", "tooth_force", "drive_moment")
-)
-"""Labels of closed tracks alone."""
+OF_RUNS = {name: [label] for name, label in KINEMATICS.items()}
+OF_RUNS |= {label: [label] for label in CONTACT_VECTORS} | {"sinkage and friction torque": CONTACT_SCALARS}
+OF_RUNS |= {label: [label] for label in JOINT_VECTORS}
+OF_RUNS |= {LABEL[name]: [LABEL[name]] for name in ("link_tension", "tooth_force", "wheel_load")}
+OF_RUNS |= {"drive torque": [LABEL["drive_moment"], LABEL["tumbler_speed"]]}
+OF_RUNS |= {"terrain deformation": [LABEL["terrain_deformation"]]}
+"""Figures of every run that has what they show, and the labels of that."""
+SHORT = {LABEL["terrain_deformation"]: "deformation"}  # labels that fit beside a panel
+DEPTH_ON_CELLS = "sinkage"  # what is called the depth of shoes on cells, which have no heave
+ON_RAILS = f"{LABEL['roller_force']} on the {{}} rails"  # its name on one rail
 OF_FLEXIBLE_SHOES = ("displacement", "velocity", "angular velocity", "contact force")
 """Figures of the flexible shoes."""
 OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
@@ -151,27 +151,24 @@ def history_series(history: History, stress: xr.Dataset | None = None) -> dict[s
     values = history.over_time([one.name for one in rows], stress)
     found = {series.label: series for one in rows for series in _series(one, values[one.name])}
     if not history.has("unit_heave"):
-        found[DEPTH] = replace(found[DEPTH], label=DEPTH_ON_CELLS)
+        depth = LABEL["penetration"]
+        found[depth] = replace(found[depth], label=DEPTH_ON_CELLS)
     return found
 
 
 def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
     """Panel for each axis of one quantity of runs by name, with a curve an item, named by what differs."""
-    first = next(iter(found.values()))
-    several = len(items) > 1 or len(found) == 1, len(found) > 1
-    names = {
-        (item, run): ", ".join(name for name, differs in zip((item, run), several, strict=True) if differs)
-        for item in items
-        for run in found
-    }
-    return [
-        Panel(
-            f"{axis} {first.label}".strip(),
-            first.unit,
-            {name: found[run].values.sel(item=item, axis=axis) for (item, run), name in names.items()},
-        )
-        for axis in first.values.axis.values
-    ]
+    first, is_named = next(iter(found.values())), len(items) > 1 or len(found) == 1
+
+    def curves(axis: str) -> dict[str, xr.DataArray]:
+        return {
+            ", ".join(filter(None, (item if is_named else "", run))): one.values.sel(item=item, axis=axis)
+            for item in items
+            for run, one in found.items()
+        }
+
+    axes = first.values.axis.values
+    return [Panel(f"{axis} {first.label}".strip(), first.unit, curves(axis)) for axis in axes]
 
 
 def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
@@ -203,8 +200,7 @@ def _by_item(values: xr.DataArray, per: str) -> xr.DataArray:
     if dim is None:
         values = values.expand_dims({"item": [per]})
     else:
-        places = values[dim].values
-        names = [link_name(values.joint, one) if dim == "joint" else NAMED[dim](one) for one in places]
+        names = [NAMED[dim](values, place) for place in values[dim].values]
         dropped = {"place", "joint", "pin", dim} & set(values.coords)
         values = values.drop_vars(dropped).rename({dim: "item"}).assign_coords(item=names)
     return values.transpose("time", "item", "axis")
@@ -220,45 +216,39 @@ def link_names(joints: Iterable[int]) -> list[str]:
     return [f"link {joint}-{joint + 1}" for joint in joints]
 
 
-NAMED: dict[str, Callable[[Any], str]] = {
-    "shoe": lambda shoe: shoe_names([shoe])[0],
-    "joint": lambda joint: link_names([joint])[0],
-    "roller": "roller {}".format,
-    "wheel": str,
-    "track": "{} tumbler".format,
-    "place": lambda pin: f"{link_names([pin[0]])[0]} {pin[1]}",
+NAMED: dict[str, Callable[[xr.DataArray, Any], str]] = {
+    "shoe": lambda _, shoe: f"shoe {shoe}",
+    "joint": lambda values, joint: link_name(values.joint, joint),
+    "roller": lambda _, roller: f"roller {roller}",
+    "wheel": lambda _, wheel: wheel,
+    "track": lambda _, track: f"{track} tumbler",
+    "place": lambda _, pin: f"{link_names(pin[:1])[0]} {pin[1]}",
 }
 """Items of what has one of a quantity, by the dimension; a place is that of a pin."""
 
 
 def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Figure]:
     """Motion and contact of some shoes, forces of the links behind them, of rollers, and the side frame."""
-    found, case, items = history_series(history), history.case, shoe_names(shoes)
-    links = link_names(sorted({min(shoe, case.track.shoe_count - 1) for shoe in shoes}))
-    panels = {name: _panels(found, [label], items) for name, label in KINEMATICS.items()}
-    panels |= {label: _panels(found, [label], items) for label in CONTACT_VECTORS}
-    panels["sinkage and friction torque"] = _panels(found, CONTACT_SCALARS, items)
-    panels |= {label: _panels(found, [label], links) for label in [*JOINT_VECTORS, TENSION] if label in found}
-    panels |= _deformation(found)
+    found, case = history_series(history), history.case
+    links = sorted({min(shoe, case.track.shoe_count - 1) for shoe in shoes})
+    items = [*shoe_names(shoes), *link_names(links)]
+    panels = {name: _panels(found, labels, items) for name, labels in OF_RUNS.items() if labels[0] in found}
     if case.is_rolled:
+        force, on_shoes = LABEL["roller_force"], LABEL["rail_force"]
         sides = [ON_RAILS.format(side) for side in history.rail.values]
-        panels[ROLLER_FORCE] = _panels(found, [ROLLER_FORCE, *sides], axis="z")
+        panels[force] = _panels(found, [force, *sides], axis="z")
         loaded = items if case.flexible is None else shoe_names(case.flexible.shoes)
-        panels[RAIL_FORCE] = _panels(found, [RAIL_FORCE], loaded)
+        panels[on_shoes] = _panels(found, [on_shoes], loaded)
         # the way along x is an input
-        way, angle = (QUANTITIES[f"side_frame_{name}"].label for name in ("way", "angles"))
-        rising = _panels(found, [way], axis="z")
-        panels["side frame"] = [*_panels(found, [PULL]), *rising, *_panels(found, [angle])]
+        rising = _panels(found, [LABEL["side_frame_way"]], axis="z")
+        pull, turning = (_panels(found, [LABEL[name]]) for name in ("drive_pull", "side_frame_angles"))
+        panels["side frame"] = [*pull, *rising, *turning]
     figures = {}
     if case.is_closed:
-        panels[TOOTH_FORCE] = _panels(found, [TOOTH_FORCE], items)
-        panels[WHEEL_LOAD] = _panels(found, [WHEEL_LOAD], items)
-        wheels = found[WHEEL_FORCE].items
-        lower = [one for one in wheels if "roller" in one]
-        panels["force on the rollers"] = _panels(found, [WHEEL_FORCE], lower)
-        others = [one for one in wheels if one not in lower]
-        panels["force on idler and carriers"] = _panels(found, [WHEEL_FORCE], others)
-        panels["drive torque"] = _panels(found, [DRIVE_MOMENT, QUANTITIES["tumbler_speed"].label])
+        wheels = found[LABEL["wheel_force"]]
+        others = [one for one in wheels.items if "roller" not in one]
+        panels["force on the rollers"] = wheels.panels([one for one in wheels.items if one not in others])
+        panels["force on idler and carriers"] = wheels.panels(others)
         tracks = each_track(history).items()
         figures = {f"tension along the {name}chain": chain_figure(one) for name, one in tracks}
     return _figures(case.name, panels, history) | figures
@@ -309,15 +299,16 @@ def stress_figures(history: History, stress: xr.Dataset) -> dict[str, Figure]:
             links = [item.removesuffix(f" {side}") for item in pins]
             own = found[label].values.sel(item=pins).assign_coords(item=links)
             panels[f"{side} {name}"] = replace(found[label], values=own).panels()
-    panels |= _deformation(found)
+    if (deformation := LABEL["terrain_deformation"]) in found:
+        panels["terrain deformation"] = _panels(found, [deformation])
     panels["modal coordinates"] = []
     for shoe in shoes:
         modes = history.modal_coordinate.sel(flexible_shoe=shoe).isel(mode=slice(MODES_DRAWN))
         named = {f"{float(one.frequency):.0f} Hz": one for one in modes.transpose("mode", "time")}
         panels["modal coordinates"].append(Panel(f"shoe {shoe}", "kg0.5 m", named))
-    highest = found[HIGHEST_STRESS]
-    curves = {item: highest.values.sel(item=item, axis="") for item in highest.items}
-    panels[HIGHEST_STRESS] = [Panel(item, highest.unit, {item: one}) for item, one in curves.items()]
+    highest = found[LABEL["highest_von_mises"]]
+    each = {item: highest.values.sel(item=item, axis="") for item in highest.items}
+    panels[highest.label] = [Panel(item, highest.unit, {item: one}) for item, one in each.items()]
     return _figures(f"{history.case.name}, flexible shoes", panels, history)
 
 
@@ -349,15 +340,12 @@ def _figures(title: str, panels: Mapping[str, Sequence[Panel]], history: History
 
 
 def _panels(
-    found: Mapping[str, Series], labels: Sequence[str], items: Sequence[str] | None = None, axis: str = ""
+    found: Mapping[str, Series], labels: Sequence[str], items: Sequence[str] = (), axis: str = ""
 ) -> list[Panel]:
-    """Panels of some quantities one below the other: of some items or all, of one component or all."""
-    series = (found[label] for label in labels)
-    chosen = (replace(one, values=one.values.sel(axis=[axis])) if axis else one for one in series)
-    return [panel for one in chosen for panel in one.panels(items)]
-
-
-def _deformation(found: Mapping[str, Series]) -> dict[str, list[Panel]]:
-    """Figure of the terrain's deformation, with a label that fits beside it; none without springs."""
-    whole = found.get(QUANTITIES["terrain_deformation"].label)
-    return {} if whole is None else {"terrain deformation": replace(whole, label="deformation").panels()}
+    """Panels of some quantities one below the other: of the items that are theirs, or of all of theirs."""
+    panels = []
+    for one in (found[label] for label in labels):
+        values = one.values.sel(axis=[axis]) if axis else one.values
+        chosen = [item for item in items if item in one.items]
+        panels += replace(one, label=SHORT.get(one.label, one.label), values=values).panels(chosen or None)
+    return panels

@@ -21,6 +21,11 @@ Kept = dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray]]]
 """Of every item and axis of a quantity, part by part of a run: indices of stored times, and values there."""
 LEAST_POINTS, MOST_POINTS, FEW = 200, 4000, 5
 """Points that a series keeps at least and at most; items of many that are drawn at first."""
+FIRST = [
+    [figures.LABEL[name] for name in ("highest_von_mises", "drive_pull", "drive_moment", "velocity")],
+    [figures.LABEL[name] for name in ("roller_force", "link_tension", "contact_force")],
+]
+"""Labels of what both plots of a page show first, as far as runs have it: what moves, and what is carried."""
 
 
 def packed(array: np.ndarray, kind: str) -> str:
@@ -144,15 +149,8 @@ def packed_curves(
         "than what was computed."
     )
     labels = {label for series in offered.values() for label in series}
-    # first is stress, or else what moves the track, and what it carries
-    moving, carried = "velocity", "contact force"
-    if figures.ROLLER_FORCE in labels:
-        moving, carried = figures.PULL, figures.ROLLER_FORCE
-    elif figures.TENSION in labels:
-        moving, carried = figures.DRIVE_MOMENT, figures.TENSION
-    first = [figures.HIGHEST_STRESS if figures.HIGHEST_STRESS in labels else moving, carried]
-    curves: dict[str, object] = {"cases": cases, "first": first if cases else []}
-    return curves, said if most > points else "Every stored time is drawn."
+    first = [next(one for one in each if one in labels) for each in FIRST] if cases else []
+    return {"cases": cases, "first": first}, said if most > points else "Every stored time is drawn."
 
 
 def bin_width(times: int, points: int) -> int:
@@ -189,7 +187,7 @@ def _drawn(series: figures.Series) -> list[int]:
     found = (re.search(r"\d+", item) for item in series.items)
     numbers = sorted({int(one[0]) for one in found if one})
     usual = figures.JOINTS if series.group == "links" else figures.SHOES
-    if series.group == "rollers" and series.label != figures.RAIL_FORCE:
+    if series.group == "rollers" and series.label != figures.LABEL["rail_force"]:
         return numbers
     if not numbers or (set(usual) <= set(numbers) and numbers[-1] <= figures.SHOES[-1]):
         return list(usual)
