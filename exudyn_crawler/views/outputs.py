@@ -153,26 +153,24 @@ def _flexible_shoes(stress: xr.Dataset, now: xr.Dataset, mesh: Mesh) -> Iterator
 
 def _track(moment: History) -> Iterator[tuple[str, meshio.Mesh]]:
     """What is around the flexible shoes in one instant."""
-    now = moment.dataset.isel(time=0)
     for solid in track.shoe_boxes(moment):
         if solid.name == "rigid shoes":
             numbers = [float(label.removeprefix("shoe ")) for label in solid.labels]
             yield solid.name, _cells(solid, shoe=np.array(numbers))
     yield "terrain", _ground(moment)
-    yield from _forces("contacts", *track.touching(now))
+    pressing = track.single_forces(moment.dataset)
+    yield from _vertices("contacts", *pressing.pop("contacts")[:2])
     if moment.case.is_rolled:
         beam = gear.beam(moment)
         yield beam.name, _cells(beam)
-        treads = now.roller_force.sum("rail").transpose("roller", "axis"), now.roller
-        force, number = (np.repeat(one.values, now.sizes["rail"], axis=0) for one in treads)
+        treads = moment.roller_force.isel(time=0).sum("rail").transpose("roller", "axis"), moment.roller
+        force, number = (np.repeat(one.values, moment.dataset.sizes["rail"], axis=0) for one in treads)
         yield "rollers", _cells(gear.wheel_solids(moment)[0], roller=number, force=force)
-        yield from _forces("treads", *track.pressing(now))
     elif moment.case.is_closed:
         for solid in gear.gear_solids(moment):
             yield solid.name, _cells(solid)
-        for name, _, heads, forces in gear.gear_forces(now):
-            acts = forces.any(axis=-1)
-            yield from _forces(name, heads[acts], forces[acts])
+    for name, (places, forces, _) in pressing.items():
+        yield from _vertices(name, places, forces)
 
 
 def _ground(moment: History) -> meshio.Mesh:
@@ -193,11 +191,11 @@ def _cells(solid: scene.Solid, **fields: np.ndarray) -> meshio.Mesh:
     return meshio.Mesh(surface.points, [("hexahedron" if is_box else "triangle", cells)], cell_data=data)
 
 
-def _forces(name: str, points: np.ndarray, forces: np.ndarray) -> Iterator[tuple[str, meshio.Mesh]]:
-    """Forces as vertices, if there are any."""
-    if len(points):
-        vertices = [("vertex", np.arange(len(points))[:, None])]
-        yield name, meshio.Mesh(points, vertices, point_data={"force": forces})
+def _vertices(name: str, places: np.ndarray, forces: np.ndarray) -> Iterator[tuple[str, meshio.Mesh]]:
+    """Forces (1, n, 3) of one kind at their places as vertices, if there are any."""
+    if (acts := forces[0].any(axis=-1)).any():
+        vertices = [("vertex", np.arange(acts.sum())[:, None])]
+        yield name, meshio.Mesh(places[0][acts], vertices, point_data={"force": forces[0][acts]})
 
 
 def write_film(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:

@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.views.pages.packing import SceneArrays, bin_width, thinned
 from exudyn_crawler.views.pages.report import INSTANTS, packed_shoes, packed_track, report_page
-from exudyn_crawler.views.scenes.track import acting, roller_forces, shoe_forces
+from exudyn_crawler.views.scenes.track import forces_on, roller_forces, shoe_forces
 
 
 def data_of(page):
@@ -117,11 +117,11 @@ def test_flexible_shoes_of_a_rolled_track_have_its_rollers(bent, bent_stress):
     treads = named(scene["solids"], "rollers")
     # those that are far from the shoes are left out
     assert np.isnan(over_time(shared.packed, treads["origin"])).any()
-    now = bent.dataset.sel(time=float(bent_stress.frame[-1]), method="nearest")
+    now = bent.dataset.sel(time=[float(bent_stress.frame[-1])], method="nearest")
     for shoe in (5, 6):
         forces = next(one for one in scene["arrows"] if one["solid"] == f"shoe {shoe}")
         packed = over_time(shared.packed, forces["forces"])[-1].reshape(-1, 3)
-        assert np.nansum(packed, axis=0) == pytest.approx(acting(now, shoe)[1].sum(axis=0), rel=1e-5)
+        assert np.nansum(packed, axis=0) == pytest.approx(forces_on(now, shoe)[1][0].sum(axis=0), rel=1e-5)
     # both are the same shape
     assert len({named(scene["solids"], f"shoe {shoe}")["points"] for shoe in (5, 6)}) == 1
 

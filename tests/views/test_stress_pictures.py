@@ -11,15 +11,17 @@ from PIL import Image
 from exudyn_crawler import Case
 from exudyn_crawler.case import Heights, Waves
 from exudyn_crawler.views.outputs import write_paraview
+from exudyn_crawler.views.scenes.gear import wheel_solids
+from exudyn_crawler.views.scenes.scene import SIDES
 from exudyn_crawler.views.scenes.shoes import (
-    Scales,
+    BESIDE,
     picture_name,
     picture_time,
     stress_picture,
     stress_scene,
     write_stress_pictures,
 )
-from exudyn_crawler.views.scenes.track import shoe_forces, shoe_pose
+from exudyn_crawler.views.scenes.track import forces_on, instants, shoe_forces, shoe_pose
 from tests.views.test_track_scene import axes_of_rollers
 
 
@@ -46,19 +48,20 @@ def test_every_chosen_time_gets_a_picture(run, tmp_path):
 
 def test_all_pictures_share_one_scale_and_say_the_highest_stress(run):
     history, stress = run
-    scales = Scales.of(stress, history)
+    scene = stress_scene(stress, history)
     surface = np.unique(stress.triangle.values)
-    greatest = float(stress.frame_von_mises.isel(node=surface).max())
-    assert greatest <= scales.stress < 1.6 * greatest
-    for frame in stress.frame.values:
-        figure = stress_picture(stress, history, float(frame), scales)
+    greatest = float(stress.frame_von_mises.isel(node=surface).max()) / 1e6
+    (end,) = {one.colourings[0].high for one in scene.solids}
+    assert greatest <= end < 1.6 * greatest
+    for time, frame in enumerate(stress.frame.values):
+        figure = stress_picture(scene, history, float(frame), time)
         texts = [text.get_text() for text in figure.texts]
         for shoe in (7, 13):
             highest = float(stress.frame_von_mises.sel(shoe=shoe, frame=frame).max()) / 1e6
             place = texts.index(f"shoe {shoe}")
             assert texts[place + 1] == f"{highest:.1f} MPa"
         bars = [ax for ax in figure.axes if ax.get_ylabel() == "von Mises stress in MPa"]
-        assert [ax.get_ylim() for ax in bars] == [pytest.approx((0.0, scales.stress / 1e6))]
+        assert [ax.get_ylim() for ax in bars] == [pytest.approx((0.0, end))]
         assert isinstance(bars[0]._colorbar, Colorbar)
 
 
@@ -67,23 +70,47 @@ def test_a_shoe_is_bent_by_its_magnified_displacement_and_pressed_by_its_contact
     frame = float(stress.frame[-1])
     now = history.dataset.sel(time=frame, method="nearest")
     place = shoe_pose(now, 13)
-    scales = Scales.of(stress, history)
-    scene = stress_scene(stress.sel(frame=[frame]), history, scales)
-    surface, arrows = scene.solids[1].at(), scene.arrows[1].at()
+    scene = stress_scene(stress, history)
+    surface, arrows = scene.solids[1].at(1), scene.arrows[1].at(1)
     used = np.unique(stress.triangle.values)
     chosen = stress.sel(shoe=13, frame=frame).isel(node=used)
     moved = (surface.points - place.origin) @ place.turn - chosen.node_position.values
-    assert moved == pytest.approx(scales.displacement * chosen.frame_displacement.values, abs=1e-12)
+    assert moved == pytest.approx(scene.solids[1].larger * chosen.frame_displacement.values, abs=1e-12)
     assert surface.values == pytest.approx(chosen.frame_von_mises.values / 1e6)
     assert np.linalg.norm(moved, axis=1).max() < 0.05
     # arrows end at the underside and push the shoe up
     heads = (arrows[:, 1] - place.origin) @ place.turn
     assert heads[:, 2] == pytest.approx(-history.case.shoe.com_height, abs=0.05)
-    total = (arrows[:, 1] - arrows[:, 0]).sum(axis=0) / scales.pair_force
+    total = (arrows[:, 1] - arrows[:, 0]).sum(axis=0) / scene.arrows[1].scale
     own = history.contact_shoe.values == 13
     expected = (now.normal_force + now.friction_force).isel(contact=own).sum("contact").values
     assert total == pytest.approx(expected, rel=1e-9)
     assert shoe_forces(now.expand_dims("time"))[1][0, 12] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_shoe_under_rollers_bends_and_is_pressed_as_its_stresses_say(bent, bent_stress):
+    scene, last = stress_scene(bent_stress, bent), bent_stress.sizes["frame"] - 1
+    surface, arrows = scene.solids[0].at(last), scene.arrows[0].at(last)
+    own = bent_stress.sel(shoe=5).isel(frame=last, node=np.unique(bent_stress.triangle.values))
+    assert surface.values == pytest.approx(own.frame_von_mises.values / 1e6, rel=1e-5, abs=1e-6)
+    place = shoe_pose(bent.dataset.isel(time=-1), 5)
+    moved = (surface.points - place.origin) @ place.turn - own.node_position.values
+    expected = scene.solids[0].larger * own.frame_displacement.values
+    assert moved == pytest.approx(expected, rel=1e-4, abs=1e-9)
+    total = (arrows[:, 1] - arrows[:, 0]).sum(axis=0) / scene.arrows[0].scale
+    _, forces = forces_on(bent.dataset.isel(time=[-1]), 5)
+    assert total == pytest.approx(forces[0].sum(axis=0), rel=1e-6, abs=1.0)
+
+
+def test_rollers_near_the_shoes_are_where_the_history_has_them(bent, bent_stress):
+    scene, last = stress_scene(bent_stress, bent), bent_stress.sizes["frame"] - 1
+    now = instants(bent, [bent.duration])
+    shoes = now.position.sel(shoe=[5, 6], axis="x").values
+    centers = wheel_solids(now)[0].origin[0]
+    near = (centers[:, 0] > shoes.min() - BESIDE) & (centers[:, 0] < shoes.max() + BESIDE)
+    drawn = scene.solids[2].at(last).points.reshape(-1, 2 * SIDES, 3).mean(axis=1)
+    assert len(drawn) >= 2
+    assert drawn == pytest.approx(centers[near], abs=1e-9)
 
 
 def test_paraview_reads_the_track_back_in_place(run, tmp_path):

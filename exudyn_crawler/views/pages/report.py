@@ -125,7 +125,7 @@ def _ground(histories: Mapping[str, History]) -> Markup:
 def _roller_paths(homes: Mapping[str, Path], left_out: runs.LeftOut) -> Markup:
     """Pressure of treads along the rails, of rolled runs whose table is there."""
     file = f"{figures.ROLLER_PATH}.csv"
-    names = {path: name for name, home in homes.items() if (path := home / file).is_file()}
+    names = {home / file: name for name, home in homes.items()}
 
     def drawn(path: Path) -> Markup:
         figure = figures.roller_path_figure(pd.read_csv(path), names[path])
@@ -140,29 +140,28 @@ def packed_shoes(
     """Flexible shoes at the chosen times, for a view in 3D; None without them."""
     if stress is None or history is None:
         return None
-    scene = shoes.stress_scene(stress, history, shoes.Scales.of(stress, history))
+    scene = shoes.stress_scene(stress, history)
     return packing.packed_scene(scene, arrays, first=shoes.first_frame(stress))
 
 
 def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
     """Lines that say what the page shows: times of the cases, versions, and when run and page were made."""
-    runs = [f"{name}: {one.duration:.4g} s, {one.time.size} stored times" for name, one in histories.items()]
-    made, record = f"page made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC", {}
-    # a record that cannot be read leaves its part of the lines out
-    with suppress(OSError, ValueError):
-        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    commit = record.get("commit") if isinstance(record, dict) else None
-    with suppress(KeyError, TypeError, ValueError):
-        finished = datetime.fromisoformat(record["finished"])
-        made = f"{record['status']} {finished:%Y-%m-%d %H:%M} UTC after {record['wall_time_s']:.0f} s, {made}"
+    shown = [f"{name}: {one.duration:.4g} s, {one.time.size} stored times" for name, one in histories.items()]
     programs = {
         f"{program} {version}"
         for one in histories.values()
         for program in ("exudyn-crawler", "exudyn")
         if (version := one.dataset.attrs.get(f"{program.replace('-', '_')}_version"))
     }
-    ran = [f"commit {commit}"] if commit and isinstance(commit, str) else []
-    return list(filter(None, ("; ".join(runs), "; ".join([*sorted(programs, reverse=True), *ran, made]))))
+    made, commit = f"page made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC", ""
+    # what a record does not have, or a broken one, leaves its part of the lines out
+    with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
+        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        commit = record.get("commit") and f"commit {record['commit']}"
+        finished = datetime.fromisoformat(record["finished"])
+        made = f"{record['status']} {finished:%Y-%m-%d %H:%M} UTC after {record['wall_time_s']:.0f} s, {made}"
+    lines = "; ".join(shown), "; ".join(filter(None, (*sorted(programs, reverse=True), commit, made)))
+    return list(filter(None, lines))
 
 
 def bouncing_lines(histories: Mapping[str, History]) -> list[str]:
@@ -194,9 +193,7 @@ def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Datas
 
 
 def _compared(path: Path) -> Markup:
-    """How many rows of a comparison are within, and all of them with their verdicts, if there is one."""
-    if not path.is_file():
-        return Markup()
+    """How many rows of a comparison are within, and all of them with their verdicts."""
     comparison = pd.read_csv(path, dtype={"within": str})
     if missing := {"class", "within"}.difference(comparison):
         raise ValueError(f"{path} has no column {max(missing)!r} and is no comparison")
@@ -236,11 +233,9 @@ def _further(folder: Path, folders: list[Path], left_out: runs.LeftOut) -> Marku
 def _cases(folder: Path, histories: Mapping[str, History], left_out: runs.LeftOut) -> Markup:
     """Resolved cases with units, and files about the run as they are."""
 
-    def text(path: Path) -> Markup | None:
-        if not path.is_file():
-            return None
+    def text(path: Path) -> Markup:
         content = path.read_text(encoding="utf-8")
-        if path.suffix == ".json":
+        if path.name == RECORD:
             json.loads(content)
         return part("folded", path.name, part("preformatted", content))
 

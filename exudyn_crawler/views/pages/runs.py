@@ -32,9 +32,9 @@ class LeftOut(list[str]):
     """Lines that name the files that were left out, and why."""
 
     def unless_broken(self, path: Path, read: Callable[[Path], T]) -> T | None:
-        """What a file holds; None, and a line, if it cannot be read."""
+        """What a file holds; None if there is none, and with a line if it cannot be read."""
         try:
-            return _read(path, read)
+            return _read(path, read) if path.is_file() else None
         except ValueError as error:
             # a file that is read for several sections is named once
             if not any(line.startswith(f"{path} ") for line in self):

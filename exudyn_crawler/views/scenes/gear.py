@@ -13,7 +13,7 @@ from exudyn_crawler.case import SIDES, Case, ClosedTrack, Rails, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes.scene import Solid, box, disc, star
+from exudyn_crawler.views.scenes.scene import Solid, box, carried, disc, star
 
 BEAM = (0.05, 0.85)
 """m above the rollers' axes that the drawn beam of a rolling side frame reaches from and to."""
@@ -24,9 +24,18 @@ TEETH, SLIDE, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.12, 0.3, 16, 7
 pins' circle; sides of a drawn lug; points along a gap between two teeth."""
 
 
+def poses(dataset: xr.Dataset, of: str = "") -> tuple[np.ndarray, np.ndarray]:
+    """Origins (times, shoes, 3), m, and turns (times, shoes, 3, 3) of all shoes, or of the "side_frame_"."""
+    origin, angles = (
+        dataset[f"{of}{name}"].transpose("time", ..., "axis").values for name in ("position", "angles")
+    )
+    return origin, rotation_matrices(angles)
+
+
 def frame_poses(history: History) -> tuple[np.ndarray, np.ndarray]:
-    """Origins (times, 3), m, and turns (times, 3, 3) of the side frame."""
-    return history.side_frame_position.values, rotation_matrices(history.side_frame_angles.values)
+    """Origins (times, 1, 3), m, and turns (times, 1, 3, 3) of the side frame."""
+    origin, turn = poses(history.dataset, "side_frame_")
+    return origin[:, None], turn[:, None]
 
 
 def frame_on_rails(case: Case) -> tuple[ClosedTrack | Undercarriage, Rails]:
@@ -58,25 +67,24 @@ def each_track(history: History) -> dict[str, History]:
 
 def car_body(history: History) -> Solid:
     """Block that stands for the car body, from one side frame to the other."""
-    (low, high), (right, left), (origin, turn) = BEAM, history.case.track_middles, frame_poses(history)
+    (low, high), (right, left) = BEAM, history.case.track_middles
     half = 0.2 * (left - right)
-    shape = box(np.array([-half, right, low]), np.array([half, left, high]))
-    return Solid("car body", *shape, style.BEAM, origin[:, None], turn[:, None], 0.5, style.ROLLER_EDGE)
+    shape = box((-half, right, low), (half, left, high))
+    return Solid("car body", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
 
 
 def beam(history: History) -> Solid:
     """Beam between the rails that stands for the side frame; of a closed one it carries all axes."""
     frame, rails = frame_on_rails(history.case)
-    half = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP
-    (low, high), (origin, turn) = BEAM, frame_poses(history)
+    half, (low, high) = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP, BEAM
     if isinstance(frame, ClosedTrack):
         idler = frame.wheels(history.case.assembled.take_up)[len(frame.rollers)]
         rear, front = frame.tumbler.place[0], float(idler[0])
         high = min([frame.tumbler.place[1], *(z for _, z in frame.upper.values())])
     else:
         rear, front = frame.ends
-    shape = box(np.array([rear, -half, low]), np.array([front, half, high]))
-    return Solid("side frame", *shape, style.BEAM, origin[:, None], turn[:, None], 0.5, style.ROLLER_EDGE)
+    shape = box((rear, -half, low), (front, half, high))
+    return Solid("side frame", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
 
 
 def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
@@ -97,13 +105,11 @@ def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
 def slide_solids(history: History) -> list[Solid]:
     """Slides under the upper run of a closed track, on both rails."""
     frame, rails = frame_on_rails(history.case)
-    origin, turn = frame_poses(history)
-    slides = frame.slides if isinstance(frame, ClosedTrack) else ()
-    beside = origin[:, None] + np.array(rails.middles)[:, None] * turn[..., 1][:, None]
-    half, both = 0.5 * frame.tread_width, np.repeat(turn[:, None], len(rails.middles), axis=1)
-    shapes = (box(np.array([x0, -half, z - SLIDE]), np.array([x1, half, z])) for x0, x1, z in slides)
+    slides, half = frame.slides if isinstance(frame, ClosedTrack) else (), 0.5 * frame.tread_width
+    placed = carried(*frame_poses(history), np.outer(rails.middles, [0.0, 1.0, 0.0]))
+    shapes = (box((x0, -half, z - SLIDE), (x1, half, z)) for x0, x1, z in slides)
     return [
-        Solid(f"slide {n}", *shape, style.ROLLER, beside, both, edges=style.ROLLER_EDGE)
+        Solid(f"slide {n}", *shape, style.ROLLER, *placed, edges=style.ROLLER_EDGE)
         for n, shape in enumerate(shapes, start=1)
     ]
 
@@ -116,22 +122,20 @@ def wheel_solids(history: History) -> list[Solid]:
     # how far wheels have turned counts from upright, whatever the pitch of the frame
     axle = turn[..., 1]
     forward = np.cross(axle, [0.0, 0.0, 1.0])
-    forward /= np.linalg.norm(forward, axis=1, keepdims=True)
+    forward /= np.linalg.norm(forward, axis=-1, keepdims=True)
     level = np.stack((forward, axle, np.cross(forward, axle)), axis=-1)
     if isinstance(frame, ClosedTrack):
         way = history.tumbler_angle.values[:, None] * frame.travel_per_angle(case.track)
     else:
-        way = origin[:, :1] - frame.start
+        way = origin[..., 0] - frame.start
     solids, edge = [], style.ROLLER_EDGE
     for name, (labels, wheels) in _wheels(case).items():
         # roller by roller, its right tread first
-        treads = [(x, y, z) for x, z, _ in wheels for y in rails.middles]
-        places, radius = np.repeat(np.array(treads)[None], len(origin), axis=0), float(wheels[0, 2])
+        places, radius = np.array([(x, y, z) for x, z, _ in wheels for y in rails.middles]), wheels[0, 2]
+        hub = origin
         if name == "idler":  # a tensioner moves it from where it was assembled
-            places[..., 0] += history.take_up.values[:, None] - case.assembled.take_up
-        centers = origin[:, None] + np.einsum("tij,tnj->tni", turn, places)
-        rolled = level @ rotation_matrices(way / radius * np.eye(3)[1])
-        placed = centers, np.repeat(rolled[:, None], len(treads), axis=1)
+            hub = origin + (history.take_up.values - case.assembled.take_up)[:, None, None] * turn[..., 0]
+        placed = carried(hub, turn, places, level @ rotation_matrices(way[..., None] / radius * np.eye(3)[1]))
         half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, radius])
         tread, named = disc(radius, frame.tread_width), tuple(np.repeat(labels, len(rails.middles)).tolist())
         solids += [
@@ -159,24 +163,17 @@ def tumbler_solids(history: History) -> list[Solid]:
     tumbler, centers = frame.tumbler, case.track.joint_centers
     planes = np.array([[0.0, centers[f"rear {side}"][1], 0.0] for side in SIDES])
     _, turn = frame_poses(history)
-    angle = case.assembled.tumbler[4] + history.tumbler_angle.values
-    turned = turn @ rotation_matrices(angle[:, None] * np.eye(3)[1])
-    axis = history.tumbler_position.transpose("time", "axis").values[:, None]
-    wheels = axis + np.einsum("tij,nj->tni", turn, planes)
-    both = np.repeat(turned[:, None], len(planes), axis=1)
+    angle = case.assembled.tumbler[4] + history.tumbler_angle.values[:, None, None]
+    axis = history.tumbler_position.transpose("time", "axis").values[:, None], turn
+    turned, middle = turn @ rotation_matrices(angle * np.eye(3)[1]), planes.mean(axis=0)[None]
     shaft = disc(SHAFT * tumbler.radius(case.track.pitch), float(np.ptp(planes[:, 1])))
-    middle = axis + np.einsum("tij,j->ti", turn, planes.mean(axis=0))[:, None]
-    lugs = np.array([place for _, place in frame.lugs(case.track)])
-    pose = (
-        getattr(history, name).transpose("time", "shoe", "axis").values for name in ("position", "angles")
-    )
-    origin, shoes = next(pose), rotation_matrices(next(pose))
-    at = (origin[:, :, None] + np.einsum("tsij,lj->tsli", shoes, lugs)).reshape(len(origin), -1, 3)
-    edge, lug = style.ROLLER_EDGE, disc(tumbler.lug_radius, TEETH, LUG_SIDES)
+    teeth, lug = star(tooth_outline(case), TEETH), disc(tumbler.lug_radius, TEETH, LUG_SIDES)
+    lugs = carried(*poses(history.dataset), np.array([place for _, place in frame.lugs(case.track)]))
+    edge = style.ROLLER_EDGE
     return [
-        Solid("shaft of the tumbler", *shaft, style.BEAM, middle, turned[:, None], edges=edge),
-        Solid("tumbler", *star(tooth_outline(case), TEETH), style.TUMBLER, wheels, both, edges=edge),
-        Solid("lugs", *lug, style.LUG, at, np.repeat(shoes, len(lugs), axis=1), edges=edge),
+        Solid("shaft of the tumbler", *shaft, style.BEAM, *carried(*axis, middle, turned), edges=edge),
+        Solid("tumbler", *teeth, style.TUMBLER, *carried(*axis, planes, turned), edges=edge),
+        Solid("lugs", *lug, style.LUG, *lugs, edges=edge),
     ]
 
 
@@ -200,16 +197,16 @@ def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndar
 
 def near_gear(history: History, shoes: np.ndarray, beside: float) -> list[Solid]:
     """Wheels and tumbler, as far as they are within some m of shoes with origins (times, shoes, 3)."""
-    if history.case.is_rolled:
-        treads, _ = wheel_solids(history)
-        x = treads.origin[..., 0]
-        away = (x < shoes[..., 0].min() - beside) | (x > shoes[..., 0].max() + beside)
-        return [replace(treads, origin=np.where(away[..., None], np.nan, treads.origin))]
-    kept, found = [], []
-    for one in each_track(history).values():
-        found += [*wheel_solids(one)[::2], tumbler_solids(one)[1]]
+    found = [solid for one in each_track(history).values() for solid in wheel_solids(one)[::2]]
+    if history.case.is_closed:
+        found += [tumbler_solids(one)[1] for one in each_track(history).values()]
+    kept = []
     for solid in found:
-        apart = np.linalg.norm((solid.origin[:, :, None] - shoes[:, None])[..., [0, 2]], axis=-1).min(axis=2)
-        away = apart > beside + np.linalg.norm(solid.points[:, [0, 2]], axis=1).max()
+        if history.case.is_rolled:
+            x = solid.origin[..., 0]
+            away = (x < shoes[..., 0].min() - beside) | (x > shoes[..., 0].max() + beside)
+        else:
+            apart = np.linalg.norm((solid.origin[:, :, None] - shoes[:, None])[..., [0, 2]], axis=-1)
+            away = apart.min(axis=2) > beside + np.linalg.norm(solid.points[:, [0, 2]], axis=1).max()
         kept.append(replace(solid, origin=np.where(away[..., None], np.nan, solid.origin)))
     return kept

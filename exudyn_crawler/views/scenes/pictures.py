@@ -6,6 +6,7 @@ own weight leaves it, and can be drawn larger from the side. All that is above i
 the ground beneath it, so that shoes keep their true depth in the ground and rollers theirs in the rails.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -18,8 +19,8 @@ from matplotlib.figure import Figure
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes import track
-from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, disc, upward
+from exudyn_crawler.views.scenes import gear, track
+from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, carried, disc, upward
 
 Window = tuple[float, float, float, float]
 """Least and greatest coordinate to the right, least and greatest upward, m."""
@@ -79,12 +80,12 @@ def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
     return colours
 
 
-def draw_arrows(ax: Axes, kinds: tuple[Arrows, ...], view: View) -> Drawn:
-    """Draw arrows over all that is there, seen from every side; what is drawn is returned."""
+def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View, time: int = 0) -> Drawn:
+    """Draw arrows of a time over all that is there, seen from every side; what is drawn is returned."""
     how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "zorder": 4}
     drawn: Drawn = []
     for one in kinds:
-        tails, heads = view.project(one.at())[..., :2].transpose(1, 2, 0)
+        tails, heads = view.project(one.at(time))[..., :2].transpose(1, 2, 0)
         if heads.size:
             ways = (*heads, *(heads - tails))
             drawn.append(ax.quiver(*ways, color=one.colour, pivot="tip", width=ARROW_WIDTH, **how))
@@ -113,7 +114,7 @@ def windows(history: History) -> tuple[Window, Window]:
 
 def ground_section(history: History, at_rest: bool = False) -> Solid:
     """Ground under the track's middle line, cut along that, as it is, or at rest with free springs."""
-    y, terrain = float(track.shoe_poses(history.dataset)[0][0, :, 1].mean()), history.case.terrain
+    y, terrain = float(gear.poses(history.dataset)[0][0, :, 1].mean()), history.case.terrain
     if isinstance(terrain, CellTerrain):
         return track.cell_section(history.dataset, y, 2.0 * MARGIN[2], at_rest)
     row = int(np.clip((y - terrain.origin[1]) // terrain.unit_width, 0, terrain.rows - 1))
@@ -153,11 +154,9 @@ def side_scene(now: History, scale: float = 1.0, force_scale: float = 0.0) -> Sc
 
 def link_pins(history: History) -> Solid:
     """Pins at both ends of every shoe."""
-    case, (origin, turn) = history.case, track.shoe_poses(history.dataset)
+    case = history.case
     pins = np.array([case.track.rear_pin, case.track.front_pin]) * [1.0, 0.0, 1.0]
-    points = origin[:, :, None] + np.einsum("tsij,pj->tspi", turn, pins)
-    placed = points.reshape(len(origin), -1, 3), np.repeat(turn, len(pins), axis=1)
-    shape = disc(PIN, case.shoe.width + 0.01, PIN_SIDES)
+    shape, placed = disc(PIN, case.shoe.width + 0.01, PIN_SIDES), carried(*gear.poses(history.dataset), pins)
     return Solid("link pins", *shape, "white", *placed, edges=style.SHOE_EDGE)
 
 
@@ -173,7 +172,7 @@ def draw_side(
 def draw_plan(ax: Axes, now: History, heave: tuple[float, float]) -> Drawn:
     """Draw, and return, what `plan_solids` has, with the numbers of the shoes."""
     drawn: Drawn = [paint(ax, plan_solids(now, heave), FROM_ABOVE)]
-    places = track.shoe_poses(now.dataset)[0][0]
+    places = gear.poses(now.dataset)[0][0]
     # of a closed track the lower run is out of sight
     lowest = places[:, 2].mean() if now.case.is_closed else -np.inf
     for shoe, (x, y, z) in zip(now.shoe.values, places, strict=True):

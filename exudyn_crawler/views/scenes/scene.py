@@ -113,23 +113,21 @@ class Solid:
         """Values (n,) of the drawn colouring at the only time; zeros if there is none."""
         return self.colourings[0].values.ravel() if self.colourings else np.zeros(len(self.points))
 
-    def placed(self) -> tuple[np.ndarray, np.ndarray]:
-        """Places of the copies at the first time: origins (copies, 3), m, and turns (copies, 3, 3)."""
-        return self.origin[0] if self.lift is None else self.origin[0] + upward(self.lift[0]), self.turn[0]
-
-    def at(self) -> "Solid":
-        """All copies in one, as they are at the first time, in global axes."""
-        origin, turn = self.placed()
+    def at(self, time: int = 0) -> "Solid":
+        """All copies in one, as they are at a time by its index, in global axes."""
+        origin, turn = at_time(self.origin, time), at_time(self.turn, time)
+        if self.lift is not None:
+            origin = origin + upward(at_time(self.lift, time))
         there = np.flatnonzero(np.isfinite(origin).all(axis=1))
         shape = np.broadcast_to(self.points, (len(there), *self.points.shape))
         if self.bend is not None:
-            shape = shape + self.larger * self.bend[0][there]
+            shape = shape + self.larger * at_time(self.bend, time)[there]
         placed = np.einsum("cij,cnj->cni", turn[there], shape) + origin[there, None]
         starts = len(self.points) * np.arange(len(there))[:, None, None]
         faces = tuple((one + starts).reshape(-1, one.shape[1]) for one in self.faces)
         shown = []
         for one in self.colourings[:1]:
-            own = one.values[0][there].reshape(len(there), -1)
+            own = at_time(one.values, time)[there].reshape(len(there), -1)
             shown.append(replace(one, values=np.broadcast_to(own, placed.shape[:2]).reshape(1, 1, -1)))
         merged = Solid(self.name, placed.reshape(-1, 3), faces, self.colour)
         return replace(merged, opacity=self.opacity, edges=self.edges, colourings=tuple(shown))
@@ -167,9 +165,9 @@ class Arrows:
     solid: str = ""
     through: float = 0.0
 
-    def at(self) -> np.ndarray:
-        """Tail and head of each arrow that is there at the first time: array (arrows, 2, 3), m."""
-        heads, forces = self.heads[0], self.scale * self.forces[0]
+    def at(self, time: int = 0) -> np.ndarray:
+        """Tail and head of each arrow that is there at a time by its index: array (arrows, 2, 3), m."""
+        heads, forces = self.heads[time], self.scale * self.forces[time]
         there = np.isfinite(heads).all(axis=1) & forces.any(axis=1)
         return np.stack((heads[there] - forces[there], heads[there]), axis=1)
 
@@ -182,6 +180,11 @@ class Scene(NamedTuple):
     arrows: tuple[Arrows, ...] = ()
 
 
+def at_time(values: np.ndarray, time: int) -> np.ndarray:
+    """Row of values (times, ...) at a time by its index; what never changes has one."""
+    return values[min(time, len(values) - 1)]
+
+
 def triangulated(faces: tuple[np.ndarray, ...]) -> np.ndarray:
     """Triangles (m, 3) of convex faces, arrays (m, k) of their corners; the array itself if it has them."""
     if len(faces) == 1 and faces[0].shape[1] == 3:
@@ -189,9 +192,10 @@ def triangulated(faces: tuple[np.ndarray, ...]) -> np.ndarray:
     return np.concatenate([one[:, [0, k, k + 1]] for one in faces for k in range(1, one.shape[1] - 1)])
 
 
-def box(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+def box(low: np.typing.ArrayLike, high: np.typing.ArrayLike) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Corners (8, 3) of a box between two places, m, and its faces."""
-    return 0.5 * (low + high) + 0.5 * (high - low) * BOX, (BOX_FACES,)
+    middle, half = 0.5 * np.add(low, high), 0.5 * np.subtract(high, low)
+    return middle + half * BOX, (BOX_FACES,)
 
 
 def disc(radius: float, width: float, sides: int = SIDES) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
@@ -217,6 +221,18 @@ def star(outline: np.ndarray, width: float) -> tuple[np.ndarray, tuple[np.ndarra
     ends = [(middle, after, right), (middle + 1, right + n, after + n)]
     faces = rim, np.concatenate([np.column_stack(one) for one in ends])
     return np.concatenate((flat - half, flat + half, [-half, half])), faces
+
+
+def carried(
+    origin: np.ndarray, turn: np.ndarray, places: np.ndarray, spin: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Origins (times, bodies * n, 3), m, and turns of what bodies have at places (n, 3) in their axes, m.
+
+    `origin` (times, bodies, 3) and `turn` (times, bodies, 3, 3) are those of the bodies; what they carry
+    turns with them, or as `spin` has it.
+    """
+    at = origin[:, :, None] + np.einsum("tbij,nj->tbni", turn, places)
+    return at.reshape(len(at), -1, 3), np.repeat(turn if spin is None else spin, len(places), axis=1)
 
 
 def upward(heights: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ Every stress picture of a study has the same colours, the same arrow lengths and
 elastic displacement.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -42,68 +42,40 @@ WIDTH, ROW, STRIP, HEAD, FOOT = 14.0, 1.6, 1.9, 1.05, 0.55
 PICTURES = "stress_[0-9]*s.png"  # pattern of the stress pictures' file names
 
 
-@dataclass(frozen=True)
-class Scales:
-    """What all pictures of some stresses have in common.
-
-    `stress` (Pa) is at the end of the colours, `displacement` the magnification of the elastic one;
-    `pair_force` and `shoe_force` are the m that are drawn for 1 N of a single contact or tread on these
-    shoes, and of all contacts of a shoe.
-    """
-
-    stress: float
-    displacement: float
-    pair_force: float
-    shoe_force: float
-
-    @classmethod
-    def of(cls, stress: xr.Dataset, history: History) -> "Scales":
-        """Scales that fit all chosen times of a stress dataset."""
-        surface = np.unique(stress.triangle.values)
-        greatest = float(stress.frame_von_mises.isel(node=surface).max())
-        chosen = history.dataset.sel(time=stress.frame.values, method="nearest")
-        moments = [chosen.isel(time=row) for row in range(stress.sizes["frame"])]
-        forces = [track.acting(now, int(shoe))[1] for now in moments for shoe in stress.shoe.values]
-        longest = float(np.linalg.norm(np.concatenate(forces), axis=1).max(initial=0.0))
-        return cls(
-            stress=style.round_up(greatest) if greatest > 0.0 else style.MEGA,
-            displacement=style.drawn_scale(stress.frame_displacement.values, BENT),
-            pair_force=LONGEST_OF_PAIR / longest if longest > 0.0 else 0.0,
-            shoe_force=shoe_force_scale(history),
-        )
-
-
 def shoe_force_scale(history: History) -> float:
     """M that are drawn for 1 N of the contact force on a shoe; 0 if there is none in the whole run."""
     greatest = track.greatest_shoe_force(history)
     return LONGEST_OF_SHOE / greatest if greatest > 0.0 else 0.0
 
 
-def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
+def stress_scene(stress: xr.Dataset, history: History) -> Scene:
     """All flexible shoes at the chosen times of their stresses, with single forces and rollers near them."""
     used, corners = np.unique(stress.triangle.transpose("face", "corner").values, return_inverse=True)
     faces = (corners.reshape(-1, 3),)
     points = stress.node_position.transpose("node", "axis").values[used]
     shown = history.dataset.sel(time=stress.frame.values, method="nearest").load()
-    moments = [shown.isel(time=row) for row in range(shown.sizes["time"])]
-    origin, turn = track.shoe_poses(shown.sel(shoe=stress.shoe.values))
+    origin, turn = gear.poses(shown.sel(shoe=stress.shoe.values))
+    numbers = list(map(int, stress.shoe.values))
+    pressing = [track.forces_on(shown, shoe) for shoe in numbers]
+    sizes = np.concatenate([np.linalg.norm(forces, axis=-1) for _, forces in pressing], axis=1)
+    longest = float(np.nan_to_num(sizes).max(initial=0.0))
+    force_scale = LONGEST_OF_PAIR / longest if longest > 0.0 else 0.0
+    larger = style.drawn_scale(stress.frame_displacement.values, BENT)
+    greatest = float(stress.frame_von_mises.isel(node=used).max()) / style.MEGA
+    ends = 0.0, style.round_up(greatest) if greatest > 0.0 else 1.0
     solids, arrows = [], []
-    for k, shoe in enumerate(map(int, stress.shoe.values)):
+    for k, shoe in enumerate(numbers):
         own, name = stress.sel(shoe=shoe), f"shoe {shoe}"
         mises = own.frame_von_mises.transpose("frame", "node").values / style.MEGA
         bend = own.frame_displacement.transpose("frame", "node", "axis").values[:, used]
-        ends, notes = (0.0, scales.stress / style.MEGA), tuple(f"{one:.1f} MPa" for one in mises.max(axis=1))
+        notes = tuple(f"{one:.1f} MPa" for one in mises.max(axis=1))
         colouring = Colouring(f"{STRESS} in MPa", mises[:, None, used], *ends, style.STRESS_MAP, name=STRESS)
         colourings = (colouring, *_trust(stress, shoe, used))
         placed = Solid(name, points, faces, "white", origin[:, [k]], turn[:, [k]], labels=(name,), nodes=used)
-        bent = replace(placed, notes=notes, bend=bend[:, None], larger=scales.displacement)
+        bent = replace(placed, notes=notes, bend=bend[:, None], larger=larger)
         solids.append(replace(bent, colourings=colourings))
-        forces = [track.acting(now, shoe) for now in moments]
-        padded = np.full((2, len(forces), max(len(heads) for heads, _ in forces), 3), np.nan)
-        for row, pair in enumerate(forces):
-            padded[:, row, : len(pair[0])] = pair
-        how = (style.CONTACT_FORCE, *padded, scales.pair_force, name, float(np.ptp(points[:, 2])))
-        arrows.append(Arrows("contact forces", *how))
+        tall = float(np.ptp(points[:, 2]))
+        arrows.append(Arrows("contact forces", style.CONTACT_FORCE, *pressing[k], force_scale, name, tall))
     if history.case.running_gear is not None:
         near = gear.near_gear(History(history.case, shown), origin, BESIDE)
         solids += [replace(one, opacity=ROLLER_OPACITY) for one in near]
@@ -142,70 +114,66 @@ def first_frame(stress: xr.Dataset) -> int:
     return peaks[0] if peaks else int(stress.frame_von_mises.max(("shoe", "node")).values.argmax())
 
 
-def stress_picture(stress: xr.Dataset, history: History, frame: float, scales: Scales) -> Figure:
-    """All flexible shoes at a chosen time (s): each from two sides, and all in place."""
-    scene = stress_scene(stress.sel(frame=[frame]), history, scales)
-    count = stress.sizes["shoe"]
-    tall = HEAD + ROW * count + STRIP + FOOT
+def stress_picture(scene: Scene, history: History, frame: float, time: int) -> Figure:
+    """Flexible shoes of a stress scene at a chosen time (s), of an index: from two sides and all in place."""
+    bent = [one for one in scene.solids if one.colourings]
+    tall, force_scale = HEAD + ROW * len(bent) + STRIP + FOOT, shoe_force_scale(history)
     with mpl.rc_context(style.STYLE | {"axes.grid": False, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(WIDTH, tall))
         place = {"left": 0.08, "right": 0.93, "top": 1.0 - HEAD / tall, "bottom": (STRIP + FOOT) / tall}
-        grid = figure.add_gridspec(count, 2, wspace=0.02, hspace=0.0, **place)
-        bent = [one for one in scene.solids if one.colourings]
-        for row, one in enumerate(bent):
-            (origin,), (turn,) = one.placed()
-            forces = tuple(arrows for arrows in scene.arrows if arrows.solid == one.name)
+        grid = figure.add_gridspec(len(bent), 2, wspace=0.02, hspace=0.0, **place)
+        for row, (one, forces) in enumerate(zip(bent, scene.arrows, strict=True)):
             for column, (title, view) in enumerate(VIEWS.items()):
                 ax = figure.add_subplot(grid[row, column])
-                _draw_shoe(ax, one.at(), forces, view.on(Placement(origin, turn)))
+                _draw_shoe(ax, one, forces, view, time)
                 if row == 0:
                     ax.set_title(title, fontsize=9.5, loc="left")
             y = figure.axes[-2].get_position().intervaly.mean()
             figure.text(0.011, y, one.name, fontsize=11, va="bottom")
-            figure.text(0.011, y, one.notes[0], fontsize=9, va="top")
+            figure.text(0.011, y, one.notes[time], fontsize=9, va="top")
         ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
         now = track.instants(history, [frame])
-        pictures.draw_side(ax, now, 1.0, scales.shoe_force, opacity=0.0)
+        pictures.draw_side(ax, now, 1.0, force_scale, opacity=0.0)
         _, window = pictures.windows(now)
-        pictures.paint(ax, [one.at() for one in bent], pictures.FROM_THE_RIGHT, window)
+        pictures.paint(ax, [one.at(time) for one in bent], pictures.FROM_THE_RIGHT, window)
         ax.set(xlabel="x in m", ylabel="z in m")
         ax.set_title("in place, seen from the right", fontsize=9.5, loc="left")
         bottom = (STRIP + FOOT + 0.3) / tall
-        stress_bar(figure, (0.945, bottom, 0.013, 1.0 - HEAD / tall - bottom), scales)
+        beside = figure.add_axes((0.945, bottom, 0.013, 1.0 - HEAD / tall - bottom))
+        colours = bent[0].colourings[0]
+        figure.colorbar(
+            style.scale_of(colours.low, colours.high, style.STRESS_MAP), cax=beside, label=colours.title
+        )
         title = f"{history.case.name}: von Mises stress at t = {frame:g} s"
         figure.text(0.011, 1.0 - 0.1 / tall, title, va="top", fontsize=13, parse_math=False)
-        beside = (
-            "forces of ground, wheels and teeth" if history.case.is_closed else "forces of ground and rollers"
-        )
-        acts = "contact forces" if history.case.running_gear is None else beside
+        acts = "contact forces"
+        if history.case.is_closed:
+            acts = "forces of ground, wheels and teeth"
+        elif history.case.is_rolled:
+            acts = "forces of ground and rollers"
         words = (
-            f"elastic displacement drawn {scales.displacement:g} times larger; circle: highest stress on the "
+            f"elastic displacement drawn {bent[0].larger:g} times larger; circle: highest stress on the "
             f"shoe's surface, where it is seen\nblue arrows: {acts} on the shoe, "
-            f"{1e5 * scales.pair_force:.2f} m long for 100 kN in single contacts and "
-            f"{1e5 * scales.shoe_force:.2f} m for the sum below"
+            f"{1e5 * scene.arrows[0].scale:.2f} m long for 100 kN in single contacts and "
+            f"{1e5 * force_scale:.2f} m for the sum below"
         )
         figure.text(0.011, 1.0 - 0.4 / tall, words, va="top", fontsize=8.5, color="#444444")
     return figure
 
 
-def _draw_shoe(ax: mpl.axes.Axes, solid: Solid, arrows: tuple[Arrows, ...], view: View) -> None:
-    """Draw a shoe, as of `Solid.at`, with the forces on it and its highest place, if that is seen."""
+def _draw_shoe(ax: mpl.axes.Axes, shoe: Solid, forces: Arrows, seen_from: View, time: int) -> None:
+    """Draw a shoe in its own axes with the forces on it and its highest place, if that is seen."""
+    solid, view = shoe.at(time), seen_from.on(Placement(shoe.origin[time, 0], shoe.turn[time, 0]))
     seen = view.project(solid.points)
     middle, top = 0.5 * (seen[:, 0].min() + seen[:, 0].max()), seen[:, 1].max() + HEADROOM
     place = ax.get_window_extent()
     window = (middle - 0.5 * SPREAD, middle + 0.5 * SPREAD, top - SPREAD * place.height / place.width, top)
     pictures.paint(ax, [solid], view, window)
-    pictures.draw_arrows(ax, arrows, view)
+    pictures.draw_arrows(ax, [forces], view, time)
     highest = int(solid.values.argmax())
     if solid.shows(highest, view):
         ax.plot(*seen[highest, :2], "o", ms=9, mfc="none", mec="black", mew=0.9, zorder=5)
     ax.set_axis_off()
-
-
-def stress_bar(figure: Figure, place: tuple[float, float, float, float], scales: Scales) -> None:
-    """Draw the scale of stress at a place of a figure: left, bottom, width and height over its own."""
-    colours = style.scale_of(0.0, scales.stress / style.MEGA, style.STRESS_MAP)
-    figure.colorbar(colours, cax=figure.add_axes(place), label="von Mises stress in MPa")
 
 
 def picture_name(frame: float) -> str:
@@ -222,8 +190,8 @@ def write_stress_pictures(
     stress: xr.Dataset, history: History, folder: Path, overwrite: bool = False
 ) -> list[Path]:
     """Write a picture of every chosen time into a folder; paths in order of time; raises as `save_figure`."""
-    scales, written = Scales.of(stress, history), []
-    for frame in stress.frame.values.tolist():
-        figure = stress_picture(stress, history, frame, scales)
+    scene, written = stress_scene(stress, history), []
+    for time, frame in enumerate(stress.frame.values.tolist()):
+        figure = stress_picture(scene, history, frame, time)
         written.append(style.save_figure(figure, folder / picture_name(frame), overwrite))
     return written

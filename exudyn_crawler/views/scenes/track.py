@@ -14,13 +14,11 @@ import xarray as xr
 from exudyn_crawler.case import Case, CellTerrain, Terrain
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History, ground_map
+from exudyn_crawler.results.history.catalogue import QUANTITIES
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear
 from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Colouring, Placement, Scene, Solid, box, upward
 
-CONTACTS = ("contact", "axis")
-STRIPS = ("roller", "rail", "strip", "neighbour", "axis")
-"""Dimensions of what the ground and what treads press with."""
 BESIDE = (0.6, 0.4)  # m beyond the track and beside it of which ground of cells is drawn
 SPACING, MOST_POINTS = 0.25, 4000
 """m between the points of a surface of cells; of larger ones there are so many."""
@@ -43,76 +41,71 @@ def instants(history: History, times: np.typing.ArrayLike) -> History:
     return History(history.case, now)
 
 
-def shoe_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Origins (times, shoes, 3), m, and turns (times, shoes, 3, 3) of all shoes."""
-    names = ("position", "angles")
-    origin, angles = (dataset[name].transpose("time", "shoe", "axis").values for name in names)
-    return origin, rotation_matrices(angles)
-
-
 def shoe_pose(now: xr.Dataset, shoe: int) -> Placement:
     """Place of one shoe."""
     chosen = now.sel(shoe=shoe)
     return Placement(chosen.position.values, rotation_matrices(chosen.angles.values))
 
 
-def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Places (contacts, 3), m, global, where the ground touches one shoe or all, and its forces there, N."""
-    meets = now.area.values > 0.0
-    if shoe is not None:
-        meets &= now.contact_shoe.values == shoe
-    forces = (now.normal_force + now.friction_force).transpose(*CONTACTS).values
-    return now.point.transpose(*CONTACTS).values[meets], forces[meets]
+def single_forces(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """All that presses on shoes, by kind: the ground's contacts, treads, a closed track's wheels and teeth.
+
+    Of each kind places (times, n, 3), m, and forces there, N, global, zero where nothing presses, and the
+    numbers of the shoes (n,) or (times, n).
+    """
+
+    def values(name: str) -> np.ndarray:
+        return dataset[name].transpose(*QUANTITIES[name].dimensions).values
+
+    meets = values("area")[..., None] > 0.0
+    forces, points = values("normal_force") + values("friction_force"), values("point")
+    shoes = dataset.contact_shoe.values
+    found = {"contacts": (np.where(meets, points, 0.0), np.where(meets, forces, 0.0), shoes)}
+    if "tread_force" in dataset:
+        forces, points = values("tread_force"), values("tread_foot")
+        times, *_, neighbours, _ = forces.shape
+        # a tread presses on the shoe behind its roller's axis and on the one ahead of that
+        shoes = values("roller_shoe")[:, :, None, None, None] + np.arange(neighbours)
+        shoes = np.broadcast_to(shoes, forces.shape[:-1]).reshape(times, -1)
+        found["treads"] = points.reshape(times, -1, 3), forces.reshape(times, -1, 3), shoes
+    if "wheel_load" in dataset:
+        for name, _, places, forces in gear.gear_forces(dataset):
+            found[name] = places, forces, dataset.shoe.values
+    return found
 
 
-def pressing(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Strips of treads that press on one shoe, or on all, as of `touching`."""
-    forces, points = (now[name].transpose(*STRIPS).values for name in ("tread_force", "tread_foot"))
-    meets = forces.any(axis=-1)
-    if shoe is not None:
-        number = now.roller_shoe.values[:, None] + np.arange(forces.shape[3])
-        meets &= (number == shoe)[:, None, None, :]
-    return points[meets], forces[meets]
-
-
-def acting(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """All that presses on one shoe or on all, as of `touching`: ground, treads, teeth of a closed track."""
-    parts = [touching(now, shoe)]
-    if "tread_force" in now:
-        parts.append(pressing(now, shoe))
-    if "wheel_load" in now:
-        chosen = np.ones(now.sizes["shoe"], dtype=bool) if shoe is None else now.shoe.values == shoe
-        for _, _, heads, forces in gear.gear_forces(now):
-            acts = chosen & forces.any(axis=-1)
-            parts.append((heads[acts], forces[acts]))
-    points, pressed = zip(*parts, strict=True)
-    return np.concatenate(points), np.concatenate(pressed)
+def forces_on(dataset: xr.Dataset, shoe: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places (times, n, 3), m, and forces, N, of all that ever presses on a shoe; else not a number."""
+    found = []
+    for places, forces, shoes in single_forces(dataset).values():
+        acts = (shoes == shoe) & forces.any(axis=-1)
+        found.append(np.where(acts[..., None], (places, forces), np.nan)[:, :, acts.any(axis=0)])
+    places, forces = np.concatenate(found, axis=2)
+    return places, forces
 
 
 def shoe_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Centres of pressure (times, shoes, 3), m, not a number without contact, and forces on the shoes, N."""
-    meets = dataset.area.transpose("time", "contact").values[..., None] > 0.0
-    total = (dataset.normal_force + dataset.friction_force, dataset.point)
-    forces, points = (np.where(meets, one.transpose("time", *CONTACTS).values, 0.0) for one in total)
-    own = dataset.shoe.values[:, None] == dataset.contact_shoe.values
-    moments = np.einsum("sc,tc,tca->tsa", own, forces[..., 2], points, optimize=True)
-    pressed = np.einsum("sc,tc->ts", own, forces[..., 2])
-    return _centers(moments, pressed), np.einsum("sc,tca->tsa", own, forces)
+    points, forces, shoes = single_forces(dataset)["contacts"]
+    return _resultants(points, forces, forces[..., 2], dataset.shoe.values[:, None] == shoes)
 
 
 def roller_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Same of the rollers (times, rollers, 3): centres of what each presses on, and its force there."""
-    names = ("tread_force", "tread_foot")
-    forces, points = (dataset[name].transpose("time", *STRIPS).values for name in names)
-    size = np.linalg.norm(forces, axis=-1)
-    moments = np.einsum("trabn,trabnk->trk", size, points)
-    return _centers(moments, size.sum(axis=(2, 3, 4))), forces.sum(axis=(2, 3, 4))
+    points, forces, _ = single_forces(dataset)["treads"]
+    rollers = np.arange(dataset.sizes["roller"])
+    own = rollers[:, None] == np.repeat(rollers, points.shape[1] // len(rollers))
+    return _resultants(points, forces, np.linalg.norm(forces, axis=-1), own)
 
 
-def _centers(moments: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Moments (..., 3) over weights (...), not a number where there is no weight."""
-    centers = np.full(moments.shape, np.nan)
-    return np.divide(moments, weights[..., None], out=centers, where=weights[..., None] > 0.0)
+def _resultants(
+    points: np.ndarray, forces: np.ndarray, weights: np.ndarray, own: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Weighted centres of points (times, n, 3), and sums of forces: (times, groups, 3), `own` (groups, n)."""
+    moments = np.einsum("gn,tn,tna->tga", own, weights, points, optimize=True)
+    total = np.einsum("gn,tn->tg", own, weights)[..., None]
+    centers = np.divide(moments, total, out=np.full(moments.shape, np.nan), where=total > 0.0)
+    return centers, np.einsum("gn,tna->tga", own, forces)
 
 
 def greatest_shoe_force(history: History) -> float:
@@ -148,8 +141,8 @@ def shoe_boxes(history: History) -> list[Solid]:
     """Rigid shoes and flexible shoes, as far as there are any, as boxes."""
     case, numbers = history.case, history.shoe.values
     x0, x1, y0, y1, z0 = case.shoe.footprint
-    shape = box(np.array([x0, y0, z0]), np.array([x1, y1, case.shoe.load_point[2]]))
-    origin, turn = shoe_poses(history.dataset)
+    shape = box((x0, y0, z0), (x1, y1, case.shoe.load_point[2]))
+    origin, turn = gear.poses(history.dataset)
     flexible = np.isin(numbers, () if case.flexible is None else case.flexible.shoes)
     kinds = (("rigid shoes", ~flexible, style.SHOE), ("flexible shoes", flexible, style.FLEXIBLE_SHOE))
     solids = []
@@ -244,7 +237,7 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
         tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
     if history.case.is_rolled:
-        top = max(top, float(gear.frame_poses(history)[0][:, 2].max()) + gear.BEAM[1])
+        top = max(top, float(gear.frame_poses(history)[0][..., 2].max()) + gear.BEAM[1])
     if history.case.is_closed:
         top = float(history.position.sel(axis="z").max()) - shoe.footprint[4]
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
