@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case.parameters.fields import case_rows
@@ -56,20 +57,19 @@ def write_life_page(
     shortest, parts = (page.table(one, digits=5) for one in (in_words(found.table), damage_parts(found)))
     said, titled = page.paragraph(SHARES), page.part("titled", "Parts of the damage at these nodes", parts)
     causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(found)))
-    runs = found.duty.by_stage()[-1].runs
+    growing = page.plot(damage_curves(found)) if found.duty.by_stage()[-1].runs else Markup()
     paths = [page.part("titled", name, page.table(table)) for name, table in (roller_paths or {}).items()]
-    contact = [page.Section("roller-path", "Roller path", page.together(page.paragraph(CONTACT), *paths))]
+    contact = page.together(page.paragraph(CONTACT), *paths) if paths else Markup()
     sections = [
         page.Section("life", "Life in 3D", page.part("coloured", "life", UNKNOWN)),
         page.Section("causes", "What cracks which region", causes),
         page.Section("shortest", "Shortest lives by region", page.together(said, shortest, titled)),
-        *([page.Section("damage", "Damage as it grows", page.plot(damage_curves(found)))] if runs else []),
-        *(contact if paths else []),
+        page.Section("damage", "Damage as it grows", growing),
+        page.Section("roller-path", "Roller path", contact),
         page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(found.duty)))),
     ]
-    html = _coloured_page(
-        f"Life of the shoes: {found.duty.name}", life_lines(found), sections, life_solid(found)
-    )
+    title = f"Life of the shoes: {found.duty.name}"
+    html = _coloured_page(title, life_lines(found), sections, life_solid(found))
     return page.write_page(html, path, overwrite)
 
 

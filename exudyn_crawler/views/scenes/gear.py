@@ -90,14 +90,14 @@ def beam(history: History) -> Solid:
 def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
     """Names of the wheels of each kind, and x, z and radius of theirs in the frame (n, 3), m."""
     frame, _ = frame_on_rails(case)
-    if isinstance(frame, Undercarriage):
+    if isinstance(frame, ClosedTrack):
+        labels, table = list(frame.wheel_names), frame.wheels(case.assembled.take_up)
+    else:
         labels = [f"roller {number}" for number in range(1, len(frame.rollers) + 1)]
-        return {"rollers": (labels, np.array([(x, 0.0, frame.radius) for x in frame.rollers]))}
-    table, labels = frame.wheels(case.assembled.take_up), frame.wheel_names
+        table = np.array([(x, 0.0, frame.radius) for x in frame.rollers])
     found = {}
     for name in ("rollers", "idler", "carriers"):  # slides do not turn
-        own = [k for k, label in enumerate(labels) if label.startswith(name.removesuffix("s"))]
-        if own:
+        if own := [k for k, label in enumerate(labels) if label.startswith(name.removesuffix("s"))]:
             found[name] = [labels[k] for k in own], table[own]
     return found
 

@@ -114,10 +114,13 @@ def first_frame(stress: xr.Dataset) -> int:
     return peaks[0] if peaks else int(stress.frame_von_mises.max(("shoe", "node")).values.argmax())
 
 
-def stress_picture(scene: Scene, history: History, frame: float, time: int) -> Figure:
-    """Flexible shoes of a stress scene at a chosen time (s), of an index: from two sides and all in place."""
+def stress_picture(scene: Scene, now: History, time: int, force_scale: float) -> Figure:
+    """Flexible shoes of a stress scene at the time of an index: each from two sides, and all in place.
+
+    `now` is that instant, as of `track.instants`; the sum on a shoe is drawn `force_scale` m long for 1 N.
+    """
     bent = [one for one in scene.solids if one.colourings]
-    tall, force_scale = HEAD + ROW * len(bent) + STRIP + FOOT, shoe_force_scale(history)
+    tall, case = HEAD + ROW * len(bent) + STRIP + FOOT, now.case
     with mpl.rc_context(style.STYLE | {"axes.grid": False, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(WIDTH, tall))
         place = {"left": 0.08, "right": 0.93, "top": 1.0 - HEAD / tall, "bottom": (STRIP + FOOT) / tall}
@@ -132,7 +135,6 @@ def stress_picture(scene: Scene, history: History, frame: float, time: int) -> F
             figure.text(0.011, y, one.name, fontsize=11, va="bottom")
             figure.text(0.011, y, one.notes[time], fontsize=9, va="top")
         ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
-        now = track.instants(history, [frame])
         pictures.draw_side(ax, now, 1.0, force_scale, opacity=0.0)
         _, window = pictures.windows(now)
         pictures.paint(ax, [one.at(time) for one in bent], pictures.FROM_THE_RIGHT, window)
@@ -144,12 +146,12 @@ def stress_picture(scene: Scene, history: History, frame: float, time: int) -> F
         figure.colorbar(
             style.scale_of(colours.low, colours.high, style.STRESS_MAP), cax=beside, label=colours.title
         )
-        title = f"{history.case.name}: von Mises stress at t = {frame:g} s"
+        title = f"{case.name}: von Mises stress at t = {now.duration:g} s"
         figure.text(0.011, 1.0 - 0.1 / tall, title, va="top", fontsize=13, parse_math=False)
         acts = "contact forces"
-        if history.case.is_closed:
+        if case.is_closed:
             acts = "forces of ground, wheels and teeth"
-        elif history.case.is_rolled:
+        elif case.is_rolled:
             acts = "forces of ground and rollers"
         words = (
             f"elastic displacement drawn {bent[0].larger:g} times larger; circle: highest stress on the "
@@ -190,8 +192,8 @@ def write_stress_pictures(
     stress: xr.Dataset, history: History, folder: Path, overwrite: bool = False
 ) -> list[Path]:
     """Write a picture of every chosen time into a folder; paths in order of time; raises as `save_figure`."""
-    scene, written = stress_scene(stress, history), []
+    scene, force_scale, written = stress_scene(stress, history), shoe_force_scale(history), []
     for time, frame in enumerate(stress.frame.values.tolist()):
-        figure = stress_picture(scene, history, frame, time)
+        figure = stress_picture(scene, track.instants(history, [frame]), time, force_scale)
         written.append(style.save_figure(figure, folder / picture_name(frame), overwrite))
     return written
