@@ -6,7 +6,6 @@ from functools import lru_cache
 import numpy as np
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
-from exudyn_crawler.case.parameters.track import CONSTRAINT_MODES
 from exudyn_crawler.model import reductions
 from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, pin_interfaces, pulled_node
 from fem import (
