@@ -160,20 +160,21 @@ class CompiledSystem(TrackSystem):
 
     def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`; a side frame has its speed."""
-        if self._cells is not None:
-            q = self._settled(self._cells, q)
-        self._state[0], self._state[1:] = q, 0.0
+        self._state[0], self._state[1:] = self.settled(q), 0.0
         if self.tables.pull is not None:
             first = self.tables.bodies.coordinate[self.tables.pull.frame]
             self._state[1, first] = self.case.drive.speed.value(0.0)
         self._multipliers[:] = 0.0
         self._hand_over(exu.ConfigurationType.Initial)
 
-    def _settled(self, cells: TrackOnCells, q: np.ndarray) -> np.ndarray:
-        """Rest near to one on fresh ground, after the ground has remembered that shoes were put down there.
+    def settled(self, q: np.ndarray) -> np.ndarray:
+        """Rest near to one `q` on fresh ground, after cells have remembered that shoes were put down there.
 
-        Cells that two shoes share remember the deeper one.
+        Cells that two shoes share remember the deeper one; other ground leaves `q` as it is.
         """
+        cells = self._cells
+        if cells is None:
+            return q
         self._put_down(cells)
         self._state[0] = q
         cells.cover(self._state)

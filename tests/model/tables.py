@@ -31,7 +31,7 @@ def hinged(masses, inertias, pins, held=()):
     places = np.array([(0.0, 0.0, 0.0), *(place for pair in pins for place in pair)])
     bodies = [0, *(b for k in range(len(pins)) for b in (k, k + 1))]
     zeros, empty = np.zeros((len(places), 3, 0)), np.zeros((0, 1))
-    grid, footprint, (corner, cell, integral, row), law, fingers = compiled_system(
+    outline, law, (corner, cell, integral, row), fingers = compiled_system(
         Case.translation()
     ).contact.geometry
     unknowns = list(range(6 * count))
@@ -64,7 +64,7 @@ def hinged(masses, inertias, pins, held=()):
             empty, empty, np.zeros((0, 4)), np.zeros((1, 1)), np.zeros((1, 1)), np.zeros(1), 6 * count
         ),
         flexible=np.array([size, 0]),
-        contact=(grid, footprint, (corner, cell, integral, row[:0]), law, fingers),
+        contact=(outline, law, (corner, cell, integral, row[:0]), fingers),
         fronts=fronts,
         rows=FrontRows(
             np.array([6 * np.arange(count), np.full(count, -1)]),

@@ -169,7 +169,7 @@ def test_compiled_code_gives_back_every_reference_to_an_array(case):
         if cells is not None:
             cells.cover(system._state)
         # whether it converges does not matter
-        system._step(system.inputs(0.0), Weights(1.0, 1e3, 1e5, False, 1e-3), (1e-2, 3))
+        system._step(system.inputs(0.0), Weights(1.0, 1e3, 1e5, False, 1e-3), (1e-2, 3, False))
         for function, arguments in (one for calls in system.calls().values() for one in calls):
             function(*arguments)
         if cells is not None:

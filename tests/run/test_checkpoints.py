@@ -186,7 +186,7 @@ def test_a_checkpoint_with_flipped_bytes_gives_the_same_or_is_refused(three_stag
         state = Checkpoints(copied).load(staged())[0].read().state
     except ValueError as error:
         message = str(error)
-    assert not message or message.startswith(f"checkpoint {copied / 'stage_0000.npz'} ")
+    assert not message or message.startswith(f"checkpoint {copied / 'checkpoints' / 'stage_0000.npz'} ")
     assert message or state.tobytes() == Checkpoints(three_stages[0]).load(staged())[0].read().state.tobytes()
 
 

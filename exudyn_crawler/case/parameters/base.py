@@ -207,7 +207,8 @@ def _spot(loc: fields.KeyPath, model: type[BaseModel]) -> _Spot:
         else:
             table = spot.held[0] if spot.held else spot.table
             field = table.model_fields.get(part)
-            place = spot.place if part == fields.beside(table) else (*spot.place, part)
+            is_beside = part and part == fields.beside(table)
+            place = spot.place if is_beside else (*spot.place, part)
             spot = _Spot(place, table, field, fields.models_of(field.annotation) if field else ())
     return spot
 

@@ -12,6 +12,7 @@ from exudyn_crawler.ground import rotations
 
 UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 """Euler parameters of reference of every body."""
+SIGNS = np.array([-1.0, 1.0, 1.0, 1.0])
 SIZE = 7
 """Coordinates of a body: displacement and Euler parameters."""
 
@@ -24,8 +25,14 @@ def rate_matrix(e: np.ndarray) -> np.ndarray:
 
 
 def matrices_of(e: np.ndarray) -> np.ndarray:
-    """Rotation matrices of Euler parameters (..., 4) of any norm: array (..., 3, 3)."""
-    return np.asarray(Rotation.from_quat(e, scalar_first=True).as_matrix())
+    """Rotation matrices of Euler parameters (..., 4) of any norm: array (..., 3, 3).
+
+    ``R = G Gb^T / 4`` with Gb, which makes angular velocities in body components (Nikravesh, ch. 6).
+    """
+    # forces that are no numbers bring parameters to zero, which scipy refuses
+    of_body = rate_matrix(e * -SIGNS) * SIGNS
+    products = np.einsum("...ij,...kj->...ik", rate_matrix(e), of_body)
+    return np.asarray(0.25 * products / np.sum(e**2, axis=-1)[..., None, None])
 
 
 class BodyCoordinates:

@@ -237,9 +237,8 @@ class ExudynSystem(TrackSystem):
         """Start from rest at the coordinates `q`, on cells at that to which these settle there."""
         if self._cells is not None:
             twin = compiled_system(self.case)
-            twin.set_initial(q)
+            q = twin.settled(q)
             self._cells.remember(twin.memory())
-            q = twin.coordinates()[0]
         self._start(np.stack((q, np.zeros_like(q), np.zeros_like(q))))
 
     def _start(self, state: np.ndarray, multipliers: np.ndarray | None = None) -> None:

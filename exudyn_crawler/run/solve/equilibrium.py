@@ -119,7 +119,15 @@ def static_equilibrium(case: Case) -> np.ndarray:
         # Exudyn's joints turn otherwise with the lugs of bent shoes: from the other rest these would swing
         return _rest(ExudynSystem(case, static=True), q)
     system = ExudynSystem(case, static=True)
-    q = _rest(system, system.first_guess()) if case.terrain.is_even else _on_uneven_ground(system)
+    try:
+        q = _rest(system, system.first_guess()) if case.terrain.is_even else _on_uneven_ground(system)
+    except EquilibriumError as error:
+        if case.contact.model != "spheres" or not case.terrain.is_even:
+            raise
+        raise EquilibriumError(
+            f"{error}. The spheres' radius of {case.sphere_contact().radius} m may "
+            f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
+        ) from error
     contact = system.contact
     if isinstance(contact, sphere_contact.SphereGroundContact) and (sunken := contact.sunken(q)):
         raise EquilibriumError(
@@ -191,9 +199,11 @@ def _oiled(case: Case, speed: float) -> Case:
 
 
 def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
+    slides = "; the ground's shear may be too weak to hold the shoes: compare contact.law with the slope"
+    even = system.sticks and system.case.terrain.is_even and failed.singular
     return EquilibriumError(
         f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
-        f"{failed.fault(system.layout)}"
+        f"{failed.fault(system.layout)}{slides if even else ''}"
     )
 
 
