@@ -75,7 +75,8 @@ def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
 
 
 @compiled
-def _modal_motion(heave, tilt, q, out):
+def modal_motion(heave, tilt, q, out):
+    """Write heave and tilt of units (units, 4) by the first of some coordinates, or their rates."""
     for u in range(heave.shape[0]):
         z = a = 0.0
         for k in range(heave.shape[1]):
@@ -103,7 +104,7 @@ class TerrainModes:
     def motion(self, q: np.ndarray) -> np.ndarray:
         """Displacement (x, y, z) and tilt of the units, or their rates: array (units, 4), m and rad."""
         units = np.zeros((len(self.heave), 4))
-        _modal_motion(self.heave, self.tilt, q, units)
+        modal_motion(self.heave, self.tilt, q, units)
         return units
 
     def project(self, wrenches: np.ndarray) -> np.ndarray:

@@ -172,45 +172,6 @@ def _bend(
 
 
 @solving_within
-def body_residual(
-    bodies: Bodies,
-    b: int,
-    modes: Modes,
-    at: Attitude,
-    state: FloatArray,
-    gravity: Vector,
-    residual: FloatArray,
-    inertia: Inertia,
-    tensor: FloatArray,
-) -> None:
-    """Add inertia, elastic forces and weight of a body to its residual; `inertia` is kept for the matrix.
-
-    `state` (3, 6 + m) are the coordinates of the body and its modes, their rates and accelerations, `gravity`
-    is in m/s2, global, and `residual` (6 + m,) are generalized forces, N, N m and modal; `tensor` (3, 3) is
-    scratch.
-    """
-    motion = _motion(at, state, gravity)
-    for a in range(3):
-        inertia.first[a] = bodies.first[b, a]
-        for c in range(3):
-            inertia.second[a, c], tensor[a, c] = bodies.second[b, a, c], 0.0
-    force = (0.0, 0.0, 0.0)
-    if bodies.modal[b] >= 0:
-        force = _bend(modes, state, motion, residual, inertia, tensor)
-    first = (inertia.first[0], inertia.first[1], inertia.first[2])
-    force = along(along(force, bodies.mass[b], motion.acceleration), 1.0, turned(motion.turning, first))
-    for a in range(3):
-        for c in range(3):
-            tensor[a, c] += first[a] * motion.acceleration[c]
-            for d in range(3):
-                tensor[a, c] += inertia.second[a, d] * motion.turning[c][d]
-    force, moment = turned(at.R, force), turned(at.axes, turned(at.R, _moment_of(tensor)))
-    for k in range(3):
-        residual[k] += force[k]
-        residual[3 + k] += moment[k]
-
-
-@solving_within
 def add_body_matrix(
     bodies: Bodies,
     b: int,
@@ -316,13 +277,34 @@ def add_bodies(
 ) -> None:
     """Add inertia, elastic forces and weights of all bodies; arrays (bodies, ...) keep their `Inertia`.
 
-    `rows` (4, 6 + m) and `tensor` (3, 3) are scratch.
+    `gravity` is in m/s2, global, `residual` in N, N m and modal; `rows` (4, 6 + m) and `tensor` (3, 3) are
+    scratch.
     """
-    forces = rows[3]
+    own = rows[3]
     for b in range(bodies.mass.shape[0]):
         for rate in range(3):
             read_body(bodies, b, state[rate], rows[rate])
-        forces.fill(0.0)
+        own.fill(0.0)
         inertia = Inertia(inertias[0][b], inertias[1][b], inertias[2][b])
-        body_residual(bodies, b, modes, attitude_of(bodies, b), rows, gravity, forces, inertia, tensor)
-        add_body(bodies, b, forces, 1.0, residual)
+        at = attitude_of(bodies, b)
+        motion = _motion(at, rows, gravity)
+        for a in range(3):
+            inertia.first[a] = bodies.first[b, a]
+            for c in range(3):
+                inertia.second[a, c], tensor[a, c] = bodies.second[b, a, c], 0.0
+        force = (0.0, 0.0, 0.0)
+        if bodies.modal[b] >= 0:
+            force = _bend(modes, rows, motion, own, inertia, tensor)
+        first = (inertia.first[0], inertia.first[1], inertia.first[2])
+        turning = turned(motion.turning, first)
+        force = along(along(force, bodies.mass[b], motion.acceleration), 1.0, turning)
+        for a in range(3):
+            for c in range(3):
+                tensor[a, c] += first[a] * motion.acceleration[c]
+                for d in range(3):
+                    tensor[a, c] += inertia.second[a, d] * motion.turning[c][d]
+        force, moment = turned(at.R, force), turned(at.axes, turned(at.R, _moment_of(tensor)))
+        for k in range(3):
+            own[k] += force[k]
+            own[3 + k] += moment[k]
+        add_body(bodies, b, own, 1.0, residual)

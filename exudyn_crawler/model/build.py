@@ -14,7 +14,7 @@ from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
 from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
-from exudyn_crawler.model.elimination import Fronts, fronts_of
+from exudyn_crawler.model.elimination import fronts_of
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
 from exudyn_crawler.model.forces.cells import CellTable
 from exudyn_crawler.model.forces.loads import Loads
@@ -135,10 +135,11 @@ class _Builder:
         at = self._worn(name) if place is None else place
         if self.floating is None or not self.flexible[shoe]:
             return self._add(shoe, at)
-        joint = self.floating.joints.index(name)
-        moved, turned = self.floating.reduced.pilots[joint, :3], self.floating.reduced.pilots[joint, 3:]
+        reduced = self.floating.reduced
+        joint = [interface.name for interface in reduced.interfaces].index(name)
+        moved, turned = reduced.pilots[joint, :3], reduced.pilots[joint, 3:]
         arm = at - self.case.track.joint_centers[name]
-        center = self.floating.reduced.interfaces[joint].center + arm
+        center = reduced.interfaces[joint].center + arm
         return self._add(shoe, center, moved + np.cross(turned.T, arm).T, turned)
 
     def _worn(self, name: str) -> np.ndarray:
@@ -317,8 +318,10 @@ class _Builder:
         )
 
 
-def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fronts, FrontRows]:
-    """Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers.
+def _with_fronts(tables: Tables, shoes: int, links: Sequence[int]) -> Tables:
+    """Tables with the order of the elimination.
+
+    Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers.
 
     `links` names the link of every pin. Of a closed chain every second one of those that are left goes in
     turn, so that what touches one part of the loop is not carried round the whole of it.
@@ -330,7 +333,7 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
         [*range(first, first + 6), *(range(modal, modal + m) if modal >= 0 else ())]
         for first, modal in zip(bodies.coordinate.tolist(), bodies.modal.tolist(), strict=True)
     ]
-    start = tables.terrain.first + size + int(tables.flexible[1]) * m + 6 * (len(coordinates) - shoes)
+    start = size + sum(map(len, coordinates))
     multipliers = list(range(start, start + tables.multiplier_count))
     pins = [multipliers[ROWS * p : ROWS * p + ROWS] for p in range(len(joints.pins))]
     others = multipliers[ROWS * len(pins) :]
@@ -350,10 +353,8 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
         couplings.append([*coordinates[joints.turn], others[1]])
     frames = [one for group in coordinates[shoes:] for one in group]
     if tables.wheels is not None:
-        for wheel, (first, end) in zip(
-            tables.wheels.frames.tolist(), tables.wheels.shoes.tolist(), strict=True
-        ):
-            couplings += [[*coordinates[k], *coordinates[wheel]] for k in range(first, end)]
+        met = zip(tables.wheels.frames.tolist(), tables.wheels.shoes.tolist(), strict=True)
+        couplings += [[*coordinates[k], *coordinates[wheel]] for wheel, ends in met for k in range(*ends)]
     if tables.teeth is not None:
         met = zip(body[tables.teeth.markers].tolist(), tables.teeth.tumblers.tolist(), strict=True)
         couplings += [[*coordinates[shoe], *coordinates[tumbler]] for shoe, tumbler in met]
@@ -366,12 +367,13 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
     fronts = fronts_of(groups, couplings)
     places = [{unknown: k for k, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.own))]
     last = len(fronts.own) - 1
-    return fronts, FrontRows(
+    in_fronts = FrontRows(
         np.array([[row.get(body[0], -1) for body in coordinates] for row in places]),
         np.array([*range(shoes), *[last] * (len(coordinates) - shoes)]),
         np.array([row.get(terrain[0], -1) if terrain else -1 for row in places]),
         np.array([[row.get(one, -1) for one in multipliers] for row in places]),
     )
+    return tables._replace(fronts=fronts, rows=in_fronts)
 
 
 def flexible_shoes(case: Case) -> list[int]:
@@ -427,5 +429,5 @@ def parts_of(case: Case) -> Parts:
         teeth=teeth,
         wheels=builder.wheels(),
     )
-    fronts, rows = _elimination(tables, builder.shoes, [link for link, _ in pins])
-    return Parts(floating, point, contact, tables._replace(fronts=fronts, rows=rows), pins)
+    tables = _with_fronts(tables, builder.shoes, [link for link, _ in pins])
+    return Parts(floating, point, contact, tables, pins)

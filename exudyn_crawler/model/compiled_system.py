@@ -112,11 +112,10 @@ class CompiledSystem(TrackSystem):
             self._cells = TrackOnCells(contact.ground, bodies, plain(self.tables.cells), cells)
         else:
             self._workspace = Workspace.allocate(self.tables, contact.greatest_count)
-        self._loads = plain(profiles_of(case.loads.of_shoes))
-        turn = case.drive.turn_rate or StepProfile.constant(0.0)
-        self._speeds = plain(profiles_of([case.drive.speed, turn, case.loads.side_shift]))
         machine = [StepProfile.constant(0.0)] * 6 if case.machine is None else case.machine.components
-        self._machine = plain(profiles_of(machine))
+        turn = case.drive.turn_rate or StepProfile.constant(0.0)
+        applied = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
+        self._applied = plain(profiles_of(applied))
         self._resistances = np.zeros(1) if case.running_gear is None else case.running_gear.resistances
         self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
         self._limits = (0.0, 0)
@@ -390,23 +389,22 @@ class CompiledSystem(TrackSystem):
 
     def inputs(self, time: float) -> Inputs:
         """Loads and drive at a time, s."""
-        shoes, speeds, machine = np.zeros(self.layout.shoes), np.zeros(3), np.zeros(6)
-        values_at(self._loads, time, shoes)
-        values_at(self._speeds, time, speeds)
-        values_at(self._machine, time, machine)
+        n, values = self.layout.shoes, np.zeros(self.layout.shoes + 9)
+        values_at(self._applied, time, values)
+        shoes, speeds, machine = values[:n], values[n : n + 3], values[n + 3 :]
         loads = np.zeros((len(self.tables.loads.marker), 6))
-        loads[: len(shoes), :3] = np.outer(shoes, self._down)
+        loads[:n, :3] = np.outer(shoes, self._down)
         frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, np.zeros(1), np.zeros(0)
         if self.commands is not None:
             speeds[:2], machine = self.commands(time)
         # a turn makes the right track faster than the left one
         of_tracks = speeds[0] - speeds[1] * self.case.track_middles
         if gear is not None:
-            loads[len(shoes)] = machine
+            loads[n] = machine
             faded = np.hypot(of_tracks, gear.resistance_speed)
             drag = (np.outer(of_tracks, self._resistances) / faded[:, None]).ravel()
         if frame is not None:
-            loads[len(shoes) + 1 :, 0] = -frame.end_tension, frame.end_tension
+            loads[n + 1 :, 0] = -frame.end_tension, frame.end_tension
         turning = self._driven and self.case.drive.turn_rate is not None
         active = np.array([self._driven, turning], dtype=float)
         if self.case.closed_track is not None and self.tables.closed is not None:
@@ -420,10 +418,9 @@ class CompiledSystem(TrackSystem):
         self._state[2], self._multipliers[:] = 0.0, 0.0
         if self._cells is not None:
             self._cells.cover(self._state)
-        out, values = self._scratch
-        inputs, weights = tuple(self.inputs(time)), (0.0, 0.0, 1.0, False, 1.0)
-        residual(self._plain, self._state, self._multipliers, inputs, weights, self._workspace, out)
-        matrix(self._plain, self._state, inputs, weights, self._workspace, values)
+        inputs, weights, values = self.inputs(time), Weights(0.0, 0.0, 1.0, False, 1.0), self._scratch[1]
+        out = self.residual(self._state, inputs, self._multipliers, weights)
+        matrix(self._plain, self._state, tuple(inputs), tuple(weights), self._workspace, values)
         fronts = tuple(self.tables.fronts)
         eliminate(fronts, values)
         # at rest constraints have no gap, and their rates do not change by themselves

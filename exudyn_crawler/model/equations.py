@@ -39,7 +39,6 @@ from exudyn_crawler.model.forces.wheels import wheel_contacts
 from exudyn_crawler.model.joints import (
     ROWS,
     ClosedJoints,
-    Pull,
     add_holds,
     add_pins,
     add_speeds,
@@ -68,29 +67,6 @@ def _add_rows(bodies: Bodies, rows: ForceRows, count: int, row: FloatArray, resi
                     for c in range(last):
                         row[c] += rows.jacobian[p, side, r, c] * rows.wrench[p, r]
                 add_body(bodies, b, row, -1.0, residual)
-
-
-@solving_within
-def _write_joints(
-    tables: Tables, state: FloatArray, inputs: Inputs, work: Workspace, rows: FloatArray
-) -> None:
-    """Write gaps, Jacobians and the directions of the pull; `rows` as of `residual`."""
-    bodies, markers, joints = tables.bodies, tables.markers, tables.joints
-    pins = ROWS * joints.pins.shape[0]
-    gap, jacobian = work.gap, work.jacobian
-    closed = tables.closed is not None
-    add_pins(bodies, markers, joints.pins, closed, state, rows, gap[:pins], jacobian[:pins])
-    both = slice(pins, pins + 2)
-    add_speeds(bodies, markers, joints, state, inputs.speeds, rows, gap[both], jacobian[both])
-    add_holds(bodies, joints.holds, state[0], gap[pins + 2 :], jacobian[pins + 2 :])
-    _write_pull(tables.pull, tables, state, work)
-
-
-@solving_within
-def _write_pull(pull: tuple | None, tables: Tables, state: FloatArray, work: Workspace) -> None:
-    if pull is None:
-        return
-    write_pull(Pull(*pull), tables.bodies, tables.markers, state, work.pulled, work.pull)
 
 
 @solving_within
@@ -202,7 +178,8 @@ def residual(
         bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units
     )
     cell_forces(tables.cells, bodies, state, weights, work.cells)
-    _gear_contacts(tables, state, inputs, weights, work)
+    work.counts[1] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
+    work.counts[2] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
     for kind in range(len(work.elements)):
         _add_rows(bodies, ForceRows(*work.elements[kind]), work.counts[kind], rows[0], out)
     inertias = work.first, work.second, work.turning
@@ -210,33 +187,30 @@ def residual(
     contacts = ForceRows(*work.elements[0])
     add_terrain(tables.terrain, contacts, work.counts[0], state, inputs.gravity[2], units, out)
     add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
-    _write_joints(tables, state, inputs, work, rows)
+    markers, joints, closed = tables.markers, tables.joints, tables.closed is not None
+    add_pins(bodies, markers, joints.pins, closed, state, rows, work.gap, work.jacobian)
+    add_speeds(bodies, markers, joints, state, inputs.speeds, rows, work.gap, work.jacobian)
+    add_holds(bodies, joints, state, work.gap, work.jacobian)
+    write_pull(tables.pull, bodies, markers, state, work.pulled, work.pull)
     _add_joints(tables, inputs, multipliers, work, weights.level, out)
     for p in range(work.turned.shape[0] if weights.position != 0.0 else 0):
-        own, pair, into = multipliers[ROWS * p :], tables.joints.pins[p], work.turned[p]
-        closed = tables.closed is not None
-        write_turned(bodies, tables.markers, pair, closed, own, state, rows[0], into)
+        own, into = multipliers[ROWS * p :], work.turned[p]
+        write_turned(bodies, markers, joints.pins[p], closed, own, state, rows[0], into)
     _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights.level, out)
-
-
-@solving_within
-def _gear_contacts(
-    tables: Tables, state: FloatArray, inputs: Inputs, weights: Weights, work: Workspace
-) -> None:
-    """Find the lugs and strips of wheels that touch."""
-    bodies = tables.bodies
-    work.counts[1] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
-    work.counts[2] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
 
 
 @solving
 def gear_contacts(
     values: tuple, state: FloatArray, arguments: tuple, factors: tuple, workspace: tuple
 ) -> None:
-    """Find the same alone, at coordinates and rates (2, coordinates); the tuples are those of `residual`."""
-    tables = named_tables(values)
+    """Find the lugs and strips of wheels that touch at coordinates and rates (2, coordinates).
+
+    The tuples are those of `residual`.
+    """
+    tables, weights, work = named_tables(values), Weights(*factors), Workspace(*workspace)
     write_angles(tables.bodies, state[0])
-    _gear_contacts(tables, state, Inputs(*arguments), Weights(*factors), Workspace(*workspace))
+    teeth_contacts(tables.teeth, tables.bodies, tables.markers, state, weights, work.teeth)
+    wheel_contacts(tables.wheels, tables.bodies, state, Inputs(*arguments).drag, weights, work.wheels)
 
 
 @solving_within
@@ -286,12 +260,11 @@ def _add_block(
     """Add a tangent by the coordinates of two bodies and the terrain; `numbers` are of front and bodies."""
     f, a, b = numbers
     matrix, met, n = front(fronts, values, f), marks(fronts, values, f), block.shape[0]
-    for c in range(sizes[0]):
-        into[c] = places.body[f, a] + c
-    for c in range(sizes[1]):
-        into[sizes[0] + c] = places.body[f, b] + c
-    for c in range(sizes[2]):
-        into[sizes[0] + sizes[1] + c] = places.terrain[f] + c
+    firsts, k = (places.body[f, a], places.body[f, b], places.terrain[f]), 0
+    for part in range(3):
+        for c in range(sizes[part]):
+            into[k] = firsts[part] + c
+            k += 1
     for r in range(n):
         row, to = block[r], matrix[into[r]]
         for c in range(n):
@@ -319,10 +292,8 @@ def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArra
             terrain.heave.shape[1] if rows.unit[first] >= 0 else 0,
         )
         n, length = sizes[0] + sizes[1] + sizes[2], kinds * (last - first)
-        motions, forces = (
-            scratch[0, : n * length].reshape((length, n)),
-            scratch[1, : n * length].reshape((length, n)),
-        )
+        motions = scratch[0, : n * length].reshape((length, n))
+        forces = scratch[1, : n * length].reshape((length, n))
         block = scratch[2, : n * n].reshape((n, n))
         _write_motions(terrain, rows, first, sizes, motions, forces)
         np.dot(motions.T, forces, block)

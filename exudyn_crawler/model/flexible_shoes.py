@@ -7,7 +7,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.model import reductions
-from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, pin_interfaces, pulled_node
+from exudyn_crawler.model.shoe_mesh import check_fit, pin_interfaces, pulled_node
 from fem import (
     CachedReduction,
     ElasticBody,
@@ -31,7 +31,6 @@ class FloatingShoe:
     """Everything that the multibody system needs of a flexible shoe; m modes."""
 
     reduced: ReducedBody  # modes, stress modes and surfaces
-    joints: tuple[str, ...]  # names of the joint centres, in the order of `reduced.interfaces`
     load_point: np.ndarray  # (3,): middle of the loaded surface, m
     load_rows: np.ndarray  # (3, m): its mean displacement by the modes
     beside: np.ndarray  # (3,): change of the load's point per metre that a load shifts to the left
@@ -94,9 +93,8 @@ def check_shoe(case: Case) -> None:
     """Refuse a mesh of the flexible shoes that does not fit the track, its shoes or the machine's memory."""
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
-    check_footprint(body.mesh, flexible.mesh, case.shoe)
-    if case.running_gear is not None and case.shoe.rails is not None:
-        check_rails(body.mesh, flexible.mesh, case.shoe.rails)
+    rails = None if case.running_gear is None else case.shoe.rails
+    check_fit(body.mesh, flexible.mesh, case.shoe, rails)
 
 
 def whole_reduction(case: Case) -> CachedReduction:
@@ -157,7 +155,6 @@ def _floating_shoe(
     part = 1.0 / (left[1] - right[1])
     return FloatingShoe(
         reduced=reduced,
-        joints=tuple(interface.name for interface in reduced.interfaces),
         load_point=middle,
         load_rows=rows,
         beside=part * (left - right),

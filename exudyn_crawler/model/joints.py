@@ -155,7 +155,7 @@ def _rigid_pin(
     gap: FloatArray,
     jacobian: FloatArray,
 ) -> None:
-    """Write the same as `pin` in a chain's plane between rigid bodies; most pins are of that kind."""
+    """Write a pin in a chain's plane between rigid bodies; most pins of a closed track are of that kind."""
     rear, front = attitudes
     axes = rear.axes[0], rear.axes[1], plane_axis(rear, 2)
     across, x, z = turned(rear.R, basis(1)), turned(front.R, basis(0)), turned(front.R, basis(2))
@@ -174,45 +174,6 @@ def _rigid_pin(
                 jacobian[3 + r, side, 3 + c] = sign * dot(at.axes[c], moments[r])
 
 
-@solving_inside
-def pin(
-    markers: Markers,
-    pair: tuple[int, int],
-    ends: tuple[End, End],
-    attitudes: tuple[Attitude, Attitude],
-    apart: Vector,
-    in_plane: bool,
-    gap: FloatArray,
-    jacobian: FloatArray,
-) -> None:
-    """Write the gaps of a pin (ROWS,) and their Jacobian (ROWS, 2, 6 + m).
-
-    `pair`, `ends` and `attitudes` are the markers of rear and front shoe, as carried by these, and the shoes'
-    attitudes; `apart` (m, global) leads from the rear frame's origin to the front one's. The gap of its place
-    has global components, or those along the axes of the chain's plane.
-    """
-    rear, front = ends
-    between = along(along(apart, 1.0, front.lever), -1.0, rear.lever)
-    if in_plane and markers.modes[pair[0]] == 0 and markers.modes[pair[1]] == 0:
-        _rigid_pin((rear.lever, front.lever), attitudes, between, gap, jacobian)
-        return
-    across = axis_of(rear, attitudes[0], 1)
-    for r in range(ROWS):
-        force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        if r < 3 and in_plane:
-            force = plane_axis(attitudes[0], r)
-            gap[r] = dot(between, force)
-        elif r < 3:
-            force = basis(r)
-            gap[r] = between[r]
-        else:
-            axis = axis_of(front, attitudes[1], 0 if r == 3 else 2)
-            gap[r] = dot(across, axis)
-            moment = cross(axis, across)
-        direction(markers, pair[0], rear, attitudes[0], force, moment, -1.0, jacobian[r, 0])
-        direction(markers, pair[1], front, attitudes[1], force, moment, 1.0, jacobian[r, 1])
-
-
 @solving_within
 def add_pins(
     bodies: Bodies,
@@ -224,7 +185,10 @@ def add_pins(
     gap: FloatArray,
     jacobian: FloatArray,
 ) -> None:
-    """Write gaps and Jacobians of all pins into the first rows of both; `rows` (2, 6 + m) are scratch."""
+    """Write gaps and Jacobians of all pins into the first rows of both; `rows` (2, 6 + m) are scratch.
+
+    The gap of a pin's place has global components, `in_plane` those along the axes of the chain's plane.
+    """
     for p in range(pins.shape[0]):
         rear, front = pins[p, 0], pins[p, 1]
         a, b = markers.body[rear], markers.body[front]
@@ -237,10 +201,27 @@ def add_pins(
             reference[b, 1] + rows[1, 1] - reference[a, 1] - rows[0, 1],
             reference[b, 2] + rows[1, 2] - reference[a, 2] - rows[0, 2],
         )
-        ends = end_of(markers, rear, at_a, rows[0]), end_of(markers, front, at_b, rows[1])
-        first, last = ROWS * p, ROWS * p + ROWS
-        both = (at_a, at_b)
-        pin(markers, (rear, front), ends, both, apart, in_plane, gap[first:last], jacobian[first:last])
+        behind, ahead = end_of(markers, rear, at_a, rows[0]), end_of(markers, front, at_b, rows[1])
+        between = along(along(apart, 1.0, ahead.lever), -1.0, behind.lever)
+        own, by = gap[ROWS * p : ROWS * p + ROWS], jacobian[ROWS * p : ROWS * p + ROWS]
+        if in_plane and markers.modes[rear] == 0 and markers.modes[front] == 0:
+            _rigid_pin((behind.lever, ahead.lever), (at_a, at_b), between, own, by)
+            continue
+        across = axis_of(behind, at_a, 1)
+        for r in range(ROWS):
+            force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+            if r < 3 and in_plane:
+                force = plane_axis(at_a, r)
+                own[r] = dot(between, force)
+            elif r < 3:
+                force = basis(r)
+                own[r] = between[r]
+            else:
+                axis = axis_of(ahead, at_b, 0 if r == 3 else 2)
+                own[r] = dot(across, axis)
+                moment = cross(axis, across)
+            direction(markers, rear, behind, at_a, force, moment, -1.0, by[r, 0])
+            direction(markers, front, ahead, at_b, force, moment, 1.0, by[r, 1])
 
 
 @solving_within
@@ -255,7 +236,7 @@ def add_speeds(
     jacobian: FloatArray,
 ) -> None:
     """Write gaps (m/s, rad/s) and Jacobians of drive and turn, whose `speeds` are (2,); scratch as above."""
-    nothing = (0.0, 0.0, 0.0)
+    first, nothing = ROWS * joints.pins.shape[0], (0.0, 0.0, 0.0)
     for k in range(2):
         b = markers.body[joints.drive] if k == 0 else joints.turn
         read_body(bodies, b, state[0], rows[0])
@@ -263,24 +244,27 @@ def add_speeds(
         at = attitude_of(bodies, b)
         if k == 0:
             end = end_of(markers, joints.drive, at, rows[0])
-            direction(markers, joints.drive, end, at, (1.0, 0.0, 0.0), nothing, 1.0, jacobian[k, 0])
+            direction(markers, joints.drive, end, at, (1.0, 0.0, 0.0), nothing, 1.0, jacobian[first + k, 0])
         else:
             about = turned(at.axes, upward(at.R))
             for c in range(jacobian.shape[2]):
-                jacobian[k, 0, c] = about[c - 3] if 3 <= c < 6 else 0.0
+                jacobian[first + k, 0, c] = about[c - 3] if 3 <= c < 6 else 0.0
         speed = -speeds[k]
         for c in range(rows.shape[1]):
-            speed += jacobian[k, 0, c] * rows[1, c]
-        gap[k] = speed
+            speed += jacobian[first + k, 0, c] * rows[1, c]
+        gap[first + k] = speed
 
 
 @solving_within
-def add_holds(bodies: Bodies, holds: IntArray, q: FloatArray, gap: FloatArray, jacobian: FloatArray) -> None:
+def add_holds(
+    bodies: Bodies, joints: Joints, state: FloatArray, gap: FloatArray, jacobian: FloatArray
+) -> None:
     """Write gaps and Jacobians of coordinates that stay where they are."""
-    for k in range(holds.shape[0]):
-        gap[k] = q[bodies.coordinate[holds[k, 0]] + holds[k, 1]]
-        jacobian[k, 0].fill(0.0)
-        jacobian[k, 0, holds[k, 1]] = 1.0
+    for k in range(joints.holds.shape[0]):
+        row, b, coordinate = ROWS * joints.pins.shape[0] + 2 + k, joints.holds[k, 0], joints.holds[k, 1]
+        gap[row] = state[0, bodies.coordinate[b] + coordinate]
+        jacobian[row, 0].fill(0.0)
+        jacobian[row, 0, coordinate] = 1.0
 
 
 PULLED = 3
@@ -299,9 +283,20 @@ class Pull(NamedTuple):
 
 @solving_within
 def write_pull(
-    pull: Pull, bodies: Bodies, markers: Markers, state: FloatArray, pulled: IntArray, directions: FloatArray
+    values: tuple | None,
+    bodies: Bodies,
+    markers: Markers,
+    state: FloatArray,
+    pulled: IntArray,
+    directions: FloatArray,
 ) -> None:
-    """Write the bodies (PULLED,) and the generalized forces (PULLED, 6 + m) of a unit pull on each."""
+    """Write the bodies (PULLED,) and the generalized forces (PULLED, 6 + m) of a unit pull on each.
+
+    `values` are `Pull` as a plain tuple, None where nothing pulls.
+    """
+    if values is None:
+        return
+    pull = Pull(*values)
     at = attitude_of(bodies, pull.frame)
     frame = frame_of(bodies, pull.frame, state, at)
     first = bodies.reference[0, 0] + state[0, bodies.coordinate[0]]
@@ -339,8 +334,8 @@ def write_turned(
 ) -> None:
     """Write how the moments of a pin's force change as its bodies turn: (2, 3, 3), by their angles.
 
-    `pair` are the markers of rear and front body, `in_plane` is as of `pin`, `multipliers` are those of the
-    pin, and `row` (6 + m,) is scratch. In a tight chain that moves slowly this is what holds the shoes in
+    `pair` are the markers of rear and front body, `in_plane` is as of `add_pins`, `multipliers` are those of
+    the pin, and `row` (6 + m,) is scratch. In a tight chain that moves slowly this is what holds the shoes in
     line, and no equation solver may leave it out.
     """
     rear = attitude_of(bodies, markers.body[pair[0]])

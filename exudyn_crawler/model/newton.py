@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exudyn_crawler.ground.rotations import FloatArray, Weights
+from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.model.elimination import eliminate, solve, solving, solving_allocating
 from exudyn_crawler.model.equations import matrix, residual
 from exudyn_crawler.model.joints import turn_moments
@@ -59,21 +59,14 @@ def step(
     """
     n = state.shape[1]
     out, values = scratch
-    weights, fronts = Weights(*factors), tables[FRONTS]
     named, cells, closed = named_tables(tables), tables[CELLS] is not None, tables[CLOSED] is not None
-    wheels = tables[WHEELS] is not None
-    by_place, by_rate, by_acceleration, level = (
-        weights.position,
-        weights.velocity,
-        weights.acceleration,
-        weights.level,
-    )
+    fronts, wheels = tables[FRONTS], tables[WHEELS] is not None
+    by_place, by_rate, by_acceleration, own_secant, level = factors
     # a literal among them would compile the equations once more
-    tangent = (by_place, by_rate, by_acceleration, weights.secant, level)
-    none = (0.0, 0.0, 0.0, weights.secant, level)
+    none = (0.0, 0.0, 0.0, own_secant, level)
     iterations = matrices = 0
     needed = derived = not limits[2]
-    residual(tables, state, multipliers, inputs, tangent if derived else none, workspace, out)
+    residual(tables, state, multipliers, inputs, factors if derived else none, workspace, out)
     old = 0
     last = _norm(out)
     change = np.empty_like(out)
@@ -83,7 +76,7 @@ def step(
             if secant or not derived:
                 by = (by_place, by_rate, by_acceleration, secant, level)
                 residual(tables, state, multipliers, inputs, by, workspace, out)
-            matrix(tables, state, inputs, tangent, workspace, values)
+            matrix(tables, state, inputs, factors, workspace, values)
             eliminate(fronts, values)
             matrices, needed, old = matrices + 1, False, 0
         change[:] = out

@@ -12,8 +12,9 @@ from meshes.rails import rail_outline, station_weights
 
 PIN_TOLERANCE = 1e-3
 """m, between the axis of a bore and the pin."""
-UNDERSIDE_TOLERANCE = 5e-3
-"""m, between the mesh's underside and that of the rigid shoes, on which all shoes meet the ground."""
+TOLERANCE = 5e-3
+"""m, between the mesh's underside, or its rails, and those of the rigid shoes, where all shoes are met."""
+EDGES = ["rear", "front", "right", "left", "height"]
 
 
 def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
@@ -42,40 +43,28 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
     return interfaces
 
 
-def check_footprint(mesh: Mesh, name: str, shoe: Shoe) -> None:
-    """Refuse a mesh whose underside is not that of the rigid shoes, naming both."""
+def check_fit(mesh: Mesh, name: str, shoe: Shoe, rails: Rails | None) -> None:
+    """Refuse a mesh whose underside is not that of the rigid shoes, or whose rails are not these, if any."""
     under = mesh.nodes[mesh.nodes_of("underside")]
     low, high = under.min(axis=0), under.max(axis=0)
-    found = np.array([low[0], high[0], low[1], high[1], low[2]])
-    if np.abs(found - shoe.footprint).max() > UNDERSIDE_TOLERANCE:
-        raise ValueError(
-            f"the mesh {name!r} must have the underside of the case's shoes within {UNDERSIDE_TOLERANCE} m, "
-            f"{_rectangle(shoe.footprint)}; it has {_rectangle(found)}. "
-            f"Shoe.from_mesh({name!r}) is a shoe as the mesh has it"
-        )
-
-
-def check_rails(mesh: Mesh, name: str, rails: Rails) -> None:
-    """Refuse a mesh whose rails are not those of the rigid shoes, naming both, or what the mesh lacks."""
-    try:
-        found = rail_outline(mesh)
-    except ValueError as error:
-        raise ValueError(
-            f"flexible.mesh {name!r} does not go with the rails that wheels roll on: {error}"
-        ) from error
-    off = {key: value - getattr(rails, key) for key, value in found._asdict().items()}
-    far = {key: round(value, 4) for key, value in off.items() if abs(value) > UNDERSIDE_TOLERANCE}
-    if far:
-        raise ValueError(
-            f"the mesh {name!r} must have the rails of shoe.rails within {UNDERSIDE_TOLERANCE} m, "
-            f"they are off by {far} m"
-        )
-
-
-def _rectangle(footprint: np.ndarray) -> str:
-    """Footprint for reading."""
-    x0, x1, y0, y1, z = footprint
-    return f"x {x0:.4g}..{x1:.4g}, y {y0:.4g}..{y1:.4g}, z {z:.4g} m"
+    edges = [low[0], high[0], low[1], high[1], low[2]]
+    compared = [("underside of the case's shoes", EDGES, edges, shoe.footprint.tolist())]
+    if rails is not None:
+        try:
+            own = rail_outline(mesh)._asdict()
+        except ValueError as error:
+            raise ValueError(
+                f"flexible.mesh {name!r} does not go with the rails that wheels roll on: {error}"
+            ) from error
+        wanted = [getattr(rails, key) for key in own]
+        compared.append(("rails of shoe.rails", list(own), list(own.values()), wanted))
+    for what, keys, found, wanted in compared:
+        if np.abs(np.subtract(found, wanted)).max() > TOLERANCE:
+            must, has = (dict(zip(keys, np.round(one, 4).tolist(), strict=True)) for one in (wanted, found))
+            raise ValueError(
+                f"the mesh {name!r} must have the {what} within {TOLERANCE} m, {must}; it has {has}. "
+                f"Shoe.from_mesh({name!r}) is a shoe as the mesh has it"
+            )
 
 
 STATIONS = 9

@@ -142,22 +142,16 @@ class StateLayout:
 
     def equation(self, row: int) -> str:
         """Coordinate that an equation belongs to, or, behind all of those, the multiplier's item."""
-        if row >= self.coordinate_count:
-            ends = np.cumsum([size for _, size in self.multipliers])
-            return self.multipliers[int(np.searchsorted(ends, row - self.coordinate_count, side="right"))][0]
-        first, modal = 6 * self.shoes, 6 * self.shoes + self.terrain
-        others = self.coordinate_count - 6 * len(self.bodies)
-        if row >= others:
-            body, coordinate = divmod(row - others, 6)
-            return f"{self.bodies[body]} ({BODY_COORDINATES[coordinate]})"
-        if row >= modal:
-            shoe, mode = divmod(row - modal, self.modes)
-            return f"modes of shoe {self.flexible_shoes[shoe]} (mode {mode + 1})"
-        if row >= first and not self.terrain_bodies:
-            return f"terrain (coordinate {row - first + 1})"
-        body, coordinate = divmod(row, 6)
-        name = f"shoe {body + 1}" if row < first else f"unit {body - self.shoes + 1}"
-        return f"{name} ({BODY_COORDINATES[coordinate]})"
+        shoes = [f"shoe {number + 1}" for number in range(self.shoes)]
+        units = [f"unit {number + 1}" for number in range(self.terrain // 6)]
+        shoes, units, others = (
+            [f"{name} ({coordinate})" for name in names for coordinate in BODY_COORDINATES]
+            for names in (shoes, units, self.bodies)
+        )
+        terrain = [f"terrain (coordinate {number + 1})" for number in range(self.terrain)]
+        modes = [f"modes of shoe {s} (mode {k + 1})" for s in self.flexible_shoes for k in range(self.modes)]
+        multipliers = [name for name, size in self.multipliers for _ in range(size)]
+        return [*shoes, *(units if self.terrain_bodies else terrain), *modes, *others, *multipliers][row]
 
     def to_json(self) -> str:
         """Layout as text, with its version."""

@@ -131,7 +131,6 @@ class Workspace(NamedTuple):
 def named_tables(values: tuple) -> Tables:
     """Tables of their values as plain tuples, which Python hands over in less time."""
     bodies, modes, markers, joints, loads, terrain, flexible, contact, fronts, rows = values[:10]
-    pull, cells, closed, teeth, wheels = values[10:]
     return Tables(
         Bodies(*bodies),
         Modes(*modes),
@@ -143,9 +142,5 @@ def named_tables(values: tuple) -> Tables:
         contact,
         Fronts(*fronts),
         FrontRows(*rows),
-        pull,
-        cells,
-        closed,
-        teeth,
-        wheels,
+        *values[10:],
     )

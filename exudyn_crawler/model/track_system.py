@@ -122,7 +122,7 @@ class TrackSystem(ABC):
 
     def memory(self) -> dict[str, np.ndarray]:
         """Memory of the ground, as of the last step, as arrays by name; of ground without any none."""
-        return {} if self._cells is None else self._cells.memory()
+        return {} if self._cells is None else self._cells.ground.state()
 
     @abstractmethod
     def set_initial(self, q: np.ndarray) -> None:
@@ -134,7 +134,7 @@ class TrackSystem(ABC):
         Without one, as of `memory`, the ground keeps what it has.
         """
         if self._cells is not None and memory is not None:
-            self._cells.remember(memory)
+            self._cells.ground.restore(memory)
         state = np.stack([self.layout.part(row, f"coordinates{rate}") for rate in RATES])
         self._start(state, self.layout.part(row, "multipliers"))
 
@@ -159,11 +159,9 @@ class TrackSystem(ABC):
 
     def stored_contacts(self) -> np.ndarray:
         """What a state has of the contacts (shoes, layout.contact) that does not follow from the rest."""
-        return (
-            np.zeros((self.layout.shoes, 0))
-            if self._cells is None
-            else self._cells.contacts(self.layout.contact)
-        )
+        if self._cells is None:
+            return np.zeros((self.layout.shoes, 0))
+        return self._cells.contacts(self.layout.contact)
 
     @abstractmethod
     def switch_drive(self, on: bool) -> None:

@@ -28,7 +28,7 @@ def of_mesh(folder, nodes=MESH.nodes, leave_out=""):
         ([1e3, 1e3, 1e3], r"must be in m and no larger than 50 m, it is 3505 m long; is it in mm\?"),
         (
             [1.0, 1.02, 1.0],
-            r"must have the underside of the case's shoes within 0\.005 m, .* it has .* y -1\.7",
+            r"must have the underside of the case's shoes within 0\.005 m, .* it has .*'right': -1\.7",
         ),
         ([1.002, 1.0, 1.0], "must meet the track's pins within 0.001 m"),
     ],

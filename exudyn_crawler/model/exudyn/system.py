@@ -238,7 +238,7 @@ class ExudynSystem(TrackSystem):
         if self._cells is not None:
             twin = compiled_system(self.case)
             q = twin.settled(q)
-            self._cells.remember(twin.memory())
+            self._cells.ground.restore(twin.memory())
         self._start(np.stack((q, np.zeros_like(q), np.zeros_like(q))))
 
     def _start(self, state: np.ndarray, multipliers: np.ndarray | None = None) -> None:

@@ -5,7 +5,6 @@ move the nodes of the grid, the hats the points in between, and the forces of th
 keeps force and moment, and the bending moments on the grid's lines.
 """
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,11 +12,12 @@ import numpy as np
 from exudyn_crawler.ground.cells import kernel
 from exudyn_crawler.ground.cells.contact import write_contacts
 from exudyn_crawler.ground.cells.ground import CellGround
-from exudyn_crawler.ground.frames import Vector, along, cross, turned
+from exudyn_crawler.ground.frames import Vector, along, turned
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
 from exudyn_crawler.model.elimination import solving, solving_allocating, solving_within
+from exudyn_crawler.model.forces.treads import write_point
 
 WRENCH = 6
 """Motions of a rigid shoe: displacement of its COM (m) and rotation (rad), global."""
@@ -86,10 +86,8 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
         f, modal = table.flexible[s], bodies.modal[s]
         if f < 0:
             continue
-        bent, rows = (
-            work.bent[f].reshape((2, table.nodes.size)),
-            table.rows.reshape((table.nodes.size, modes)),
-        )
+        bent = work.bent[f].reshape((2, table.nodes.size))
+        rows = table.rows.reshape((table.nodes.size, modes))
         bent.fill(0.0)
         for m in range(modes):
             z, z_t = state[0, modal + m], state[1, modal + m]
@@ -128,24 +126,24 @@ def bend_before(cells: tuple, frames: FloatArray, bent: FloatArray, workspace: t
 
 
 @solving_within
-def _bend_points(table: CellTable, shoes: kernel.ShoePoints, s: int, bent: FloatArray) -> None:
-    """Write how a shoe's modes move its points."""
-    for a in range(shoes.counts[s]):
-        b, k = a // kernel.BLOCK, a % kernel.BLOCK
-        hats = _hats(table.nodes, shoes.points[s, b, 0, k], shoes.points[s, b, 1, k])
-        for rate in range(2):
-            moved = _moved_by_nodes(hats, bent[rate])
-            for c in range(3):
-                shoes.bent[shoes.bending[s], b, 3 * rate + c, k] = moved[c]
+def _bend_points(table: CellTable, work: CellWorkspace) -> None:
+    """Write how the modes move the points of flexible shoes."""
+    shoes = kernel.ShoePoints(*work.shoes)
+    for s in range(table.flexible.shape[0]):
+        f = table.flexible[s]
+        for a in range(shoes.counts[s] if f >= 0 else 0):
+            b, k = a // kernel.BLOCK, a % kernel.BLOCK
+            hats = _hats(table.nodes, shoes.points[s, b, 0, k], shoes.points[s, b, 1, k])
+            for rate in range(2):
+                moved = _moved_by_nodes(hats, work.bent[f, rate])
+                for c in range(3):
+                    shoes.bent[shoes.bending[s], b, 3 * rate + c, k] = moved[c]
 
 
 @solving
 def bend_shoes(cells: tuple, workspace: tuple) -> None:
     """Write how the modes move the points of flexible shoes; arguments as of `bend_before`."""
-    table, work = CellTable(*cells), CellWorkspace(*workspace)
-    for s in range(table.flexible.shape[0]):
-        if table.flexible[s] >= 0:
-            _bend_points(table, kernel.ShoePoints(*work.shoes), s, work.bent[table.flexible[s]])
+    _bend_points(CellTable(*cells), CellWorkspace(*workspace))
 
 
 @solving_allocating
@@ -161,9 +159,7 @@ def cell_forces(
     table, work = CellTable(*cells), CellWorkspace(*workspace)
     shoes, rigid, flexible = kernel.ShoePoints(*work.shoes), ForceRows(*work.rigid), ForceRows(*work.flexible)
     write_frames(bodies, table, state, work)
-    for s in range(table.flexible.shape[0]):
-        if table.flexible[s] >= 0:
-            _bend_points(table, shoes, s, work.bent[table.flexible[s]])
+    _bend_points(table, work)
     # derivatives of what stands negative in the residual
     by = np.array((-weights.position, -weights.velocity))
     kernel.press(shoes, work.frames, by)
@@ -200,10 +196,8 @@ def _add_nodal_tangent(table: CellTable, shoes: kernel.ShoePoints, s: int, tange
         points, k = shoes.points[s, a // kernel.BLOCK], a % kernel.BLOCK
         hats = _hats(nodes, points[0, k], points[1, k])
         u, v = hats.u, hats.v
-        by_u, by_v = (
-            ((1.0 - u) * (1.0 - u), (1.0 - u) * u, u * u),
-            ((1.0 - v) * (1.0 - v), (1.0 - v) * v, v * v),
-        )
+        by_u = ((1.0 - u) * (1.0 - u), (1.0 - u) * u, u * u)
+        by_v = ((1.0 - v) * (1.0 - v), (1.0 - v) * v, v * v)
         for p in range(3):
             for q in range(3):
                 share = by_u[p] * by_v[q]
@@ -244,21 +238,11 @@ def _write_nodal(
         _add_nodal_tangent(table, shoes, s, tangent)
     for i in range(nodes.shape[0]):
         for j in range(across):
-            place = (
-                nodes[i, j, 0] + bent[i, j, 0],
-                nodes[i, j, 1] + bent[i, j, 1],
-                nodes[i, j, 2] + bent[i, j, 2],
-            )
+            node, by = nodes[i, j], bent[i, j]
+            place = (node[0] + by[0], node[1] + by[1], node[2] + by[2])
             arm, first = turned(at.R, place), 3 * (i * across + j)
-            for c in range(3):
-                by_angle = cross(at.axes[c], arm)
-                for r in range(3):
-                    jacobian[first + r, c] = 1.0 if r == c else 0.0
-                    jacobian[first + r, 3 + c] = by_angle[r]
-            for r in range(3):
-                for m in range(table.rows.shape[3]):
-                    x, y, z = table.rows[i, j, 0, m], table.rows[i, j, 1, m], table.rows[i, j, 2, m]
-                    jacobian[first + r, 6 + m] = at.R[r][0] * x + at.R[r][1] * y + at.R[r][2] * z
+            rows, modes = table.rows[i, j], table.rows.shape[3]
+            write_point(at, arm, rows, modes, 1.0, jacobian[first : first + 3])
 
 
 class TrackOnCells:
@@ -269,7 +253,7 @@ class TrackOnCells:
     """
 
     def __init__(self, ground: CellGround, bodies: tuple, table: tuple, workspace: tuple) -> None:
-        self._ground, self._bodies, self._table, self._workspace = ground, bodies, table, workspace
+        self.ground, self._bodies, self._table, self._workspace = ground, bodies, table, workspace
         self._work = CellWorkspace(*workspace)
         self._count_from_here()
 
@@ -285,7 +269,7 @@ class TrackOnCells:
     def cover(self, state: np.ndarray) -> None:
         """Freeze which cells lie under the shoes, by the state (3, coordinates) that is predicted."""
         place_shoes(self._bodies, self._table, state, self._workspace)
-        self._ground.cover(self._work.frames, self._before[0])
+        self.ground.cover(self._work.frames, self._before[0])
         if len(self._work.bent):
             bend_before(self._table, *self._before, self._workspace)
 
@@ -296,15 +280,15 @@ class TrackOnCells:
         """
         place_shoes(self._bodies, self._table, state, self._workspace)
         bend_shoes(self._table, self._workspace)
-        wrenches, table = self._ground.press(self._work.frames), CellTable(*self._table)
+        wrenches, table = self.ground.press(self._work.frames), CellTable(*self._table)
         if table.rows.shape[3] == 0:
             return wrenches, np.zeros((0, 0))
-        nodal = self._ground.coarse_forces(self._work.frames)[table.flexible >= 0]
+        nodal = self.ground.coarse_forces(self._work.frames)[table.flexible >= 0]
         return wrenches, np.einsum("sabc,abcm->sm", nodal, table.rows)
 
     def commit(self) -> None:
         """Let the cells remember the state whose residual was computed last."""
-        self._ground.commit()
+        self.ground.commit()
         self._count_from_here()
 
     def contacts(self, numbers: int) -> np.ndarray:
@@ -313,15 +297,7 @@ class TrackOnCells:
         The forces (N, the shoe's axes) are those at the nodes of a grid of the underside, for flexible shoes.
         """
         out = np.zeros((len(self._work.frames), numbers))
-        write_contacts(self._ground.shoes, self._work.frames, out)
+        write_contacts(self.ground.shoes, self._work.frames, out)
         if numbers > RESULTS:
-            out[:, RESULTS:] = self._ground.coarse_forces(self._work.frames).reshape(len(out), -1)
+            out[:, RESULTS:] = self.ground.coarse_forces(self._work.frames).reshape(len(out), -1)
         return out
-
-    def memory(self) -> dict[str, np.ndarray]:
-        """Committed memory of the cells, as of `CellGround.state`."""
-        return self._ground.state()
-
-    def remember(self, memory: Mapping[str, np.ndarray]) -> None:
-        """Take a memory as of `memory`."""
-        self._ground.restore(memory)

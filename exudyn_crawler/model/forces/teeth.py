@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Vector, along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
-from exudyn_crawler.model.elimination import solving, solving_allocating, solving_within
+from exudyn_crawler.model.elimination import solving, solving_allocating
 from exudyn_crawler.model.forces.treads import law_slopes, stored_energy, write_point
 from exudyn_crawler.model.joints import Markers, end_of
 
@@ -120,23 +120,22 @@ def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, f
     return -sign * force, stiffness, damping
 
 
-@solving_within
+@solving_allocating
 def teeth_contacts(
-    teeth: tuple | None, bodies: Bodies, markers: Markers, state: FloatArray, weights: Weights, work: tuple
+    table: tuple | None,
+    bodies: Bodies,
+    markers: Markers,
+    state: FloatArray,
+    weights: Weights,
+    workspace: tuple,
 ) -> int:
     """Find the lugs that touch at a state and give their number; none where there are no teeth.
 
-    `teeth` and `work` are `Teeth` and `TeethWorkspace` as plain tuples.
+    `table` and `workspace` are `Teeth` and `TeethWorkspace` as plain tuples.
     """
-    if teeth is None:
+    if table is None:
         return 0
-    return _teeth_contacts(Teeth(*teeth), bodies, markers, state, weights, TeethWorkspace(*work))
-
-
-@solving_allocating
-def _teeth_contacts(
-    teeth: Teeth, bodies: Bodies, markers: Markers, state: FloatArray, weights: Weights, work: TeethWorkspace
-) -> int:
+    teeth, work = Teeth(*table), TeethWorkspace(*workspace)
     rows, count, profile = ForceRows(*work.rows), 0, Profile(*teeth.profile)
     values = np.zeros((2, 6 + markers.displacement.shape[2]))
     derive = weights.position != 0.0 or weights.velocity != 0.0
@@ -184,8 +183,9 @@ def _teeth_contacts(
         work.depth[k], work.guide[k] = max(depth, 0.0), sideways
         work.energy[0] += stored_energy(Impact(*teeth.law), depth)
         rows.bodies[count, 0], rows.bodies[count, 1], rows.unit[count] = b, t, -1
-        _write_jacobian(markers, marker, own, arm, rows.jacobian[count, 0])
-        write_point(at, from_axis, -1.0, rows.jacobian[count, 1])
+        shapes = markers.displacement[marker]
+        write_point(own, arm, shapes, markers.modes[marker], 1.0, rows.jacobian[count, 0])
+        write_point(at, from_axis, shapes, np.int64(0), -1.0, rows.jacobian[count, 1])
         moment = cross(arm, whole)
         for r in range(3):
             rows.wrench[count, r] = work.force[k, r] = whole[r]
@@ -203,14 +203,3 @@ def _teeth_contacts(
                     )
         count += 1
     return count
-
-
-@solving_within
-def _write_jacobian(markers: Markers, k: int, at: Attitude, arm: Vector, jacobian: FloatArray) -> None:
-    """Write how a marker moves."""
-    write_point(at, arm, 1.0, jacobian)
-    shapes = markers.displacement[k]
-    for m in range(markers.modes[k]):
-        move = turned(at.R, (shapes[0, m], shapes[1, m], shapes[2, m]))
-        for r in range(3):
-            jacobian[r, 6 + m] = move[r]

@@ -160,10 +160,20 @@ def write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> 
 
 
 @solving_inside
-def write_point(at: Attitude, arm: Vector, sign: float, jacobian: FloatArray) -> None:
-    """Write how a point of a rigid body moves, times a sign: `arm` leads there from its origin, m, global."""
+def write_point(
+    at: Attitude, arm: Vector, shapes: FloatArray, modes: int, sign: float, jacobian: FloatArray
+) -> None:
+    """Write how a point of a body moves by its coordinates and modes (3, 6 + m), times a sign.
+
+    `arm` leads there from the body's origin, m, global; so many modes of a flexible body, whose first three
+    rows of `shapes` are in its axes, move the point.
+    """
     for c in range(3):
         by_angle = cross(at.axes[c], arm)
         for r in range(3):
             jacobian[r, c] = sign if r == c else 0.0
             jacobian[r, 3 + c] = sign * by_angle[r]
+    for m in range(modes):
+        move = turned(at.R, (shapes[0, m], shapes[1, m], shapes[2, m]))
+        for r in range(3):
+            jacobian[r, 6 + m] = sign * move[r]

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from exudyn_crawler.ground.pair_stiffness import touching_pairs
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.ground.terrain import modal_motion
 from exudyn_crawler.model.bodies import Bodies
 from exudyn_crawler.model.elimination import solving_allocating, solving_within
 
@@ -30,17 +31,6 @@ class UnitWorkspace(NamedTuple):
     overlap: FloatArray  # scratch of the clipping
 
 
-@solving_within
-def _place_units(terrain: TerrainTable, q: FloatArray, out: FloatArray) -> None:
-    """Write heave and tilt of the units by all coordinates, or their rates."""
-    for u in range(terrain.heave.shape[0]):
-        z = a = 0.0
-        for k in range(terrain.heave.shape[1]):
-            z += terrain.heave[u, k] * q[terrain.first + k]
-            a += terrain.tilt[u, k] * q[terrain.first + k]
-        out[u, 2], out[u, 3] = z, a
-
-
 @solving_allocating
 def unit_contacts(
     bodies: Bodies,
@@ -59,8 +49,8 @@ def unit_contacts(
     """
     if contact is None:
         return 0
-    _place_units(terrain, state[0], work.units)
-    _place_units(terrain, state[1], work.rates)
+    modal_motion(terrain.heave, terrain.tilt, state[0, terrain.first :], work.units)
+    modal_motion(terrain.heave, terrain.tilt, state[1, terrain.first :], work.rates)
     for u in range(terrain.heave.shape[0]):
         for k in range(4):
             work.units[u, k] = terrain.reference[u, k] + (work.units[u, k] if k > 1 else 0.0)

@@ -51,7 +51,7 @@ class WheelWorkspace(NamedTuple):
     on_shoes: FloatArray  # (shoes, 6): force (N) and moment about the COM (N m) of all wheels, global
     on_wheels: FloatArray  # (wheels, 3): force of all shoes, N, global
     energy: FloatArray  # (1,): in the treads, J
-    modes: FloatArray  # (4, m): scratch, as of `_rows_at`
+    modes: FloatArray  # (4, m): scratch, as of `_bending`
 
     @classmethod
     def allocate(cls, wheels: Wheels, modes: int) -> "WheelWorkspace":
@@ -80,34 +80,28 @@ class Strip(NamedTuple):
     arm: Vector  # from the shoe's origin to the foot, m, global
 
 
-@solving_within
-def wheel_contacts(
-    wheels: tuple | None, bodies: Bodies, state: FloatArray, drag: FloatArray, weights: Weights, work: tuple
-) -> int:
-    """Find the strips that touch at a state and give their number; none where there are no wheels.
-
-    `wheels` and `work` are `Wheels` and `WheelWorkspace` as plain tuples, `drag` (wheels,) is rolling
-    resistance over normal force with the sign of the travel.
-    """
-    if wheels is None:
-        return 0
-    return _wheel_contacts(Wheels(*wheels), bodies, state, drag, weights, WheelWorkspace(*work))
-
-
 @solving_allocating
-def _wheel_contacts(
-    wheels: Wheels,
+def wheel_contacts(
+    table: tuple | None,
     bodies: Bodies,
     state: FloatArray,
     drag: FloatArray,
     weights: Weights,
-    work: WheelWorkspace,
+    workspace: tuple,
 ) -> int:
+    """Find the strips that touch at a state and give their number; none where there are no wheels.
+
+    `table` and `workspace` are `Wheels` and `WheelWorkspace` as plain tuples, `drag` (wheels,) is rolling
+    resistance over normal force with the sign of the travel.
+    """
+    if table is None:
+        return 0
+    wheels, work = Wheels(*table), WheelWorkspace(*workspace)
     count, strips = 0, wheels.places.shape[1]
     values = np.zeros((2, 6 + work.modes.shape[1]))
     work.wheel.fill(-1)
-    for array in (work.force, work.foot):
-        array.fill(0.0)
+    work.force.fill(0.0)
+    work.foot.fill(0.0)
     work.guide.fill(0.0)
     work.on_shoes.fill(0.0)
     work.on_wheels.fill(0.0)
@@ -154,13 +148,14 @@ def _wheel_contacts(
 
 
 @solving_within
-def _rows_at(wheels: Wheels, strip: int, x: float, out: FloatArray) -> None:
-    """Write displacement along x, y and z of a rail by the modes, and the slope of the last: (4, m).
+def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: FloatArray) -> treads.Bending:
+    """How modes, of coordinates and rates (2, 6 + m), bend a rail at a place.
 
-    Between stations by the cubic through the two nearest on either side with the slopes that their neighbours
-    give (Catmull and Rom, 1974), which has no kinks at stations.
+    Writes displacement along x, y and z of the rail by the modes, and the slope of the last: (4, m). Between
+    stations by the cubic through the two nearest on either side with the slopes that their neighbours give
+    (Catmull and Rom, 1974), which has no kinks at stations.
     """
-    t = (x - wheels.rail[0]) / wheels.spacing
+    t = (place - wheels.rail[0]) / wheels.spacing
     i = min(max(int(t), 0), wheels.rows.shape[1] - 4)
     u = t - i
     values = (
@@ -176,63 +171,21 @@ def _rows_at(wheels: Wheels, strip: int, x: float, out: FloatArray) -> None:
         0.5 * u * (3.0 * u - 2.0) / wheels.spacing,
     )
     table = wheels.rows[strip]
+    rise = slope = rate = aside = aside_rate = 0.0
     for k in range(out.shape[1]):
-        x = y = z = slope = 0.0
+        x = y = z = tilt = 0.0
         for n in range(4):
             x += values[n] * table[i + n, 0, k]
             y += values[n] * table[i + n, 1, k]
             z += values[n] * table[i + n, 2, k]
-            slope += slopes[n] * table[i + n, 2, k]
-        out[0, k], out[1, k], out[2, k], out[3, k] = x, y, z, slope
-
-
-@solving_within
-def _bending(rows: FloatArray, own: FloatArray) -> treads.Bending:
-    """How modes bend a rail: rows (4, m) of `_rows_at` times coordinates and rates (2, 6 + m)."""
-    rise = slope = rate = aside = aside_rate = 0.0
-    for k in range(rows.shape[1]):
-        rise += rows[2, k] * own[0, 6 + k]
-        slope += rows[3, k] * own[0, 6 + k]
-        rate += rows[2, k] * own[1, 6 + k]
-        aside += rows[1, k] * own[0, 6 + k]
-        aside_rate += rows[1, k] * own[1, 6 + k]
+            tilt += slopes[n] * table[i + n, 2, k]
+        out[0, k], out[1, k], out[2, k], out[3, k] = x, y, z, tilt
+        rise += z * own[0, 6 + k]
+        slope += tilt * own[0, 6 + k]
+        rate += z * own[1, 6 + k]
+        aside += y * own[0, 6 + k]
+        aside_rate += y * own[1, 6 + k]
     return treads.Bending(rise, slope, rate, aside, aside_rate)
-
-
-@solving_inside
-def _motion_against(frame: Frame, shoe: Frame, place: Vector) -> tuple[Vector, Vector]:
-    """Place (m) and velocity (m/s) of a point of a frame, at `place` in its axes, in a shoe's axes."""
-    arm = turned(frame.R, place)
-    apart = along(along(frame.r, 1.0, arm), -1.0, shoe.r)
-    velocity = along(along(frame.v, 1.0, cross(frame.omega, arm)), -1.0, shoe.v)
-    rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
-    return turned_back(shoe.R, apart), rates
-
-
-@solving_inside
-def _write_rows(
-    rows: ForceRows,
-    p: int,
-    force: Vector,
-    arms: tuple[Vector, Vector],
-    frames: tuple[Attitude, Attitude],
-    modes: FloatArray,
-    flexible: bool,
-) -> None:
-    """Write a tread that pushes the frame with a force (N, global), and the shoe with the opposite.
-
-    `arms` (m, global) lead from the origins of frame and shoe to the foot, `frames` are their attitudes;
-    `modes` of a flexible shoe are as of `_rows_at`.
-    """
-    rows.unit[p] = -1
-    for k in range(2):
-        treads.write_point(frames[k], arms[k], 1.0 - 2.0 * k, rows.jacobian[p, k])
-    for m in range(modes.shape[1] if flexible else 0):
-        move = turned(frames[1].R, (modes[0, m], modes[1, m], modes[2, m]))
-        for r in range(3):
-            rows.jacobian[p, 1, r, 6 + m] = -move[r]
-    for r in range(3):
-        rows.wrench[p, r] = force[r]
 
 
 @solving_inside
@@ -253,12 +206,16 @@ def _touch(
     """
     (w, k), (flexible, derive) = numbers, flags
     place = (wheels.places[w, k, 0], wheels.places[w, k, 1], wheels.places[w, k, 2])
-    center, rates = _motion_against(frame, shoe, place)
+    # place (m) and velocity (m/s) of the strip's axis in the shoe's axes
+    arm = turned(frame.R, place)
+    apart = along(along(frame.r, 1.0, arm), -1.0, shoe.r)
+    velocity = along(along(frame.v, 1.0, cross(frame.omega, arm)), -1.0, shoe.v)
+    rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
+    center = turned_back(shoe.R, apart)
     rail = treads.Rail(*wheels.rail)
     bent = treads.Bending(0.0, 0.0, 0.0, 0.0, 0.0)
     if flexible:
-        _rows_at(wheels, k, min(max(center[0], rail.rear), rail.front), modes)
-        bent = _bending(modes, values)
+        bent = _bending(wheels, k, min(max(center[0], rail.rear), rail.front), values, modes)
     disc: treads.Pair = (wheels.radii[w], drag)
     middle, speeds = (center[0], center[2]), (rates[0], rates[2])
     tread = treads.tread_force(Impact(*wheels.law), rail, disc, middle, speeds, bent, derive)
@@ -299,10 +256,14 @@ def _keep(
     pressed = (tread.force[0], tread.force[1]) if tread.depth > 0.0 else (0.0, 0.0)
     force = turned(shoe.R, (pressed[0], strip.side, pressed[1]))
     rows.bodies[count, 0], rows.bodies[count, 1] = wheels.frames[w], s
-    arms = along(foot, -1.0, frame.r), strip.arm
-    _write_rows(rows, count, force, arms, attitudes, work.modes, flexible)
-    moment = cross(strip.arm, force)
+    rows.unit[count] = -1
+    arms, moment = (along(foot, -1.0, frame.r), strip.arm), cross(strip.arm, force)
+    for side in range(2):
+        modes = work.modes.shape[1] if flexible and side == 1 else 0
+        jacobian = rows.jacobian[count, side]
+        treads.write_point(attitudes[side], arms[side], work.modes, modes, 1.0 - 2.0 * side, jacobian)
     for r in range(3):
+        rows.wrench[count, r] = force[r]
         work.force[s, slot, k, r], work.foot[s, slot, k, r] = -force[r], foot[r]
         work.on_shoes[s, r] -= force[r]
         work.on_shoes[s, 3 + r] -= moment[r]
