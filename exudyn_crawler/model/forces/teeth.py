@@ -138,7 +138,6 @@ def teeth_contacts(
     teeth, work = Teeth(*table), TeethWorkspace(*workspace)
     rows, count, profile = ForceRows(*work.rows), 0, Profile(*teeth.profile)
     values = np.zeros((2, 6 + markers.displacement.shape[2]))
-    derive = weights.position != 0.0 or weights.velocity != 0.0
     work.energy[0] = 0.0
     for k in range(teeth.markers.shape[0]):
         work.depth[k], work.guide[k] = 0.0, 0.0
@@ -159,8 +158,7 @@ def teeth_contacts(
             read_body(bodies, b, state[0], values[0])
             read_body(bodies, b, state[1], values[1])
         arm = end_of(markers, marker, own, values[0]).lever
-        place = along(shoe.r, 1.0, arm)
-        from_axis = along(place, -1.0, tumbler.r)
+        from_axis = along(along(shoe.r, 1.0, arm), -1.0, tumbler.r)
         local = turned_back(tumbler.R, from_axis)
         inside = profile.addendum + profile.lug - math.sqrt(local[0] ** 2 + local[2] ** 2)
         if inside <= 0.0:
@@ -190,7 +188,7 @@ def teeth_contacts(
         for r in range(3):
             rows.wrench[count, r] = work.force[k, r] = whole[r]
             work.moment[k, r] = moment[r]
-        if derive:
+        if weights.position != 0.0 or weights.velocity != 0.0:
             along_normal = weights.position * by_depth + weights.velocity * by_rate
             along_tangent = weights.position * force * turn
             along_axis = weights.position * stiff + weights.velocity * damped
