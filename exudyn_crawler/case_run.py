@@ -39,13 +39,6 @@ class CaseRun:
         return self.stresses
 
 
-def _folder(path: str | Path | None) -> Path | None:
-    """Folder of a path; an empty one, which would be where the program runs, is refused."""
-    if path == "":
-        raise ValueError("out and reuse must name folders, or be None, got ''")
-    return None if path is None else Path(path)
-
-
 def run_case(
     case_file: CaseFile,
     out: str | Path | None = None,
@@ -80,8 +73,11 @@ def run_case(
     """
     check_case_file(case_file)
     case, outputs = case_file.case, case_file.outputs
-    path, source = _folder(out), _folder(reuse)
-    reused = None if source is None else folders.matching_history(source, case_file)
+    # an empty path would be where the program runs
+    if "" in (out, reuse):
+        raise ValueError("out and reuse must name folders, or be None, got ''")
+    path = None if out is None else Path(out)
+    reused = None if reuse is None else folders.matching_history(Path(reuse), case_file)
     # a mesh that does not fit, or ruts of another ground, are refused while nothing is written yet
     if case.flexible is not None:
         flexible_shoes.check_shoe(case)
@@ -145,10 +141,7 @@ def _stresses(history: History, work: _Work) -> recovery.StressResults | None:
 
 
 def _history(work: _Work) -> History:
-    """Simulate a case, or what is missing of it in the folder that the run holds; raises as `simulate`.
-
-    ValueError, naming it, if what is there was altered or comes from other parameters.
-    """
+    """Simulate a case, or what is missing of it in the folder that the run holds; raises as `run_case`."""
     folder, case_file = work.folder, work.case_file
     case, path = case_file.case, folder.path
     if path is None:

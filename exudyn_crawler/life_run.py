@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import files
+from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.results.checks import cases, roller_path, solve
 from exudyn_crawler.results.history import History
@@ -18,6 +19,7 @@ from exudyn_crawler.run.folder import folder as folders, progress, record
 from exudyn_crawler.views import style, tables
 from exudyn_crawler.views.pages import life as pages
 from fem import write_vtu
+from fem.interrupts import interrupts_wait
 
 LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
 TABLE, CAUSES = "shortest_lives.csv", "causes.csv"
@@ -107,7 +109,8 @@ def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> 
         for one, histories in inputs:
             names = duty_runs.check_cases_of(one)
             shapes = solve.case_shapes(_check_of(one), names, say) if names else None
-            found.append(results.life_of(one, histories, say, _spreads(one, histories), shapes))
+            spreads = [_spread(run, own.case) for run, own in zip(one.runs, histories, strict=True)]
+            found.append(results.life_of(one, histories, say, spreads, shapes))
     return found
 
 
@@ -150,11 +153,18 @@ def _history_of(run: DutyRun) -> Path:
     return path / record.HISTORY if path.is_dir() else path
 
 
-def _spreads(duty: Duty, histories: Sequence[History]) -> list[xr.DataArray | None]:
-    """Relative spread of each run's peaks, where it has been found beside its history."""
-    pairs = zip(duty.runs, histories, strict=True)
-    found = [folders.spread_beside(_history_of(run).parent, own.case) for run, own in pairs]
-    return [None if one is None else results.relative_spread(one) for one in found]
+@interrupts_wait()
+def _spread(run: DutyRun, case: Case) -> xr.DataArray | None:
+    """Relative spread of a run's peaks, if it has been found beside its history; ValueError if of another."""
+    path = _history_of(run).parent / folders.SPREAD_FOLDER / folders.SPREAD
+    if not path.is_file():
+        return None
+    with xr.open_dataset(path, engine="h5netcdf") as dataset:
+        if dataset.attrs.get("case") != case.model_dump_json():
+            raise ValueError(
+                f"{path} comes from another case than the run beside it: run spread again, or remove it"
+            )
+        return results.relative_spread(dataset[["peak_von_mises", "peak_spread", "peak_choice"]].load())
 
 
 def write_life(found: results.LifeResults, folder: Path, overwrite: bool = False) -> None:

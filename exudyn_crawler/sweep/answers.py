@@ -39,7 +39,7 @@ STATISTICS: dict[str, Any] = {
 class AnyAnswer(Parameters):
     """What all answers have.
 
-    A kind of answer adds a field `model` with its name, `_default_label`, `unit` and `meaning` of its column,
+    A kind of answer adds a field `model` with its name, `_column`: name, unit and meaning of its column,
     ``_case_errors(case_file)``, what of it runs of a case cannot give, and ``of_run(run)``, its number, NaN
     where a run has none.
     """
@@ -47,15 +47,23 @@ class AnyAnswer(Parameters):
     name: Name | None = option("column of the table; made of the rest, if not given", None)
     better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "less")
 
-    _default_label: ClassVar[Any]
+    _column: ClassVar[Any]
+    _case_errors: ClassVar[Any]
 
     @property
     def label(self) -> str:
         """Name of the column."""
-        return self.name or self._default_label
+        return self.name or self._column[0]
 
-    def _case_errors(self, case_file: CaseFile) -> Errors:
-        raise NotImplementedError
+    @property
+    def unit(self) -> str:
+        """Unit of the column."""
+        return self._column[1]
+
+    @property
+    def meaning(self) -> str:
+        """What it is, for reading."""
+        return self._column[2]
 
     def check(self, case_file: CaseFile) -> None:
         """Refuse, by a `ValueError` that names the answer, what runs of a case cannot give."""
@@ -91,19 +99,10 @@ class Answer(AnyAnswer):
             yield f"end must be greater than start = {self.start:g} s, got {self.end:g} s"
 
     @property
-    def _default_label(self) -> str:
-        return "_".join(filter(None, [self.quantity, self.axis, self.statistic, *map(str, self.of or ())]))
-
-    @property
-    def unit(self) -> str:
-        """Unit of the column."""
-        return QUANTITIES[self.quantity].unit
-
-    @property
-    def meaning(self) -> str:
-        """What it is, for reading."""
-        axis = f", {self.axis}" if self.axis else ""
-        return f"{self.statistic} of {QUANTITIES[self.quantity].meaning}{axis}"
+    def _column(self) -> tuple[str, str, str]:
+        quantity, axis = QUANTITIES[self.quantity], f", {self.axis}" if self.axis else ""
+        name = "_".join(filter(None, [self.quantity, self.axis, self.statistic, *map(str, self.of or ())]))
+        return name, quantity.unit, f"{self.statistic} of {quantity.meaning}{axis}"
 
     def _case_errors(self, case_file: CaseFile) -> Errors:
         case, quantity = case_file.case, QUANTITIES[self.quantity]
@@ -137,16 +136,10 @@ class HotSpot(AnyAnswer):
     shoe: int = option("number of the shoe")
     rank: int = option("1: the hottest", 1, ge=1, le=HOT_SPOTS)
 
-    unit: ClassVar[str] = "Pa"
-
     @property
-    def _default_label(self) -> str:
-        return f"hot_spot_{self.rank}_shoe_{self.shoe}"
-
-    @property
-    def meaning(self) -> str:
-        """What it is, for reading."""
-        return f"von Mises stress of hot spot {self.rank} of shoe {self.shoe}"
+    def _column(self) -> tuple[str, str, str]:
+        meaning = f"von Mises stress of hot spot {self.rank} of shoe {self.shoe}"
+        return f"hot_spot_{self.rank}_shoe_{self.shoe}", "Pa", meaning
 
     def _case_errors(self, case_file: CaseFile) -> Errors:
         flexible = case_file.case.flexible
@@ -167,21 +160,16 @@ class Life(AnyAnswer, Damage, Often):
     better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "more")
     region: Region | None = option("part of the shoe whose shortest life counts; all, if not given", None)
     survival: Survival = option("part of the shoes that survive it", 0.975)
-    unit: ClassVar[str] = "h"
 
     def _errors(self) -> Errors:
         self.duty()
         yield from ()
 
     @property
-    def _default_label(self) -> str:
-        return f"life_{self.region}".replace(" ", "_") if self.region else "life"
-
-    @property
-    def meaning(self) -> str:
-        """What it is, for reading."""
+    def _column(self) -> tuple[str, str, str]:
+        name = f"life_{self.region}".replace(" ", "_") if self.region else "life"
         where = f" of {self.region}" if self.region else ""
-        return f"machine hours to a crack{where}, {100 * self.survival:g} % survive"
+        return name, "h", f"machine hours to a crack{where}, {100 * self.survival:g} % survive"
 
     def duty(self) -> Duty:
         """Duty that is made of the run alone; raises `ParameterError` as that does."""

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from exudyn_crawler.case import CaseFile, write_case
-from exudyn_crawler.case.case_file import NUMBER, stored_numbers
 from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 from exudyn_crawler.run.folder import progress as parts, record
@@ -14,8 +13,6 @@ from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.scatter import AnySweep, DutyScatter
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
-
-PACKED = 0.75  # size of a history on disk to that in memory
 
 
 def run_sweep(
@@ -141,21 +138,14 @@ def run_time(case_file: CaseFile) -> float:
     return sum(times[part] for part in (parts.SIMULATE, parts.RECOVER) if part in times)
 
 
-def run_bytes(case_file: CaseFile) -> float:
-    """Size of what a run leaves, about."""
-    stored = case_file.case.solver.stored_times(case_file.duration)
-    return PACKED * NUMBER * stored * stored_numbers(case_file.case) + 20e3
-
-
 def estimate(case_file: CaseFile, missing: int, workers: int | None, stored: Iterable[Outcome]) -> str:
-    """Time and disk space of the missing runs in a line; finished runs show how long one takes."""
+    """Time of the missing runs in a line; finished runs show how long one takes."""
     times = [float(one["wall_time_s"]) for one in stored if one.get("status") == DONE]
     each = sum(times) / len(times) if times else run_time(case_file)
     whence = f"as {len(times)} finished ones took" if times else "by a rule of thumb"
     count = workers or os.cpu_count() or 1
     whole = each * missing / min(count, max(missing, 1))
-    size = run_bytes(case_file) * missing
     return (
         f"{missing} runs of about {each:.2g} s each ({whence}): {in_units(whole, parts.TIMES)} on {count} "
-        f"workers, {each * missing / 3600:.2g} core hours, {size / 1e9:.2g} GB"
+        f"workers, {each * missing / 3600:.2g} core hours"
     )

@@ -34,12 +34,11 @@ class DutyScatter(Variation):
     design: Design = option("as of a sweep", "latin_hypercube")
 
     def _errors(self) -> Errors:
-        yield from super()._errors()
         for path in (path for one in self.vary for path in one.keys):
             names = fields.names_of(fields.parse_path(path))
             if not {names[0], names[-1]} & set(DRAWN):
                 yield f"{path} cannot be drawn; what can begins or ends with {', '.join(DRAWN)}"
-        self._check_rows()
+        yield from super()._errors()
 
     @property
     def named(self) -> str:

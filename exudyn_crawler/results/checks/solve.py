@@ -225,10 +225,7 @@ def all_cases(check: ready.ShoeCheck, outline: ready.ShoeOutline) -> tuple[ready
 def solve_cases(
     check: ready.ShoeCheck, shoe: CheckedShoe, say: Callable[[str], None] = lambda _text: None
 ) -> CheckResults:
-    """Solve all cases of a check.
-
-    A ValueError names a case that is not in balance or that ground cannot carry.
-    """
+    """Solve all cases of a check; a ValueError names one not in balance or that ground cannot carry."""
     cases = all_cases(check, shoe.outline)
     loads, answers, blows = _solved(shoe, cases, say)
     say("stresses, peaks and cycles")

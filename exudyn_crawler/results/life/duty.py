@@ -319,17 +319,12 @@ class Duty(Damage):
 
     def by_stage(self) -> "list[Duty]":
         """Duty of each stage alone, which is named as the stage; ValueError if nothing happens in one."""
-
-        def of(stage: DutyStage) -> "Duty":
-            parts = {
-                kind: [
-                    one.with_(stage=None) for one in getattr(self, kind) if one.stage in (None, stage.name)
-                ]
-                for kind in ("runs", "cases")
-            }
-            return self.with_(name=stage.name, stages=(), check=stage.check or self.check, **parts)
-
-        return [of(stage) for stage in self.stages] or [self]
+        found = []
+        for name, check in ((stage.name, stage.check or self.check) for stage in self.stages):
+            own = [one.with_(stage=None) for one in self.parts if one.stage in (None, name)]
+            runs, cases = ([one for one in own if isinstance(one, kind)] for kind in (DutyRun, DutyCase))
+            found.append(self.with_(name=name, stages=(), check=check, runs=runs, cases=cases))
+        return found or [self]
 
     def times_an_hour(self, durations: list[float]) -> list[float]:
         """How often an hour each run happens, at durations in s; ValueError if all take more than an hour."""
@@ -350,8 +345,7 @@ def _check_shares(shares: dict[str, float]) -> None:
 def read_duty(path: str | Path) -> Duty:
     """Read a duty file (TOML); folders and check files count from its folder; raises as `read_case`."""
     path = Path(path)
-    named = {"name": path.stem}
-    duty = read_parameters(path, Duty, "duty file", lambda content: named | content)
+    duty = read_parameters(path, Duty, "duty file", lambda content: {"name": path.stem} | content)
 
     def found(check: str) -> str:
         own = path.parent / check

@@ -18,7 +18,6 @@ from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes, trust
 from fem.stress import principal, von_mises
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
-AT_ONCE = 50  # instants whose fields are in memory together
 
 
 @dataclass(frozen=True)
@@ -158,32 +157,6 @@ def peak_time(history: History, shoe: int) -> float:
     basis = stress_basis(history, [shoe])
     found = recover_extremes(basis.shapes.stress_modes, basis.coordinates[shoe])
     return float(history.time[int(found.highest.argmax())])
-
-
-def surface_stress(history: History, shoe: int, rows: np.typing.ArrayLike) -> xr.Dataset:
-    """Von Mises stress and elastic displacement of a shoe's surface at the stored instants of some rows.
-
-    `von_mises` (time, node), Pa; `displacement` (time, node, axis) and `node_position` (node, axis), m, in
-    the shoe's frame; `triangle` (face, corner), indices along node in outward sense. ValueError if the shoe
-    is not a flexible one of the history.
-    """
-    check_flexible(history.case, shoe)
-    basis = stress_basis(history, [shoe])
-    shapes, q = basis.shapes, basis.coordinates[shoe][np.asarray(rows)]
-    used, corners = np.unique(hot_spots.flat_triangles(shapes.mesh.boundary), return_inverse=True)
-    parts = [q[start : start + AT_ONCE] for start in range(0, len(q), AT_ONCE)]
-    stress = np.concatenate([shapes.von_mises(part, used).astype("f4") for part in parts])
-    of_stress, of_bend = (catalogue.QUANTITIES[f"frame_{name}"] for name in ("von_mises", "displacement"))
-    bend = np.concatenate([shapes.displacement(part)[:, used].astype("f4") for part in parts])
-    return xr.Dataset(
-        {
-            "von_mises": (("time", "node"), stress, of_stress.attributes),
-            "displacement": (("time", "node", "axis"), bend, of_bend.attributes),
-            "node_position": catalogue.variable("node_position", shapes.nodes[used]),
-            "triangle": (("face", "corner"), corners.reshape(-1, 3)),
-        },
-        coords={"time": history.time.isel(time=np.asarray(rows)), "axis": ["x", "y", "z"]},
-    )
 
 
 def node_stress(

@@ -9,9 +9,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import h5py
-import xarray as xr
 
-from exudyn_crawler.case import Case, CaseFile, differences, read_case, write_case
+from exudyn_crawler.case import CaseFile, differences, read_case, write_case
 from exudyn_crawler.errors import ASK_TO_OVERWRITE, CaseFileError
 from exudyn_crawler.files import clear_partial_files, writable_folder
 from exudyn_crawler.results.history.history import History
@@ -173,17 +172,3 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
     if found:
         raise ValueError(f"{path} comes from other parameters: {'; '.join(found[:5])}")
     return history
-
-
-@interrupts_wait()
-def spread_beside(run: Path, case: Case) -> xr.Dataset | None:
-    """Spread of the stresses of the run in a folder, or None; ValueError if it is of another case."""
-    path = run / SPREAD_FOLDER / SPREAD
-    if not path.is_file():
-        return None
-    with xr.open_dataset(path, engine="h5netcdf") as dataset:
-        if dataset.attrs.get("case") != case.model_dump_json():
-            raise ValueError(
-                f"{path} comes from another case than the run beside it: run spread again, or remove it"
-            )
-        return dataset[["peak_von_mises", "peak_spread", "peak_choice"]].load()

@@ -81,10 +81,7 @@ def times_line(times: Mapping[str, float]) -> str:
 def _shown(
     title: str, total: float | None, show: bool | None, *columns: bars.ProgressColumn, transient: bool = False
 ) -> Iterator[Callable[..., None]]:
-    """Bar on a terminal, elsewhere a line every `LINE_EVERY`; gives a function of what is done and the line.
-
-    `show` None shows a bar on a terminal and lines where stderr is something else; a log has lines, too.
-    """
+    """Bar or lines as of `progress_bar`, lines in a log, too; gives a function of what is done and the line."""
     console, told = Console(stderr=True), clock.perf_counter()
     on_terminal = show or (show is None and console.is_terminal)
     described = bars.TextColumn("{task.description}"), bars.BarColumn()

@@ -67,17 +67,13 @@ def timestamp() -> str:
 
 
 def commit() -> str:
-    """Commit that the program is from, by git or of its installation (PEP 610); empty where nothing tells."""
+    """Commit that the program is from, by git; empty where it is installed."""
     root = Path(__file__).parents[3]
     if (root / ".git").exists():
         asked = ["git", "describe", "--always", "--abbrev=12", "--exclude=*", "--dirty=, changed"]
         with suppress(OSError, subprocess.SubprocessError):
             done = subprocess.run(asked, cwd=root, capture_output=True, text=True, check=True, timeout=10)
             return done.stdout.strip()
-        return ""
-    with suppress(importlib.metadata.PackageNotFoundError, ValueError, TypeError, AttributeError):
-        source = json.loads(importlib.metadata.distribution(PROGRAM).read_text("direct_url.json") or "{}")
-        return str(source.get("vcs_info", {}).get("commit_id", ""))
     return ""
 
 

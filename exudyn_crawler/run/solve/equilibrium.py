@@ -228,11 +228,11 @@ def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
     Damped motion finds it where Newton's method alone goes astray: Exudyn's derivatives leave out how the
     links' forces turn with the shoes, and spheres come onto edges and leave them.
     """
-    case, q, settings = system.case, system.first_guess(), _relaxation_settings()
+    case, q = system.case, system.first_guess()
     for _ in range(RELAXATIONS):
         system.set_initial(q)
         try:
-            _damped_motion(system, settings)
+            _damped_motion(system)
         except NewtonError as failed:
             why = f"damped motion failed, {failed.fault(system.layout)}"
             break
@@ -265,18 +265,14 @@ def newton_settings(residual: float, iterations: int) -> "exu.SimulationSettings
     return settings
 
 
-def _relaxation_settings() -> "exu.SimulationSettings":
+def _damped_motion(system: ExudynSystem) -> None:
+    """One motion, which an interrupt ends after its step."""
     settings = newton_settings(1.0, 40)
     time = settings.timeIntegration
     time.endTime = RELAXATION
     time.numberOfSteps = round(RELAXATION / RELAXATION_STEP)
     time.minimumStepSize = 0.1 * RELAXATION_STEP
     time.generalizedAlpha.spectralRadius = 0.0
-    return settings
-
-
-def _damped_motion(system: ExudynSystem, settings: "exu.SimulationSettings") -> None:
-    """One motion, which an interrupt ends after its step."""
     with interrupts_wait() as waiting:
         system.after_step(lambda _time: not waiting)
         system.solve(settings)
