@@ -14,11 +14,11 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from exudyn_crawler import errors, files
+from exudyn_crawler import errors
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.model.reductions import program_digest
-from exudyn_crawler.run.folder.record import LOCK, note_file, timestamp
+from exudyn_crawler.run.folder.record import LOCK, note_file, timestamp, write_json
 from exudyn_crawler.sweep import answers, definition
 
 LOCK_WAIT = 600.0
@@ -102,8 +102,7 @@ def write_outcome(
     outcome |= {"answers": numbers, **more, "finished": timestamp()}
     folder = folder_of(task.runs, task.digest)
     folder.mkdir(parents=True, exist_ok=True)
-    with files.whole_file(folder / OUTCOME, overwrite=True) as temporary:
-        temporary.write_text(json.dumps(outcome, indent=2) + "\n", encoding="utf-8")
+    write_json(folder / OUTCOME, outcome)
     return outcome
 
 

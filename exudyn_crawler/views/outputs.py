@@ -226,7 +226,7 @@ WRITERS: dict[str, Callable[[History, Stresses, Path, Outputs], None]] = {
 def write_outputs(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """Write stresses, the ground's map, and what derives from all of it as far as the outputs ask for it."""
     if stresses is not None:
-        stresses.save(folder / "stress.nc", overwrite=True)
+        files.write_netcdf(stresses.dataset, folder / "stress.nc", overwrite=True)
     if isinstance(history.case.terrain, CellTerrain):
         files.write_netcdf(
             ground_map.ground_map(history, outputs.ground_times), folder / GROUND, overwrite=True

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history import History, as_history, catalogue, files, phases
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
@@ -41,28 +40,15 @@ class StressResults:
         tables = [f"<p>Shoe {k}: {of}</p>{one.to_html(index=False)}" for k, one in self.hot_spots.items()]
         return "".join([*tables, self.dataset._repr_html_()])
 
-    def save(self, path: str | Path, overwrite: bool = False) -> Path:
-        """Write the dataset to a NetCDF file, whole or not at all; raises as `write_netcdf`."""
-        return write_netcdf(self.dataset, Path(path), overwrite)
-
 
 def recover_stresses(
     history: History | str | Path, times: Sequence[float] | None = None, peak: bool = True
 ) -> StressResults:
-    """Recover the stresses of all flexible shoes from a run.
+    """Recover the stresses of all flexible shoes from a run, or from the file of its history.
 
-    Parameters
-    ----------
-    times : sequence of float, optional
-        s, instants of which whole fields are returned, as the stored ones nearest to them and as far as the
-        run goes; begin and ends of the load cycle's phases by default.
-    peak : bool
-        Return that of the highest stress of all shoes, too.
-
-    Raises
-    ------
-    ValueError
-        If the run has no flexible shoes, or none of the times lies within it.
+    Whole fields are of the stored instants nearest to `times` (s), as far as the run goes, by default begin
+    and ends of the load cycle's phases; with `peak` also of that of the highest stress of all shoes.
+    ValueError if the run has no flexible shoes, or none of the times lies within it.
     """
     history = as_history(history)
     names, basis = _frames(history, times), stress_basis(history)

@@ -81,7 +81,7 @@ def times_line(times: Mapping[str, float]) -> str:
 def _shown(
     title: str, total: float | None, show: bool | None, *columns: bars.ProgressColumn, transient: bool = False
 ) -> Iterator[Callable[..., None]]:
-    """Bar or lines as of `progress_bar`, lines in a log, too; gives a function of what is done and the line."""
+    """Bar or lines as of `progress_bar`, also in a log; gives a function of what is done and the line."""
     console, told = Console(stderr=True), clock.perf_counter()
     on_terminal = show or (show is None and console.is_terminal)
     described = bars.TextColumn("{task.description}"), bars.BarColumn()

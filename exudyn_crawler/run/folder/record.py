@@ -55,10 +55,10 @@ def recorded_files(folder: Path) -> set[str]:
     }
 
 
-def write_record(folder: Path, record: dict[str, Any]) -> None:
-    """Write the record of a run."""
-    with whole_file(folder / RECORD, overwrite=True) as temporary:
-        temporary.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Write a record of what was done."""
+    with whole_file(path, overwrite=True) as temporary:
+        temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
 def timestamp() -> str:
@@ -192,7 +192,7 @@ def recorded(folder: RunFolder) -> Iterator[None]:
             if outcome:
                 taken = round(time.perf_counter() - begun, 3)
                 record.update(finished=timestamp(), wall_time_s=taken, **outcome)
-            write_record(out, record | {"stages_s": folder.stages, "files": files})
+            write_json(out / RECORD, record | {"stages_s": folder.stages, "files": files})
 
         folder._record = write
         logger.info("%s %s, process %d", PROGRAM, found.get(PROGRAM, ""), os.getpid())
@@ -218,7 +218,8 @@ def note_file(path: Path) -> None:
     if earlier_record(out):
         # a run at work in the folder notes what is new by itself
         with suppress(BlockingIOError), held(out):
-            write_record(out, earlier_record(out) | {"files": sorted({*recorded_files(out), path.name})})
+            named = {"files": sorted({*recorded_files(out), path.name})}
+            write_json(out / RECORD, earlier_record(out) | named)
 
 
 @contextmanager

@@ -256,33 +256,21 @@ def simulate(
     checkpoints: Checkpoints | None = None,
     ground_times: Sequence[float] = (),
 ) -> History:
-    """Run a case from static equilibrium, or from the last of the checkpoints.
+    """Run a case from static equilibrium for a duration (s), or from the last of the checkpoints.
 
     The run is made of stages (`stage_times`); each starts from the end of the one before, whether in
     the same process or, after a kill, in a later one, so that both give the same numbers.
 
-    Parameters
-    ----------
-    duration : float
-        s, simulated time.
-    progress : bool, optional
-        Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
-    checkpoints : Checkpoints, optional
-        Keeps every stage but the last; the run goes on behind those that it has.
-    ground_times : sequence of float
-        s, rising, at which the history has what ground of cells remembers, beside its end.
+    `progress` shows a bar; None shows one on a terminal and a line every 10 s elsewhere. `checkpoints` keep
+    every stage but the last; the run goes on behind those that they have. `ground_times` (s) rise; at them,
+    beside its end, the history has what ground of cells remembers.
 
-    Raises
-    ------
-    TypeError, ValueError
-        Before anything runs, if `case` is none, `duration` is not positive and finite, the run would take
-        too much memory, the drive takes the track off the terrain or checkpoints have other parameters.
-    EquilibriumError
-        If the track finds no rest before t = 0.
-    SimulationStopped
-        If a step fails at its least size, if spheres of the second contact model sink through the ground,
-        or on an interrupt; it carries the history up to there. An `ImplausibleWarning` before anything runs
-        says what no machine and no ground is known to have.
+    Before anything runs, an `ImplausibleWarning` says what no machine and no ground is known to have, and a
+    TypeError or ValueError if `case` is none, `duration` is not positive and finite, the run would take too
+    much memory, the drive takes the track off the terrain or checkpoints have other parameters. Later an
+    EquilibriumError if the track finds no rest before t = 0; SimulationStopped, which carries the history up
+    to there, if a step fails at its least size, spheres of the second contact model sink through the ground,
+    what a closed chain must not do happens, or on an interrupt.
     """
     case_file.check_run(case, duration)
     warn_implausible(case, duration)
