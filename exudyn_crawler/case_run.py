@@ -61,15 +61,11 @@ def run_case(
     on a terminal and a line every 10 s elsewhere. `say` gets a line on each thing that goes on. Reductions of
     flexible shoes are stored in the folder `reductions`, else in `model.reductions.reductions_folder`.
 
-    Raises
-    ------
-    TypeError, FileNotFoundError, ValueError
-        Before anything is written, if `case_file` is none, a path is empty, `reuse` holds no history or that
-        of other parameters, mesh or ruts do not fit; or if checkpoints come from other parameters.
-    FileExistsError, BlockingIOError
-        Before anything runs, if the folder has results and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        If the track finds no rest before t = 0, or the run ends early; its history stays in the folder.
+    Before anything is written, a TypeError, FileNotFoundError or ValueError if `case_file` is none, a path is
+    empty, `reuse` holds no history or that of other parameters, mesh or ruts do not fit; or if checkpoints
+    come from other parameters. Before anything runs, a FileExistsError if the folder has results and
+    `overwrite` is false, or a BlockingIOError if another run works there. Later an EquilibriumError if the
+    track finds no rest before t = 0, or SimulationStopped if the run ends early; its history stays there.
     """
     check_case_file(case_file)
     case, outputs = case_file.case, case_file.outputs

@@ -57,11 +57,6 @@ class StripStations(NamedTuple):
     spacing: float  # m, between neighbours
     lines: int  # on a rail
 
-    @property
-    def positions(self) -> np.ndarray:
-        """X in m."""
-        return self.rear + self.spacing * np.arange(STRIP_STATIONS)
-
     def shares(self, line: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (times, 4) of stations and their shares in a force at x (times,) on a strip's line."""
         t = np.clip((x - self.rear) / self.spacing, 0.0, STRIP_STATIONS - 1.0)

@@ -109,10 +109,9 @@ def _ground_shares(underside: patches.Underside, grid: fem.PressureGrid) -> np.n
 
 def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations]) -> csr_array:
     """Forces at static fields' stations, in the middle of a rail, by one at each station of the strips."""
-    blocks = []
+    blocks, along = [], strips.rear + strips.spacing * np.arange(load_map.STRIP_STATIONS)
     for rail in stations:
-        level = rail.rectangle
-        x = np.clip(strips.positions, level.low[0], level.high[0])
+        x = np.clip(along, rail.rectangle.low[0], rail.rectangle.high[0])
         blocks.append(vstack([csr_array(rail.coordinates(np.ones((len(x), 1)), x)[..., 0])] * strips.lines))
     return csr_array(block_diag(blocks))
 
