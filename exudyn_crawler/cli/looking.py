@@ -29,7 +29,7 @@ def report(
     """Make one self-contained page of a run, to be read offline in a browser."""
     folder = application.run_folder(run)  # refused before all that draws is loaded
     with heartbeat(f"report of {folder}"):
-        page = crawler.write_report(folder, out, overwrite, typer.echo)
+        page = crawler.write_report(folder, out, overwrite)
     application.report_made(page, ": open it in a browser")
 
 

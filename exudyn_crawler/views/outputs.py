@@ -1,6 +1,5 @@
 """What a run leaves beside its history: a writer for each of the outputs that its case asks for."""
 
-import logging
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree
@@ -20,7 +19,6 @@ from exudyn_crawler.views.scenes import films, gear, pictures, scene, shoes, tra
 from fem import Mesh, export, interrupts
 from meshes import mesh_named
 
-logger = logging.getLogger("exudyn_crawler")
 Stresses = recovery.StressResults | None  # of the flexible shoes, if there are any
 
 MOST_DRAWN = 5 * 10**8
@@ -208,7 +206,7 @@ def write_page(history: History, stresses: Stresses, folder: Path, outputs: Outp
     # what draws pages takes a while to load, and sweeps make none of their runs
     from exudyn_crawler.views.pages.report import write_report
 
-    write_report(folder, overwrite=True, say=logger.warning)
+    write_report(folder, overwrite=True)
 
 
 WRITERS: dict[str, Callable[[History, Stresses, Path, Outputs], None]] = {

@@ -8,7 +8,7 @@ from exudyn_crawler.case.parameters.track import Track
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.basis import stress_basis
-from exudyn_crawler.results.stress.hot_spots import REGIONS, load_shares, shares, shoe_regions
+from exudyn_crawler.results.stress.hot_spots import REGIONS, flat_triangles, load_shares, shares, shoe_regions
 from fem import Shapes
 from meshes import STEEL, joint_interfaces, mesh_named
 from tests.modal_loads import modal_loads
@@ -164,3 +164,19 @@ def test_a_load_that_acts_alone_has_all_of_the_stress(request, run, shoe, load):
         found = load_shares(stress_basis(history, [shoe]), shoe, NODES, rows)
         assert found[f"share of {load}"].to_numpy() == pytest.approx(1.0, abs=1e-9)
         assert np.abs(found.drop(columns=f"share of {load}").to_numpy()).max(initial=0.0) < 1e-9
+
+
+def volume(points, triangles):
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
+
+
+def test_flat_triangles_close_the_surface_and_follow_its_round_parts():
+    mesh = mesh_named("coarse")
+    fine, corners = flat_triangles(mesh.boundary), mesh.boundary[:, :3]
+    edges = np.sort(np.concatenate([fine[:, [0, 1]], fine[:, [1, 2]], fine[:, [2, 0]]]))
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    assert np.array_equal(np.unique(fine), mesh.surface_nodes)
+    off = abs(volume(mesh.nodes, fine) - mesh.volume)
+    assert off < 0.3 * abs(volume(mesh.nodes, corners) - mesh.volume)
+    assert off < 1e-3 * mesh.volume

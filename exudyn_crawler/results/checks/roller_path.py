@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 import fem.line_contact as hertz
 from exudyn_crawler.case import Case, RunningGear
@@ -19,7 +18,7 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.checks.cases import CheckCase, ShoeCheck
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import FatigueMaterial
-from exudyn_crawler.results.loads.actions import frame_of
+from exudyn_crawler.results.loads.actions import frame_of, treads
 from exudyn_crawler.results.stress.basis import stress_basis
 from fem import Material
 from meshes import STEEL, rails
@@ -132,31 +131,6 @@ def _places(case: Case) -> np.ndarray:
     return np.linspace(rail.rear, rail.front, 1 + max(1, round((rail.front - rail.rear) / PLACE)))
 
 
-_Treads = tuple[np.ndarray, ...]
-"""Treads that press, p of them: instant, shoe (from 1), roller, rail and radius (m), each (p,), and of their
-strips forces (p, strips), N, and places (p, strips, 3), m."""
-
-
-def _rolled_treads(history: History, part: xr.Dataset) -> _Treads:
-    size = np.linalg.norm(part.tread_force.values, axis=-1)
-    row, roller, rail, ahead = np.nonzero(size.sum(axis=3))
-    shoe, at = part.roller_shoe.values[row, roller] + ahead, (row, roller, rail, slice(None), ahead)
-    radius = np.full(len(row), frame_of(history).radius)
-    return row, shoe, roller + 1, rail, radius, size[at], part.tread_foot.values[at]
-
-
-def _closed_treads(history: History, part: xr.Dataset) -> _Treads:
-    """Of the flexible shoes; those of slides are left out, which do not roll."""
-    wheel, names = part.strip_wheel.values - 1, np.array(history.case.wheel_names)
-    rolls = (wheel >= 0) & (np.char.find(names, "slide") < 0)[wheel]
-    size = np.linalg.norm(part.strip_force.values - part.strip_guide.values, axis=-1)
-    row, shoe, slot, rail = at = np.nonzero(size.sum(axis=-1) * rolls[..., None])
-    own = wheel[row, shoe, slot]
-    radii = np.tile(history.case.closed_gear().wheels(0.0)[:, 2], history.case.tracks)
-    shoes = part.flexible_shoe.values[shoe]
-    return row, shoes, names[own], rail, radii[own], size[at], part.strip_foot.values[at]
-
-
 def has_treads(history: History) -> bool:
     """Whether a history has the strips of treads: of a rolled track, or of flexible shoes in a closed one."""
     return "tread_force" in history.dataset or "strip_force" in history.dataset
@@ -167,15 +141,24 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
 
     Beside it when (s and row), where on the rail (m), the tread's force (N) and to which side it leans.
     """
-    edges = _places(history.case)
-    treads_of, kind = (_closed_treads, "strip") if history.case.is_closed else (_rolled_treads, "tread")
-    names = [f"{kind}_force", f"{kind}_foot", "position", "angles"]
-    names += ["strip_guide", "strip_wheel"] if history.case.is_closed else ["roller_shoe"]
+    edges, case = _places(history.case), history.case
+    if case.is_closed:
+        read = ["strip_force", "strip_foot", "strip_guide", "strip_wheel"]
+        names, radii = np.array(case.wheel_names), np.tile(case.closed_gear().wheels(0.0)[:, 2], case.tracks)
+    else:
+        read, names = ["tread_force", "tread_foot", "roller_shoe"], history.roller.values
+        radii = np.full(len(names), frame_of(history).radius)
+    rolls = np.char.find(names.astype(str), "slide") < 0
     keys, found, done = ["shoe", "roller", "rail", "place"], [], 0
-    for part in blocks(history.dataset[names]):
-        row, shoe, roller, rail, radius, size, feet = treads_of(history, part)
+    for part in blocks(history.dataset[[*read, "position", "angles"]]):
+        on = treads(part)
+        size = np.linalg.norm(on.force - on.guide, axis=-1)
+        presses = size.any(axis=-1) & ((on.wheel >= 0) & rolls[on.wheel])[..., None]
+        row, slot, rail = np.nonzero(presses)
+        size, shoe, wheel = size[presses], on.shoe[row, slot], on.wheel[row, slot]
+        roller, radius = names[wheel], radii[wheel]
         total, moment = size.sum(axis=1), size @ gear.strip_places
-        foot = np.einsum("ps,psi->pi", size, feet) / total[:, None]
+        foot = np.einsum("ps,psi->pi", size, on.foot[presses]) / total[:, None]
         axes = rotation_matrices(part.angles.values)[row, shoe - 1, :, 0]
         x = np.einsum("pi,pi->p", foot - part.position.values[row, shoe - 1], axes)
         place = np.searchsorted(edges[1:-1], x) + 1
@@ -190,7 +173,7 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
     whole = pd.concat(found, ignore_index=True)
     if whole.empty:
         raise ValueError("a tread must press on a shoe at a stored instant, none does")
-    bent = whole["shoe"].isin(() if history.case.flexible is None else history.case.flexible.shoes)
+    bent = whole["shoe"].isin(() if case.flexible is None else case.flexible.shoes)
     whole = whole[bent] if bent.any() else whole
     return whole.loc[whole.groupby(keys)[INTENSITY].idxmax()].reset_index(drop=True)
 

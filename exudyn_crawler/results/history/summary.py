@@ -1,4 +1,4 @@
-"""What a run comes to: key results, extremes, loads, differences from another run, and its bouncing."""
+"""What a run comes to: key results, extremes, loads, and differences from another run."""
 
 from collections.abc import Mapping
 from operator import attrgetter
@@ -7,7 +7,6 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
-from scipy.signal import welch
 
 from exudyn_crawler.files import blocks
 from exudyn_crawler.results.history import History, catalogue, phases
@@ -207,51 +206,3 @@ def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.
             rms, found = float(np.sqrt((difference**2).mean())), _extreme(difference.fillna(0.0), "largest")
             rows.append((str(name), axis, one.attrs.get("units", ""), size, now, change, rms, *found))
     return pd.DataFrame(rows, columns=COLUMNS)
-
-
-BAND = (3.0, 30.0)  # Hz, between what loads and drive do and what the elastic shoes do
-WINDOW = 2.0  # s, length of the segments whose spectra are averaged: it resolves 0.5 Hz
-WIDTH = 0.25  # of the peak's frequency: how far to either side counts as the same oscillation
-LEAST_SHARE = 0.3
-"""Of the variance above the band's begin that the peak has to hold; noise spreads over all frequencies."""
-LEAST_SIZE = 0.01  # of the mean force: what varies by less is not worth a line
-
-
-class Bouncing(NamedTuple):
-    """Oscillation of the contact forces."""
-
-    frequency: float  # Hz, of the highest peak of the mean spectrum over the shoes
-    size: float  # root mean square of the vertical force on a shoe about the peak over the mean force
-    share: float  # part of the variance above `BAND`'s begin that it holds
-
-
-def bouncing(history: History) -> Bouncing | None:
-    """Bouncing of the shoes over a run; None where none stands out of the contact forces' spectrum.
-
-    The vertical contact force of every shoe is taken at equal times; spectra by Welch's method. Runs shorter
-    than `WINDOW` say nothing.
-    """
-    parts = (part.over_time(["contact_force"])["contact_force"].sel(axis="z") for part, _ in history.parts())
-    force = np.concatenate([part.transpose("shoe", "time").values for part in parts], axis=1)
-    time = history.time.values
-    if time[-1] - time[0] < WINDOW:
-        return None
-    step = float(np.median(np.diff(time)))
-    even = np.arange(time[0], time[-1], step)
-    length = min(len(even), round(WINDOW / step))
-    # a shoe at a time: spectra of all segments are in memory together
-    sampled = (np.interp(even, time, one) for one in force)
-    spectra = [welch(one, 1.0 / step, nperseg=length, detrend="linear") for one in sampled]
-    frequency, spectrum = spectra[0][0], np.mean([density for _, density in spectra], axis=0)
-    inside = (frequency >= BAND[0]) & (frequency <= BAND[1])
-    if not inside.any():
-        return None
-    peak = float(frequency[inside][spectrum[inside].argmax()])
-    about = np.abs(frequency - peak) <= WIDTH * peak
-    variance = float(spectrum[about].sum() * frequency[1])
-    above = float(spectrum[frequency >= BAND[0]].sum() * frequency[1])
-    mean = abs(float(force.mean()))
-    if not (above > 0.0 and mean > 0.0):
-        return None
-    result = Bouncing(peak, float(np.sqrt(variance)) / mean, variance / above)
-    return result if result.size >= LEAST_SIZE and result.share >= LEAST_SHARE else None

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from exudyn_crawler.case import SIDES, Case, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -233,23 +234,41 @@ def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray)
                 yield Action(kind, shoe, where, point, force, moment, AtInterface(where))
 
 
+class Treads(NamedTuple):
+    """Strips of treads on shoes: a slot for each wheel that may be on a shoe."""
+
+    shoe: np.ndarray  # (times, slots), its number
+    wheel: np.ndarray  # (times, slots), number from 0, -1 for none
+    force: np.ndarray  # (times, slots, rails, strips, 3), N, on the shoe, with that of the flange
+    foot: np.ndarray  # same, m, where it acts
+    guide: np.ndarray  # same, N, of the flange alone
+
+
+def treads(dataset: xr.Dataset) -> Treads:
+    """Treads of a rolled history's dataset, or of a closed one's with flexible shoes."""
+    # read once: a history larger than memory reads a variable from its file whenever it is asked for
+    if "tread_force" in dataset:
+        dims = ("time", "roller", "neighbour", "rail", "strip", "axis")
+        force, foot = (dataset[f"tread_{name}"].transpose(*dims).values for name in ("force", "foot"))
+        # a tread presses on the shoe behind its roller's axis and on the one ahead of that
+        shoe = dataset.roller_shoe.transpose("time", "roller").values[..., None] + np.arange(force.shape[2])
+        wheel, guide = np.arange(force.shape[1])[:, None], np.broadcast_to(0.0, force.shape)
+    else:
+        force, foot, guide = (dataset[f"strip_{name}"].values for name in ("force", "foot", "guide"))
+        shoe, wheel = dataset.flexible_shoe.values[:, None], dataset.strip_wheel.values - 1
+    times, *slots = force.shape[:3]
+    numbers = (np.broadcast_to(one, (times, *slots)).reshape(times, -1) for one in (shoe, wheel))
+    return Treads(*numbers, *(one.reshape(times, -1, *one.shape[3:]) for one in (force, foot, guide)))
+
+
 def treads_on(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Every strip of a tread that was ever on the shoe, and its flange; a flexible one in a closed track."""
-    # wheels (times, slots), from 0, that are on the shoe, and vectors (times, slots, rails, strips, 3) of
-    # strips, read once: a history larger than memory reads a variable from its file whenever it is asked for
-    if history.case.is_closed:
-        own, names = history.dataset.sel(flexible_shoe=shoe), history.wheel.values.tolist()
-        force, foot, guide = (own[f"strip_{name}"].values for name in ("force", "foot", "guide"))
-        wheels = own.strip_wheel.values - 1
+    if closed := history.case.is_closed:
+        names = history.wheel.values.tolist()
     else:
-        dims = ("time", "roller", "neighbour", "rail", "strip", "axis")
-        force, foot = (history.dataset[f"tread_{name}"].transpose(*dims).values for name in ("force", "foot"))
-        times, rollers, neighbours, *strips = force.shape
-        on = history.roller_shoe.values[..., None] + np.arange(neighbours) == shoe
-        wheels = np.where(on, np.arange(rollers)[:, None], -1).reshape(times, -1)
-        force, foot = (one.reshape(times, -1, *strips) for one in (force, foot))
-        names = [f"roller {number}" for number in range(1, rollers + 1)]
-        guide = np.broadcast_to(0.0, force.shape)
+        names = [f"roller {number}" for number in history.roller.values]
+    found = treads(history.dataset.sel(flexible_shoe=[shoe]) if closed else history.dataset)
+    wheels, force, foot, guide = np.where(found.shoe == shoe, found.wheel, -1), *found[2:]
     for wheel, rail, strip in np.ndindex(len(names), *force.shape[2:4]):
         here = (wheels == wheel) & force[:, :, rail, strip].any(axis=-1)
         if not here.any():

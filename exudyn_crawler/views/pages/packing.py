@@ -183,13 +183,8 @@ def _packed_series(series: figures.Series, kept: Kept, kind: str) -> dict[str, o
 
 
 def _drawn(series: figures.Series) -> list[int]:
-    """Numbers of the items that are drawn at first: those that the papers draw, else some evenly spread."""
+    """Numbers of the items that are drawn at first, evenly spread."""
     found = (re.search(r"\d+", item) for item in series.items)
     numbers = sorted({int(one[0]) for one in found if one})
-    usual = figures.JOINTS if series.group == "links" else figures.SHOES
-    if series.group == "rollers" and series.label != figures.LABEL["rail_force"]:
-        return numbers
-    if not numbers or (set(usual) <= set(numbers) and numbers[-1] <= figures.SHOES[-1]):
-        return list(usual)
     places = np.linspace(0, len(numbers) - 1, min(FEW, len(numbers)))
     return [numbers[round(place)] for place in places]

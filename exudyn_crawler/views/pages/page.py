@@ -20,10 +20,6 @@ TEMPLATES = Path(__file__).with_name("templates")
 SCRIPTS = ("data.js", "camera.js", "scene.js", "phases.js", "page.js")
 PICTURE_WIDTH = 1500  # pixels of a picture on a page
 GRID = "rgba(176, 176, 176, 0.3)"  # colour of a plot's grid
-CONTROLS = dict.fromkeys(
-    {*range(0x20), *range(0x7F, 0xA0)} - set(map(ord, "\t\n\r")), "\N{REPLACEMENT CHARACTER}"
-)
-"""Characters that no page may have, whatever names a user has given, and what stands for them."""
 
 
 class Section(NamedTuple):
@@ -138,14 +134,7 @@ def _address(picture: io.BytesIO, kind: str) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(picture.getvalue()).decode('ascii')}"
 
 
-def _printable(value: object) -> object:
-    """Value without control characters, which names may have; markup has none."""
-    if isinstance(value, str) and not isinstance(value, Markup):
-        return value.translate(CONTROLS)
-    return value
-
-
-HOW: dict[str, Any] = {"undefined": StrictUndefined, "trim_blocks": True, "finalize": _printable}
+HOW: dict[str, Any] = {"undefined": StrictUndefined, "trim_blocks": True}
 ENVIRONMENT = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, **HOW)
 
 

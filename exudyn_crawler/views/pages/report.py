@@ -1,11 +1,9 @@
 """One self-contained page of a run's folder, to be read offline in a browser."""
 
 import json
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
@@ -33,74 +31,61 @@ HOT_SPOTS = (
 )
 
 
-def write_report(
-    folder: str | Path,
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    say: Callable[[str], None] = lambda _text: None,
-) -> Path:
+def write_report(folder: str | Path, out: str | Path | None = None, overwrite: bool = False) -> Path:
     """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
 
     Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
-    those of the first run with flexible shoes. Returned is the file, `out` or `report.html` in the folder;
-    `say` is told of files beside the histories that cannot be read, which are left out.
+    those of the first run with flexible shoes. Returned is the file, `out` or `report.html` in the folder.
 
     A NotADirectoryError if there is no such folder, a FileNotFoundError if it holds neither a history nor a
-    comparison, a FileExistsError if the report exists and `overwrite` is false, a ValueError if a history
-    cannot be read, or nothing else can.
+    comparison, a FileExistsError if the report exists and `overwrite` is false, a ValueError that names the
+    file if one cannot be read.
     """
     folder = Path(folder)
     if not folder.is_dir():
         raise NotADirectoryError(f"no folder {folder}")
     out = folder / REPORT if out is None else Path(out)
     refuse_existing(out, overwrite)
-    return page.write_page(report_page(folder, say), out, overwrite)
+    return page.write_page(report_page(folder), out, overwrite)
 
 
-def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -> str:
+def report_page(folder: Path) -> str:
     """HTML of the report; raises as `write_report`."""
     # a study keeps each of its cases in a folder of its own
     folders = [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
-    left_out = runs.LeftOut()
-    histories, homes = runs.histories_in(folders, left_out)
+    histories, homes = runs.histories_in(folders)
     stressed = next((one for one in folders if (one / runs.STRESSES).is_file()), folder)
-    stress = left_out.unless_broken(stressed / runs.STRESSES, lambda _: runs.stress_of(stressed))
-    compared = left_out.unless_broken(folder / COMPARISON, _compared)
+    stress, comparison = runs.stress_of(stressed), folder / COMPARISON
+    compared = runs.contents(comparison, _compared) if comparison.is_file() else Markup()
     if not (histories or compared):
-        if left_out:
-            raise ValueError("; ".join(left_out))
         raise FileNotFoundError(f"{folder} holds neither a history nor a {COMPARISON} to report on")
     bent = next((n for n in histories if homes[n] == stressed and histories[n].case.flexible), None)
     owner = None if bent is None else histories[bent]
     stresses = {} if bent is None or stress is None else {bent: stress}
     arrays = packing.SceneArrays()
     tracks = {name: packed_track(one, arrays) for name, one in histories.items()}
-    bodies = left_out.unless_broken(stressed / runs.STRESSES, lambda _: packed_shoes(stress, owner, arrays))
+    bodies = packed_shoes(stress, owner, arrays)
     scenes = ({"track": tracks} if tracks else {}) | ({"shoe": {"": bodies}} if bodies else {})
     curves, thinned = packing.packed_curves(histories, stresses)
-    shown, first = _pictures(stressed, stress, owner, left_out)
+    shown, first = _pictures(stressed, stress)
     rolled = any(one.case.is_rolled for one in histories.values())
     closed = any(one.case.is_closed for one in histories.values())
     sections = [
-        Section("comparison", "Paper against computed", compared or Markup()),
+        Section("comparison", "Paper against computed", compared),
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
         Section("track", "Track in motion", part("track", rolled, closed) if histories else Markup()),
         Section("ground", "Ground", _ground(histories)),
-        Section("roller-path", "Roller path", _roller_paths(homes, left_out)),
-        Section("hot-spots", "Hot spots", _hot_spots(stressed, left_out)),
+        Section("roller-path", "Roller path", _roller_paths(homes)),
+        Section("hot-spots", "Hot spots", _hot_spots(stressed)),
         Section("shoes", "Flexible shoes in 3D", part("shoes") if "shoe" in scenes else Markup()),
         Section("pictures", "Stress pictures", shown),
-        Section("tables", "Further tables", _further(folder, folders, left_out)),
-        Section("case", "Case", _cases(folder, histories, left_out)),
+        Section("tables", "Further tables", _further(folder, folders)),
+        Section("case", "Case", _cases(folder, histories)),
     ]
-    for line in left_out:
-        say(f"{line}; left out")
     title = f"Crawler track: {' and '.join(histories) or folder.resolve().name}"
-    lead = [*provenance(folder, histories), *bouncing_lines(histories)]
-    lead += [f"Left out: {line}" for line in left_out]
     data = curves | {"first_picture": first, "scenes": scenes, "arrays": arrays.packed}
     data |= {"bands": style.PHASE_BANDS, "phase_name": style.PHASE_NAME}
-    return page.page(title, lead, sections, data, _key_table(histories, stresses))
+    return page.page(title, provenance(folder, histories), sections, data, _key_table(histories, stresses))
 
 
 def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, object]:
@@ -122,16 +107,12 @@ def _ground(histories: Mapping[str, History]) -> Markup:
     return together(*(page.figure_picture(f"greatest sinkage, {name}", one) for name, one in maps.items()))
 
 
-def _roller_paths(homes: Mapping[str, Path], left_out: runs.LeftOut) -> Markup:
+def _roller_paths(homes: Mapping[str, Path]) -> Markup:
     """Pressure of treads along the rails, of rolled runs whose table is there."""
-    file = f"{figures.ROLLER_PATH}.csv"
-    names = {home / file: name for name, home in homes.items()}
-
-    def drawn(path: Path) -> Markup:
-        figure = figures.roller_path_figure(pd.read_csv(path), names[path])
-        return page.figure_picture(f"roller path, {names[path]}", figure)
-
-    return together(*left_out.of_all(names, drawn))
+    paths = {name: home / f"{figures.ROLLER_PATH}.csv" for name, home in homes.items()}
+    found = {name: runs.contents(path, pd.read_csv) for name, path in paths.items() if path.is_file()}
+    drawn = {name: figures.roller_path_figure(own, name) for name, own in found.items()}
+    return together(*(page.figure_picture(f"roller path, {name}", one) for name, one in drawn.items()))
 
 
 def packed_shoes(
@@ -153,27 +134,21 @@ def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
         for program in ("exudyn-crawler", "exudyn")
         if (version := one.dataset.attrs.get(f"{program.replace('-', '_')}_version"))
     }
-    made, commit = f"page made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC", ""
-    # what a record does not have, or a broken one, leaves its part of the lines out
-    with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-        commit = record.get("commit") and f"commit {record['commit']}"
-        finished = datetime.fromisoformat(record["finished"])
-        made = f"{record['status']} {finished:%Y-%m-%d %H:%M} UTC after {record['wall_time_s']:.0f} s, {made}"
-    lines = "; ".join(shown), "; ".join(filter(None, (*sorted(programs, reverse=True), commit, made)))
+    record = folder / RECORD
+    recorded = runs.contents(record, _recorded) if record.is_file() else []
+    made = f"page made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+    lines = "; ".join(shown), "; ".join((*sorted(programs, reverse=True), *recorded, made))
     return list(filter(None, lines))
 
 
-def bouncing_lines(histories: Mapping[str, History]) -> list[str]:
-    """A line for each case whose contact forces show that its shoes bounce."""
-    found = {name: summary.bouncing(history) for name, history in histories.items()}
-    return [
-        f"{name}: the shoes bounce at {one.frequency:.3g} Hz; the vertical force of the ground on a shoe "
-        f"varies by {100.0 * one.size:.2g} % of its mean about that (root mean square), "
-        f"{100.0 * one.share:.2g} % of all that varies above {summary.BAND[0]:g} Hz"
-        for name, one in found.items()
-        if one is not None
-    ]
+def _recorded(path: Path) -> list[str]:
+    """What a run's record says: the commit that ran, and when it ended, as far as it did."""
+    record = json.loads(path.read_text(encoding="utf-8"))
+    said = [f"commit {record['commit']}"] if record.get("commit") else []
+    if "finished" in record:
+        finished = datetime.fromisoformat(record["finished"])
+        said.append(f"{record['status']} {finished:%Y-%m-%d %H:%M} UTC after {record['wall_time_s']:.0f} s")
+    return said
 
 
 def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]) -> Markup:
@@ -204,61 +179,46 @@ def _compared(path: Path) -> Markup:
     return together(counts, part("verdict_filter"), rows)
 
 
-def _tables(how: str, titles: Mapping[Path, str], left_out: runs.LeftOut) -> list[Markup]:
-    """Tables of files with their titles that are short enough to be read, by the macro of that name."""
-
-    def shown(path: Path) -> Markup | None:
-        own = pd.read_csv(path)
-        return part(how, titles[path], table(own, digits=5)) if len(own) <= LONGEST_TABLE else None
-
-    return left_out.of_all(titles, shown)
+def _tables(how: str, paths: Mapping[str, Path]) -> list[Markup]:
+    """Tables of files by their titles that are short enough to be read, by the macro of that name."""
+    found = {title: runs.contents(path, pd.read_csv) for title, path in paths.items()}
+    short = {title: own for title, own in found.items() if len(own) <= LONGEST_TABLE}
+    return [part(how, title, table(own, digits=5)) for title, own in short.items()]
 
 
-def _hot_spots(folder: Path, left_out: runs.LeftOut) -> Markup:
+def _hot_spots(folder: Path) -> Markup:
     """Tables of the hot spots in a folder, in the order of the shoes."""
     paths = sorted(folder.glob(f"{SPOTS}*.csv"), key=lambda path: (len(path.name), path.name))
-    titles = {path: path.stem.removeprefix(SPOTS).replace("_", " ") for path in paths}
-    found = _tables("titled", titles, left_out)
+    found = _tables("titled", {path.stem.removeprefix(SPOTS).replace("_", " "): path for path in paths})
     return together(page.paragraph(HOT_SPOTS), *found) if found else Markup()
 
 
-def _further(folder: Path, folders: list[Path], left_out: runs.LeftOut) -> Markup:
+def _further(folder: Path, folders: list[Path]) -> Markup:
     """Tables that have no section of their own."""
     paths = [path for one in folders for path in sorted(one.glob("[!.]*.csv"))]
     further = [path for path in paths if path.name != COMPARISON and not path.name.startswith(SPOTS)]
-    titles = {path: path.relative_to(folder).as_posix() for path in further}
-    return together(*_tables("folded", titles, left_out))
+    return together(*_tables("folded", {path.relative_to(folder).as_posix(): path for path in further}))
 
 
-def _cases(folder: Path, histories: Mapping[str, History], left_out: runs.LeftOut) -> Markup:
+def _cases(folder: Path, histories: Mapping[str, History]) -> Markup:
     """Resolved cases with units, and files about the run as they are."""
-
-    def text(path: Path) -> Markup:
-        content = path.read_text(encoding="utf-8")
-        if path.name == RECORD:
-            json.loads(content)
-        return part("folded", path.name, part("preformatted", content))
-
     resolved = [page.paragraph("The folder keeps no resolved case.")]
     if histories:
         rows = {name: pd.DataFrame(case_rows(one.case)) for name, one in histories.items()}
         shown = {name: table(one.rename(columns={"key": "parameter"})) for name, one in rows.items()}
         resolved = [part("folded", name, one, not at) for at, (name, one) in enumerate(shown.items())]
-    return together(*resolved, *left_out.of_all([folder / "case.toml", folder / RECORD], text))
+    there = [path for path in (folder / "case.toml", folder / RECORD) if path.is_file()]
+    texts = {path.name: runs.contents(path, lambda one: one.read_text(encoding="utf-8")) for path in there}
+    as_they_are = (part("folded", name, part("preformatted", text)) for name, text in texts.items())
+    return together(*resolved, *as_they_are)
 
 
-def _pictures(
-    folder: Path, stress: xr.Dataset | None, history: History | None, left_out: runs.LeftOut
-) -> tuple[Markup, int]:
-    """Stress pictures of the folder, or new ones, and which is shown first: that of the highest stress."""
-    with TemporaryDirectory() as temporary:
-        paths = sorted(folder.glob(shoes.PICTURES))
-        if not paths and stress is not None and history is not None:
-            paths = shoes.write_stress_pictures(stress, history, Path(temporary))
-        found = {path: left_out.unless_broken(path, page.picture_file) for path in paths}
-    uris = {shoes.picture_time(path): uri for path, uri in found.items() if uri is not None}
-    if not uris:
+def _pictures(folder: Path, stress: xr.Dataset | None) -> tuple[Markup, int]:
+    """Stress pictures of the folder, and which is shown first: that of the highest stress."""
+    paths = sorted(folder.glob(shoes.PICTURES))
+    if not paths:
         return Markup(), 0
+    uris = {shoes.picture_time(path): runs.contents(path, page.picture_file) for path in paths}
     times, titles, shown = np.array(list(uris)), {time: f"t = {time:.6g} s" for time in uris}, 0
     if stress is not None:
         shown = int(np.abs(times - float(stress.frame[shoes.first_frame(stress)])).argmin())

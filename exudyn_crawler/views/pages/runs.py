@@ -1,6 +1,6 @@
-"""Runs as pages find them in their folders, what pages go on without, and two runs on one page."""
+"""Runs as pages find them in their folders, and two runs on one page."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
 
@@ -28,26 +28,7 @@ SAME_RESULTS = "Nothing that both runs have differs in the results, beyond round
 ITEMS = 3  # shoes that a figure draws at most: the ends and the middle of those that both runs have
 
 
-class LeftOut(list[str]):
-    """Lines that name the files that were left out, and why."""
-
-    def unless_broken(self, path: Path, read: Callable[[Path], T]) -> T | None:
-        """What a file holds; None if there is none, and with a line if it cannot be read."""
-        try:
-            return _read(path, read) if path.is_file() else None
-        except ValueError as error:
-            # a file that is read for several sections is named once
-            if not any(line.startswith(f"{path} ") for line in self):
-                self.append(str(error))
-            return None
-
-    def of_all(self, paths: Iterable[Path], read: Callable[[Path], T | None]) -> list[T]:
-        """What those of the files hold that can be read."""
-        found = [self.unless_broken(path, read) for path in paths]
-        return [one for one in found if one is not None]
-
-
-def _read(path: Path, read: Callable[[Path], T]) -> T:
+def contents(path: Path, read: Callable[[Path], T]) -> T:
     """What a file holds; a ValueError that names the file if it cannot be read."""
     try:
         return read(path)
@@ -58,14 +39,12 @@ def _read(path: Path, read: Callable[[Path], T]) -> T:
         raise ValueError(named) from error
 
 
-def histories_in(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, History], dict[str, Path]]:
+def histories_in(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]]:
     """Histories of some folders by case, and the folder of each."""
     histories: dict[str, History] = {}
     places: dict[str, Path] = {}
     for folder in folders:
-        for path in sorted(folder.glob("[!.]*.nc")):
-            if not path.name.startswith("history") and not left_out.unless_broken(path, _holds_a_case):
-                continue
+        for path in sorted(folder.glob("history*.nc")):
             history = History.load(path)
             name = history.case.name
             if name in histories:
@@ -77,19 +56,14 @@ def histories_in(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, Hist
 def stress_of(folder: Path) -> xr.Dataset | None:
     """Stresses that a run has left in a folder; None if there are none; a ValueError if they are broken."""
     path = folder / STRESSES
-    return _read(path, _stresses) if path.is_file() else None
-
-
-@interrupts_wait()
-def _holds_a_case(path: Path) -> bool:
-    # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
-    with h5py.File(path, "r") as file:
-        return "case" in file.attrs
+    return contents(path, _stresses) if path.is_file() else None
 
 
 @interrupts_wait()
 def _stresses(path: Path) -> xr.Dataset:
-    _holds_a_case(path)
+    # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+    with h5py.File(path, "r"):
+        pass
     dataset = xr.load_dataset(path, engine="h5netcdf")
     catalogue.check_dimensions(dataset)
     return dataset

@@ -15,6 +15,7 @@ from exudyn_crawler.case import Case, CellTerrain, Terrain
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History, ground_map
 from exudyn_crawler.results.history.catalogue import QUANTITIES
+from exudyn_crawler.results.loads.actions import treads
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear
 from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Colouring, Placement, Scene, Solid, box, upward
@@ -62,12 +63,10 @@ def single_forces(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, np.ndarray
     shoes = dataset.contact_shoe.values
     found = {"contacts": (np.where(meets, points, 0.0), np.where(meets, forces, 0.0), shoes)}
     if "tread_force" in dataset:
-        forces, points = values("tread_force"), values("tread_foot")
-        times, *_, neighbours, _ = forces.shape
-        # a tread presses on the shoe behind its roller's axis and on the one ahead of that
-        shoes = values("roller_shoe")[:, :, None, None, None] + np.arange(neighbours)
-        shoes = np.broadcast_to(shoes, forces.shape[:-1]).reshape(times, -1)
-        found["treads"] = points.reshape(times, -1, 3), forces.reshape(times, -1, 3), shoes
+        on = treads(dataset)
+        times, _, *strips, _ = on.force.shape
+        shoes = np.repeat(on.shoe, np.prod(strips), axis=1)
+        found["treads"] = on.foot.reshape(times, -1, 3), on.force.reshape(times, -1, 3), shoes
     if "wheel_load" in dataset:
         for name, _, places, forces in gear.gear_forces(dataset):
             found[name] = places, forces, dataset.shoe.values
