@@ -251,7 +251,7 @@ def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
 def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
     """Cases against each other: contact of one shoe, reactions of one link; by a name that can be a file."""
     found = {case: figures.history_series(one) for case, one in histories.items()}
-    shoe, link = figures.shoe_names([COMPARED_SHOE])[0], figures.link_names([COMPARED_JOINT])[0]
+    shoe, link = f"shoe {COMPARED_SHOE}", f"link {COMPARED_JOINT}-{COMPARED_JOINT + 1}"
 
     def against(label: str, item: str) -> list[figures.Panel]:
         return figures.overlay({case: one[label] for case, one in found.items()}, [item])

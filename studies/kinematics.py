@@ -14,7 +14,7 @@ from typing import Unpack
 
 from exudyn_crawler import Case, CaseFile, History
 from exudyn_crawler.results.history.history import common_phases
-from exudyn_crawler.views.figures import KINEMATICS, history_series, overlay, panel_figure, shoe_names
+from exudyn_crawler.views.figures import KINEMATICS, history_series, overlay, panel_figure
 from exudyn_crawler.views.style import save_figure
 from studies import DURATION
 from studies.comparison import compare_kinematics
@@ -52,7 +52,7 @@ def write_figures(histories: Mapping[str, History], out: Path) -> None:
         return
     found = {case: history_series(one) for case, one in histories.items()}
     phases = common_phases(*histories.values())
-    (shoe,) = shoe_names([COMPARED_SHOE])
+    shoe = f"shoe {COMPARED_SHOE}"
     for quantity, label in KINEMATICS.items():
         panels = overlay({case: one[label] for case, one in found.items()}, [shoe])
         name = f"{shoe} {quantity}.png".replace(" ", "_")

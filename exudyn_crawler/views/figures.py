@@ -4,7 +4,7 @@ Panels stand one below the other, the phases of the run as light bands behind th
 can be those of files.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -206,23 +206,13 @@ def _by_item(values: xr.DataArray, per: str) -> xr.DataArray:
     return values.transpose("time", "item", "axis")
 
 
-def shoe_names(shoes: Iterable[int]) -> list[str]:
-    """Items of shoes by their numbers."""
-    return [f"shoe {shoe}" for shoe in shoes]
-
-
-def link_names(joints: Iterable[int]) -> list[str]:
-    """Items of links by the number of the shoe behind each."""
-    return [f"link {joint}-{joint + 1}" for joint in joints]
-
-
 NAMED: dict[str, Callable[[xr.DataArray, Any], str]] = {
     "shoe": lambda _, shoe: f"shoe {shoe}",
     "joint": lambda values, joint: link_name(values.joint, joint),
     "roller": lambda _, roller: f"roller {roller}",
     "wheel": lambda _, wheel: wheel,
     "track": lambda _, track: f"{track} tumbler",
-    "place": lambda _, pin: f"{link_names(pin[:1])[0]} {pin[1]}",
+    "place": lambda _, pin: f"link {pin[0]}-{pin[0] + 1} {pin[1]}",
 }
 """Items of what has one of a quantity, by the dimension; a place is that of a pin."""
 
@@ -231,13 +221,14 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
     """Motion and contact of some shoes, forces of the links behind them, of rollers, and the side frame."""
     found, case = history_series(history), history.case
     links = sorted({min(shoe, case.track.shoe_count - 1) for shoe in shoes})
-    items = [*shoe_names(shoes), *link_names(links)]
+    of_shoes, of_links = [f"shoe {one}" for one in shoes], [f"link {one}-{one + 1}" for one in links]
+    items = [*of_shoes, *of_links]
     panels = {name: _panels(found, labels, items) for name, labels in OF_RUNS.items() if labels[0] in found}
     if case.is_rolled:
         force, on_shoes = LABEL["roller_force"], LABEL["rail_force"]
         sides = [ON_RAILS.format(side) for side in history.rail.values]
         panels[force] = _panels(found, [force, *sides], axis="z")
-        loaded = items if case.flexible is None else shoe_names(case.flexible.shoes)
+        loaded = items if case.flexible is None else [f"shoe {one}" for one in case.flexible.shoes]
         panels[on_shoes] = _panels(found, [on_shoes], loaded)
         # the way along x is an input
         rising = _panels(found, [LABEL["side_frame_way"]], axis="z")
@@ -290,8 +281,9 @@ def chain_figure(history: History) -> Figure:
 def stress_figures(history: History, stress: xr.Dataset) -> dict[str, Figure]:
     """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle."""
     found, shoes = history_series(history, stress), history.flexible_shoe.values
+    items = [f"shoe {shoe}" for shoe in shoes]
     drawn = {name: [KINEMATICS.get(name, name)] for name in OF_FLEXIBLE_SHOES}
-    panels = {name: _panels(found, labels, shoe_names(shoes)) for name, labels in drawn.items()}
+    panels = {name: _panels(found, labels, items) for name, labels in drawn.items()}
     for name, label in OF_PINS.items():
         for side in history.pin.values:
             # the figure says which side it is, the curves only whose links

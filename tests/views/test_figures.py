@@ -8,7 +8,7 @@ from matplotlib.colors import to_hex
 
 from exudyn_crawler.case.parameters.undercarriage import MachineCycle, MachinePhase
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.views.figures import history_series, link_names, run_figures, shoe_names, stress_figures
+from exudyn_crawler.views.figures import history_series, run_figures, stress_figures
 from exudyn_crawler.views.pages.runs import comparison_figures
 from exudyn_crawler.views.scenes.films import TrackPicture
 from exudyn_crawler.views.style import PHASE_BANDS
@@ -49,7 +49,7 @@ def test_series_are_in_the_units_that_they_name(translation):
 
 def test_panels_have_a_curve_for_each_item_that_is_asked_for(translation):
     series = history_series(translation)["spherical joint reaction"]
-    panels = series.panels(link_names((1, 12)))
+    panels = series.panels(["link 1-2", "link 12-13"])
     assert [panel.label for panel in panels] == [f"{axis} spherical joint reaction" for axis in "xyz"]
     assert [list(panel.curves) for panel in panels] == [["link 1-2", "link 12-13"]] * 3
     drawn = panels[2].curves["link 12-13"].values
@@ -77,10 +77,10 @@ def test_stress_figures_draw_the_flexible_shoes_and_their_pins(flexible_run):
     for name in ("displacement", "velocity", "angular velocity", "contact force"):
         panels = curves(figures[name])
         assert len(panels) == 3
-        assert all(list(panel) == shoe_names((7, 13)) for panel in panels.values())
+        assert all(list(panel) == ["shoe 7", "shoe 13"] for panel in panels.values())
     for side in ("right", "left"):
         force = curves(figures[f"{side} revolute joint reaction"])["x pin force in kN"]
-        assert list(force) == link_names((6, 7, 12))
+        assert list(force) == ["link 6-7", "link 7-8", "link 12-13"]
         expected = 1e-3 * history.pin_force.sel(joint=12, pin=side, axis="x").values
         assert force["link 12-13"] == pytest.approx(expected)
         assert f"{side} revolute joint torque" in figures

@@ -10,8 +10,9 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.views.pages.packing import SceneArrays, bin_width, thinned
-from exudyn_crawler.views.pages.report import INSTANTS, packed_shoes, packed_track, report_page
+from exudyn_crawler.views.pages.packing import SceneArrays, bin_width, packed_scene, thinned
+from exudyn_crawler.views.pages.report import INSTANTS, packed_track, report_page
+from exudyn_crawler.views.scenes.shoes import stress_scene
 from exudyn_crawler.views.scenes.track import forces_on, roller_forces, shoe_forces
 
 
@@ -113,7 +114,7 @@ def test_side_frame_and_rollers_are_packed_with_a_rolled_track(rolled):
 
 def test_flexible_shoes_of_a_rolled_track_have_its_rollers(bent, bent_stress):
     shared = SceneArrays()
-    scene = packed_shoes(bent_stress, bent, shared)
+    scene = packed_scene(stress_scene(bent_stress, bent), shared)
     treads = named(scene["solids"], "rollers")
     # those that are far from the shoes are left out
     assert np.isnan(over_time(shared.packed, treads["origin"])).any()

@@ -59,13 +59,14 @@ def report_page(folder: Path) -> str:
     compared = runs.contents(comparison, _compared) if comparison.is_file() else Markup()
     if not (histories or compared):
         raise FileNotFoundError(f"{folder} holds neither a history nor a {COMPARISON} to report on")
-    bent = next((n for n in histories if homes[n] == stressed and histories[n].case.flexible), None)
-    owner = None if bent is None else histories[bent]
-    stresses = {} if bent is None or stress is None else {bent: stress}
+    bent = [name for name in histories if homes[name] == stressed and histories[name].case.flexible]
+    stresses = {name: stress for name in bent[:1] if stress is not None}
     arrays = packing.SceneArrays()
     tracks = {name: packed_track(one, arrays) for name, one in histories.items()}
-    bodies = packed_shoes(stress, owner, arrays)
-    scenes = ({"track": tracks} if tracks else {}) | ({"shoe": {"": bodies}} if bodies else {})
+    scenes = {"track": tracks} if tracks else {}
+    for name, own in stresses.items():
+        scene = shoes.stress_scene(own, histories[name])
+        scenes["shoe"] = {"": packing.packed_scene(scene, arrays, first=shoes.first_frame(own))}
     curves, thinned = packing.packed_curves(histories, stresses)
     shown, first = _pictures(stressed, stress)
     rolled = any(one.case.is_rolled for one in histories.values())
@@ -115,16 +116,6 @@ def _roller_paths(homes: Mapping[str, Path]) -> Markup:
     return together(*(page.figure_picture(f"roller path, {name}", one) for name, one in drawn.items()))
 
 
-def packed_shoes(
-    stress: xr.Dataset | None, history: History | None, arrays: packing.SceneArrays
-) -> dict[str, object] | None:
-    """Flexible shoes at the chosen times, for a view in 3D; None without them."""
-    if stress is None or history is None:
-        return None
-    scene = shoes.stress_scene(stress, history)
-    return packing.packed_scene(scene, arrays, first=shoes.first_frame(stress))
-
-
 def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
     """Lines that say what the page shows: times of the cases, versions, and when run and page were made."""
     shown = [f"{name}: {one.duration:.4g} s, {one.time.size} stored times" for name, one in histories.items()]
@@ -153,18 +144,16 @@ def _recorded(path: Path) -> list[str]:
 
 def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]) -> Markup:
     """Key results: a row a result, with value and unit, where and when for each case."""
-    columns: dict[str, dict[str, page.Cell | str]] = {}
+    columns = []
     for name, history in histories.items():
-        for one in summary.key_results(history, stresses.get(name)).itertuples():
-            row = columns.setdefault(one.result, {})
-            row[name] = page.Cell(f"{one.value:.4g} {one.unit}", True)
-            row[f"where, {name}"] = ", ".join(filter(None, (one.of, f"t = {one.at:.4g} s")))
+        found = summary.key_results(history, stresses.get(name)).set_index("result")
+        values = [page.Cell(f"{one.value:.4g} {one.unit}", True) for one in found.itertuples()]
+        where = [", ".join(filter(None, (one.of, f"t = {one.at:.4g} s"))) for one in found.itertuples()]
+        columns.append(pd.DataFrame({name: values, "": where}, found.index))
     if not columns:
         return Markup()
-    shown = pd.DataFrame.from_dict(columns, orient="index").fillna("").reset_index()
-    heads = ["", *("" if name.startswith("where, ") else name for name in shown.columns[1:])]
-    headed = shown.set_axis(heads, axis=1)
-    return table(headed, anchor="key-results", compact=True, headed=len(histories) > 1)
+    shown = pd.concat(columns, axis=1).fillna("").rename_axis("").reset_index(allow_duplicates=True)
+    return table(shown, anchor="key-results", compact=True, headed=len(histories) > 1)
 
 
 def _compared(path: Path) -> Markup:

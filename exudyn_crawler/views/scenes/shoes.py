@@ -70,10 +70,9 @@ def stress_scene(stress: xr.Dataset, history: History) -> Scene:
         bend = own.frame_displacement.transpose("frame", "node", "axis").values[:, used]
         notes = tuple(f"{one:.1f} MPa" for one in mises.max(axis=1))
         colouring = Colouring(f"{STRESS} in MPa", mises[:, None, used], *ends, style.STRESS_MAP, name=STRESS)
-        colourings = (colouring, *_trust(stress, shoe, used))
         placed = Solid(name, points, faces, "white", origin[:, [k]], turn[:, [k]], labels=(name,), nodes=used)
         bent = replace(placed, notes=notes, bend=bend[:, None], larger=larger)
-        solids.append(replace(bent, colourings=colourings))
+        solids.append(replace(bent, colourings=(colouring, _trust(stress, shoe, used))))
         tall = float(np.ptp(points[:, 2]))
         arrows.append(Arrows("contact forces", style.CONTACT_FORCE, *pressing[k], force_scale, name, tall))
     if history.case.running_gear is not None:
@@ -82,14 +81,12 @@ def stress_scene(stress: xr.Dataset, history: History) -> Scene:
     return Scene(tuple(frame_titles(stress)), tuple(solids), tuple(arrows))
 
 
-def _trust(stress: xr.Dataset, shoe: int, used: np.ndarray) -> list[Colouring]:
-    """Verdicts on the greatest stress of each node of a shoe's surface, as far as the run has them."""
-    if "peak_verdict" not in stress:
-        return []
+def _trust(stress: xr.Dataset, shoe: int, used: np.ndarray) -> Colouring:
+    """Verdicts on the greatest stress of each node of a shoe's surface."""
     highest = stress.peak_von_mises.isel(node=used)
     low = highest.sel(shoe=shoe).values < LOW * float(highest.max())
     numbers = stress.peak_verdict.sel(shoe=shoe).values[used]
-    return [verdict_colouring(numbers, low, f"low: below {100 * LOW:g} % of the highest", TRUST)]
+    return verdict_colouring(numbers, low, f"low: below {100 * LOW:g} % of the highest", TRUST)
 
 
 def verdict_colouring(numbers: np.ndarray, low: np.ndarray, low_words: str, name: str) -> Colouring:
@@ -101,11 +98,8 @@ def verdict_colouring(numbers: np.ndarray, low: np.ndarray, low_words: str, name
 
 def frame_titles(stress: xr.Dataset) -> list[str]:
     """Chosen times for reading: ``t = 0.226 s, peak``."""
-    names = stress.frame_name.values.tolist() if "frame_name" in stress else [""] * stress.sizes["frame"]
-    return [
-        ", ".join(filter(None, (f"t = {time:.6g} s", name)))
-        for time, name in zip(stress.frame.values, names, strict=True)
-    ]
+    named = zip(stress.frame.values, stress.frame_name.values, strict=True)
+    return [", ".join(filter(None, (f"t = {time:.6g} s", name))) for time, name in named]
 
 
 def first_frame(stress: xr.Dataset) -> int:
@@ -120,7 +114,7 @@ def stress_picture(scene: Scene, now: History, time: int, force_scale: float) ->
     `now` is that instant, as of `track.instants`; the sum on a shoe is drawn `force_scale` m long for 1 N.
     """
     bent = [one for one in scene.solids if one.colourings]
-    tall, case = HEAD + ROW * len(bent) + STRIP + FOOT, now.case
+    tall = HEAD + ROW * len(bent) + STRIP + FOOT
     with mpl.rc_context(style.STYLE | {"axes.grid": False, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(WIDTH, tall))
         place = {"left": 0.08, "right": 0.93, "top": 1.0 - HEAD / tall, "bottom": (STRIP + FOOT) / tall}
@@ -146,16 +140,11 @@ def stress_picture(scene: Scene, now: History, time: int, force_scale: float) ->
         figure.colorbar(
             style.scale_of(colours.low, colours.high, style.STRESS_MAP), cax=beside, label=colours.title
         )
-        title = f"{case.name}: von Mises stress at t = {now.duration:g} s"
+        title = f"{now.case.name}: von Mises stress at t = {now.duration:g} s"
         figure.text(0.011, 1.0 - 0.1 / tall, title, va="top", fontsize=13, parse_math=False)
-        acts = "contact forces"
-        if case.is_closed:
-            acts = "forces of ground, wheels and teeth"
-        elif case.is_rolled:
-            acts = "forces of ground and rollers"
         words = (
             f"elastic displacement drawn {bent[0].larger:g} times larger; circle: highest stress on the "
-            f"shoe's surface, where it is seen\nblue arrows: {acts} on the shoe, "
+            f"shoe's surface, where it is seen\nblue arrows: all that presses on the shoe, "
             f"{1e5 * scene.arrows[0].scale:.2f} m long for 100 kN in single contacts and "
             f"{1e5 * force_scale:.2f} m for the sum below"
         )
