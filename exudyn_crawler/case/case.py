@@ -1,5 +1,6 @@
 """Everything that a run depends on."""
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
@@ -19,11 +20,22 @@ from exudyn_crawler.case.parameters.undercarriage import CarBody, MachineCycle, 
 
 NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 Model = TypeVar("Model", bound=Parameters)
-
-
 AnyTerrain = Annotated[Terrain | CellTerrain, Field(discriminator="model")]
 Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]
 """How shoes and terrain touch."""
+
+
+def _part(name: str, kind: type[Model]) -> Callable[["Case"], Model]:
+    """Method that gives a part of a class; it raises `ValueError` if the case has none, or another."""
+
+    def part(case: "Case") -> Model:
+        if isinstance(found := getattr(case, name), kind):
+            return found
+        if found is None:
+            raise ValueError(f"{name} must be given, got {case.name!r} without it")
+        raise ValueError(f"{name}.model must be {fields.tag_of(kind)!r}, got {found.model!r}")
+
+    return part
 
 
 class Case(Parameters):
@@ -278,43 +290,13 @@ class Case(Parameters):
         can_be = not isinstance(self.contact, SphereContact) and self.terrain_formulation == "reduced"
         return can_be and self.formulation != "engine"
 
-    def flexible_shoes(self) -> FlexibleShoes:
-        """Flexible shoes of the case; raises `ValueError` if it has none."""
-        if self.flexible is None:
-            raise ValueError(f"flexible must be given, got a case of rigid shoes only, {self.name!r}")
-        return self.flexible
-
-    def _of_model(self, part: str, kind: type[Model]) -> Model:
-        """Terrain or contact of the case, if it is of a class."""
-        if not isinstance(found := getattr(self, part), kind):
-            raise ValueError(f"{part}.model must be {fields.tag_of(kind)!r}, got {found.model!r}")
-        return found
-
-    def closed_gear(self) -> ClosedTrack:
-        """Closed track of the case; raises `ValueError` if the track is open."""
-        if self.closed_track is None:
-            raise ValueError(f"closed_track must be given, got a case of an open track, {self.name!r}")
-        return self.closed_track
-
-    def unit_terrain(self) -> Terrain:
-        """Terrain of units of the case; this and those below raise `ValueError` if it is another."""
-        return self._of_model("terrain", Terrain)
-
-    def cell_terrain(self) -> CellTerrain:
-        """Terrain of cells."""
-        return self._of_model("terrain", CellTerrain)
-
-    def cell_contact(self) -> CellContact:
-        """Contact with cells."""
-        return self._of_model("contact", CellContact)
-
-    def pair_contact(self) -> PairContact:
-        """Pair law."""
-        return self._of_model("contact", PairContact)
-
-    def sphere_contact(self) -> SphereContact:
-        """Spheres."""
-        return self._of_model("contact", SphereContact)
+    flexible_shoes = _part("flexible", FlexibleShoes)
+    closed_gear = _part("closed_track", ClosedTrack)
+    unit_terrain = _part("terrain", Terrain)
+    cell_terrain = _part("terrain", CellTerrain)
+    cell_contact = _part("contact", CellContact)
+    pair_contact = _part("contact", PairContact)
+    sphere_contact = _part("contact", SphereContact)
 
     def gravity_vector(self) -> np.ndarray:
         """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""

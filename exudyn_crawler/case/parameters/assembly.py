@@ -9,10 +9,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-import numpy as np
 from scipy.optimize import brentq
 
 CLOSED = 1e-9  # m, by which the ends of an assembled chain may be apart; what is reached is rounding
+FIRST_PIN = 0.5  # its place on the belt, as of `point_at`
 MARCH = 0.25  # of a pitch, steps along the belt in which the next pin is sought
 
 Point = tuple[float, float]
@@ -81,9 +81,9 @@ def point_at(pieces: Sequence[Piece], u: float) -> Point:
     return pieces[k % len(pieces)].at(u - k)
 
 
-def pins_along(pieces: Sequence[Piece], start: float, pitch: float, count: int) -> list[float]:
+def pins_along(pieces: Sequence[Piece], pitch: float, count: int) -> list[float]:
     """Places (as of `point_at`) of count + 1 pins, each a pitch from the one before."""
-    pins, steps = [start], [MARCH * pitch / max(piece.length, 1e-12) for piece in pieces]
+    pins, steps = [FIRST_PIN], [MARCH * pitch / max(piece.length, 1e-12) for piece in pieces]
     for _ in range(count):
         x, z = point_at(pieces, pins[-1])
 
@@ -102,9 +102,9 @@ def pins_along(pieces: Sequence[Piece], start: float, pitch: float, count: int) 
     return pins
 
 
-def surplus(pieces: Sequence[Piece], start: float, pitch: float, count: int) -> float:
+def surplus(pieces: Sequence[Piece], pitch: float, count: int) -> float:
     """Length along the belt, m, by which a chain of so many links overlaps its begin, or lacks it."""
-    last, end = pins_along(pieces, start, pitch, count)[-1], start + len(pieces)
+    last, end = pins_along(pieces, pitch, count)[-1], FIRST_PIN + len(pieces)
     low, high = min(last, end), max(last, end)
     total, u = 0.0, low
     while u < high:
@@ -114,31 +114,17 @@ def surplus(pieces: Sequence[Piece], start: float, pitch: float, count: int) -> 
     return math.copysign(total, last - end)
 
 
-class Loop(NamedTuple):
-    """A chain that closes."""
-
-    value: float  # of what was sought, m
-    pins: np.ndarray  # (links + 1, 2): x and z, the last one the first
-    places: list[float]  # of the pins, as of `point_at`
-
-
 def closed_chain(
-    shape: Callable[[float], list[Piece]],
-    start: float,
-    pitch: float,
-    count: int,
-    bounds: tuple[float, float],
-    what: str,
-) -> Loop:
-    """Chain of so many links that closes on a belt, the `shape` of a value (m) which makes it longer.
+    shape: Callable[[float], list[Piece]], pitch: float, count: int, bounds: tuple[float, float], what: str
+) -> float:
+    """Value (m) that makes a belt, its `shape`, so long that a chain of so many links closes on it.
 
-    `start` is the place of the first pin, as of `point_at`; `what` names the value, for errors. A MisfitError
-    with the length that is missing or left over, and the number of shoes that fits, beyond the value's
-    bounds.
+    `what` names the value, for errors. A MisfitError with the length that is missing or left over, and the
+    number of shoes that fits, beyond the value's bounds.
     """
 
     def left_over(value: float, links: int = count) -> float:
-        return surplus(shape(value), start, pitch, links)
+        return surplus(shape(value), pitch, links)
 
     least, greatest = left_over(bounds[0]), left_over(bounds[1])
     if least < 0.0 or greatest > 0.0:
@@ -150,31 +136,4 @@ def closed_chain(
             advice = f"{other} shoes fit"
         chain = f"a chain of {count} shoes of {pitch:.5g} m"
         raise MisfitError(f"{chain} is too {how} by {length:.4f} m with {what} {value:.4g} m: {advice}")
-    value = float(brentq(left_over, *bounds, xtol=1e-16, rtol=1e-15))
-    pieces = shape(value)
-    places = pins_along(pieces, start, pitch, count)
-    pins = np.array([point_at(pieces, u) for u in places])
-    return Loop(value, pins, places)
-
-
-def along_chain(pins: np.ndarray) -> np.ndarray:
-    """Pitch angles (rad) of the shoes between pins (links + 1, 2), which go on without a jump: (links,)."""
-    apart = np.diff(pins, axis=0)
-    angles = np.unwrap(np.arctan2(-apart[:, 1], apart[:, 0]))
-    return np.asarray(angles - 2.0 * math.pi * np.round(angles[0] / (2.0 * math.pi)))
-
-
-def seat(lugs: Sequence[Point], pitch: float, teeth: int, pitch_radius: float, arc_center: float) -> float:
-    """Greatest distance (m) of the lugs of a seated shoe from the arc's centre that is nearest to each.
-
-    The shoe is a side of the polygon of the tumbler, whose gaps are at its corners; `lugs` are places in the
-    shoe beside the middle between its pins, z into the loop; `arc_center` (m) is the radius on which the
-    centres of the arcs lie. With lugs of radius r an arc of this and r has no play.
-    """
-    height = math.sqrt(max(0.0, pitch_radius**2 - 0.25 * pitch**2))
-    worst = 0.0
-    for x, z in lugs:
-        radius, angle = math.hypot(x, height - z), math.atan2(x, height - z)
-        off = angle - math.copysign(math.pi / teeth, x)
-        worst = max(worst, math.hypot(radius * math.cos(off) - arc_center, radius * math.sin(off)))
-    return worst
+    return float(brentq(left_over, *bounds, xtol=1e-16, rtol=1e-15))

@@ -4,7 +4,7 @@ import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, Self, TypeVar
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeVar
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
@@ -165,6 +165,17 @@ class Parameters(BaseModel):
 
         with pd.option_context("display.max_colwidth", None):
             return pd.DataFrame(fields.case_rows(self)).to_html(index=False, justify="left")
+
+
+class PH4100C(Parameters):
+    """Parameters of which those of the P&H 4100C BOSS have a name."""
+
+    of_ph4100c: ClassVar[Mapping[str, Any]]
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Those of the P&H 4100C BOSS; `case.ph4100c` has their sources and says what is open."""
+        return cls(**cls.of_ph4100c)
 
 
 def shown(value: object) -> str:

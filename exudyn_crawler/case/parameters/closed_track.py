@@ -2,7 +2,7 @@
 
 import math
 from functools import lru_cache
-from typing import Literal, NamedTuple, Self
+from typing import ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -17,8 +17,10 @@ MOST_SAG = 0.5  # of the upper run's length: how far it may sag
 Wheel = tuple[base.Place, base.Place]
 
 
-class Tumbler(Parameters):
+class Tumbler(base.PH4100C):
     """Drive tumbler: even gaps between its teeth are concave arcs, into which round lugs of the shoes run."""
+
+    of_ph4100c: ClassVar = ph4100c.TUMBLER
 
     place: Wheel = quantity("m", "x and z of the axis in the frame", (-20.0, 20.0))
     teeth: int = quantity("1", "number of teeth, and of gaps between them", (6, 30), ge=4, le=200)
@@ -44,12 +46,20 @@ class Tumbler(Parameters):
         return self.pitch_radius or pitch / (2.0 * math.sin(math.pi / self.teeth))
 
     def profile(self, chain: track.Track) -> tuple[float, float, float, float, float]:
-        """Number of gaps; radii of the arcs' centres, arcs, addendum circle and lugs, m."""
+        """Number of gaps; radii of the arcs' centres, arcs, addendum circle and lugs, m.
+
+        A seated shoe is a side of the polygon of the tumbler, whose gaps are at its corners. Without backlash
+        the arcs leave no play to the one of its lugs that is farthest from the arc's centre next to it.
+        """
         pitch, radius = chain.pitch, self.radius(chain.pitch)
-        middle = chain.pin_ahead - 0.5 * pitch
-        lugs = [(x - middle, z - chain.pin_height) for x, z in self.lugs] or [(-0.5 * pitch, 0.0)]
-        center = radius + self.depth
-        arc = assembly.seat(lugs, pitch, self.teeth, radius, center) + self.lug_radius + self.backlash
+        center, middle = radius + self.depth, chain.pin_ahead - 0.5 * pitch
+        height, farthest = math.sqrt(max(0.0, radius**2 - 0.25 * pitch**2)), 0.0
+        # beside the middle between the shoe's pins, z into the loop
+        for x, z in [(x - middle, z - chain.pin_height) for x, z in self.lugs] or [(-0.5 * pitch, 0.0)]:
+            far, angle = math.hypot(x, height - z), math.atan2(x, height - z)
+            off = angle - math.copysign(math.pi / self.teeth, x)
+            farthest = max(farthest, math.hypot(far * math.cos(off) - center, far * math.sin(off)))
+        arc = farthest + self.lug_radius + self.backlash
         return float(self.teeth), center, arc, radius + self.reach, self.lug_radius
 
     def tooth_errors(self, chain: track.Track) -> Errors:
@@ -70,11 +80,6 @@ class Tumbler(Parameters):
         if arc * math.sin(math.radians(flank)) > addendum * math.sin(math.pi / teeth):
             yield "tumbler: neighbouring gaps overlap; fewer teeth, or less reach, leave a tooth between them"
 
-    @classmethod
-    def ph4100c(cls) -> Self:
-        """Tumbler of the P&H 4100C BOSS; `case.ph4100c` says what is open, which is nearly all."""
-        return cls(**ph4100c.TUMBLER)
-
 
 class Tensioner(Parameters):
     """Spring-damper between side frame and idler, which slides along the frame and does not spin."""
@@ -89,8 +94,10 @@ class Tensioner(Parameters):
         return self.mass * radius**2 * np.diag([0.25, 0.5, 0.25])
 
 
-class Idler(Parameters):
+class Idler(base.PH4100C):
     """Front idler: shims hold it where the take-up puts it, or a tensioner pushes it from there."""
+
+    of_ph4100c: ClassVar = ph4100c.IDLER
 
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
     radius: base.Length = quantity("m", "radius of its treads", (0.05, 2.0))
@@ -106,11 +113,6 @@ class Idler(Parameters):
             yield f"range must be least and greatest take-up in this order, got {self.range}"
         if self.take_up is not None and self.slack:
             yield "slack must be zero where take_up is given, which says where the idler is"
-
-    @classmethod
-    def ph4100c(cls) -> Self:
-        """Idler of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
-        return cls(**ph4100c.IDLER)
 
 
 class ClosedTrack(RunningGear):
@@ -253,11 +255,14 @@ def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Asse
     rails = shoe.rails
     assert rails is not None
     rise, pitch = rails.height - chain.pin_height, closed.chain_pitch(chain)
-    take_up, sag, loop = _closed(closed, chain, rise, pitch)
-    angles = assembly.along_chain(loop.pins)
+    take_up, sag, pieces = _closed(closed, chain, rise, pitch)
+    places = assembly.pins_along(pieces, pitch, chain.shoe_count)
+    pins = np.array([assembly.point_at(pieces, place) for place in places])
     # the rearmost shoe of which the pins have passed the first roller comes first
-    first = next(k for k, place in enumerate(loop.places) if place >= 2.0)
-    middles = 0.5 * (loop.pins[1:] + loop.pins[:-1])
+    first = next(k for k, place in enumerate(places) if place >= 2.0)
+    apart, middles = np.diff(pins, axis=0), 0.5 * (pins[1:] + pins[:-1])
+    angles = np.unwrap(np.arctan2(-apart[:, 1], apart[:, 0]))
+    angles = angles - 2.0 * math.pi * np.round(angles[0] / (2.0 * math.pi))
     middle = np.array([chain.pin_ahead - 0.5 * pitch, chain.pin_height])
     c, s = np.cos(angles), np.sin(angles)
     coms = middles - np.column_stack((c * middle[0] + s * middle[1], c * middle[1] - s * middle[0]))
@@ -271,15 +276,15 @@ def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Asse
     shoes[:, :3] = frame + np.column_stack((coms[:, 0], np.zeros(len(coms)), coms[:, 1]))
     shoes[:, 4] = angles - 2.0 * math.pi * round(angles[0] / (2.0 * math.pi))
     x, z = closed.tumbler.place
-    gap = math.atan2(loop.pins[0, 1] - z, loop.pins[0, 0] - x)
+    gap = math.atan2(pins[0, 1] - z, pins[0, 0] - x)
     tumbler = np.array([*(frame + np.array([x, 0.0, z])), 0.0, -gap, 0.0])
     return Assembled(take_up, sag, frame, shoes, tumbler)
 
 
 def _closed(
     closed: ClosedTrack, chain: track.Track, rise: float, pitch: float
-) -> tuple[float, float, assembly.Loop]:
-    """Take-up, sag of the upper run and chain that closes; `rise` is the rails' height above the pins, m."""
+) -> tuple[float, float, list[assembly.Piece]]:
+    """Take-up, sag of the upper run and belt of a chain that closes; `rise` is that of rails over pins, m."""
     (x, z), (ix, iz), count = closed.tumbler.place, closed.idler.place, chain.shoe_count
     rollers, carriers = closed.roller_radius + rise, closed.carrier_radius + rise
     upper = sorted(closed.upper.values())
@@ -294,14 +299,14 @@ def _closed(
 
     take_up = closed.idler.take_up
     if take_up is None:
-        loop = assembly.closed_chain(shape, 0.5, pitch, count, closed.idler.range, "an idler's take-up of")
+        taut = assembly.closed_chain(shape, pitch, count, closed.idler.range, "an idler's take-up of")
         if not closed.idler.slack:
-            return loop.value, 0.0, loop
-        take_up = loop.value - closed.idler.slack
+            return taut, 0.0, shape(taut)
+        take_up = taut - closed.idler.slack
     most = MOST_SAG * shape(take_up)[-1].length
     fixed, what = float(take_up), f"a take-up of {take_up:.4g} m and a sag of"
-    loop = assembly.closed_chain(lambda sag: shape(fixed, sag), 0.5, pitch, count, (0.0, most), what)
-    return fixed, loop.value, loop
+    sag = assembly.closed_chain(lambda sag: shape(fixed, sag), pitch, count, (0.0, most), what)
+    return fixed, sag, shape(fixed, sag)
 
 
 def closed_errors(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Errors:

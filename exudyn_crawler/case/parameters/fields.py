@@ -136,7 +136,9 @@ def allows_none(annotation: Any) -> bool:
 
 def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:
     """Constructors of a parameter class that need no argument, by name: ``Terrain.stress``, say."""
-    names = [name for name, one in vars(kind).items() if isinstance(one, classmethod) and name[0] != "_"]
+    parts = reversed(kind.__mro__[: kind.__mro__.index(BaseModel)])
+    own = {name: one for part in parts for name, one in vars(part).items()}
+    names = [name for name, one in own.items() if isinstance(one, classmethod) and name[0] != "_"]
     makers = {name: getattr(kind, name) for name in names}
     arguments = {name: inspect.signature(make).parameters.values() for name, make in makers.items()}
     empty = inspect.Parameter.empty

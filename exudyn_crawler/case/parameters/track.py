@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import AfterValidator, ValidationInfo
@@ -21,8 +21,10 @@ SIDES = ("right", "left")
 """Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
 
 
-class Rails(Parameters):
+class Rails(base.PH4100C):
     """Two level rails of a shoe, in its frame."""
+
+    of_ph4100c: ClassVar = ph4100c.RAILS
 
     rear: Place = quantity("m", "x of the rear ends", (-1.0, 0.0))
     front: Place = quantity("m", "x of the front ends", (0.0, 1.0))
@@ -37,22 +39,19 @@ class Rails(Parameters):
         if self.left - self.right < self.width:
             yield f"left must be beyond right = {self.right} by the width {self.width}, got {self.left}"
 
-    @classmethod
-    def ph4100c(cls) -> Self:
-        """Rails of the shoe in `meshes/`."""
-        return cls(**ph4100c.RAILS)
-
     @property
     def middles(self) -> tuple[float, float]:
         """Y of the middles of the right and of the left rail, m."""
         return self.right, self.left
 
 
-class Shoe(Parameters):
+class Shoe(base.PH4100C):
     """Rigid crawler shoe.
 
     Places are given in the shoe's frame: origin at the COM, x in the propel direction, y lateral, z up.
     """
+
+    of_ph4100c: ClassVar = ph4100c.SHOE
 
     mass: float = quantity("kg", "mass", (5.0, 2e4), ge=0.1, le=1e7)
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor)")
@@ -80,11 +79,6 @@ class Shoe(Parameters):
         if len(sides) % 2 or np.any(np.diff(sides) <= 0.0) or beyond:
             within = f"stay within the underside from {low:g} to {high:g} m, got {list(sides)}"
             yield f"finger_sides must be two a finger, grow from right to left and {within}"
-
-    @classmethod
-    def ph4100c(cls) -> Self:
-        """Shoe of the P&H 4100C BOSS; inertia and underside, which no paper prints, are of `meshes/`."""
-        return cls(**ph4100c.SHOE)
 
     @classmethod
     def kinematics(cls) -> Self:
@@ -160,12 +154,14 @@ class Shoe(Parameters):
         return np.array([cx - x, cx + x, cy - y, cy + y, -self.com_height])
 
 
-class Track(Parameters):
+class Track(base.PH4100C):
     """Open chain of equal shoes, linked by pins along y; shoe 1 is the rearmost, the last the front.
 
     Every link is one frictionless hinge without redundant equations: a spherical joint at one pin and
     an axis kept parallel at the other.
     """
+
+    of_ph4100c: ClassVar = ph4100c.TRACK
 
     shoe_count: int = quantity("1", "number of shoes, of all tracks", (2, 120), ge=2, le=MOST_SHOES)
     first_com: base.Two = quantity("m", "x and y of the COM of shoe 1 at t = 0")
@@ -178,11 +174,6 @@ class Track(Parameters):
     def _errors(self) -> Errors:
         if self.pin_ahead >= self.pitch:
             yield f"pin_ahead must be less than the pitch {self.pitch}, got {self.pin_ahead}"
-
-    @classmethod
-    def ph4100c(cls) -> Self:
-        """Track of the P&H 4100C BOSS (K-chapter and K-paper, tables of COMs and joints)."""
-        return cls(**ph4100c.TRACK)
 
     def check_shoe(self, shoe: int) -> None:
         """Refuse, by a `ValueError`, a number that is of no shoe."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -58,12 +58,14 @@ def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Error
         yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {list(places)}"
 
 
-class Undercarriage(RunningGear):
+class Undercarriage(base.PH4100C, RunningGear):
     """What rides on one track: the side frame with its share of the machine, and how it rolls on the shoes.
 
     The frame's origin is at x = `start` at t = 0. The rollers are fixed in the frame, whose travel is the
     drive; heave, roll and pitch are free, y and yaw are held.
     """
+
+    of_ph4100c: ClassVar = ph4100c.UNDERCARRIAGE
 
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")
     ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
@@ -82,11 +84,6 @@ class Undercarriage(RunningGear):
         if not rear <= self.tumbler <= front:
             yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
 
-    @classmethod
-    def ph4100c(cls) -> Self:
-        """Undercarriage of one track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
-        return cls(**ph4100c.UNDERCARRIAGE)
-
     def shares_of_links(self, ahead: np.typing.ArrayLike, links: int, pitch: float) -> np.ndarray:
         """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
@@ -101,13 +98,15 @@ class Part(NamedTuple):
     inertia: np.ndarray  # (3, 3): tensor about its COM, kg m2
 
 
-class CarBody(Parameters):
+class CarBody(base.PH4100C):
     """Machine on two closed tracks: its car body, which both side frames are fixed to, and upper structure.
 
     All of it is one rigid body: the upper structure stands still at its slew angle. Places are in the
     machine's axes: x along the travel, y to the left, z up, from the middle between the tracks at the height
     of the lower rollers' axes. Track 1 is the right one, whose middle is at `track.first_com`.
     """
+
+    of_ph4100c: ClassVar = ph4100c.CAR_BODY
 
     track_distance: base.Length = quantity("m", "of the tracks' middles", (1.0, 20.0))
     mass: base.Mass = quantity("kg", "of the car body without side frames", (1e2, 1e6))
@@ -118,11 +117,6 @@ class CarBody(Parameters):
     upper_com: base.Three = quantity("m", "its COM, straight ahead", (-20.0, 20.0))
     swing_axis: Place = quantity("m", "x of the axis it turns about", (-5.0, 5.0), default=0.0)
     slew: float = quantity("rad", "its angle, to the left", (-3.2, 3.2), ge=-10, le=10, default=0.0)
-
-    @classmethod
-    def ph4100c(cls) -> Self:
-        """Car body of the P&H 4100C BOSS; `case.ph4100c` says what is open, which is nearly all."""
-        return cls(**ph4100c.CAR_BODY)
 
     @property
     def middles(self) -> tuple[float, float]:
