@@ -232,14 +232,13 @@ def _texts(*entries: fields.Entry | None) -> tuple[str, str]:
 
 def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
     """Named case from which the fewest values of a case differ, but for its name, and its values of these."""
-    own, from_bases = _read_values(case), {}
+
+    def texts(one: Case) -> dict[str, str]:
+        return {row.key: row.value for row in fields.case_rows(one.with_(name="case"))}
+
+    own, from_bases = texts(case), {}
     for name in fields.named_values(Case):
-        base = _read_values(getattr(Case, name)())
+        base = texts(getattr(Case, name)())
         from_bases[name] = {key: base.get(key, ABSENT) for key in base | own if base.get(key) != own.get(key)}
     nearest = min(from_bases, key=lambda name: len(from_bases[name]))
     return nearest, from_bases[nearest]
-
-
-def _read_values(case: Case) -> dict[str, str]:
-    """Values of a case but for its name, by their paths, as they are read."""
-    return {row.key: row.value for row in fields.case_rows(case.with_(name="case"))}

@@ -121,15 +121,15 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
             case["loads"] = loads.LoadCycle.from_toml(cycle, _shoe_count(case)).model_dump(mode="json")
         except OSError as error:
             raise ValueError(f"loads.{CYCLE}: {error}") from error
-    whole = beside | {"case": _with_equal_loads(case)}
+    whole = beside | {"case": with_equal_loads(case)}
     for key, path, value in of_items:
         with fields.errors_at(key):
             whole = fields.with_value(whole, path, value, CaseFile)
-        whole["case"] = _with_equal_loads(whole["case"])
+        whole["case"] = with_equal_loads(whole["case"])
     return whole
 
 
-def _with_equal_loads(case: reading.Content) -> reading.Content:
+def with_equal_loads(case: reading.Content) -> reading.Content:
     """Values of a case with one number for the loads on all shoes put on each of them."""
     if "loads" not in case:
         return case

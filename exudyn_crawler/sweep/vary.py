@@ -8,7 +8,8 @@ from pydantic import Field, ValidationError
 from scipy.stats import norm
 
 from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.parameters import fields, loads, reading
+from exudyn_crawler.case.files import with_equal_loads
+from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, option, shown
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.sweep.answers import Life
@@ -28,8 +29,7 @@ class Varied(CaseFile):
 def checked_case(content: dict[str, Any], kind: type[Base]) -> Base:
     """Case file, or duty, of a content; raises `ValueError` naming the first error by its path."""
     if (case := content.get("case")) is not None:
-        of_shoes = loads.with_equal_loads(case["loads"], case["track"]["shoe_count"])
-        content = content | {"case": case | {"loads": of_shoes}}
+        content = content | {"case": with_equal_loads(case)}
     try:
         return reading.from_content(kind, content)
     except ValidationError as error:
