@@ -148,12 +148,5 @@ def ground_contact(
     coordinates = terrain_coordinates(case)
     if isinstance(coordinates, UnitCoordinates) and case.contact.model == "spheres":
         return SphereGroundContact(case, coordinates)
-    return PairGroundContact(
-        case.shoe_reference,
-        case.shoe,
-        case.unit_terrain(),
-        case.pair_contact(),
-        coordinates,
-        underside,
-        flexible_shoes,
-    )
+    of_case = case.shoe_reference, case.shoe, case.unit_terrain(), case.pair_contact()
+    return PairGroundContact(*of_case, coordinates, underside, flexible_shoes)

@@ -38,7 +38,7 @@ class CellGroundContact:
         bending = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
         self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms), bending)
         if (earlier := terrain.earlier(law)) and not law.kernel.forgets:
-            self.ground.press_in(**earlier)
+            self.ground.press_in(earlier)
         self._case, self._middle = case, float(coms[0, 1])
 
     @property

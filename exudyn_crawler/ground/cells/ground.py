@@ -130,17 +130,11 @@ class CellGround:
         self.tiles.memory[rows] = state["memory"]
         self._held = rows[state["held"]]
 
-    def press_in(
-        self,
-        cell_column: np.ndarray,
-        cell_row: np.ndarray,
-        cell_sinkage: np.ndarray,
-        cell_pressure: np.ndarray,
-    ) -> None:
-        """Let cells of fresh ground remember a sinkage (m) and the pressure there (Pa), and no shear."""
-        memory = self._fresh(len(cell_column))
-        memory[:, 0], memory[:, 1] = cell_sinkage, cell_pressure
-        cells, nothing = np.column_stack((cell_column, cell_row)), np.zeros(0, dtype=np.int64)
+    def press_in(self, earlier: Mapping[str, np.ndarray]) -> None:
+        """Let cells of fresh ground remember what `CellTerrain.earlier` names, m and Pa, and no shear."""
+        cells, nothing = np.column_stack((earlier["cell_column"], earlier["cell_row"])), np.zeros(0, np.int64)
+        memory = self._fresh(len(cells))
+        memory[:, 0], memory[:, 1] = earlier["cell_sinkage"], earlier["cell_pressure"]
         self.restore({"cells": cells, "memory": memory, "held": nothing})
 
     def _add_tiles(self, frames: np.ndarray) -> None:

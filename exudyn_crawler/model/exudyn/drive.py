@@ -37,31 +37,27 @@ def add_loads(mbs: "exu.MainSystem", case: Case, markers: list[int], static: boo
         mbs.CreateForce(itemNumber=marker, loadVector=force(0.0), loadVectorUserFunction=over_time)
 
 
-def add_slope_friction(mbs: "exu.MainSystem", case: Case, nodes: list[int], masses: np.ndarray) -> None:
-    """`static_friction` on the shoes, for a rest on a slope."""
-    for node, force, moment in zip(nodes, *static_friction(case, masses), strict=True):
-        mbs.CreateForce(itemNumber=node, loadVector=force)
-        mbs.CreateTorque(itemNumber=node, loadVector=moment)
+def add_hold(mbs: "exu.MainSystem", case: Case, shoes: Shoes, masses: np.ndarray, dashpots: bool) -> int:
+    """Keep the front shoe at rest in x, y and about z, with `static_friction` on all shoes on a slope.
 
-
-def add_dashpots(mbs: "exu.MainSystem", case: Case, nodes: list[int]) -> None:
-    """Dashpots that damp the shoes on their contact critically; at rest they do nothing."""
-    shoe, ground = case.shoe, mbs.CreateGround()
-    damping = 2.0 * np.sqrt(shoe.mass * case.mean_load / case.settled_penetration)
-    arms = np.array([1.0, 1.0, 1.0, 0.5 * shoe.width, 0.5 * shoe.length, 0.5 * shoe.width])
-    for node in nodes:
-        mbs.CreateRigidBodySpringDamper(
-            itemNumbers=[ground, node], damping=np.diag(damping * arms**2), useIntrinsicFormulation=False
-        )
-
-
-def add_hold(mbs: "exu.MainSystem", shoes: Shoes) -> int:
-    """Keep the front shoe at rest in x, y and about z.
-
-    It is held where the drive will act: from another place the run would start with a jolt.
+    It is held where the drive will act: from another place the run would start with a jolt. `dashpots` damp
+    the shoes on their contact critically; at rest they do nothing.
     """
     ends = [mbs.CreateGround(), shoes.markers[-1]]
-    return mbs.CreateGenericJoint("hold of the front shoe", ends, constrainedAxes=[1, 1, 0, 0, 0, 1])
+    joint = mbs.CreateGenericJoint("hold of the front shoe", ends, constrainedAxes=[1, 1, 0, 0, 0, 1])
+    if case.terrain.down[2] > -1.0:
+        for node, force, moment in zip(shoes.nodes, *static_friction(case, masses), strict=True):
+            mbs.CreateForce(itemNumber=node, loadVector=force)
+            mbs.CreateTorque(itemNumber=node, loadVector=moment)
+    if dashpots:
+        shoe, ground = case.shoe, mbs.CreateGround()
+        damping = 2.0 * np.sqrt(shoe.mass * case.mean_load / case.settled_penetration)
+        arms = np.array([1.0, 1.0, 1.0, 0.5 * shoe.width, 0.5 * shoe.length, 0.5 * shoe.width])
+        for node in shoes.nodes:
+            mbs.CreateRigidBodySpringDamper(
+                itemNumbers=[ground, node], damping=np.diag(damping * arms**2), useIntrinsicFormulation=False
+            )
+    return joint
 
 
 def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: Shoes) -> list[int]:

@@ -138,11 +138,8 @@ class ExudynSystem(TrackSystem):
         else:
             self.general = add_spheres(mbs, case, shoes.bodies, ground, static)
         if static:
-            self._drives = [drive.add_hold(mbs, shoes)]
-            if case.terrain.down[2] > -1.0:
-                drive.add_slope_friction(mbs, case, nodes, tables.bodies.mass)
-            if self.general is not None and not case.terrain.is_even:
-                drive.add_dashpots(mbs, case, nodes)
+            bounces = self.general is not None and not case.terrain.is_even
+            self._drives = [drive.add_hold(mbs, case, shoes, tables.bodies.mass, dashpots=bounces)]
         else:
             self._drives = drive.add_drive(mbs, case, tables, shoes)
         mbs.Assemble()
