@@ -168,14 +168,18 @@ class Parameters(BaseModel):
 
 
 class PH4100C(Parameters):
-    """Parameters of which those of the P&H 4100C BOSS have a name."""
+    """Parameters whose `values` for the P&H 4100C BOSS a class names."""
 
-    of_ph4100c: ClassVar[Mapping[str, Any]]
+    _of_ph4100c: ClassVar[Mapping[str, Any]]
+
+    def __init_subclass__(cls, values: Mapping[str, Any], **of_model: Any) -> None:
+        super().__init_subclass__(**of_model)
+        cls._of_ph4100c = values
 
     @classmethod
     def ph4100c(cls) -> Self:
         """Those of the P&H 4100C BOSS; `case.ph4100c` has their sources and says what is open."""
-        return cls(**cls.of_ph4100c)
+        return cls(**cls._of_ph4100c)
 
 
 def shown(value: object) -> str:

@@ -2,7 +2,7 @@
 
 import math
 from functools import lru_cache
-from typing import ClassVar, Literal, NamedTuple, Self
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -17,10 +17,8 @@ MOST_SAG = 0.5  # of the upper run's length: how far it may sag
 Wheel = tuple[base.Place, base.Place]
 
 
-class Tumbler(base.PH4100C):
+class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
     """Drive tumbler: even gaps between its teeth are concave arcs, into which round lugs of the shoes run."""
-
-    of_ph4100c: ClassVar = ph4100c.TUMBLER
 
     place: Wheel = quantity("m", "x and z of the axis in the frame", (-20.0, 20.0))
     teeth: int = quantity("1", "number of teeth, and of gaps between them", (6, 30), ge=4, le=200)
@@ -94,10 +92,8 @@ class Tensioner(Parameters):
         return self.mass * radius**2 * np.diag([0.25, 0.5, 0.25])
 
 
-class Idler(base.PH4100C):
+class Idler(base.PH4100C, values=ph4100c.IDLER):
     """Front idler: shims hold it where the take-up puts it, or a tensioner pushes it from there."""
-
-    of_ph4100c: ClassVar = ph4100c.IDLER
 
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
     radius: base.Length = quantity("m", "radius of its treads", (0.05, 2.0))

@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import AfterValidator, ValidationInfo
@@ -21,10 +21,8 @@ SIDES = ("right", "left")
 """Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
 
 
-class Rails(base.PH4100C):
+class Rails(base.PH4100C, values=ph4100c.RAILS):
     """Two level rails of a shoe, in its frame."""
-
-    of_ph4100c: ClassVar = ph4100c.RAILS
 
     rear: Place = quantity("m", "x of the rear ends", (-1.0, 0.0))
     front: Place = quantity("m", "x of the front ends", (0.0, 1.0))
@@ -45,13 +43,11 @@ class Rails(base.PH4100C):
         return self.right, self.left
 
 
-class Shoe(base.PH4100C):
+class Shoe(base.PH4100C, values=ph4100c.SHOE):
     """Rigid crawler shoe.
 
     Places are given in the shoe's frame: origin at the COM, x in the propel direction, y lateral, z up.
     """
-
-    of_ph4100c: ClassVar = ph4100c.SHOE
 
     mass: float = quantity("kg", "mass", (5.0, 2e4), ge=0.1, le=1e7)
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor)")
@@ -154,14 +150,12 @@ class Shoe(base.PH4100C):
         return np.array([cx - x, cx + x, cy - y, cy + y, -self.com_height])
 
 
-class Track(base.PH4100C):
+class Track(base.PH4100C, values=ph4100c.TRACK):
     """Open chain of equal shoes, linked by pins along y; shoe 1 is the rearmost, the last the front.
 
     Every link is one frictionless hinge without redundant equations: a spherical joint at one pin and
     an axis kept parallel at the other.
     """
-
-    of_ph4100c: ClassVar = ph4100c.TRACK
 
     shoe_count: int = quantity("1", "number of shoes, of all tracks", (2, 120), ge=2, le=MOST_SHOES)
     first_com: base.Two = quantity("m", "x and y of the COM of shoe 1 at t = 0")

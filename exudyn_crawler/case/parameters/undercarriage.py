@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -58,14 +58,12 @@ def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Error
         yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {list(places)}"
 
 
-class Undercarriage(base.PH4100C, RunningGear):
+class Undercarriage(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
     """What rides on one track: the side frame with its share of the machine, and how it rolls on the shoes.
 
     The frame's origin is at x = `start` at t = 0. The rollers are fixed in the frame, whose travel is the
     drive; heave, roll and pitch are free, y and yaw are held.
     """
-
-    of_ph4100c: ClassVar = ph4100c.UNDERCARRIAGE
 
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")
     ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
@@ -98,15 +96,13 @@ class Part(NamedTuple):
     inertia: np.ndarray  # (3, 3): tensor about its COM, kg m2
 
 
-class CarBody(base.PH4100C):
+class CarBody(base.PH4100C, values=ph4100c.CAR_BODY):
     """Machine on two closed tracks: its car body, which both side frames are fixed to, and upper structure.
 
     All of it is one rigid body: the upper structure stands still at its slew angle. Places are in the
     machine's axes: x along the travel, y to the left, z up, from the middle between the tracks at the height
     of the lower rollers' axes. Track 1 is the right one, whose middle is at `track.first_com`.
     """
-
-    of_ph4100c: ClassVar = ph4100c.CAR_BODY
 
     track_distance: base.Length = quantity("m", "of the tracks' middles", (1.0, 20.0))
     mass: base.Mass = quantity("kg", "of the car body without side frames", (1e2, 1e6))
