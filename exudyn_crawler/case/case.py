@@ -9,7 +9,7 @@ from pydantic import Field
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import fields, undercarriage
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, inertia_tensor, option, quantity
-from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled, closed_errors
+from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.heights import Heights
@@ -91,23 +91,17 @@ class Case(Parameters):
             yield f"contact.model must be 'cells' on terrain.model 'cells' and on no other, {got}"
         elif contact.model == "cells" and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain of cells, which has no joints"
-        for name in ("undercarriage", "closed_track"):
-            if (gear := getattr(self, name)) is not None:
-                yield from self._gear_errors(name, gear.tread_width)
         if self.machine is not None and self.running_gear is None:
             yield "machine must be None without an undercarriage or a closed_track, on which it acts"
         if self.car_body is not None and (self.closed_track is None or count % 2):
             yield "car_body needs a closed_track, and shoes for two tracks: an even track.shoe_count"
-            return
-        if self.closed_track is not None:
-            yield from self._closed_errors(self.closed_track)
+        if (gear := self.running_gear) is not None:
+            yield from self._gear_errors(gear)
         if self.formulation == "compiled" and not self.is_compiled:
             yield f"formulation must be 'engine' or None with {NOT_COMPILED}"
         if isinstance(contact, SphereContact):
             yield from self._sphere_errors(contact.radius)
-        if (frame := self.undercarriage) is not None:
-            yield from undercarriage.rolled_errors(frame, shoe, self.track)
-        if self.machine is not None and (gear := self.running_gear) is not None:
+        if self.machine is not None and gear is not None:
             aside = undercarriage.TIPPING if self.car_body is None else 0.5 * self.car_body.track_distance
             yield from self.machine.balance_errors(
                 self.frame_parts, gear.rollers, aside, self.gravity_vector()
@@ -124,28 +118,26 @@ class Case(Parameters):
         if not terrain.is_even and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
 
-    def _gear_errors(self, name: str, tread_width: float) -> Errors:
+    def _gear_errors(self, gear: ClosedTrack | Undercarriage) -> Errors:
         """What does not go with a side frame, on an open or a closed track."""
+        name, tread = "undercarriage" if isinstance(gear, Undercarriage) else "closed_track", gear.tread_width
+        if self.closed_track is not None and self.undercarriage is not None:
+            yield "undercarriage must be None with a closed_track, which has a side frame of its own"
         if not self.is_compiled:
             yield f"formulation 'engine', {NOT_COMPILED} do not go with {name}"
         if (rails := self.shoe.rails) is None:
             yield f"shoe.rails must be given with {name}, whose wheels run on them"
-        elif tread_width > rails.width:
-            yield f"{name}.tread_width must not exceed the rails' width {rails.width} m, got {tread_width}"
+        elif tread > rails.width:
+            yield f"{name}.tread_width must not exceed the rails' width {rails.width} m, got {tread}"
         if self.drive.on is not None:
             yield f"drive.on must be None with {name}, always moved or held; a speed of zero is a brake"
         if self.drive.turn_rate is not None and self.car_body is None:
             yield f"drive.turn_rate must be None with {name} and without a car_body: one track does not turn"
         if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
             yield f"loads must be zero on every shoe with {name}, whose rollers carry the machine"
-
-    def _closed_errors(self, closed: ClosedTrack) -> Errors:
-        """What does not go with a closed track."""
-        if self.undercarriage is not None:
-            yield "undercarriage must be None with a closed_track, which has a side frame of its own"
-        if self.car_body is not None and closed.support == "posts":
+        if self.car_body is not None and isinstance(gear, ClosedTrack) and gear.support == "posts":
             yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
-        yield from closed_errors(closed, self.shoe, self.loop)
+        yield from gear.track_errors(self.shoe, self.loop)
 
     def _sphere_errors(self, radius: float) -> Errors:
         """Spheres that cannot carry the shoes."""

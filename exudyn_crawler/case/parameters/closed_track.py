@@ -176,6 +176,24 @@ class ClosedTrack(RunningGear):
         if not self.tumbler.place[0] < self.rollers[0] < self.rollers[-1] < self.idler.place[0]:
             yield "the tumbler must be behind the rollers and the idler in front of them"
 
+    def track_errors(self, shoe: track.Shoe, chain: track.Track) -> Errors:
+        """What of a shoe with rails, and of the track, does not go with a closed track, or fit round it."""
+        rails = shoe.rails
+        assert rails is not None
+        if rails.height <= chain.pin_height:
+            yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
+        x, length = np.sort([x for x, _ in self.upper.values()]), rails.front - rails.rear
+        if self.slides and np.any(x[2:] - x[:-2] < length + SLIDE_MARGIN):
+            yield (
+                f"slide_step, slides and carriers must leave every rail, which is {length:g} m long, on two "
+                f"of their lines at once, got lines at {np.round(x, 3).tolist()}"
+            )
+        yield from self.tumbler.tooth_errors(chain)
+        try:
+            assembled(self, shoe, chain)
+        except assembly.MisfitError as error:
+            yield f"closed_track: {error}"
+
     @classmethod
     def ph4100c(cls) -> Self:
         """Closed track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
@@ -303,22 +321,3 @@ def _closed(
     fixed, what = float(take_up), f"a take-up of {take_up:.4g} m and a sag of"
     sag = assembly.closed_chain(lambda sag: shape(fixed, sag), pitch, count, (0.0, most), what)
     return fixed, sag, shape(fixed, sag)
-
-
-def closed_errors(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Errors:
-    """What of a shoe with rails, and of the track, does not go with a closed track, or fit round it."""
-    rails = shoe.rails
-    assert rails is not None
-    if rails.height <= chain.pin_height:
-        yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
-    x, length = np.sort([x for x, _ in closed.upper.values()]), rails.front - rails.rear
-    if closed.slides and np.any(x[2:] - x[:-2] < length + SLIDE_MARGIN):
-        yield (
-            f"slide_step, slides and carriers must leave every rail, which is {length:g} m long, on two of "
-            f"their lines at once, got lines at {np.round(x, 3).tolist()}"
-        )
-    yield from closed.tumbler.tooth_errors(chain)
-    try:
-        assembled(closed, shoe, chain)
-    except assembly.MisfitError as error:
-        yield f"closed_track: {error}"

@@ -82,6 +82,17 @@ class Undercarriage(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
         if not rear <= self.tumbler <= front:
             yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
 
+    def track_errors(self, shoe: track.Shoe, chain: track.Track) -> Errors:
+        """What of shoes with rails and of the track does not go with a side frame that rolls over them."""
+        rails = shoe.rails
+        assert rails is not None
+        gap = chain.pitch - (rails.front - rails.rear)
+        if not 0.0 <= gap < 2.0 * self.radius:
+            crossed = f"from 0 to their diameter {2.0 * self.radius:g} m, got {gap:.4g} m"
+            yield f"shoe.rails must leave a gap from shoe to shoe that rollers cross, {crossed}"
+        if (count := chain.shoe_count) < FEWEST_SHOES:
+            yield f"track.shoe_count must be at least {FEWEST_SHOES} with an undercarriage, got {count}"
+
     def shares_of_links(self, ahead: np.typing.ArrayLike, links: int, pitch: float) -> np.ndarray:
         """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
@@ -143,18 +154,6 @@ def ground_below(chain: track.Track, units: terrain.Terrain) -> terrain.Terrain:
     """Terrain with as many units along x as a track of any length needs."""
     end = chain.first_com[0] + chain.shoe_count * chain.pitch + MARGIN
     return units.with_(columns=math.ceil((end - units.origin[0]) / units.unit_length))
-
-
-def rolled_errors(frame: Undercarriage, shoe: track.Shoe, chain: track.Track) -> Errors:
-    """What of shoes with rails and of the track does not go with a side frame that rolls over them."""
-    rails = shoe.rails
-    assert rails is not None
-    gap = chain.pitch - (rails.front - rails.rear)
-    if not 0.0 <= gap < 2.0 * frame.radius:
-        crossed = f"from 0 to their diameter {2.0 * frame.radius:g} m"
-        yield f"shoe.rails must leave a gap from shoe to shoe that rollers cross, {crossed}, got {gap:.4g} m"
-    if (count := chain.shoe_count) < FEWEST_SHOES:
-        yield f"track.shoe_count must be at least {FEWEST_SHOES} with an undercarriage, got {count}"
 
 
 def length_errors(frame: Undercarriage, chain: track.Track, travel: float, time: float) -> Errors:
