@@ -26,9 +26,10 @@ Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminat
 
 
 def _part(name: str, kind: type[Model]) -> Callable[["Case"], Model]:
-    """Method that gives a part of a class; it raises `ValueError` if the case has none, or another."""
+    """Method of a case that gives its part of this name, which has to be of a class."""
 
     def part(case: "Case") -> Model:
+        """Part of the case; a ValueError if it has none, or one of another class."""
         if isinstance(found := getattr(case, name), kind):
             return found
         if found is None:
