@@ -607,7 +607,6 @@ def test_a_dry_run_of_a_sweep_shows_its_runs_and_leaves_nothing(call, soils, tmp
             ("--scheduler", "a.json", "--workers", "2"),
             "--workers must be left out with",
         ),
-        (("", ""), ("--storage", "nosuch://bucket"), "storage must be a folder that all workers share"),
     ],
 )
 def test_what_is_wrong_with_a_sweep_is_told_in_a_line(call, soils, change, options, words):

@@ -10,7 +10,6 @@ import pytest
 import exudyn_crawler
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.life.life import LifeResults
-from exudyn_crawler.results.loads.exports import shoe_loads
 from exudyn_crawler.results.stress.recovery import StressResults
 
 
@@ -78,7 +77,6 @@ def test_objects_of_a_notebook_show_themselves(flexible_run):
         "stresses": (results, ["Shoe 13", "highest_von_mises"]),
         "life": (life, ["verdict", "peak_von_mises"]),
         "run": (run, ["kept nowhere", "Shoe 7", "joint_force"]),
-        "loads": (shoe_loads(history, 7, 0.0), ["Shoe 7 at t = 0 s", "inertia"]),
     }
     for one, words in shown.values():
         html = one._repr_html_()

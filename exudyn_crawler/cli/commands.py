@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.sweep.results import SweepRun
 
 START = "kinematics"  # study whose case `init` starts from where none is named
-NEEDED = ("distributed", "SALib", "pyarrow")  # modules of the extra `sweep`
+NEEDED = ("distributed", "SALib")  # modules of the extra `sweep`
 SHOWN = 60  # rows of the table of runs that are printed
 
 app = typer.Typer(help="Simulator of the crawler tracks of mining shovels.", no_args_is_help=True)
@@ -222,9 +222,6 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         workers: Annotated[
             int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
         ] = None,
-        storage: Annotated[
-            str | None, typer.Option(help="another folder for the runs, which all workers share")
-        ] = None,
         retry: Annotated[bool, typer.Option("--retry", help="run failed runs again")] = False,
     ) -> None:
         if missing := [module for module in NEEDED if find_spec(module) is None]:
@@ -241,7 +238,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
             raise ValueError("--workers must be left out with --scheduler, which has workers of its own")
         from exudyn_crawler.sweep import running
 
-        how: dict[str, Any] = {"storage": storage, "workers": workers, "retry": retry}
+        how: dict[str, Any] = {"workers": workers, "retry": retry}
         if dry_run:
             table, units = plan.table(), plan.units()
             top, more = table.head(SHOWN), f", the first {SHOWN}" if len(table) > SHOWN else ""
@@ -254,7 +251,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         show(done)
         failed = int((done.table["status"] != "done").sum())
         more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""
-        where = "open report.html in a browser; results.csv, .parquet and .nc hold the answers"
+        where = "open report.html in a browser; results.csv and .nc hold the answers"
         typer.echo(f"{done.folder}: {where}{more}")
 
     run.__name__, run.__doc__ = show.__name__, show.__doc__

@@ -1,4 +1,4 @@
-"""Page of a sweep: its runs in parallel coordinates, response curves, effects, best and worst runs.
+"""Page of a sweep: response curves, effects, indices, best and worst runs.
 
 Tables are in units for reading (`results.for_reading`), `links` has the address of a run by its folder.
 """
@@ -24,7 +24,6 @@ LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
 """Runs in the table, runs that are drawn, and levels of what is not on the axis that have a curve each."""
 HEIGHT, ACROSS = 420, 6  # pixels of a row of panels, and panels in it at most
 FEW_TICKS = {"nticks": 4, "tickangle": 0}
-COLOURS = {"first": "#1c5fb0", "total": "#c98a1b"}  # of Sobol indices
 SCATTER = {
     "quantiles": "Quantiles of the finished runs; least and most hold at 95 % for independent "
     "draws. Where those of a quarter and of half of the runs lie beyond them, draw more.",
@@ -112,13 +111,10 @@ def _scatter(sweep: AnySweep, table: pd.DataFrame) -> Markup:
 
 def _figures(sweep: AnySweep, table: pd.DataFrame) -> list[page.Section]:
     labels, effects = [answer.label for answer in sweep.answers], results.main_effects(sweep, table)
-    lines = page.paragraph("A line a run; draw along an axis to choose some of them.")
     means = page.paragraph("Means over all else that varies; bars reach to the least and the greatest.")
     curves = [page.plot(response_curves(sweep, table, label)) for label in labels]
     bars = [page.plot(effect_figure(sweep, table, effects, label)) for label in labels]
-    through = page.plot(parallel_coordinates(sweep, table))
     return [
-        page.Section("parallel", "All runs", page.together(lines, through)),
         page.Section("responses", "Response curves", page.together(*curves)),
         page.Section("effects", "Main effects", page.together(means, *bars)),
     ]
@@ -129,7 +125,7 @@ def _indices(sweep: AnySweep, table: pd.DataFrame) -> Markup:
     if indices.empty:
         return page.paragraph(f"None: {method}.")
     said = f"Shares of the variance that each makes alone (first) and in all (total): {method}."
-    return page.together(page.paragraph(said), page.plot(index_figure(indices)))
+    return page.together(page.paragraph(said), page.table(indices.dropna(axis="columns", how="all")))
 
 
 def _runs(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Markup:
@@ -164,29 +160,6 @@ def _bars(value: pd.Series, least: pd.Series, most: pd.Series) -> dict[str, obje
     """Bars about values from the least to the most."""
     ends = {"array": most - value, "arrayminus": value - least}
     return {"type": "data", "symmetric": False, "thickness": 1} | ends
-
-
-def parallel_coordinates(sweep: AnySweep, table: pd.DataFrame) -> go.Figure:
-    """A line a run through what varies and the answers, coloured by the first of these."""
-    done, labels = _drawn(sweep, table), [answer.label for answer in sweep.answers]
-    axes = [_axis(done, name) for name in (*sweep.columns, *labels)]
-    first = axes[len(sweep.columns)]
-    bar = {name: first[name] for name in ("tickvals", "ticktext") if name in first}
-    colour = {"color": first["values"], "colorscale": "Viridis", "showscale": True, "colorbar": bar}
-    figure = go.Figure(go.Parcoords(line=colour, dimensions=axes, labelangle=-25))
-    return figure.update_layout(height=HEIGHT, margin={"t": 110, "b": 30})
-
-
-def _axis(table: pd.DataFrame, name: str) -> dict[str, object]:
-    """Axis of parallel coordinates; they have logarithms of lives and numbers of texts."""
-    values, texts = results.numbers_of(table, name)
-    ticks = np.arange(len(texts))
-    if _is_life(table, name):
-        values = np.log10(values)
-        ticks = np.arange(np.ceil(values.min()), values.max() + 1e-9)
-        texts = [f"1e{k:g}" for k in ticks]
-    axis: dict[str, object] = {"label": _label(table, name), "values": values}
-    return axis | ({"tickvals": ticks, "ticktext": texts} if texts else {})
 
 
 def response_curves(sweep: AnySweep, table: pd.DataFrame, answer: str) -> go.Figure:
@@ -236,21 +209,6 @@ def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list
     figure.update_yaxes(title_text=_label(table, answer), col=1)
     figure.update_yaxes(type="log" if _is_life(table, answer) else None)
     return figure.update_layout(height=HEIGHT if rows == 1 else 280 * rows, margin={"t": 30})
-
-
-def index_figure(indices: pd.DataFrame) -> go.Figure:
-    """Sobol indices: bars of first order and total, with their confidence, a panel an answer."""
-    answers = indices["answer"].unique()
-    figure = make_subplots(cols=len(answers), shared_yaxes=True, subplot_titles=answers)
-    for k, answer in enumerate(answers, 1):
-        own = indices[indices["answer"] == answer].dropna(axis="columns", how="all")
-        for kind, colour in COLOURS.items():
-            if kind in own:
-                error = {"type": "data", "array": own.get(f"{kind}_conf")}
-                how = {"marker_color": colour, "error_y": error, "showlegend": k == 1}
-                figure.add_bar(x=own["varied"], y=own[kind], name=kind, row=1, col=k, **how)
-    shown = {"height": HEIGHT, "barmode": "group", "margin": {"t": 40}}
-    return figure.update_layout(yaxis_title="share of the variance", **shown)
 
 
 def _report_of(run: Path, say: Callable[[str], None]) -> None:

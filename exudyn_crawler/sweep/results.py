@@ -1,7 +1,6 @@
 """Results of a sweep: a row a run, answers over the grid, what they depend on and scatter by."""
 
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ import xarray as xr
 from scipy.stats import binomtest, quantile_test, spearmanr
 
 from exudyn_crawler.case.parameters.fields import PREFIXES, prefix_of, value_text
-from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.sweep import definition, worker
 from exudyn_crawler.sweep.answers import Life
@@ -40,10 +38,6 @@ class SweepRun:
     table: pd.DataFrame
     dataset: xr.Dataset
     folder: Path
-
-    def _repr_html_(self) -> str:
-        """Folder and table, for notebooks."""
-        return f"<p>Sweep in {escape(str(self.folder))}</p>" + self.table.to_html(index=False)
 
 
 def results_table(sweep: AnySweep, outcomes: dict[str, worker.Outcome]) -> pd.DataFrame:
@@ -178,17 +172,6 @@ def write_units_csv(table: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV with the units in its head: ``spring_stiffness in N/m``."""
     named = {name: f"{name} in {unit}" for name, unit in table.attrs["units"].items() if unit}
     write_table(table.rename(columns=named), path, overwrite=True)
-
-
-def write_parquet(table: pd.DataFrame, path: Path) -> None:
-    """Write a table as Parquet; every column's metadata hold its `units` and `long_name`."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    columns = pa.Table.from_pandas(table, preserve_index=False)
-    fields = [field.with_metadata(_attributes(table, field.name)) for field in columns.schema]
-    with whole_file(path, overwrite=True) as temporary:
-        pq.write_table(columns.cast(pa.schema(fields, metadata=columns.schema.metadata)), temporary)
 
 
 def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.parameters.fields import in_units
-from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
+from exudyn_crawler.files import writable_folder, write_netcdf
 from exudyn_crawler.run.folder import progress as parts, record
 from exudyn_crawler.sweep import page, results
 from exudyn_crawler.sweep.answers import ANSWERS
@@ -21,7 +21,6 @@ def run_sweep(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
-    storage: str | None = None,
     retry: bool = False,
     progress: bool | None = None,
     say: Callable[[str], None] = record.quiet,
@@ -33,13 +32,13 @@ def run_sweep(
     lives are weighed in this process, with errors as of `life`. A script that calls this without a scheduler
     does so below ``if __name__ == "__main__":``, since its worker processes import it.
 
-    Every run has a folder in `runs` of `out`, or in the folder `storage`, which all workers have to share.
+    Every run has a folder in `runs` of `out`, which all workers have to share.
     `scheduler` is the address or scheduler file of a Dask cluster; without, one of this machine's has so many
     `workers`, one a core if None. `retry` runs those anew that have failed; the others are as of `run_case`.
 
     A ValueError before anything runs if values do not fit each other, no scheduler answers, a worker has
-    other versions or does not see the folder, or `storage` is no folder; an OSError if another sweep works in
-    the folder, or it cannot be written to.
+    other versions or does not see the folder; an OSError if another sweep works in the folder, or it cannot
+    be written to.
     """
     sweep.planned  # noqa: B018 - refuses runs before a folder is made
     folder = writable_folder(Path(out))
@@ -50,7 +49,7 @@ def run_sweep(
                 lives = enumerate(sweep.lives(work.say), 1)
             stored: dict[str, Outcome] = {str(k): {"status": DONE, "answers": one} for k, one in lives}
             return _gathered(sweep, stored, folder, None, work)
-        runs = writable_folder(_runs_folder(folder, storage))
+        runs = writable_folder(folder.resolve() / "runs")
         write_case(sweep.case, folder / "base.toml", overwrite=True)
         stored, missing, line = _state(sweep, runs, retry)
         work.say(line)
@@ -77,30 +76,21 @@ def _gathered(
     sweep: AnySweep, stored: dict[str, Outcome], folder: Path, runs: Path | None, work: record.RunFolder
 ) -> results.SweepRun:
     """Tables and page of a sweep's outcomes; runs, if they have them, are in folders of `runs`."""
-    with whole_file(folder / "sweep.json", overwrite=True) as temporary:
-        temporary.write_text(sweep.model_dump_json(indent=2) + "\n", encoding="utf-8")
+    record.write_json(folder / "sweep.json", sweep.model_dump(mode="json"))
     with work.timed("tables and page"):
         table = results.results_table(sweep, stored)
         dataset = results.results_dataset(sweep, table)
         results.write_units_csv(table, folder / "results.csv")
-        results.write_parquet(table, folder / "results.parquet")
         write_netcdf(dataset, folder / "results.nc", overwrite=True)
         page.write_page(sweep, table, folder, runs, work.say)
         return results.SweepRun(sweep, table, dataset, folder)
 
 
-def folder_state(sweep: Sweep, out: Path, *, storage: str | None, workers: int | None, retry: bool) -> str:
+def folder_state(sweep: Sweep, out: Path, *, workers: int | None, retry: bool) -> str:
     """What of a sweep is in a folder, and how long the rest takes; arguments as of `run_sweep`."""
-    stored, missing, line = _state(sweep, _runs_folder(out, storage), retry)
+    stored, missing, line = _state(sweep, out.resolve() / "runs", retry)
     rest = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, stored.values())
     return f"{line}\n{rest}"
-
-
-def _runs_folder(folder: Path, storage: str | None) -> Path:
-    """Folder of the folders of runs; refuses an address of object storage, where no run can work."""
-    if storage is not None and "://" in storage:
-        raise ValueError(f"storage must be a folder that all workers share, got {storage}")
-    return (folder / "runs" if storage is None else Path(storage)).resolve()
 
 
 def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], list[PlannedRun], str]:

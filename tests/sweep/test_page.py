@@ -50,15 +50,6 @@ def table_of():
     return table
 
 
-def test_parallel_coordinates_have_a_line_a_finished_run():
-    (lines,) = page.parallel_coordinates(sweep_of(), table_of()).data
-    assert [one.label for one in lines.dimensions] == ["stiffness in N/m", "law", "force in N"]
-    assert list(lines.dimensions[0]["values"]) == [1e7, 1e7, 2e7]
-    assert list(lines.dimensions[1]["values"]) == [0, 1, 0]
-    assert list(lines.dimensions[1].ticktext) == ["pair", "area"]
-    assert list(lines.line.color) == [1.0, 3.0, 2.0]
-
-
 def test_a_grid_has_a_curve_a_level_of_what_varies_next():
     figure = page.response_curves(sweep_of(), for_reading(table_of()), "force")
     assert [(one.name, list(one.x), [1e3 * force for force in one.y]) for one in figure.data] == [
@@ -101,16 +92,6 @@ def test_lives_are_on_logarithmic_axes_and_many_panels_in_rows():
     assert [(one.xaxis, list(one.y)) for one in figure.data][7] == ("x8", [1e4, 1e5, 2e6])
     tops = [axis.domain[1] for axis in figure.select_yaxes()]
     assert tops[page.ACROSS] < min(tops[: page.ACROSS])
-    (lines,) = page.parallel_coordinates(sweep, table).data
-    assert lines.dimensions[-1]["values"] == pytest.approx([4.0, 5.0, np.log10(2e6)])
-    assert list(lines.dimensions[-1].ticktext) == list(lines.line.colorbar.ticktext) == ["1e4", "1e5", "1e6"]
-
-
-def test_indices_are_bars_with_their_confidence_as_far_as_there_is_one():
-    columns = ["answer", "varied", "first", "first_conf", "total", "total_conf"]
-    rows = [("force", "stiffness", 0.2, 0.05, np.nan, np.nan), ("force", "law", 0.7, 0.1, np.nan, np.nan)]
-    (bars,) = page.index_figure(pd.DataFrame(rows, columns=columns)).data
-    assert (bars.name, list(bars.y), list(bars.error_y.array)) == ("first", [0.2, 0.7], [0.05, 0.1])
 
 
 def test_the_page_links_to_runs_and_tells_of_failures_without_their_markup():

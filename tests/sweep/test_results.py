@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pandas as pd
-import pyarrow.parquet as pq
 import pytest
 
 from exudyn_crawler.files import write_netcdf
@@ -14,7 +13,6 @@ from exudyn_crawler.sweep.results import (
     results_dataset,
     results_table,
     sobol_indices,
-    write_parquet,
     write_units_csv,
 )
 from exudyn_crawler.sweep.vary import Vary
@@ -57,15 +55,6 @@ def test_the_head_of_the_csv_has_units(table, tmp_path):
         "joint_force_greatest in N",
     ]
     assert read["joint_force_greatest in N"][0] == 1e3
-
-
-def test_parquet_keeps_units_in_its_metadata(table, tmp_path):
-    write_parquet(table, tmp_path / "t.parquet")
-    schema = pq.read_schema(tmp_path / "t.parquet")
-    assert schema.field("spring_stiffness").metadata[b"units"] == b"N/m"
-    assert schema.field(FORCE.label).metadata[b"units"] == b"N"
-    assert schema.field(FORCE.label).metadata[b"long_name"].startswith(b"greatest of force of the spherical")
-    assert pd.read_parquet(tmp_path / "t.parquet").equals(table)
 
 
 def test_a_grid_is_a_dataset_over_what_varies(sweep, table, tmp_path):

@@ -51,7 +51,6 @@ def test_a_sweep_is_a_folder_of_ordinary_runs_with_their_answers(ran):
 def test_results_are_one_table_in_all_forms(ran):
     run, _ = ran
     column = run.table[FORCE.label].tolist()
-    assert pd.read_parquet(run.folder / "results.parquet")[FORCE.label].tolist() == column
     read = pd.read_csv(run.folder / "results.csv")[f"{FORCE.label} in N"]
     assert read.tolist() == pytest.approx(column, rel=1e-9)
     with xr.open_dataset(run.folder / "results.nc", engine="h5netcdf") as dataset:
@@ -67,7 +66,7 @@ def test_finished_runs_are_taken_as_they_are_and_more_of_them_added(ran, schedul
     assert told[0] == "2 runs: 2 done, 0 to run"
     assert again.table.equals(run.table)
     more = small_sweep(vary=(Vary(key=STIFFNESS, values=(1e7, 2e7, 3e7)),))
-    assert folder_state(more, run.folder, storage=None, workers=1, retry=False).startswith(
+    assert folder_state(more, run.folder, workers=1, retry=False).startswith(
         "3 runs: 2 done, 1 to run\n1 runs of about"
     )
     wider = run_sweep(more, run.folder, scheduler=scheduler, progress=False)
@@ -123,21 +122,6 @@ def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tm
     assert kept.table["status"].tolist() == ["failed", "done"]
     retried = run_sweep(small_sweep(), tmp_path, scheduler=scheduler, progress=False, retry=True)
     assert retried.table["status"].tolist() == ["done", "done"]
-
-
-def test_runs_may_be_in_another_folder_and_in_no_bucket(scheduler, tmp_path, monkeypatch):
-    how = {"scheduler": scheduler, "storage": str(tmp_path / "shared"), "progress": False}
-    with monkeypatch.context() as patch:
-        patch.setattr(page, "_report_of", lambda *_: None)
-        run = run_sweep(small_sweep(), tmp_path / "here", **how)
-    assert run.table["status"].tolist() == ["done", "done"]
-    kept = {path.parent.name for path in (tmp_path / "shared").glob("*/history.nc")}
-    assert kept == set(run.table["folder"])
-    assert not (tmp_path / "here" / "runs").exists()
-    with pytest.raises(
-        ValueError, match="storage must be a folder that all workers share, got s3://bucket/runs"
-    ):
-        run_sweep(small_sweep(), tmp_path / "there", storage="s3://bucket/runs")
 
 
 def test_what_is_refused_leaves_no_folder(tmp_path):

@@ -207,10 +207,6 @@ class CheckResults:
         stress = dict(zip([one.name for one in self.cases], self.stress, strict=True))
         return cycle_table(self.check, self.shoe, stress, [(first, second)])
 
-    def _repr_html_(self) -> str:
-        """Table of the peaks, for notebooks."""
-        return self.table.to_html(index=False)
-
 
 def all_cases(check: ready.ShoeCheck, outline: ready.ShoeOutline) -> tuple[ready.CheckCase, ...]:
     """Ready cases at every level of the force, by "case, level", and the check's own."""

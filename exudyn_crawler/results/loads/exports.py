@@ -40,10 +40,6 @@ class ShoeLoads:
             write_load_deck(temporary, *acting, program=program, remarks=remarks)
         return path
 
-    def _repr_html_(self) -> str:
-        """Instant and resultants, for notebooks."""
-        return f"<p>Shoe {self.shoe} at t = {self.time:g} s</p>" + self.table.to_html(index=False)
-
     @property
     def residual(self) -> np.ndarray:
         """Sum of all forces (N) and of their moments about the centre of mass (N m): array (6,), zero."""

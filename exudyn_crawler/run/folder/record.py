@@ -77,14 +77,6 @@ def commit() -> str:
     return ""
 
 
-def _processor() -> str:
-    """Name of the processor; Linux tells it in a file only."""
-    with suppress(OSError):
-        if found := re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8")):
-            return found[1]
-    return platform.processor() or platform.machine()
-
-
 def versions() -> dict[str, str]:
     """Versions of the package and of everything that it needs, as far as they are installed."""
     needed: list[str] = []
@@ -174,7 +166,7 @@ def recorded(folder: RunFolder) -> Iterator[None]:
         "started": timestamp(),
         "machine": {
             "platform": platform.platform(),
-            "processor": _processor(),
+            "processor": platform.processor() or platform.machine(),
             "cpu_count": os.cpu_count(),
             "python": platform.python_version(),
             "threads": {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
