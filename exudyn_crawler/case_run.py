@@ -168,5 +168,4 @@ def _simulated(work: _Work, points: checkpoints.Checkpoints | None) -> History:
     with work.folder.timed(parts.COMPILE):
         compiled(case_file.case, progress)
     with work.folder.timed(parts.SIMULATE):
-        times = case_file.outputs.ground_times
-        return simulate(case_file.case, case_file.duration, progress, points, times)
+        return simulate(case_file.case, case_file.duration, progress, points, case_file.outputs.ground_times)

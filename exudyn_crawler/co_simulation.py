@@ -136,7 +136,6 @@ def _output_names(case: Case) -> dict[str, str]:
 class MachineOnTrack(Fmi2Slave):
     """Unit of a case: inputs are the speed of the drive and the load on the side frame, beside its weight."""
 
-    author = "exudyn-crawler"
     description = "Crawler track of a mining shovel: side frame, rollers, shoes, links and ground"
 
     def __init__(self, **about: object) -> None:

@@ -213,6 +213,14 @@ class _Disk(io.FileIO):
             self.failure = error
         return len(content)
 
+    def truncate(self, size: int | None = None) -> int:
+        """Set the file's size, as `write`."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.failure = self.failure or error
+            return size or 0
+
     def check(self) -> None:
         """Raise the first failure."""
         if self.failure is not None:

@@ -62,12 +62,6 @@ def scale_of(low: float, high: float, colours: str) -> mpl.cm.ScalarMappable:
     return mpl.cm.ScalarMappable(mpl.colors.Normalize(low, high), colours)
 
 
-def round_down(value: float) -> float:
-    """Greatest of 1, 2, 5 times a power of ten that is not above a positive value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12)))
-
-
 def round_up(value: float) -> float:
     """Least of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten that is not below a positive value."""
     power = 10.0 ** np.floor(np.log10(value))
@@ -76,6 +70,8 @@ def round_up(value: float) -> float:
 
 
 def drawn_scale(values: np.typing.ArrayLike, length: float) -> float:
-    """Round factor that draws the greatest magnitude of `values` at most `length` long; 1 if all are zero."""
+    """Greatest of 1, 2, 5 times a power of ten that draws `values` at most `length` long; 1 for zeros."""
     greatest = float(np.abs(values).max(initial=0.0))
-    return round_down(length / greatest) if greatest > 0.0 else 1.0
+    most = length / greatest if greatest > 0.0 else 1.0
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= most * (1.0 + 1e-12)))

@@ -23,7 +23,7 @@ from exudyn_crawler.views.scenes.track import (
     shoe_pose,
     unloaded_level,
 )
-from exudyn_crawler.views.style import drawn_scale, round_down, round_up
+from exudyn_crawler.views.style import drawn_scale, round_up
 from studies.grounds import STEP_HEIGHT, STEP_PLACE, uneven_case
 
 pytestmark = pytest.mark.simulation
@@ -71,7 +71,8 @@ def treads(surface):
 
 
 def test_scales_are_round_and_fit():
-    assert [round_down(value) for value in (0.0199, 2.0, 4.99, 731.0)] == pytest.approx([0.01, 2, 2, 500])
+    found = [drawn_scale([1.0], length) for length in (0.0199, 2.0, 4.99, 731.0)]
+    assert found == pytest.approx([0.01, 2, 2, 500])
     assert [round_up(value) for value in (0.0201, 2.0, 172.1, 84.8)] == pytest.approx([0.03, 2, 200, 100])
     assert drawn_scale([0.0, -0.003], 0.1) == pytest.approx(20.0)
     assert drawn_scale([0.0], 0.1) == 1.0

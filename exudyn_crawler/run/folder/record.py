@@ -31,7 +31,6 @@ OF_THE_SIMULATION = {CASE, RECORD, LOG, HISTORY, STOPPED_HISTORY, CHECKPOINTS, E
 """What a run goes on with; all else is made of the history again."""
 DONE = "done"  # status of a run that has ended well
 PROGRAM = "exudyn-crawler"
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 logger = logging.getLogger("exudyn_crawler")
 
@@ -169,7 +168,6 @@ def recorded(folder: RunFolder) -> Iterator[None]:
             "processor": platform.processor() or platform.machine(),
             "cpu_count": os.cpu_count(),
             "python": platform.python_version(),
-            "threads": {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
         },
         "versions": found,
         "commit": commit(),
