@@ -80,7 +80,7 @@ def test_damping_grows_from_nothing_at_the_surface_to_all_of_it():
 
 
 @pytest.mark.parametrize(
-    "v", [0.0, 1e-6, 1e-4, 0.002, 0.005, 0.0099, 0.01, 0.0101, 0.02, 0.055, 0.0999, 0.1, 2.0]
+    "v", [0.0, 1e-9, 1e-6, 1e-4, 0.002, 0.005, 0.0099, 0.01, 0.0101, 0.02, 0.03, 0.055, 0.0999, 0.1, 0.5, 2.0]
 )
 def test_friction_curve_is_that_of_adams(v):
     if v < V_ST:
@@ -90,7 +90,8 @@ def test_friction_curve_is_that_of_adams(v):
     else:
         expected = MU_D
     # the STEP from -1 to 1 loses digits about zero, the ratio does not
-    assert friction_per_slip(LAW, v) * v == pytest.approx(expected, rel=1e-12, abs=1e-16)
+    near = TIGHT if v > 1e-3 else 1e-12
+    assert friction_coefficient(v) == pytest.approx(expected, rel=near, abs=1e-16)
 
 
 def friction_coefficient(v):
