@@ -368,17 +368,18 @@ class CompiledSystem(TrackSystem):
             False,
             beta * h / gamma,
         )
-        closed = self.tables.closed is not None
-        if closed or self._cells is not None:
-            # which cells load and which unload is seen best with the accelerations as they were; in a closed
-            # track an old matrix then has the less to do
+        kept = self._factored == weights
+        if kept or self._cells is not None:
+            # which cells load and which unload is seen best with the accelerations as they were; an old
+            # matrix then has the less to do
             last: Any = self.mbs.systemData.GetODE2Coordinates_tt(exu.ConfigurationType.StartOfStep)
             self._state += np.multiply.outer(weights[:3], last / weights.acceleration)
         if self._cells is not None:
             self._cells.cover(self._state)
-        limits = (*self._limits, self._factored == weights)
+        limits = (*self._limits, kept)
         converged, iterations = self._step(self.inputs(solver.it.currentTime), weights, limits)
-        self._factored = weights if closed and converged and iterations == 1 else None
+        serves = self.tables.closed is not None and converged and iterations == 1
+        self._factored = weights if serves else None
         if not converged:
             self._multipliers[:] = start
             return False
