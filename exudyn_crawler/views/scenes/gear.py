@@ -25,7 +25,7 @@ pins' circle; sides of a drawn lug; points along a gap between two teeth."""
 
 
 def poses(dataset: xr.Dataset, of: str = "") -> tuple[np.ndarray, np.ndarray]:
-    """Origins (times, shoes, 3), m, and turns (times, shoes, 3, 3) of all shoes, or of the "side_frame_"."""
+    """Origins (times, shoes, 3), m, and turns (times, shoes, 3, 3) of all shoes, or of a side frame."""
     origin, angles = (
         dataset[f"{of}{name}"].transpose("time", ..., "axis").values for name in ("position", "angles")
     )
