@@ -12,10 +12,9 @@ import numpy as np
 from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, FmuBuilder, Real
 from threadpoolctl import threadpool_limits
 
+from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, CaseFile, MachineCycle, read_case, write_case
 from exudyn_crawler.case.parameters.undercarriage import MachinePhase, length_errors
-from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import whole_file
 from exudyn_crawler.model import compiled_system, formulation, track_system
 from exudyn_crawler.results.history import History, states
 from exudyn_crawler.run.solve import equilibrium, simulation
@@ -101,7 +100,7 @@ class SteppedRun:
             self._system.solve(self._settings)
         except track_system.NewtonError as failed:
             reason = f"Newton's method failed at the least step; {failed.fault(self._system.layout)}"
-            raise SimulationStopped(self.time, reason, self.history()) from None
+            raise errors.SimulationStopped(self.time, reason, self.history()) from None
         self.time, self.travel = end, travel
         self._system.set_state(self._system.state())
 
@@ -185,7 +184,7 @@ def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) ->
     """
     path = Path(path)
     _check_machine(case_file.case)
-    with whole_file(path, overwrite) as temporary, tempfile.TemporaryDirectory() as folder:
+    with files.whole_file(path, overwrite) as temporary, tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / f"{SCRIPT}.py"
         script.write_text(LINES, encoding="utf-8")
         case = write_case(case_file, Path(folder) / CASE)

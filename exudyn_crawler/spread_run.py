@@ -12,10 +12,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from exudyn_crawler import case_run, files
 from exudyn_crawler.case import Case, PairContact, read_case
 from exudyn_crawler.case.case_file import BARE
-from exudyn_crawler.case_run import run_case
-from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.run.folder import folder as folders, progress as parts, record
@@ -84,18 +83,20 @@ def spread(
     if starts < 1 or (starts == 1 and not other_laws):
         raise ValueError(f"starts must be at least {2 - bool(other_laws)}, got {starts}")
     for name in (folders.SPREAD, TABLE):
-        refuse_existing(folder / folders.SPREAD_FOLDER / name, overwrite)
-    out = writable_folder(folder / folders.SPREAD_FOLDER)
+        files.refuse_existing(folder / folders.SPREAD_FOLDER / name, overwrite)
+    out = files.writable_folder(folder / folders.SPREAD_FOLDER)
     peaks = {}
     for name, one in ({f"start {k + 1}": nudged(case, k) for k in range(1, starts)} | other_laws).items():
         path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=ONE_TIME)
         say(f"{one.name}: {name}")
         again = overwrite and path.exists()
-        done = run_case(own, path, overwrite=again, take_finished=True, progress=progress, say=say)
+        done = case_run.run_case(own, path, overwrite=again, take_finished=True, progress=progress, say=say)
         peaks[name] = done.recovered().dataset.peak_von_mises
     with parts.heartbeat(f"{case.name}: recovering stresses"):
         found = spread_of(recovery.recover_stresses(history), peaks, starts)
-    write_netcdf(found.dataset.assign_attrs(case=case.model_dump_json()), out / folders.SPREAD, overwrite)
+    files.write_netcdf(
+        found.dataset.assign_attrs(case=case.model_dump_json()), out / folders.SPREAD, overwrite
+    )
     write_table(found.by_shoe(), out / TABLE, overwrite)
     for shoe, spots in found.hot_spots.items():
         table = hot_spots.hot_spot_table(spots, found.dataset)

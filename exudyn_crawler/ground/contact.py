@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from exudyn_crawler.case import Case, CellTerrain, PairContact, Shoe, Terrain
-from exudyn_crawler.ground import frames, laws, overlap, pairs, rotations
+from exudyn_crawler.ground import frames, laws, overlap, pair_stiffness, pairs, rotations
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Flexible, Outline
-from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.sphere_contact import SphereGroundContact
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, terrain_coordinates
 from fem.patches import Underside
@@ -69,7 +68,7 @@ class PairGroundContact:
         diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
         self.greatest_count = shoes * min(reach, units) * (1 + len(shoe.fingers))
-        self._contacts = UnitContacts.allocate(self.greatest_count, modes)
+        self._contacts = pair_stiffness.UnitContacts.allocate(self.greatest_count, modes)
         self._work = overlap.overlap_workspace()
         self._modal_shape = (len(flexible_shoes), modes)
         self.size = reference.size + coordinates.size + len(flexible_shoes) * modes
@@ -89,7 +88,7 @@ class PairGroundContact:
 
     def _touching(self, bodies: BodyStates) -> tuple[np.ndarray, np.ndarray]:
         """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
-        count = touching_pairs(
+        count = pair_stiffness.touching_pairs(
             tuple(bodies), self.geometry, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work
         )
         return self._contacts.results[:count], self._contacts.modes[:count]

@@ -7,11 +7,9 @@ alone do, each of them is one with a whole law of its own.
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground import laws, pairs
+from exudyn_crawler.ground import laws, overlap, pairs, terrain
 from exudyn_crawler.ground.frames import Frame, compiled, inlined, turned_back, within
-from exudyn_crawler.ground.overlap import Overlap
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
-from exudyn_crawler.ground.terrain import Grid
 
 FINGER_BLEND, REACH_STEP = 0.02, 1e-7
 """m: of the reach in which the fingers' volumes take over from that of the whole underside, chosen here so
@@ -21,7 +19,7 @@ that the force has no jump; of the difference that gives its slope."""
 class Outline(NamedTuple):
     """Outlines of units and undersides, without arrays: these would be counted wherever they are handed."""
 
-    grid: Grid
+    grid: terrain.Grid
     footprint: pairs.Footprint
     finger_length: float  # m
 
@@ -68,7 +66,7 @@ def named(geometry: tuple) -> ContactGeometry:
     """ContactGeometry of its values as plain tuples."""
     (grid, footprint, finger_length), law, flexible, fingers = geometry
     return ContactGeometry(
-        Outline(Grid(*grid), pairs.Footprint(*footprint), finger_length),
+        Outline(terrain.Grid(*grid), pairs.Footprint(*footprint), finger_length),
         pairs.PairLaw(laws.Impact(*law[0]), laws.Coulomb(*law[1]), *law[2:]),
         Flexible(*flexible),
         fingers,
@@ -122,7 +120,7 @@ def finger_volume(
 
 
 @compiled
-def patch_rectangle(part: Overlap, shoe: Frame, unit: Frame, top: float) -> pairs.Rectangle:
+def patch_rectangle(part: overlap.Overlap, shoe: Frame, unit: Frame, top: float) -> pairs.Rectangle:
     """Rectangle in the shoe's axes about an overlap, m; the unit's face is at `top`.
 
     Seen from above: what the unit's tilt moves the overlap by is far less than a cell of the underside.

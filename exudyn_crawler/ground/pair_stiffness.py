@@ -8,19 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs
+from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs, rotations
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned, turned_back
-from exudyn_crawler.ground.overlap import Overlap
-from exudyn_crawler.ground.pair_geometry import BodyStates
-from exudyn_crawler.ground.rotations import (
-    Attitude,
-    FloatArray,
-    ForceRows,
-    Weights,
-    attitude,
-    shoe_frame,
-    unit_frame,
-)
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, Weights
 from fem.patches import mean_rows
 
 MOTIONS = 4
@@ -75,7 +65,9 @@ def _write_jacobian(
 
 
 @frames.within
-def _bend(bodies: BodyStates, f: int, shoe: Frame, rows: FloatArray, jacobian: FloatArray) -> pairs.Patch:
+def _bend(
+    bodies: pair_geometry.BodyStates, f: int, shoe: Frame, rows: FloatArray, jacobian: FloatArray
+) -> pairs.Patch:
     """Write how modes, whose mean displacements (3, m) of a patch are given, move a contact.
 
     Gives the mean motion of the patch, which is one of the flexible shoe in row f.
@@ -158,7 +150,7 @@ def _moved(volume: pairs.Volume, gradient: FloatArray, fading: float, u: Vector)
     xi = (part.xi * part.volume + change[2]) / grown
     eta = (part.eta * part.volume + change[3]) / grown
     depth = (part.depth * part.volume + change[4]) / grown
-    moved = Overlap(
+    moved = overlap.Overlap(
         part.area + change[0],
         xi,
         eta,
@@ -248,7 +240,7 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     `BodyStates`, `ContactGeometry`, `Weights` and `UnitContacts` as plain tuples; without weights of position
     and velocity the tangents are left as they are. `work` is scratch memory as of `overlap_workspace`.
     """
-    bodies, geometry = BodyStates(*places), pair_geometry.named(model)
+    bodies, geometry = pair_geometry.BodyStates(*places), pair_geometry.named(model)
     weights, contacts = Weights(*factors), UnitContacts(*out)
     rows = ForceRows(*contacts.rows)
     derive = weights.position != 0.0 or weights.velocity != 0.0
@@ -258,14 +250,14 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     gradient = np.zeros((overlap.GRADIENT, 4))
     greatest, count = rows.unit.shape[0], 0
     for s in range(bodies.shoes.shape[0]):
-        at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
-        shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
+        at = rotations.attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
+        shoe = rotations.shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
         if shoe.R[2][2] < frames.FACING:
             continue
         cells = pair_geometry.cells_below(shoe, outline)
         for k in range(cells.columns * cells.rows):
             u = cells.first + (k // cells.rows) * grid.rows + k % cells.rows
-            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis)
+            unit = rotations.unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis)
             part = pairs.pair_overlap(shoe, unit, outline.footprint, half, work)
             if part.area <= 0.0:
                 continue

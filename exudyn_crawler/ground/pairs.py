@@ -10,9 +10,8 @@ displacement of the patch of its underside over the unit adds to its rigid motio
 import math
 from typing import Any, NamedTuple
 
-from exudyn_crawler.ground import frames, laws
+from exudyn_crawler.ground import frames, laws, overlap
 from exudyn_crawler.ground.frames import Frame, Vector, along, dot, norm, turned, turned_back, upward
-from exudyn_crawler.ground.overlap import Overlap, overlap
 from exudyn_crawler.ground.rotations import FloatArray
 
 Rectangle = tuple[float, float, float, float]
@@ -54,7 +53,7 @@ class Volume(NamedTuple):
     underside that it belongs to, `half` half the unit's sides (m).
     """
 
-    part: Overlap
+    part: overlap.Overlap
     weight: float
     footprint: Footprint
     half: Vector
@@ -109,7 +108,9 @@ NO_PATCH: Rectangle = (0.0, 0.0, 0.0, 0.0)
 
 
 @frames.compiled
-def pair_overlap(shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, work: FloatArray) -> Overlap:
+def pair_overlap(
+    shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, work: FloatArray
+) -> overlap.Overlap:
     """Overlap of a shoe, taken as rigid, with a unit of which `half` holds half the sides (m).
 
     `work` is scratch memory as of `overlap_workspace`.
@@ -122,7 +123,7 @@ def pair_overlap(shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, w
         corner = turned_back(unit.R, along(apart, 1.0, turned(shoe.R, (x, y, footprint.z))))
         corners[k, 0], corners[k, 1], corners[k, 2] = corner[0], corner[1], half[2] - corner[2]
         corners[k, 3] = x
-    return overlap(work, half[0], half[1])
+    return overlap.overlap(work, half[0], half[1])
 
 
 @frames.inlined
@@ -136,19 +137,19 @@ def share_of(volume: Volume, law: PairLaw) -> float:
 
 
 @frames.inlined
-def contact_point(part: Overlap, unit: Frame, top: float) -> Vector:
+def contact_point(part: overlap.Overlap, unit: Frame, top: float) -> Vector:
     """Where a contact acts (m): above the centroid of the overlap, halfway up to the face at `top`."""
     return along(unit.r, 1.0, turned(unit.R, (part.xi, part.eta, top - 0.5 * part.depth)))
 
 
 @frames.inlined
-def leans(part: Overlap, law: PairLaw) -> bool:
+def leans(part: overlap.Overlap, law: PairLaw) -> bool:
     """Whether a law takes more of a clipped overlap than its depth at the centroid."""
     return part.cut > 0 and (law.area_normal or law.closest_points)
 
 
 @frames.inlined
-def normal_of(part: Overlap, unit: Frame, law: PairLaw) -> Vector:
+def normal_of(part: overlap.Overlap, unit: Frame, law: PairLaw) -> Vector:
     """Normal of a contact, global: from the unit to the shoe."""
     if not law.area_normal or (part.side_x == 0.0 and part.side_y == 0.0):
         return upward(unit.R)

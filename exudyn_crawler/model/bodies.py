@@ -12,16 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground import rotations
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross, dot, turned, turned_back
-from exudyn_crawler.ground.rotations import (
-    Attitude,
-    FloatArray,
-    IntArray,
-    Weights,
-    attitude_by,
-    spin,
-    spin_rate,
-)
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray, Weights
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 
 
@@ -98,8 +91,8 @@ class Motion(NamedTuple):
 def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
     """Motion of the frame of a body at its coordinates, rates and accelerations (3, 6 + m)."""
     rates = (state[1, 3], state[1, 4], state[1, 5])
-    w = turned_back(at.R, spin(at, rates))
-    al = turned_back(at.R, spin_rate(at, rates, (state[2, 3], state[2, 4], state[2, 5])))
+    w = turned_back(at.R, rotations.spin(at, rates))
+    al = turned_back(at.R, rotations.spin_rate(at, rates, (state[2, 3], state[2, 4], state[2, 5])))
     w2 = dot(w, w)
     turning = (
         (w[0] * w[0] - w2, w[0] * w[1] - al[2], w[0] * w[2] + al[1]),
@@ -251,7 +244,7 @@ def write_angles(bodies: Bodies, q: FloatArray) -> None:
 def attitude_of(bodies: Bodies, b: int) -> Attitude:
     """Attitude of a body at the coordinates of `write_angles`."""
     c, s = bodies.of_angles[b, 0], bodies.of_angles[b, 1]
-    return attitude_by((c[0], c[1], c[2]), (s[0], s[1], s[2]))
+    return rotations.attitude_by((c[0], c[1], c[2]), (s[0], s[1], s[2]))
 
 
 @solving_inside
@@ -260,7 +253,7 @@ def frame_of(bodies: Bodies, b: int, state: FloatArray, at: Attitude) -> Frame:
     k, reference = bodies.coordinate[b], bodies.reference[b]
     q, q_t = state[0], state[1]
     place = (q[k] + reference[0], q[k + 1] + reference[1], q[k + 2] + reference[2])
-    omega = spin(at, (q_t[k + 3], q_t[k + 4], q_t[k + 5]))
+    omega = rotations.spin(at, (q_t[k + 3], q_t[k + 4], q_t[k + 5]))
     return Frame(place, at.R, (q_t[k], q_t[k + 1], q_t[k + 2]), omega)
 
 

@@ -7,29 +7,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case, ClosedTrack
-from exudyn_crawler.case.parameters.base import inertia_tensor
+from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.ground.cells import ground
 from exudyn_crawler.ground.cells.contact import CellGroundContact
-from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
 from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
+from exudyn_crawler.model import elimination, shoe_mesh
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
-from exudyn_crawler.model.elimination import fronts_of
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
-from exudyn_crawler.model.forces.cells import CellTable
-from exudyn_crawler.model.forces.loads import Loads
-from exudyn_crawler.model.forces.teeth import Teeth
-from exudyn_crawler.model.forces.units import TerrainTable
+from exudyn_crawler.model.forces import cells, loads, teeth, units
 from exudyn_crawler.model.forces.wheels import ROLLED, Wheels
 from exudyn_crawler.model.joints import ROWS, ClosedJoints, Joints, Markers, Pull
-from exudyn_crawler.model.shoe_mesh import (
-    DrivePoint,
-    drive_point,
-    pin_middle,
-    rail_rows,
-    station_spacing,
-    strip_lines,
-)
 from exudyn_crawler.model.tables import FrontRows, Tables
 from fem.patches import hat_grid
 
@@ -65,7 +54,11 @@ class _Builder:
     """Tables of a case as they are made, one after the other."""
 
     def __init__(
-        self, case: Case, terrain_size: int, floating: FloatingShoe | None, point: DrivePoint
+        self,
+        case: Case,
+        terrain_size: int,
+        floating: FloatingShoe | None,
+        point: shoe_mesh.DrivePoint,
     ) -> None:
         self.case, self.floating, self.point = case, floating, point
         self.shoes = case.track.shoe_count
@@ -118,7 +111,7 @@ class _Builder:
         if self.closed is not None:
             tumbler, own = self.closed.tumbler, self.tumblers
             mass[own], reference[own] = tumbler.mass, case.tumbler_reference
-            second[own] = second_moment(tumbler.mass, inertia_tensor(tumbler.inertia), none)
+            second[own] = second_moment(tumbler.mass, base.inertia_tensor(tumbler.inertia), none)
             if self.tensioner is not None:
                 own, inertia = self.idlers, self.tensioner.inertia_tensor(self.closed.idler.radius)
                 mass[own], reference[own] = self.tensioner.mass, case.idler_reference
@@ -154,7 +147,7 @@ class _Builder:
     def _pin_middle(self, shoe: int, end: str) -> int:
         """Marker in the middle of the rear or the front pins of a shoe."""
         reduced = self.floating.reduced if self.floating is not None and self.flexible[shoe] else None
-        return self._add(shoe, *pin_middle(self.case.track, reduced, end))
+        return self._add(shoe, *shoe_mesh.pin_middle(self.case.track, reduced, end))
 
     def _axes(self) -> np.ndarray:
         """Where in the frame the bodies that turn have their axes: array (bodies, 3), m.
@@ -205,7 +198,7 @@ class _Builder:
         )
         return joints, names
 
-    def loads(self) -> Loads:
+    def loads(self) -> loads.Loads:
         """Machine load of every shoe; with a side frame, its load and the tension of the chain's ends."""
         places = []
         for s in range(self.shoes):
@@ -219,7 +212,7 @@ class _Builder:
             places.append((self._add(self.shoes, np.zeros(3)), -1))
         if self.frame is not None:
             places += [(self._pin_middle(0, "rear"), -1), (self._pin_middle(self.shoes - 1, "front"), -1)]
-        return Loads(*(np.array(one) for one in zip(*places, strict=True)))
+        return loads.Loads(*(np.array(one) for one in zip(*places, strict=True)))
 
     def pull(self) -> Pull | None:
         """Pull of a side frame's drive."""
@@ -231,14 +224,14 @@ class _Builder:
             self.shoes, float(self.frame.tumbler), float(self.case.track.pitch), float(ahead), markers
         )
 
-    def cells(self) -> CellTable:
+    def cells(self) -> cells.CellTable:
         """Undersides on cells, with a grid of nodes under the flexible shoes."""
         row = np.where(self.flexible, np.cumsum(self.flexible) - 1, -1)
         if self.floating is None:
-            return CellTable(row, np.zeros((*COARSE, 3)), np.zeros((*COARSE, 3, 0)))
-        nodes, rows = hat_grid(self.floating.underside, COARSE)
-        height = np.full((*COARSE, 1), self.case.shoe.footprint[4])
-        return CellTable(row, np.concatenate((nodes, height), axis=2), rows)
+            return cells.CellTable(row, np.zeros((*ground.COARSE, 3)), np.zeros((*ground.COARSE, 3, 0)))
+        nodes, rows = hat_grid(self.floating.underside, ground.COARSE)
+        height = np.full((*ground.COARSE, 1), self.case.shoe.footprint[4])
+        return cells.CellTable(row, np.concatenate((nodes, height), axis=2), rows)
 
     def closed_joints(self) -> ClosedJoints | None:
         """What the joints of a closed track have beside those of an open one."""
@@ -262,7 +255,7 @@ class _Builder:
             lag=np.full(len(turned), closed.torque_speed),
         )
 
-    def teeth(self) -> Teeth | None:
+    def teeth(self) -> teeth.Teeth | None:
         """Lugs of the shoes and the tumbler of a closed track."""
         closed, track = self.closed, self.case.track
         if closed is None:
@@ -270,7 +263,7 @@ class _Builder:
         tumbler, lugs = closed.tumbler, closed.lugs(track)
         markers = [self._pin(shoe, *lug) for shoe in range(self.shoes) for lug in lugs]
         half = 0.5  # of the guide at each gear plane
-        return Teeth(
+        return teeth.Teeth(
             markers=np.array(markers),
             tumblers=np.repeat(self.tumblers, len(markers) // len(self.tumblers)),
             side=np.tile([place[1] for _, place in lugs], self.shoes),
@@ -284,7 +277,7 @@ class _Builder:
         gear, rails = self.case.running_gear, self.case.shoe.rails
         if gear is None or rails is None:
             return None
-        lines = strip_lines(gear, rails)
+        lines = shoe_mesh.strip_lines(gear, rails)
         middles, count = self.case.track_middles, self.shoes // self.case.tracks
         if isinstance(gear, ClosedTrack):
             wheels, height = gear.wheels(self.case.assembled.take_up), gear.guide_height
@@ -312,8 +305,8 @@ class _Builder:
             flange=flange,
             height=height,
             rail=(rails.rear, rails.front, rails.height),
-            rows=rail_rows(reduced, gear, rails),
-            spacing=station_spacing(rails),
+            rows=shoe_mesh.rail_rows(reduced, gear, rails),
+            spacing=shoe_mesh.station_spacing(rails),
             slots=max(2, int(on_a_rail.sum(axis=0).max())),  # of the upper run two
         )
 
@@ -364,7 +357,7 @@ def _with_fronts(tables: Tables, shoes: int, links: Sequence[int]) -> Tables:
     if tables.closed is not None:
         order.sort(key=lambda link: link & -link)
     groups = [*coordinates[:shoes], *(chain[link] for link in order), [*terrain, *frames, *others]]
-    fronts = fronts_of(groups, couplings)
+    fronts = elimination.fronts_of(groups, couplings)
     places = [{unknown: k for k, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.own))]
     last = len(fronts.own) - 1
     in_fronts = FrontRows(
@@ -385,7 +378,7 @@ class Parts(NamedTuple):
     """What a multibody system of a case is made of; `pins` are link (from 1) and side of each link pin."""
 
     floating: FloatingShoe | None
-    point: DrivePoint
+    point: shoe_mesh.DrivePoint
     contact: GroundContact
     tables: Tables
     pins: list[tuple[int, str]]
@@ -393,9 +386,12 @@ class Parts(NamedTuple):
 
 def parts_of(case: Case) -> Parts:
     """Flexible shoes, contact and tables of a case."""
-    bending, floating = flexible_shoes(case), None if case.flexible is None else floating_shoe(case)
+    bending, floating = (
+        flexible_shoes(case),
+        None if case.flexible is None else floating_shoe(case),
+    )
     bends = case.track.shoe_count - 1 in bending
-    point = drive_point(case, floating.reduced if floating is not None and bends else None)
+    point = shoe_mesh.drive_point(case, floating.reduced if floating is not None and bends else None)
     contact = ground_contact(case, None if floating is None else floating.underside, bending)
     coordinates = contact.coordinates
     terrain = coordinates if isinstance(coordinates, TerrainModes) else reduced_coordinates(case)
@@ -410,7 +406,7 @@ def parts_of(case: Case) -> Parts:
         markers=builder.markers(),
         joints=joints,
         loads=loads,
-        terrain=TerrainTable(
+        terrain=units.TerrainTable(
             terrain.heave,
             terrain.tilt,
             contact.unit_reference if isinstance(contact, PairGroundContact) else np.zeros((0, 4)),
@@ -421,7 +417,7 @@ def parts_of(case: Case) -> Parts:
         ),
         flexible=np.array([builder.first_modal, len(bending)]),
         contact=contact.geometry if isinstance(contact, PairGroundContact) else None,
-        fronts=fronts_of([], []),
+        fronts=elimination.fronts_of([], []),
         rows=FrontRows(*[nothing] * len(FrontRows._fields)),
         pull=pull,
         cells=builder.cells() if isinstance(contact, CellGroundContact) else None,

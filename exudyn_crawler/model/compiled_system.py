@@ -10,34 +10,19 @@ from typing import Any
 import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.ground import pairs, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Weights, moments_on_angles
-from exudyn_crawler.ground.terrain import TerrainModes
-from exudyn_crawler.model.build import Parts, parts_of
-from exudyn_crawler.model.elimination import eliminate, solve
+from exudyn_crawler.model import build, elimination, joints, newton, state, track_system
 from exudyn_crawler.model.engine import add_coordinates, exu, predict
 from exudyn_crawler.model.equations import STIFFNESS, gear_contacts, matrix, residual
 from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
 from exudyn_crawler.model.forces.teeth import TeethWorkspace
 from exudyn_crawler.model.forces.wheels import WheelWorkspace
-from exudyn_crawler.model.joints import ROWS
-from exudyn_crawler.model.newton import step
-from exudyn_crawler.model.state import (
-    BEARING,
-    BODY_COORDINATES,
-    IDLERS,
-    MOTOR,
-    SIDE_FRAME,
-    TUMBLERS,
-    StateLayout,
-    pin_name,
-)
 from exudyn_crawler.model.tables import Inputs, Tables, Workspace
-from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
 STRIPS, LUGS = ("wheel", "force", "foot", "guide"), ("force", "guide")
 """What of wheels and lugs is read for flexible shoes."""
@@ -58,40 +43,48 @@ SETTLING, UNEVEN_SETTLING, SETTLING_LIMITS = 4.0, 60.0, (1e-2, MANY)
 uneven ones; limits as of `creep`."""
 
 
-def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateLayout:
+def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> state.StateLayout:
     """Layout of the states of a case; `pins` name link (from 1) and side of each."""
-    turned = TUMBLERS[case.tracks] if case.is_closed else ()
-    turned += IDLERS[case.tracks] if case.has_tensioners else ()
-    others = turned if case.running_gear is None else (SIDE_FRAME, *turned)
+    turned = state.TUMBLERS[case.tracks] if case.is_closed else ()
+    turned += state.IDLERS[case.tracks] if case.has_tensioners else ()
+    others = turned if case.running_gear is None else (state.SIDE_FRAME, *turned)
     names = [*(f"shoe {number}" for number in case.track.shoes), *others]
-    return StateLayout(
+    return state.StateLayout(
         shoes=case.track.shoe_count,
         terrain=tables.terrain.heave.shape[1],
         flexible_shoes=() if case.flexible is None else tuple(case.flexible.shoes),
         modes=len(tables.modes.stiffness),
-        contact=0 if tables.cells is None else RESULTS + (tables.cells.nodes.size if case.flexible else 0),
+        contact=0
+        if tables.cells is None
+        else pairs.RESULTS + (tables.cells.nodes.size if case.flexible else 0),
         multipliers=(
             *(
-                (pin_name(side, link) if link > 0 else BEARING.format(turned[-link - 1]), ROWS)
+                (
+                    state.pin_name(side, link) if link > 0 else state.BEARING.format(turned[-link - 1]),
+                    joints.ROWS,
+                )
                 for link, side in pins
             ),
             ("drive", 1),
             ("turn", 1),
-            *((f"hold of {names[b]} ({BODY_COORDINATES[k]})", 1) for b, k in tables.joints.holds.tolist()),
-            *((MOTOR.format(one), 1) for one in turned),
+            *(
+                (f"hold of {names[b]} ({state.BODY_COORDINATES[k]})", 1)
+                for b, k in tables.joints.holds.tolist()
+            ),
+            *((state.MOTOR.format(one), 1) for one in turned),
         ),
         bodies=others,
     )
 
 
-class CompiledSystem(TrackSystem):
+class CompiledSystem(track_system.TrackSystem):
     """Multibody system of a case by compiled equations of its `tables`; `mbs` has the coordinates alone."""
 
     contact: PairGroundContact | CellGroundContact
 
-    def __init__(self, case: Case, parts: Parts) -> None:
+    def __init__(self, case: Case, parts: build.Parts) -> None:
         contact = parts.contact
-        reduced = isinstance(contact.coordinates, TerrainModes)
+        reduced = isinstance(contact.coordinates, terrain.TerrainModes)
         if not (reduced and isinstance(contact, PairGroundContact | CellGroundContact)):
             raise ValueError(
                 "the case needs contact.model 'pair' or 'cells' and terrain_formulation 'reduced'"
@@ -260,14 +253,14 @@ class CompiledSystem(TrackSystem):
         if not solver.SolveSystem(self.mbs, settings):
             raise self.failure()
 
-    def failure(self) -> NewtonError:
+    def failure(self) -> track_system.NewtonError:
         """Error of the last step that was tried."""
-        return NewtonError(self.in_units(self._scratch[0]), self._singular)
+        return track_system.NewtonError(self.in_units(self._scratch[0]), self._singular)
 
     @property
     def pin_rows(self) -> int:
         """Number of the pins' equations."""
-        return ROWS * len(self.tables.joints.pins)
+        return joints.ROWS * len(self.tables.joints.pins)
 
     def residual(
         self,
@@ -326,8 +319,8 @@ class CompiledSystem(TrackSystem):
             ][: 1 + (self.tables.wheels is not None)],
             "matrix": [
                 (matrix, (*both, inputs, weights, self._workspace, values)),
-                (eliminate, (fronts, values)),
-                (solve, (fronts, values, out)),
+                (elimination.eliminate, (fronts, values)),
+                (elimination.solve, (fronts, values, out)),
             ],
         }
 
@@ -341,7 +334,7 @@ class CompiledSystem(TrackSystem):
     def _step(self, inputs: Inputs, weights: Weights, limits: tuple[float, int, bool]) -> tuple[bool, int]:
         """Whether Newton's method finds the step that the state predicts, and its iterations."""
         try:
-            converged, iterations, *_ = step(
+            converged, iterations, *_ = newton.step(
                 self._plain,
                 self._state,
                 self._multipliers,
@@ -423,11 +416,11 @@ class CompiledSystem(TrackSystem):
         out = self.residual(self._state, inputs, self._multipliers, weights)
         matrix(self._plain, self._state, tuple(inputs), tuple(weights), self._workspace, values)
         fronts = tuple(self.tables.fronts)
-        eliminate(fronts, values)
+        elimination.eliminate(fronts, values)
         # at rest constraints have no gap, and their rates do not change by themselves
         n = self._state.shape[1]
         out[n:] = 0.0
-        solve(fronts, values, out)
+        elimination.solve(fronts, values, out)
         self._state[2] = -out[:n]
         self._multipliers[:] = -out[n:]
         self._hand_over(exu.ConfigurationType.Initial)
@@ -442,4 +435,4 @@ class CompiledSystem(TrackSystem):
 
 def compiled_system(case: Case) -> CompiledSystem:
     """Build the compiled equations of a case."""
-    return CompiledSystem(case, parts_of(case))
+    return CompiledSystem(case, build.parts_of(case))

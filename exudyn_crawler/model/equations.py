@@ -13,40 +13,12 @@ them, so that they cost iterations and not accuracy.
 import numpy as np
 
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
-from exudyn_crawler.model.bodies import (
-    Bodies,
-    Inertia,
-    add_bodies,
-    add_body,
-    add_body_matrix,
-    attitude_of,
-    write_angles,
-)
-from exudyn_crawler.model.elimination import (
-    Fronts,
-    clear,
-    front,
-    marks,
-    solving,
-    solving_allocating,
-    solving_within,
-)
-from exudyn_crawler.model.forces.cells import cell_forces
-from exudyn_crawler.model.forces.loads import add_loads
-from exudyn_crawler.model.forces.teeth import teeth_contacts
+from exudyn_crawler.model import bodies, elimination, joints
+from exudyn_crawler.model.bodies import Bodies, add_bodies, add_body, attitude_of, write_angles
+from exudyn_crawler.model.elimination import solving, solving_allocating, solving_within
+from exudyn_crawler.model.forces import cells, loads, teeth, wheels
 from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace, add_terrain, unit_contacts
-from exudyn_crawler.model.forces.wheels import wheel_contacts
-from exudyn_crawler.model.joints import (
-    ROWS,
-    ClosedJoints,
-    add_holds,
-    add_pins,
-    add_speeds,
-    motor_speed,
-    motor_torque,
-    write_pull,
-    write_turned,
-)
+from exudyn_crawler.model.joints import ROWS, ClosedJoints, motor_speed, motor_torque
 from exudyn_crawler.model.tables import FrontRows, Inputs, Tables, Workspace, named_tables
 
 STIFFNESS = 1e9
@@ -177,25 +149,25 @@ def residual(
     work.counts[0] = unit_contacts(
         bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units
     )
-    cell_forces(tables.cells, bodies, state, weights, work.cells)
-    work.counts[1] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
-    work.counts[2] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
+    cells.cell_forces(tables.cells, bodies, state, weights, work.cells)
+    work.counts[1] = teeth.teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
+    work.counts[2] = wheels.wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
     for kind in range(len(work.elements)):
         _add_rows(bodies, ForceRows(*work.elements[kind]), work.counts[kind], rows[0], out)
     inertias = work.first, work.second, work.turning
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, rows, tensor, out)
     contacts = ForceRows(*work.elements[0])
     add_terrain(tables.terrain, contacts, work.counts[0], state, inputs.gravity[2], units, out)
-    add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
-    markers, joints, closed = tables.markers, tables.joints, tables.closed is not None
-    add_pins(bodies, markers, joints.pins, closed, state, rows, work.gap, work.jacobian)
-    add_speeds(bodies, markers, joints, state, inputs.speeds, rows, work.gap, work.jacobian)
-    add_holds(bodies, joints, state, work.gap, work.jacobian)
-    write_pull(tables.pull, bodies, markers, state, work.pulled, work.pull)
+    loads.add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
+    markers, closed = tables.markers, tables.closed is not None
+    joints.add_pins(bodies, markers, tables.joints.pins, closed, state, rows, work.gap, work.jacobian)
+    joints.add_speeds(bodies, markers, tables.joints, state, inputs.speeds, rows, work.gap, work.jacobian)
+    joints.add_holds(bodies, tables.joints, state, work.gap, work.jacobian)
+    joints.write_pull(tables.pull, bodies, markers, state, work.pulled, work.pull)
     _add_joints(tables, inputs, multipliers, work, weights.level, out)
     for p in range(work.turned.shape[0] if weights.position != 0.0 else 0):
         own, into = multipliers[ROWS * p :], work.turned[p]
-        write_turned(bodies, markers, joints.pins[p], closed, own, state, rows[0], into)
+        joints.write_turned(bodies, markers, tables.joints.pins[p], closed, own, state, rows[0], into)
     _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights.level, out)
 
 
@@ -209,8 +181,8 @@ def gear_contacts(
     """
     tables, weights, work = named_tables(values), Weights(*factors), Workspace(*workspace)
     write_angles(tables.bodies, state[0])
-    teeth_contacts(tables.teeth, tables.bodies, tables.markers, state, weights, work.teeth)
-    wheel_contacts(tables.wheels, tables.bodies, state, Inputs(*arguments).drag, weights, work.wheels)
+    teeth.teeth_contacts(tables.teeth, tables.bodies, tables.markers, state, weights, work.teeth)
+    wheels.wheel_contacts(tables.wheels, tables.bodies, state, Inputs(*arguments).drag, weights, work.wheels)
 
 
 @solving_within
@@ -250,7 +222,7 @@ def _write_motions(
 @solving_within
 def _add_block(
     places: FrontRows,
-    fronts: Fronts,
+    fronts: elimination.Fronts,
     numbers: tuple[int, int, int],
     sizes: tuple[int, int, int],
     block: FloatArray,
@@ -259,7 +231,11 @@ def _add_block(
 ) -> None:
     """Add a tangent by the coordinates of two bodies and the terrain; `numbers` are of front and bodies."""
     f, a, b = numbers
-    matrix, met, n = front(fronts, values, f), marks(fronts, values, f), block.shape[0]
+    matrix, met, n = (
+        elimination.front(fronts, values, f),
+        elimination.marks(fronts, values, f),
+        block.shape[0],
+    )
     firsts, k = (places.body[f, a], places.body[f, b], places.terrain[f]), 0
     for part in range(3):
         for c in range(sizes[part]):
@@ -314,16 +290,16 @@ def _add_joint_rows(
     speed = STIFFNESS * weights.level * (weights.velocity if weights.velocity != 0.0 else 1.0)
     for side in range(2):
         held = -1
-        matrix = front(fronts, values, last)
+        matrix = elimination.front(fronts, values, last)
         for r in range(between.shape[0]):
             is_speed, b = pins <= r < pins + 2, between[r, side]
             if b < 0 or (is_speed and inputs.active[r - pins] <= 0.0):
                 continue
             f = places.front[b]
             if f != held:
-                matrix, held = front(fronts, values, f), f
+                matrix, held = elimination.front(fronts, values, f), f
             row, base, factor = places.multiplier[f, r], places.body[f, b], speed if is_speed else STIFFNESS
-            marks(fronts, values, f)[row] = 1.0
+            elimination.marks(fronts, values, f)[row] = 1.0
             for c in range(m if modal[b] >= 0 else 6):
                 matrix[row, base + c] += factor * work.jacobian[r, side, c]
                 if not (pulls and r == pins):
@@ -331,15 +307,19 @@ def _add_joint_rows(
     for k in range(2):
         if inputs.active[k] <= 0.0:
             row = places.multiplier[last, pins + k]
-            front(fronts, values, last)[row, row] += 1.0
+            elimination.front(fronts, values, last)[row, row] += 1.0
     for k in range(work.pulled.shape[0] if pulls else 0):
         b = work.pulled[k]
         f = places.front[b]
-        matrix, row, base = front(fronts, values, f), places.multiplier[f, pins], places.body[f, b]
+        matrix, row, base = (
+            elimination.front(fronts, values, f),
+            places.multiplier[f, pins],
+            places.body[f, b],
+        )
         for c in range(m if modal[b] >= 0 else 6):
             if work.pull[k, c] != 0.0:
                 matrix[base + c, row] += work.pull[k, c]
-                marks(fronts, values, f)[row] = 1.0
+                elimination.marks(fronts, values, f)[row] = 1.0
 
 
 @solving_within
@@ -349,7 +329,10 @@ def _add_turned(tables: Tables, by_place: float, work: Workspace, values: FloatA
     for p in range(work.turned.shape[0]):
         for side in range(2):
             b = tables.joints.bodies[ROWS * p, side]
-            own, place = front(tables.fronts, values, places.front[b]), places.body[places.front[b], b] + 3
+            own, place = (
+                elimination.front(tables.fronts, values, places.front[b]),
+                places.body[places.front[b], b] + 3,
+            )
             for r in range(3):
                 for c in range(3):
                     own[place + r, place + c] += by_place * work.turned[p, side, r, c]
@@ -371,7 +354,7 @@ def _add_closed_rows(
     joints, places, fronts = ClosedJoints(*closed), tables.rows, tables.fronts
     for p in range(joints.compliance.shape[0]):
         f = places.front[tables.joints.bodies[ROWS * p, 0]]
-        matrix = front(fronts, values, f)
+        matrix = elimination.front(fronts, values, f)
         for r in range(ROWS):
             row = places.multiplier[f, ROWS * p + r]
             matrix[row, row] -= STIFFNESS * joints.compliance[p, r]
@@ -385,7 +368,7 @@ def _add_closed_rows(
     for k in range(joints.motors.shape[0]):
         factor = STIFFNESS * weights.level * velocity
         f = places.front[joints.motors[k, 1]]
-        matrix, row = front(fronts, values, f), places.multiplier[f, first + k]
+        matrix, row = elimination.front(fronts, values, f), places.multiplier[f, first + k]
         if joints.limit[k] < np.inf:
             speed = motor_speed(tables.bodies, joints.motors[k], state, work.motors[k])
             factor = -weights.velocity * motor_torque(joints, k, inputs.motors[k] - speed)[1]
@@ -402,10 +385,10 @@ def _add_masses(tables: Tables, weights: Weights, work: Workspace, values: Float
     """Add masses, stiffness and damping of bodies and terrain to the fronts."""
     terrain, places, order, last = tables.terrain, tables.rows, tables.fronts, tables.fronts.own.shape[0] - 1
     for b in range(tables.bodies.mass.shape[0]):
-        inertia, f = Inertia(work.first[b], work.second[b], work.turning[b]), places.front[b]
-        at, own = attitude_of(tables.bodies, b), front(order, values, f)
-        add_body_matrix(tables.bodies, b, tables.modes, at, inertia, weights, places.body[f, b], own)
-    whole, first = front(order, values, last), places.terrain[last]
+        inertia, f = bodies.Inertia(work.first[b], work.second[b], work.turning[b]), places.front[b]
+        at, own = attitude_of(tables.bodies, b), elimination.front(order, values, f)
+        bodies.add_body_matrix(tables.bodies, b, tables.modes, at, inertia, weights, places.body[f, b], own)
+    whole, first = elimination.front(order, values, last), places.terrain[last]
     for i in range(terrain.heave.shape[1]):
         whole[first + i, first + i] += weights.acceleration
         for k in range(terrain.heave.shape[1]):
@@ -423,7 +406,7 @@ def matrix(
     """
     tables, inputs = named_tables(values), Inputs(*arguments)
     weights, work = Weights(*factors), Workspace(*workspace)
-    clear(tables.fronts, fronts)
+    elimination.clear(tables.fronts, fronts)
     _add_masses(tables, weights, work, fronts)
     for kind in range(len(work.elements)):
         _add_elements(tables, ForceRows(*work.elements[kind]), work.counts[kind], fronts)

@@ -5,19 +5,9 @@ from functools import lru_cache
 
 import numpy as np
 
+import fem
 from exudyn_crawler.case import Case, FlexibleShoes, Track
-from exudyn_crawler.model import reductions
-from exudyn_crawler.model.shoe_mesh import check_fit, pin_interfaces, pulled_node
-from fem import (
-    CachedReduction,
-    ElasticBody,
-    Interface,
-    Material,
-    Nested,
-    ReducedBody,
-    cached_craig_bampton,
-    nested_reduction,
-)
+from exudyn_crawler.model import reductions, shoe_mesh
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
 from meshes.checks import check_surfaces
@@ -30,7 +20,7 @@ MACHINE_LOAD, DRIVE = "machine load", "drive"
 class FloatingShoe:
     """Everything that the multibody system needs of a flexible shoe; m modes."""
 
-    reduced: ReducedBody  # modes, stress modes and surfaces
+    reduced: fem.ReducedBody  # modes, stress modes and surfaces
     load_point: np.ndarray  # (3,): middle of the loaded surface, m
     load_rows: np.ndarray  # (3, m): its mean displacement by the modes
     beside: np.ndarray  # (3,): change of the load's point per metre that a load shifts to the left
@@ -43,22 +33,24 @@ class FloatingShoe:
         return self.load_rows.shape[1]
 
 
-def _material(flexible: FlexibleShoes) -> Material:
-    return Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
+def _material(flexible: FlexibleShoes) -> fem.Material:
+    return fem.Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
 
 
 @lru_cache(maxsize=4)
-def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
+def _finite_elements(
+    mesh_name: str, material: fem.Material, track: Track
+) -> tuple[fem.ElasticBody, list[fem.Interface]]:
     mesh = mesh_named(mesh_name)
     if mesh.order == 1:
         raise ValueError(
             f"the mesh {mesh_name!r} must have tetrahedra with 10 nodes, got linear ones with 4, which are "
             "too stiff in bending; mesh it with elements of second order (gmsh -order 2)"
         )
-    return ElasticBody(mesh, material), pin_interfaces(mesh, mesh_name, track)
+    return fem.ElasticBody(mesh, material), shoe_mesh.pin_interfaces(mesh, mesh_name, track)
 
 
-def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list[Interface]]:
+def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[fem.ElasticBody, list[fem.Interface]]:
     """Finite-element model of a flexible shoe and its four joint centres; remembered.
 
     A ValueError says if the mesh has linear elements or no bores where the track's pins are, or lacks its
@@ -72,12 +64,12 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
 @lru_cache(maxsize=4)
 def _reduction(
     mesh: str,
-    material: Material,
+    material: fem.Material,
     track: Track,
     fixed_modes: int,
     load_surface: str | None,
     node: int | None,
-) -> CachedReduction:
+) -> fem.CachedReduction:
     body, interfaces = _finite_elements(mesh, material, track)
     loads = {}
     if load_surface is not None:
@@ -86,7 +78,7 @@ def _reduction(
         loads[DRIVE] = np.zeros_like(body.mesh.nodes)
         loads[DRIVE][node, 0] = 1.0
     folder = reductions.reductions_folder()
-    return cached_craig_bampton(folder, body, interfaces, fixed_modes, loads, warn=reductions.warn)
+    return fem.cached_craig_bampton(folder, body, interfaces, fixed_modes, loads, warn=reductions.warn)
 
 
 def check_shoe(case: Case) -> None:
@@ -94,10 +86,10 @@ def check_shoe(case: Case) -> None:
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     rails = None if case.running_gear is None else case.shoe.rails
-    check_fit(body.mesh, flexible.mesh, case.shoe, rails)
+    shoe_mesh.check_fit(body.mesh, flexible.mesh, case.shoe, rails)
 
 
-def whole_reduction(case: Case) -> CachedReduction:
+def whole_reduction(case: Case) -> fem.CachedReduction:
     """Reduce the shoe of a case to all the modes that its stress is made of; remembered, and kept on disk.
 
     They are the constraint modes and `recovered_modes` fixed-interface modes. The static answer to a force
@@ -107,17 +99,17 @@ def whole_reduction(case: Case) -> CachedReduction:
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     loaded = flexible.load_surface if flexible.load_mode else None
-    node = pulled_node(case, body.mesh)
+    node = shoe_mesh.pulled_node(case, body.mesh)
     return _reduction(flexible.mesh, _material(flexible), case.track, flexible.recovered_modes, loaded, node)
 
 
 @lru_cache(maxsize=4)
-def integrated_in(flexible: FlexibleShoes, whole: ReducedBody) -> Nested:
+def integrated_in(flexible: FlexibleShoes, whole: fem.ReducedBody) -> fem.Nested:
     """Modes of flexible shoes that are integrated, and where they lie in the whole reduction; remembered.
 
     A ValueError says if no mode remains.
     """
-    nested = nested_reduction(whole, flexible.fixed_modes, [MACHINE_LOAD] if flexible.load_mode else [])
+    nested = fem.nested_reduction(whole, flexible.fixed_modes, [MACHINE_LOAD] if flexible.load_mode else [])
     if flexible.modes is not None:
         return nested.with_modes([number - 1 for number in flexible.modes])
     if flexible.highest_frequency is not None:
@@ -144,7 +136,7 @@ def floating_shoe(case: Case) -> FloatingShoe:
 
 @lru_cache(maxsize=4)
 def _floating_shoe(
-    flexible: FlexibleShoes, footprint: tuple[float, ...], reduced: ReducedBody
+    flexible: FlexibleShoes, footprint: tuple[float, ...], reduced: fem.ReducedBody
 ) -> FloatingShoe:
     """Remembered, since a run builds its system twice."""
     under = reduced.mesh.nodes_of("underside")

@@ -14,8 +14,7 @@ import numpy as np
 from numba import typeof
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
-from exudyn_crawler.model.equations import residual
+from exudyn_crawler.model import compiled_system, equations
 from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.track_system import TrackSystem
 from fem.compiling import notify_compiling
@@ -23,7 +22,7 @@ from fem.compiling import notify_compiling
 
 def track_system(case: Case) -> TrackSystem:
     """Build the multibody system of a case."""
-    return compiled_system(case) if case.is_compiled else ExudynSystem(case)
+    return compiled_system.compiled_system(case) if case.is_compiled else ExudynSystem(case)
 
 
 KINDS: dict[str, Callable[[], Case]] = {
@@ -48,7 +47,7 @@ def compile_equations(kind: str) -> None:
     What fails beside this process, such as a disk that stores nothing, is compiled when it is called.
     """
     begun: list[subprocess.Popen] = []
-    with notify_compiling([residual], lambda: begun.append(_beside(kind))):
+    with notify_compiling([equations.residual], lambda: begun.append(_beside(kind))):
         _compile(kind, "residual")
     for process in begun:
         process.wait()
@@ -61,9 +60,9 @@ def compile_matrix(kind: str) -> None:
     system.contact.results(none, none)
 
 
-def _compile(kind: str, part: str) -> CompiledSystem:
+def _compile(kind: str, part: str) -> compiled_system.CompiledSystem:
     """System of a case of a kind, with a part of its equations compiled."""
-    system = compiled_system(KINDS[kind]())
+    system = compiled_system.compiled_system(KINDS[kind]())
     for function, arguments in system.calls()[part]:
         function.compile(tuple(typeof(one) for one in arguments))
     return system

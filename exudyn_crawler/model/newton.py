@@ -3,9 +3,8 @@
 import numpy as np
 
 from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.model.elimination import eliminate, solve, solving, solving_allocating
+from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.equations import matrix, residual
-from exudyn_crawler.model.joints import turn_moments
 from exudyn_crawler.model.tables import Tables, named_tables
 
 CONTRACTION = 0.5
@@ -30,13 +29,13 @@ FRONTS, CELLS, CLOSED, WHEELS = (
 )
 
 
-@solving_allocating
+@elimination.solving_allocating
 def _norm(residual: FloatArray) -> float:
     """Root mean square."""
     return np.sqrt(np.sum(residual * residual) / residual.shape[0])
 
 
-@solving
+@elimination.solving
 def step(
     tables: tuple,
     state: FloatArray,
@@ -77,10 +76,10 @@ def step(
                 by = (by_place, by_rate, by_acceleration, secant, level)
                 residual(tables, state, multipliers, inputs, by, workspace, out)
             matrix(tables, state, inputs, factors, workspace, values)
-            eliminate(fronts, values)
+            elimination.eliminate(fronts, values)
             matrices, needed, old = matrices + 1, False, 0
         change[:] = out
-        solve(fronts, values, change)
+        elimination.solve(fronts, values, change)
         for k in range(n):
             state[0, k] -= change[k]
             state[1, k] -= by_rate * change[k]
@@ -88,7 +87,7 @@ def step(
         for k in range(multipliers.shape[0]):
             multipliers[k] -= change[n + k]
         if cells:
-            turn_moments(named.bodies, named.markers, named.joints.pins, change, multipliers)
+            joints.turn_moments(named.bodies, named.markers, named.joints.pins, change, multipliers)
         iterations, old = iterations + 1, old + 1
         residual(tables, state, multipliers, inputs, none, workspace, out)
         derived = False

@@ -11,8 +11,7 @@ from scipy.stats import binomtest, quantile_test, spearmanr
 
 from exudyn_crawler.case.parameters.fields import PREFIXES, prefix_of, value_text
 from exudyn_crawler.results.history.catalogue import READ_IN
-from exudyn_crawler.sweep import definition, worker
-from exudyn_crawler.sweep.answers import Life
+from exudyn_crawler.sweep import answers, definition, worker
 from exudyn_crawler.sweep.scatter import AnySweep
 from exudyn_crawler.views.tables import write_table
 
@@ -154,7 +153,7 @@ def failures(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     shoes a year with theirs, the mean over the years until then; a cracked shoe counts once.
     """
     done, fleet, rows = finished(table), sweep.fleet, []
-    for answer in (one for one in sweep.answers if isinstance(one, Life)):
+    for answer in (one for one in sweep.answers if isinstance(one, answers.Life)):
         lives = done[answer.label].dropna()
         if lives.empty:
             continue

@@ -8,15 +8,14 @@ from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import writable_folder, write_netcdf
 from exudyn_crawler.run.folder import progress as parts, record
-from exudyn_crawler.sweep import page, results
+from exudyn_crawler.sweep import page, results, scatter
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
-from exudyn_crawler.sweep.scatter import AnySweep, DutyScatter
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
 
 def run_sweep(
-    sweep: AnySweep,
+    sweep: scatter.AnySweep,
     out: str | Path,
     *,
     scheduler: str | None = None,
@@ -44,7 +43,7 @@ def run_sweep(
     folder = writable_folder(Path(out))
     work = record.RunFolder(folder, say)
     with record.held(folder, "sweep"), record.recorded(work):
-        if isinstance(sweep, DutyScatter):
+        if isinstance(sweep, scatter.DutyScatter):
             with work.timed("draws"):
                 lives = enumerate(sweep.lives(work.say), 1)
             stored: dict[str, Outcome] = {str(k): {"status": DONE, "answers": one} for k, one in lives}
@@ -73,7 +72,11 @@ def run_sweep(
 
 
 def _gathered(
-    sweep: AnySweep, stored: dict[str, Outcome], folder: Path, runs: Path | None, work: record.RunFolder
+    sweep: scatter.AnySweep,
+    stored: dict[str, Outcome],
+    folder: Path,
+    runs: Path | None,
+    work: record.RunFolder,
 ) -> results.SweepRun:
     """Tables and page of a sweep's outcomes; runs, if they have them, are in folders of `runs`."""
     record.write_json(folder / "sweep.json", sweep.model_dump(mode="json"))

@@ -10,14 +10,12 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case.parameters import fields, reading
-from exudyn_crawler.case.parameters.base import Errors, option
+from exudyn_crawler.case.parameters import base, fields, reading
 from exudyn_crawler.life_run import stage_lives
 from exudyn_crawler.results.life import duty_runs, life
 from exudyn_crawler.results.life.duty import Damage, Duty, DutyCase, DutyRun, read_duty
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
-from exudyn_crawler.sweep.answers import Life
-from exudyn_crawler.sweep.definition import Design, PlannedRun, Sweep, Variation, read_sweep
+from exudyn_crawler.sweep import answers, definition
 from fem.defects import CycleStage
 
 WORST = 5
@@ -27,13 +25,13 @@ DRAWN = ("material", "miner", "survivals", "an_hour", "share", "load", "case", "
 """What of a duty may be drawn, by the first or the last name of its path."""
 
 
-class DutyScatter(Variation):
+class DutyScatter(definition.Variation):
     """Lives over a duty of which values are drawn: every draw is a shoe."""
 
     duty: Duty
-    design: Design = option("as of a sweep", "latin_hypercube")
+    design: definition.Design = base.option("as of a sweep", "latin_hypercube")
 
-    def _errors(self) -> Errors:
+    def _errors(self) -> base.Errors:
         for path in (path for one in self.vary for path in one.keys):
             names = fields.names_of(fields.parse_path(path))
             if not {names[0], names[-1]} & set(DRAWN):
@@ -50,11 +48,11 @@ class DutyScatter(Variation):
         return self.duty
 
     @cached_property
-    def answers(self) -> tuple[Life, ...]:
+    def answers(self) -> tuple[answers.Life, ...]:
         """Life of the shoe, its bores left out, and of each of its regions."""
         damage = {name: getattr(self.duty, name) for name in Damage.model_fields}
         regions = [None, *(one for one in REGIONS if one != BORES)]
-        return tuple(Life(region=one, survival=self.duty.survivals[-1], **damage) for one in regions)
+        return tuple(answers.Life(region=one, survival=self.duty.survivals[-1], **damage) for one in regions)
 
     @cached_property
     def duties(self) -> list[Duty]:
@@ -62,10 +60,10 @@ class DutyScatter(Variation):
         return self._of_all(lambda _number, values: self._changed(values))
 
     @property
-    def planned(self) -> tuple[PlannedRun, ...]:
+    def planned(self) -> tuple[definition.PlannedRun, ...]:
         """All draws."""
         self.duties  # noqa: B018 - refuses draws that cannot be
-        return tuple(PlannedRun(k, values, str(k), ()) for k, values in enumerate(self.rows, 1))
+        return tuple(definition.PlannedRun(k, values, str(k), ()) for k, values in enumerate(self.rows, 1))
 
     def lives(self, say: Callable[[str], None] = lambda _text: None) -> list[dict[str, float]]:
         """Lives in h of every draw by names of answers; raises as `life`."""
@@ -75,7 +73,7 @@ class DutyScatter(Variation):
         return [long | counted.lives(one) for one in self.duties]
 
 
-AnySweep = Sweep | DutyScatter
+AnySweep = definition.Sweep | DutyScatter
 
 
 def _with_all_cases(duties: Sequence[Duty]) -> Duty:
@@ -205,4 +203,4 @@ def read_scatter(path: str | Path) -> AnySweep:
 
     if path.is_file() and "duty" in reading.toml_content(path, "sweep file"):
         return reading.read_parameters(path, DutyScatter, "duty scatter file", values)
-    return read_sweep(path)
+    return definition.read_sweep(path)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.model import compiled_system as compiled, engine
+from exudyn_crawler.model import engine, newton
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.track_system import NewtonError
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 
@@ -86,7 +87,7 @@ def test_exudyn_starts_a_step_that_failed_from_the_algorithmic_acceleration_of_i
 def test_a_step_that_fails_is_halved_and_the_run_goes_on(monkeypatch):
     case = Case.translation()
     system, calls = compiled_system(case), []
-    solve_step = compiled.step
+    solve_step = newton.step
 
     def failing(*arguments):
         calls.append(arguments)
@@ -98,7 +99,7 @@ def test_a_step_that_fails_is_halved_and_the_run_goes_on(monkeypatch):
     system.after_step(lambda time: times.append(time) or True)
     settings = solver_settings(case.solver)
     set_times(settings, case.solver, 0.0, 0.1)
-    monkeypatch.setattr(compiled, "step", failing)
+    monkeypatch.setattr(newton, "step", failing)
     system.solve(settings)
     steps = np.diff(times)
     assert steps.min() == pytest.approx(0.5 * case.solver.step)
@@ -113,10 +114,10 @@ def test_multipliers_are_those_of_the_last_step_that_succeeded(monkeypatch):
     set_times(settings, case.solver, 0.0, 0.01)
     system.solve(settings)
     kept = system.state()
-    monkeypatch.setattr(compiled, "step", lambda *_: (False, 1, 1, 1.0))
+    monkeypatch.setattr(newton, "step", lambda *_: (False, 1, 1, 1.0))
     set_times(settings, case.solver, 0.01, 0.02)
     system.set_state(kept)
-    with pytest.raises(compiled.NewtonError):
+    with pytest.raises(NewtonError):
         system.solve(settings)
     names = ("multipliers", "coordinates")
     for name in names:
@@ -138,7 +139,7 @@ def run_from(rest, case, duration):
 
 def test_steps_of_a_closed_track_go_on_with_the_matrix_of_the_last_one(monkeypatch):
     """Eight in ten make none, and are as near to a tight run with a matrix a step as half the step is."""
-    matrices, solve_step = [], compiled.step
+    matrices, solve_step = [], newton.step
 
     def counted(*arguments):
         found = solve_step(*arguments)
@@ -150,10 +151,10 @@ def test_steps_of_a_closed_track_go_on_with_the_matrix_of_the_last_one(monkeypat
 
     case, duration = Case.closed(), 1.0
     rest = static_equilibrium(case)
-    monkeypatch.setattr(compiled, "step", counted)
+    monkeypatch.setattr(newton, "step", counted)
     kept = run_from(rest, case, duration)
     assert np.mean(np.array(matrices) == 0) > 0.8
-    monkeypatch.setattr(compiled, "step", anew)
+    monkeypatch.setattr(newton, "step", anew)
     tight = run_from(rest, case.with_({"solver.residual": 1e-4}), duration)
     halved = run_from(rest, case.with_({"solver.residual": 1e-4, "solver.step": 1e-3}), duration)
     for found, exact, other in zip(kept, tight, halved, strict=True):

@@ -7,16 +7,8 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeVar
 
 import numpy as np
+import pydantic
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationError,
-    ValidationInfo,
-    model_validator,
-)
 from pydantic.fields import FieldInfo
 
 from exudyn_crawler.case.parameters import fields
@@ -65,7 +57,7 @@ def _printable(name: str) -> str:
     return name
 
 
-Name = Annotated[str, MinLen(1), MaxLen(100), AfterValidator(_printable)]
+Name = Annotated[str, MinLen(1), MaxLen(100), pydantic.AfterValidator(_printable)]
 """Of a case, a phase or a run, as tables and pages show it."""
 
 
@@ -75,15 +67,15 @@ def _rising(values: tuple[Any, ...]) -> tuple[Any, ...]:
     return values
 
 
-Rising = Annotated[tuple[Item, ...], AfterValidator(_rising)]
+Rising = Annotated[tuple[Item, ...], pydantic.AfterValidator(_rising)]
 
 
-def _from_folder(path: Path, info: ValidationInfo) -> Path:
+def _from_folder(path: Path, info: pydantic.ValidationInfo) -> Path:
     # that of the file which names it, while it is read
     return path.absolute() if info.context is None else (info.context / path).resolve()
 
 
-File = Annotated[Path, AfterValidator(_from_folder)]
+File = Annotated[Path, pydantic.AfterValidator(_from_folder)]
 
 
 def _of_a_body(inertia: Six) -> Six:
@@ -94,7 +86,7 @@ def _of_a_body(inertia: Six) -> Six:
     return inertia
 
 
-Inertia = Annotated[Six, AfterValidator(_of_a_body)]
+Inertia = Annotated[Six, pydantic.AfterValidator(_of_a_body)]
 """Ixx, Iyy, Izz, Iyz, Ixz, Ixy (tensor components), kg m2."""
 
 
@@ -111,32 +103,32 @@ def quantity(unit: str, description: str, plausible: tuple[float, float] | None 
     `bounds` (gt, ge, lt, le of `pydantic.Field`) no machine could be meant, or numbers fail.
     """
     extra: dict[str, Any] = {"unit": unit} | ({"plausible": list(plausible)} if plausible else {})
-    return Field(description=description, json_schema_extra=extra, **bounds)
+    return pydantic.Field(description=description, json_schema_extra=extra, **bounds)
 
 
 def option(description: str, default: Any = ..., **bounds: Any) -> Any:
     """Pydantic field of what is no quantity."""
-    return Field(default, description=description, **bounds)
+    return pydantic.Field(default, description=description, **bounds)
 
 
-class Parameters(BaseModel):
+class Parameters(pydantic.BaseModel):
     """Frozen, validated group of parameters; what does not fit each other is what `_errors` yields first.
 
     A ParameterError on construction names each field at fault, its value and what is allowed.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = pydantic.ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     def __init__(self, /, **values: Any) -> None:
         try:
             super().__init__(**values)
-        except ValidationError as error:
+        except pydantic.ValidationError as error:
             raise ParameterError("\n".join(error_lines(error, type(self)))) from None
 
     # parts that are given as tables are validated in one go, so that their faults have the whole path
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
-    @model_validator(mode="after")
+    @pydantic.model_validator(mode="after")
     def _refuse_errors(self) -> Self:
         for error in self._errors():
             raise ValueError(error)
@@ -188,7 +180,7 @@ def shown(value: object) -> str:
     return text if len(text) <= SHOWN else text[: SHOWN - 4] + " ..."
 
 
-def error_lines(error: ValidationError, model: type[BaseModel]) -> Iterator[str]:
+def error_lines(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -> Iterator[str]:
     """Errors of a validation of the values of `model`, a line each with its path."""
     found = error.errors(include_url=False)
     for one in found[:MOST_ERRORS]:
@@ -205,12 +197,12 @@ class _Spot(NamedTuple):
     """Where an error is."""
 
     place: fields.KeyPath  # as a file has it
-    table: type[BaseModel]  # class of the table there
+    table: type[pydantic.BaseModel]  # class of the table there
     field: FieldInfo | None
-    held: tuple[type[BaseModel], ...]  # one of which the field holds
+    held: tuple[type[pydantic.BaseModel], ...]  # one of which the field holds
 
 
-def _spot(loc: fields.KeyPath, model: type[BaseModel]) -> _Spot:
+def _spot(loc: fields.KeyPath, model: type[pydantic.BaseModel]) -> _Spot:
     """Where pydantic's place is, which names the tag of a part that may be of several classes, too."""
     spot = _Spot((), model, None, (model,))
     for part in loc:
@@ -228,7 +220,7 @@ def _spot(loc: fields.KeyPath, model: type[BaseModel]) -> _Spot:
     return spot
 
 
-def _message(one: Mapping[str, Any], model: type[BaseModel]) -> str:
+def _message(one: Mapping[str, Any], model: type[pydantic.BaseModel]) -> str:
     spot, kind, given = _spot(one["loc"], model), one["type"], one["input"]
     path, unit = fields.path_text(spot.place), fields.unit_of(spot.field) if spot.field else ""
     head = f"{path}: " if path else ""

@@ -7,9 +7,8 @@ from typing import Literal, NamedTuple, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import assembly, base, track
+from exudyn_crawler.case.parameters import assembly, base, track, undercarriage
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
-from exudyn_crawler.case.parameters.undercarriage import RunningGear, overlap_errors
 
 CLEARANCE = 0.5  # m, between the lowest shoes of a frame on posts and the ground
 SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
@@ -111,7 +110,7 @@ class Idler(base.PH4100C, values=ph4100c.IDLER):
             yield "slack must be zero where take_up is given, which says where the idler is"
 
 
-class ClosedTrack(RunningGear):
+class ClosedTrack(undercarriage.RunningGear):
     """A track that is closed round a side frame: what guides, drives and tightens it.
 
     The tumbler is at the rear. On posts the frame is held above the ground; on the ground its y and yaw are
@@ -165,8 +164,10 @@ class ClosedTrack(RunningGear):
     )
 
     def _errors(self) -> Errors:
-        yield from overlap_errors("rollers", self.rollers, self.roller_radius)
-        yield from overlap_errors("carriers", [x for x, _ in self.carriers], self.carrier_radius)
+        yield from undercarriage.overlap_errors("rollers", self.rollers, self.roller_radius)
+        yield from undercarriage.overlap_errors(
+            "carriers", [x for x, _ in self.carriers], self.carrier_radius
+        )
         ends = [x for rear, front, _ in self.slides for x in (rear, front)]
         if np.any(np.diff(ends) <= 0.0):
             yield f"slides must have a length and stand in order, rear to front, got {list(self.slides)}"

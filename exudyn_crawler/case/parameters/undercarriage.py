@@ -7,10 +7,8 @@ from typing import Any, Literal, NamedTuple, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import base, terrain, track
+from exudyn_crawler.case.parameters import base, drive, loads, terrain, track
 from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, Several, quantity
-from exudyn_crawler.case.parameters.drive import StepProfile
-from exudyn_crawler.case.parameters.loads import Cycle, PhaseEnd, values_of
 
 MARGIN = 4.0  # m of ground ahead of the track
 FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
@@ -172,7 +170,7 @@ def length_errors(frame: Undercarriage, chain: track.Track, travel: float, time:
             yield f"track must be long enough for the drive: {at}, {reach}"
 
 
-class MachinePhase(PhaseEnd):
+class MachinePhase(loads.PhaseEnd):
     """Part of a machine's cycle: force and moment on the side frame at its end."""
 
     force: base.Vector = quantity("N", "force at the frame's origin beside the frame's weight, global")
@@ -195,7 +193,7 @@ class Pose(NamedTuple):
         return np.array([ahead * math.cos(self.swing), ahead * math.sin(self.swing), up])
 
 
-class MachineCycle(Cycle):
+class MachineCycle(loads.Cycle):
     """Force and moment of the machine on one side frame, in phases whose ends are joined by cubic STEPs."""
 
     phases: Several[MachinePhase]
@@ -264,13 +262,13 @@ class MachineCycle(Cycle):
         return cls(phases=tuple(phases))
 
     @property
-    def components(self) -> list[StepProfile]:
+    def components(self) -> list[drive.StepProfile]:
         """Force (N) and moment (N m) over time (s), global: x, y and z of each."""
         return self.profiles((*phase.force, *phase.moment) for phase in self.phases)
 
     def wrench(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
-        both = values_of(self.components, time)
+        both = loads.values_of(self.components, time)
         return both[:, :3], both[:, 3:]
 
     def balance_errors(

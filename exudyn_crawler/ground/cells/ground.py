@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import CrawlerError
-from exudyn_crawler.ground.cells import kernel
-from exudyn_crawler.ground.cells.covering import NO_HEIGHT, NO_TILE, cover
+from exudyn_crawler.ground.cells import kernel, tiles
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, SIDE, Tiles, commit
 
@@ -77,11 +76,11 @@ class CellGround:
         `frames` (shoes, `kernel.FRAME`) are predicted for the end of the step, those `before` are of the last
         accepted one. CrawlerError if a shoe leaves the ground that has heights.
         """
-        missing = cover(tuple(self.tiles), tuple(self.shoes), frames, before)
-        if missing == NO_TILE:
+        missing = tiles.cover(tuple(self.tiles), tuple(self.shoes), frames, before)
+        if missing == tiles.NO_TILE:
             self._add_tiles(frames)
-            missing = cover(tuple(self.tiles), tuple(self.shoes), frames, before)
-        if missing == NO_HEIGHT:
+            missing = tiles.cover(tuple(self.tiles), tuple(self.shoes), frames, before)
+        if missing == tiles.NO_HEIGHT:
             x, y = frames[:, 0], frames[:, 1]
             raise CrawlerError(
                 f"a shoe left the measured ground: the track is at x = {x.min():.4g} to {x.max():.4g} m, "

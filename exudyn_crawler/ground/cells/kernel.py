@@ -1,6 +1,6 @@
 """Forces of the cells on shoes, compiled: wrench and its derivative, trial memory, a coarse grid of forces.
 
-A shoe is a list of points that `covering` has frozen for the step: a place on its underside, the cell below
+A shoe is a list of points that `tiles.cover` froze for the step: a place on its underside, the cell below
 it and the area that it stands for. Nothing here reads or writes the map of the ground. Derivatives leave out
 how the areas change as the outline moves (1 % of them) and how turning arms turn velocities (0.2 % at 0.1
 rad/s).
@@ -14,29 +14,10 @@ import numpy as np
 from numba import carray, types
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from exudyn_crawler.ground.cells.law import (
-    LawKernel,
-    Memory,
-    Probe,
-    call_at,
-    compile_entry,
-    prepare,
-    respond,
-    within_law,
-)
-from exudyn_crawler.ground.frames import (
-    Frame,
-    Matrix,
-    Vector,
-    allocating,
-    along,
-    compiled,
-    cross,
-    dot,
-    turned,
-    turned_back,
-    within,
-)
+from exudyn_crawler.ground import frames
+from exudyn_crawler.ground.cells import law
+from exudyn_crawler.ground.cells.law import compile_entry, prepare, respond, within_law
+from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 PLACE, NORMAL, GROUND, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 10, 12, 14, 17
@@ -87,15 +68,17 @@ class ShoePoints(NamedTuple):
     slopes: FloatArray
 
 
-@within
-def frame_at(row: FloatArray) -> Frame:
+@frames.within
+def frame_at(row: FloatArray) -> frames.Frame:
     """Frame of its numbers."""
     rows = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
-    return Frame((row[0], row[1], row[2]), rows, (row[12], row[13], row[14]), (row[15], row[16], row[17]))
+    return frames.Frame(
+        (row[0], row[1], row[2]), rows, (row[12], row[13], row[14]), (row[15], row[16], row[17])
+    )
 
 
-@within
-def arm_of(points: FloatArray, bent: FloatArray, k: int, R: Matrix) -> Vector:
+@frames.within
+def arm_of(points: FloatArray, bent: FloatArray, k: int, R: frames.Matrix) -> frames.Vector:
     """Place of a point of a block from its shoe's origin, m, global."""
     return turned(R, (points[0, k] + bent[0, k], points[1, k] + bent[1, k], points[2, k] + bent[2, k]))
 
@@ -122,12 +105,12 @@ def _move(points, bent, at, size, block):
 def _probe(points, block, k):
     """`Probe` of a point of a block that moves."""
     shear = (points[SHEAR, k], points[SHEAR + 1, k], points[SHEAR + 2, k])
-    return Probe(
+    return law.Probe(
         block[DEPTH, k],
         block[RATE, k],
         (block[SLIP, k], block[SLIP + 1, k], block[SLIP + 2, k]),
         (block[VELOCITY, k], block[VELOCITY + 1, k], block[VELOCITY + 2, k]),
-        Memory(points[DEEPEST, k], points[DEEPEST + 1, k], shear, points[MOBILIZED, k]),
+        law.Memory(points[DEEPEST, k], points[DEEPEST + 1, k], shear, points[MOBILIZED, k]),
         (points[PREPARED, k], points[PREPARED + 1, k]),
     )
 
@@ -225,7 +208,7 @@ def press_shoe(law, count, points, areas, bent, frame, weights, trial, force, wr
         _write_tangent(points, at.R, by_place, slopes, (F, by_x, by_y), tangent)
 
 
-@allocating
+@frames.allocating
 def _write_tangent(points, R, by_place, slopes, forces, tangent):
     """Write the derivative of a wrench by motions of its shoe, of the derivatives (9, points) of its points.
 
@@ -253,7 +236,7 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
         tangent[3 + i, 3 + i] -= trace
 
 
-@allocating
+@frames.allocating
 def _congruence(sums, R, z, out):
     """Write the sum of ``B' g B`` with B = [1, -[arm]x], of sums (9, 6) of g as of `_write_tangent`."""
     first, second = np.empty((9, 3)), np.empty((9, 3, 3))
@@ -290,7 +273,7 @@ def prepare_points(law, count, points):
 
 
 @cache
-def addresses_of(kernel: LawKernel) -> tuple[int, int]:
+def addresses_of(kernel: law.LawKernel) -> tuple[int, int]:
     """Addresses of `prepare_points` and `press_shoe` compiled for a law."""
     constants_type, size = kernel.constants, len(kernel.constants._fields)
     numbers, number = types.CPointer(types.float64), types.intp
@@ -328,7 +311,7 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
     )
 
 
-@compiled
+@frames.compiled
 def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
     """Write wrenches, tangents, forces and trial memory of all shoes at their frames (shoes, FRAME).
 
@@ -337,7 +320,7 @@ def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
     """
     shoes = ShoePoints(*values)
     for s in range(shoes.counts.shape[0]):
-        call_at(
+        law.call_at(
             shoes.addresses[1],
             shoes.constants,
             shoes.counts[s],
@@ -364,7 +347,7 @@ class Hats(NamedTuple):
     v: float
 
 
-@within
+@frames.within
 def hats_at(low: FloatArray, high: FloatArray, last: tuple[int, int], x: float, y: float) -> Hats:
     """Mesh of a place (m, the shoe's frame) in a grid of which `low` and `high` are the corners."""
     u = (x - low[0]) / (high[0] - low[0]) * last[0]
@@ -373,14 +356,14 @@ def hats_at(low: FloatArray, high: FloatArray, last: tuple[int, int], x: float, 
     return Hats(i, j, u - i, v - j)
 
 
-@within
+@frames.within
 def share_of(hats: Hats, k: int) -> float:
     """Share of a place that the k-th node of its mesh has."""
     u = hats.u if k >= 2 else 1.0 - hats.u
     return u * (hats.v if k % 2 == 1 else 1.0 - hats.v)
 
 
-@within
+@frames.within
 def spread_forces(
     points: FloatArray, forces: FloatArray, low: FloatArray, high: FloatArray, nodes: FloatArray
 ) -> None:
@@ -399,7 +382,7 @@ def spread_forces(
                 nodes[i, j, c] += share * forces[a, c]
 
 
-@compiled
+@frames.compiled
 def coarse_forces(values: tuple, frames: FloatArray, out: FloatArray) -> None:
     """Write the forces on a grid of the undersides (shoes, a, b, 3): N, in the axes of each shoe.
 

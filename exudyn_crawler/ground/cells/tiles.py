@@ -1,16 +1,19 @@
 """Map of the ground: planes and memory of its cells, in tiles that are made where a shoe first comes.
 
 Cell (i, j) is the square from (i, j) to (i + 1, j + 1) times its side. A tile is 32 x 32 of them. Only
-`gather` reads the memory and only `commit` writes it: a step that is not accepted needs nothing undone.
+`gather` reads the memory and only `commit` writes it: a step that is not accepted needs nothing undone. Which
+cells lie under a shoe, and how much of each, seen from above, are sums over the edges of its outline.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.cells.kernel import BLOCK, DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION, ShoePoints
+from exudyn_crawler.ground.cells import kernel
+from exudyn_crawler.ground.cells.kernel import BEFORE, BLOCK, DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION
 from exudyn_crawler.ground.cells.law import call_at
-from exudyn_crawler.ground.frames import compiled, within
+from exudyn_crawler.ground.frames import FACING, Frame, allocating, along, compiled, turned, within
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 BITS = 5
@@ -20,6 +23,12 @@ FIELDS = 6
 """Memory of a cell: greatest sinkage (m) and the pressure there (Pa), shear stress along x and y (Pa),
 mobilized share of the strength, and the greatest area under load since the contact began (m2), over which the
 shear is the mean."""
+LEAST = 1e-9
+"""Share of a cell below which a part of it is left out."""
+FARTHEST = 1e7
+"""m, what is farther meets no ground: Newton's method went astray, and cells that far have no numbers."""
+NO_TILE, NO_HEIGHT = -1, -2
+"""In place of a number of points: a tile has to be made first; a shoe is beyond all heights."""
 
 
 class Tiles(NamedTuple):
@@ -38,7 +47,7 @@ class Tiles(NamedTuple):
 
 
 @within
-def gather(tiles: Tiles, shoes: ShoePoints) -> None:
+def gather(tiles: Tiles, shoes: kernel.ShoePoints) -> None:
     """Write the cells' committed memory beside the points, whose areas `tiles.loaded` has summed.
 
     Where a cell is covered further than ever since its contact began, the fresh part is unsheared, and the
@@ -65,6 +74,112 @@ def gather(tiles: Tiles, shoes: ShoePoints) -> None:
 
 
 @compiled
+def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) -> int:
+    """List the points of all shoes, with the memory below; return their number, `NO_TILE` or `NO_HEIGHT`.
+
+    `ground` and `values` are `Tiles` and `ShoePoints` as plain tuples. The outlines are at `frames` (shoes,
+    FRAME), slip counts from those `before`.
+    """
+    tiles, shoes = Tiles(*ground), kernel.ShoePoints(*values)
+    outline, total = np.empty((4, 2)), 0
+    for s in range(shoes.counts.shape[0]):
+        frame = kernel.frame_at(frames[s])
+        meets = frame.R[2][2] >= FACING
+        for a in range(4):
+            corner = shoes.corners[a]
+            place = along(frame.r, 1.0, turned(frame.R, (corner[0], corner[1], corner[2])))
+            outline[a, 0], outline[a, 1] = place[0] / tiles.cell, place[1] / tiles.cell
+            meets = meets and abs(place[0]) < FARTHEST and abs(place[1]) < FARTHEST
+        count = _cover_shoe(tiles, shoes, s, outline, frame, kernel.frame_at(before[s])) if meets else 0
+        if count < 0:
+            tiles.loaded.fill(0.0)
+            return count
+        shoes.counts[s] = count
+        total += count
+    gather(tiles, shoes)
+    return total
+
+
+@allocating
+def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
+    """What the edges of an outline (4, 2), in cells, bound in the cells from (i, j) on.
+
+    By Green's theorem: an edge bounds from below the rest of each cell that it passes, and all cells above.
+    Array (columns, rows, 5): in the cell, area and its moments along x and y about the cell's corner; in each
+    cell above, area and its moment along x.
+    """
+    columns, rows = int(math.floor(outline[:, 0].max())) - i + 1, int(math.floor(outline[:, 1].max())) - j + 1
+    sums = np.zeros((columns, rows, 5))
+    for a in range(4):
+        b = a + 1 if a < 3 else 0
+        x, y = outline[a, 0] - i, outline[a, 1] - j
+        dx, dy = outline[b, 0] - i - x, outline[b, 1] - j - y
+        column, row, t = int(x), int(y), 0.0
+        while t < 1.0:
+            # where the edge leaves the cell: no rounding takes it out of the outline's bounds
+            at_x = ((column + 1 if dx > 0.0 else column) - x) / dx if dx != 0.0 else math.inf
+            at_y = ((row + 1 if dy > 0.0 else row) - y) / dy if dy != 0.0 else math.inf
+            ahead = min(at_x, at_y, 1.0)
+            width, rise, middle = (ahead - t) * dx, (ahead - t) * dy, 0.5 * (ahead + t)
+            left, under = x + middle * dx - column, y + middle * dy - row
+            sums[column, row, 0] += width * (1.0 - under)
+            sums[column, row, 1] += width * (left * (1.0 - under) - width * rise / 12.0)
+            sums[column, row, 2] += 0.5 * width * (1.0 - under * under - rise * rise / 12.0)
+            sums[column, row, 3] += width
+            sums[column, row, 4] += width * left
+            t = ahead
+            if at_x <= at_y:
+                column += 1 if dx > 0.0 else -1
+            else:
+                row += 1 if dy > 0.0 else -1
+    return sums
+
+
+@allocating
+def _cover_shoe(
+    tiles: Tiles, shoes: kernel.ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
+) -> int:
+    """List the points of a shoe, and add their areas to `tiles.loaded`; their number as of `cover`."""
+    points, areas, cells = shoes.points[s], shoes.areas[s], shoes.cells[s]
+    h, z, R, count, tile = tiles.cell, shoes.corners[0, 2], frame.R, 0, -1
+    x0, y0 = frame.r[0] + R[0][2] * z, frame.r[1] + R[1][2] * z
+    scale = 1.0 / (R[0][0] * R[1][1] - R[0][1] * R[1][0])
+    first = int(math.floor(outline[:, 0].min())), int(math.floor(outline[:, 1].min()))
+    sums = _sums(outline, first[0], first[1])
+    for c in range(sums.shape[0]):
+        i, below, moment = first[0] + c, 0.0, 0.0
+        column = (i >> BITS) - tiles.corner[0]
+        for k in range(sums.shape[1]):
+            j = first[1] + k
+            if k == 0 or j & (SIDE - 1) == 0:
+                row = (j >> BITS) - tiles.corner[1]
+                inside = 0 <= column < tiles.table.shape[0] and 0 <= row < tiles.table.shape[1]
+                tile = tiles.table[column, row] if inside else -1
+            area, x, y = below + sums[c, k, 0], moment + sums[c, k, 1], 0.5 * below + sums[c, k, 2]
+            below, moment = below + sums[c, k, 3], moment + sums[c, k, 4]
+            if area <= LEAST:
+                continue
+            if tile < 0:
+                return NO_TILE
+            of_tile = (i & (SIDE - 1)) * SIDE + (j & (SIDE - 1))
+            if math.isnan(tiles.planes[tile, of_tile, 3]):
+                return NO_HEIGHT
+            block, at = points[count // BLOCK], count % BLOCK
+            for m in range(4):
+                block[NORMAL + m, at] = tiles.planes[tile, of_tile, m]
+            cell, true = tile * SIDE * SIDE + of_tile, h * h * area / tiles.planes[tile, of_tile, 2]
+            cells[count], areas[count] = cell, true
+            tiles.loaded[cell] += true
+            x, y = h * (i + x / area) - x0, h * (j + y / area) - y0
+            X, Y = scale * (R[1][1] * x - R[0][1] * y), scale * (R[0][0] * y - R[1][0] * x)
+            block[0, at], block[1, at], block[2, at] = X, Y, z
+            was = along(before.r, 1.0, turned(before.R, (X, Y, z)))
+            block[BEFORE, at], block[BEFORE + 1, at], block[BEFORE + 2, at] = was
+            count += 1
+    return count
+
+
+@compiled
 def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
     """Write the trial memory into the cells; return the cells in contact now.
 
@@ -73,7 +188,7 @@ def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
     are `Tiles` and `ShoePoints` as plain tuples, `held` the cells that were in contact when the last step was
     accepted.
     """
-    tiles, shoes = Tiles(*ground), ShoePoints(*values)
+    tiles, shoes = Tiles(*ground), kernel.ShoePoints(*values)
     memory, loaded = tiles.memory, tiles.loaded
     now, count = np.empty(shoes.counts.sum(), dtype=np.int64), 0
     for s in range(shoes.counts.shape[0]):

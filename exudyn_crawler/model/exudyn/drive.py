@@ -7,8 +7,8 @@ import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.exudyn.bodies import SIDES, Shoes
-from exudyn_crawler.model.exudyn.euler_parameters import SIZE, matrices_of, rate_matrix
+from exudyn_crawler.model.exudyn import bodies, euler_parameters
+from exudyn_crawler.model.exudyn.bodies import Shoes
 from exudyn_crawler.model.forces.loads import static_friction
 from exudyn_crawler.model.tables import Tables
 
@@ -25,7 +25,7 @@ def add_loads(mbs: "exu.MainSystem", case: Case, markers: list[int], static: boo
     = 0: Exudyn's static solver asks for those at 1 s.
     """
     shift, down = case.loads.side_shift, case.terrain.down
-    shares = [(profile, side) for profile in case.loads.of_shoes for side in SIDES]
+    shares = [(profile, side) for profile in case.loads.of_shoes for side in bodies.SIDES]
     for marker, (profile, side) in zip(markers, shares, strict=True):
 
         @lru_cache(maxsize=4)  # a step asks for the same time again and again
@@ -79,7 +79,7 @@ def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: Shoes) -
 
     turn = case.drive.turn_rate or StepProfile.constant(0.0)
     return [
-        _prescribe(mbs, name, markers, rows.shape[1] if bends else SIZE, direction, speed)
+        _prescribe(mbs, name, markers, rows.shape[1] if bends else euler_parameters.SIZE, direction, speed)
         for name, direction, speed in (("drive", along_x, case.drive.speed), ("turn", about_z, turn))
     ]
 
@@ -91,9 +91,9 @@ def _prescribe(
     value = lru_cache(maxsize=4)(speed.value)
 
     def jacobian(_mbs, _t, _item, q, _q_t, _velocity_level):
-        e, z = np.split(np.array(q)[3:], [SIZE - 3])  # with those of reference
-        force, moment, modal = direction(matrices_of(e), z)
-        return np.concatenate((force, rate_matrix(e).T @ moment, modal))[None, :]
+        e, z = np.split(np.array(q)[3:], [euler_parameters.SIZE - 3])  # with those of reference
+        force, moment, modal = direction(euler_parameters.matrices_of(e), z)
+        return np.concatenate((force, euler_parameters.rate_matrix(e).T @ moment, modal))[None, :]
 
     def gap(mbs, t, item, q, q_t, velocity_level):
         return jacobian(mbs, t, item, q, q_t, velocity_level) @ np.array(q_t) - float(value(t))

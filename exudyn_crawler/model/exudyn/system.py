@@ -15,20 +15,13 @@ from typing import Any
 import numpy as np
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground import rotations
+from exudyn_crawler.ground import contact, rotations, sphere_contact, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
-from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.sphere_contact import face_inset, sphere_centers
-from exudyn_crawler.ground.terrain import UnitCoordinates
-from exudyn_crawler.model.build import Parts, parts_of
-from exudyn_crawler.model.compiled_system import compiled_system, layout_of
+from exudyn_crawler.model import build, compiled_system, state, track_system
 from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.exudyn import bodies, drive
-from exudyn_crawler.model.exudyn.euler_parameters import BodyCoordinates
+from exudyn_crawler.model.exudyn import bodies, drive, euler_parameters
 from exudyn_crawler.model.forces.cells import CellWorkspace, TrackOnCells
-from exudyn_crawler.model.state import StateLayout, pin_name
-from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
 CELL = 1.0
 """m, least side of the cells of the engine's search tree."""
@@ -44,7 +37,11 @@ def add_spheres(
     Damping and friction are those of `case.sphere_contact()`, the stiffness is `case.sphere_stiffness`.
     `static` leaves friction out: at rest there is none, and on the way to it the track would creep.
     """
-    spheres, terrain, centers = case.sphere_contact(), case.unit_terrain(), sphere_centers(case)
+    spheres, terrain, centers = (
+        case.sphere_contact(),
+        case.unit_terrain(),
+        sphere_contact.sphere_centers(case),
+    )
     friction = NO_FRICTION if static else max(spheres.friction, NO_FRICTION)
     contact = mbs.AddGeneralContact()
     contact.frictionProportionalZone = spheres.friction_speed
@@ -64,7 +61,7 @@ def add_spheres(
         "contactDamping": 0.5 * spheres.damping / spheres.count,
         "frictionMaterialIndex": 0,
     }
-    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - face_inset(case)
+    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - sphere_contact.face_inset(case)
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
     for node, top, slope in zip(unit_nodes, tops, terrain.slopes, strict=True):
         z = 0.5 * terrain.unit_height + top + slope * corners[:, 0]
@@ -89,7 +86,7 @@ PIN_ROWS = [0, 1, 2, 3, 5]
 """Multipliers of a pin among the six of Exudyn's joint, whose free rotation has one that is zero."""
 
 
-class ExudynSystem(TrackSystem):
+class ExudynSystem(track_system.TrackSystem):
     """Multibody system of a case of Exudyn's items; a ValueError if it is rolled.
 
     `static` holds the front shoe in x, y and about z instead of driving it, keeps loads as they are at t = 0,
@@ -100,21 +97,21 @@ class ExudynSystem(TrackSystem):
     def __init__(self, case: Case, static: bool = False) -> None:
         if case.is_rolled:
             raise ValueError("the case must not be rolled for a system of Exudyn's items")
-        parts = parts_of(case)
+        parts = build.parts_of(case)
         super().__init__(case, parts)
-        self._coordinates = BodyCoordinates(parts.tables.bodies.reference)
+        self._coordinates = euler_parameters.BodyCoordinates(parts.tables.bodies.reference)
         self.general: exu.GeneralContact | None = None
         joints = self._assemble(parts, static)
         self.layout, self._rows = self._layout_of(parts, joints)
         if not static:
             self.switch_drive(True)
 
-    def _assemble(self, parts: Parts, static: bool) -> list[int]:
+    def _assemble(self, parts: build.Parts, static: bool) -> list[int]:
         """Add all items; gives the joints that the compiled equations have, too."""
         mbs, case, tables, gravity = self.mbs, self.case, parts.tables, self.case.gravity_vector()
         # coordinates come in the order of the nodes
         nodes, ground = bodies.add_shoe_nodes(mbs, tables), []
-        if isinstance(self.contact.coordinates, UnitCoordinates):
+        if isinstance(self.contact.coordinates, terrain.UnitCoordinates):
             ground = bodies.add_units(mbs, case)
         elif self.contact.coordinates.size:
             ground = bodies.add_terrain_modes(mbs, tables.terrain, gravity)
@@ -124,10 +121,10 @@ class ExudynSystem(TrackSystem):
         for p, (link, side) in enumerate(parts.pins):
             ends = shoes.markers[2 * p : 2 * p + 2]
             joints.append(
-                mbs.CreateGenericJoint(pin_name(side, link), ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
+                mbs.CreateGenericJoint(state.pin_name(side, link), ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
             )
         drive.add_loads(mbs, case, shoes.markers[2 * len(joints) : -1], static)
-        if isinstance(self.contact, PairGroundContact):
+        if isinstance(self.contact, contact.PairGroundContact):
             self._add_force([*nodes, *ground, *shoes.modal_nodes], self.contact.forces)
         elif isinstance(self.contact, CellGroundContact) and tables.cells is not None:
             workspace = plain(CellWorkspace.allocate(tables.cells, self.contact.ground.shoes))
@@ -193,7 +190,7 @@ class ExudynSystem(TrackSystem):
 
         super().after_step(remembered)
 
-    def _layout_of(self, parts: Parts, joints: list[int]) -> tuple[StateLayout, np.ndarray]:
+    def _layout_of(self, parts: build.Parts, joints: list[int]) -> tuple[state.StateLayout, np.ndarray]:
         """Layout of the states, and where Exudyn has their multipliers.
 
         Behind the joints of the compiled equations come Exudyn's other items; the norm of Euler parameters
@@ -209,11 +206,11 @@ class ExudynSystem(TrackSystem):
             if of_item:
                 multipliers.append((self.mbs.GetObject(number)["name"], len(of_item)))
                 rows += of_item
-        layout = layout_of(self.case, parts.tables, parts.pins)
+        layout = compiled_system.layout_of(self.case, parts.tables, parts.pins)
         layout = dataclasses.replace(
             layout,
             terrain=self.contact.coordinates.size,
-            terrain_bodies=isinstance(self.contact.coordinates, UnitCoordinates),
+            terrain_bodies=isinstance(self.contact.coordinates, terrain.UnitCoordinates),
             multipliers=tuple(multipliers),
             contact=layout.contact if self.general is None else 6,
         )
@@ -233,7 +230,7 @@ class ExudynSystem(TrackSystem):
     def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`, on cells at that to which these settle there."""
         if self._cells is not None:
-            twin = compiled_system(self.case)
+            twin = compiled_system.compiled_system(self.case)
             q = twin.settled(q)
             self._cells.ground.restore(twin.memory())
         self._start(np.stack((q, np.zeros_like(q), np.zeros_like(q))))
@@ -289,7 +286,7 @@ class ExudynSystem(TrackSystem):
             raise self._failure("staticSolver") from error
         return self.coordinates()[0]
 
-    def _failure(self, name: str) -> NewtonError:
+    def _failure(self, name: str) -> track_system.NewtonError:
         """What a solver left behind that failed, in the layout's equations."""
         solver: Any = self.mbs.sys[name]
         residual = np.array(solver.GetSystemResidual())
@@ -298,4 +295,6 @@ class ExudynSystem(TrackSystem):
             # the solver multiplies the equations of motion by what makes accelerations of displacements
             residual[: len(own)] /= solver.newmarkBeta * solver.it.currentStepSize**2
         forces, gaps = self._coordinates.forces_to_state(own, residual[: len(own)]), residual[len(own) :]
-        return NewtonError(np.concatenate((forces, gaps[self._rows])), bool(solver.conv.linearSolverFailed))
+        return track_system.NewtonError(
+            np.concatenate((forces, gaps[self._rows])), bool(solver.conv.linearSolverFailed)
+        )

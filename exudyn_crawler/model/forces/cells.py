@@ -9,9 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.cells import kernel
-from exudyn_crawler.ground.cells.contact import write_contacts
-from exudyn_crawler.ground.cells.ground import CellGround
+from exudyn_crawler.ground.cells import contact, ground, kernel
 from exudyn_crawler.ground.frames import Vector, along, turned
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
@@ -252,7 +250,7 @@ class TrackOnCells:
     tuples.
     """
 
-    def __init__(self, ground: CellGround, bodies: tuple, table: tuple, workspace: tuple) -> None:
+    def __init__(self, ground: ground.CellGround, bodies: tuple, table: tuple, workspace: tuple) -> None:
         self.ground, self._bodies, self._table, self._workspace = ground, bodies, table, workspace
         self._work = CellWorkspace(*workspace)
         self._count_from_here()
@@ -297,7 +295,7 @@ class TrackOnCells:
         The forces (N, the shoe's axes) are those at the nodes of a grid of the underside, for flexible shoes.
         """
         out = np.zeros((len(self._work.frames), numbers))
-        write_contacts(self.ground.shoes, self._work.frames, out)
+        contact.write_contacts(self.ground.shoes, self._work.frames, out)
         if numbers > RESULTS:
             out[:, RESULTS:] = self.ground.coarse_forces(self._work.frames).reshape(len(out), -1)
         return out

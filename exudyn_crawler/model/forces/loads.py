@@ -9,9 +9,8 @@ from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.laws import step
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
-from exudyn_crawler.model.elimination import solving_allocating
-from exudyn_crawler.model.joints import Markers, direction, end_of
 
 
 class Profiles(NamedTuple):
@@ -67,10 +66,10 @@ def static_friction(case: Case, masses: np.ndarray) -> tuple[np.ndarray, np.ndar
     return force, np.cross([*case.shoe.underside_center, height], force)
 
 
-@solving_allocating
+@elimination.solving_allocating
 def add_loads(
     bodies: Bodies,
-    markers: Markers,
+    markers: joints.Markers,
     loads: Loads,
     wrenches: FloatArray,
     shift: float,
@@ -91,11 +90,13 @@ def add_loads(
         at = attitude_of(bodies, b)
         force = (wrenches[k, 0], wrenches[k, 1], wrenches[k, 2])
         moment = (wrenches[k, 3], wrenches[k, 4], wrenches[k, 5])
-        direction(markers, place, end_of(markers, place, at, row[0]), at, force, moment, 1.0, row[1])
+        joints.direction(
+            markers, place, joints.end_of(markers, place, at, row[0]), at, force, moment, 1.0, row[1]
+        )
         add_body(bodies, b, row[1], -1.0, residual)
         if beside >= 0 and shift != 0.0:
-            end = end_of(markers, beside, at, row[0])
-            direction(markers, beside, end, at, force, (0.0, 0.0, 0.0), 1.0, row[1])
+            end = joints.end_of(markers, beside, at, row[0])
+            joints.direction(markers, beside, end, at, force, (0.0, 0.0, 0.0), 1.0, row[1])
             for c in range(3):
                 row[1, c] = 0.0
             add_body(bodies, b, row[1], -shift, residual)

@@ -17,10 +17,9 @@ import numpy as np
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
-from exudyn_crawler.model.elimination import solving, solving_allocating
 from exudyn_crawler.model.forces.treads import law_slopes, stored_energy, write_point
-from exudyn_crawler.model.joints import Markers, end_of
 
 SLACK = 0.02
 """m, more than a lug ever bends away from its place."""
@@ -78,7 +77,7 @@ class TeethWorkspace(NamedTuple):
         )
 
 
-@solving
+@elimination.solving
 def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, float]:
     """Penetration of a lug's centre at x and z in the tumbler's axes into the teeth.
 
@@ -107,7 +106,7 @@ def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, fl
     return profile.lug - distance, ex / distance, ez / distance, -1.0 / distance
 
 
-@solving
+@elimination.solving
 def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, float]:
     """Force (N) along y on what is off the middle by y (m), and its stiffness and damping."""
     beyond = abs(y) - flange.play
@@ -120,11 +119,11 @@ def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, f
     return -sign * force, stiffness, damping
 
 
-@solving_allocating
+@elimination.solving_allocating
 def teeth_contacts(
     table: tuple | None,
     bodies: Bodies,
-    markers: Markers,
+    markers: joints.Markers,
     state: FloatArray,
     weights: Weights,
     workspace: tuple,
@@ -157,7 +156,7 @@ def teeth_contacts(
         if markers.modes[marker] > 0:
             read_body(bodies, b, state[0], values[0])
             read_body(bodies, b, state[1], values[1])
-        arm = end_of(markers, marker, own, values[0]).lever
+        arm = joints.end_of(markers, marker, own, values[0]).lever
         from_axis = along(along(shoe.r, 1.0, arm), -1.0, tumbler.r)
         local = turned_back(tumbler.R, from_axis)
         inside = profile.addendum + profile.lug - math.sqrt(local[0] ** 2 + local[2] ** 2)

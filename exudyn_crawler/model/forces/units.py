@@ -5,8 +5,7 @@ from typing import NamedTuple
 from exudyn_crawler.ground.pair_stiffness import touching_pairs
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.ground.terrain import modal_motion
-from exudyn_crawler.model.bodies import Bodies
-from exudyn_crawler.model.elimination import solving_allocating, solving_within
+from exudyn_crawler.model import bodies, elimination
 
 
 class TerrainTable(NamedTuple):
@@ -31,9 +30,9 @@ class UnitWorkspace(NamedTuple):
     overlap: FloatArray  # scratch of the clipping
 
 
-@solving_allocating
+@elimination.solving_allocating
 def unit_contacts(
-    bodies: Bodies,
+    bodies: bodies.Bodies,
     flexible: IntArray,
     terrain: TerrainTable,
     contact: tuple | None,
@@ -71,7 +70,7 @@ def unit_contacts(
     return touching_pairs(places, contact, factors, work.contacts, work.overlap)
 
 
-@solving_within
+@elimination.solving_within
 def add_terrain(
     terrain: TerrainTable,
     rows: ForceRows,

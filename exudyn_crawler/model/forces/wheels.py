@@ -14,8 +14,7 @@ from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
-from exudyn_crawler.model.forces import treads
-from exudyn_crawler.model.forces.teeth import Flange, flange_force
+from exudyn_crawler.model.forces import teeth, treads
 
 ASIDE = 0.3
 """m, more than a shoe that touches a wheel is ever beside its track's middle."""
@@ -229,7 +228,7 @@ def _touch(
         leaning = (across[0] * dx + across[2] * dz) / across[1]
         off = center[1] - leaning - place[1] + wheels.middles[w] - bent.aside
         rate = rates[1] + turning[2] * dx - turning[0] * dz - bent.aside_rate
-        force, stiffness, damping = flange_force(Flange(*wheels.flange), off, rate)
+        force, stiffness, damping = teeth.flange_force(teeth.Flange(*wheels.flange), off, rate)
         side, stiffness, damping = engaged * force, engaged * stiffness, engaged * damping
     foot = turned(shoe.R, (tread.foot[0], center[1], tread.foot[1]))
     return Strip(tread, side, stiffness, damping, foot)

@@ -10,8 +10,7 @@ import pandas as pd
 from exudyn_crawler.case import Track
 from exudyn_crawler.case.parameters.fields import errors_at
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
-from exudyn_crawler.results.checks import cases as ready
-from exudyn_crawler.results.checks.roller_path import hertz_table
+from exudyn_crawler.results.checks import cases as ready, roller_path
 from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
 from fem import ElasticBody, Partition, Shapes, defects, interfaces, supports, trust
@@ -242,7 +241,7 @@ def solve_cases(
         _peaks(check, shoe, names, stress, answers),
         _moments(shoe, cases, loads, blows),
         cycle_table(check, shoe, by_name, pairs),
-        hertz_table(check, cases),
+        roller_path.hertz_table(check, cases),
     )
 
 

@@ -18,9 +18,8 @@ import h5py
 import numpy as np
 import xarray as xr
 
+from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, saved_case
-from exudyn_crawler.errors import ParameterError
-from exudyn_crawler.files import blocks, write_netcdf_along
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.history.catalogue import CONTACT_KEYS, QUANTITIES, select
 from fem.interrupts import interrupts_wait
@@ -46,7 +45,9 @@ def reading_history(path: Path) -> Iterator[None]:
         yield
     # altered bytes make the readers raise all kinds of errors
     except Exception as error:
-        reason = "; ".join(error.errors) if isinstance(error, ParameterError) else str(error) or repr(error)
+        reason = (
+            "; ".join(error.errors) if isinstance(error, errors.ParameterError) else str(error) or repr(error)
+        )
         raise ValueError(f"{path} does not hold a history: {' '.join(reason.split())}") from error
 
 
@@ -192,8 +193,8 @@ def save_joined(
             part = part.drop_dims(("cell", "ground_time"), errors="ignore").assign(end)
         return packed(_with_contacts(part, pairs)).assign_attrs({CASE: text})
 
-    parts = (whole(part) for chunk in filled for part in blocks(chunk.read()))
-    return write_netcdf_along("time", sum(chunk.times for chunk in filled), parts, path, overwrite)
+    parts = (whole(part) for chunk in filled for part in files.blocks(chunk.read()))
+    return files.write_netcdf_along("time", sum(chunk.times for chunk in filled), parts, path, overwrite)
 
 
 def _with_contacts(dataset: xr.Dataset, pairs: np.ndarray) -> xr.Dataset:

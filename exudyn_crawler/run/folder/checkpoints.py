@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, differences, saved_case
-from exudyn_crawler.errors import ASK_TO_OVERWRITE
-from exudyn_crawler.files import note_written, whole_file, writable_folder
 from exudyn_crawler.results.history.files import Chunk, reading_history, save_joined
 from exudyn_crawler.run.folder.record import CHECKPOINTS, END, HISTORY, quiet
 
@@ -58,7 +57,7 @@ class Checkpoints:
 
     def save(self, stage: StageEnd) -> Checkpoint:
         """Keep the end of a stage; OSError if it cannot be written."""
-        writable_folder(self.folder)
+        files.writable_folder(self.folder)
         path = self._file(stage.number)
         _write(path, stage)
         return _checkpoint(path, stage)
@@ -90,7 +89,7 @@ class Checkpoints:
             if saved != case:
                 raise ValueError(
                     f"checkpoint {path} comes from other parameters ({differences(saved, case)[0]}): choose "
-                    f"another folder or {ASK_TO_OVERWRITE}"
+                    f"another folder or {errors.ASK_TO_OVERWRITE}"
                 )
             if layout not in (None, content.layout):
                 raise ValueError(f"checkpoint {path} has states of another layout; {again}")
@@ -99,13 +98,13 @@ class Checkpoints:
 
     def save_history(self, case: Case, chunks: list[Chunk], end: xr.Dataset) -> Path:
         """Write a history, for `hand_over`; `end` are the cells of the ground as of its end."""
-        writable_folder(self.folder)
+        files.writable_folder(self.folder)
         return save_joined(case, chunks, self._assembled, overwrite=True, end=end)
 
     def hand_over(self, path: Path) -> None:
         """Move the history that was written to its place in the run's folder."""
         self._assembled.replace(path)
-        note_written(path)
+        files.note_written(path)
 
     def settle(self, case: Case) -> None:
         """Keep of a run that has ended what a longer one goes on with; remove the rest."""
@@ -132,7 +131,7 @@ def _write(path: Path, content: StageEnd) -> None:
     arrays |= {f"{MEMORY}{name}": values for name, values in content.memory.items()}
     arrays["variables"] = np.array(json.dumps(history.to_dict(data=False)))
     arrays |= {f"{VARIABLE}{name}": variable.values for name, variable in history.variables.items()}
-    with whole_file(path, overwrite=True) as temporary, temporary.open("wb") as file:
+    with files.whole_file(path, overwrite=True) as temporary, temporary.open("wb") as file:
         np.savez(file, **arrays)
 
 

@@ -10,9 +10,8 @@ from pathlib import Path
 
 import h5py
 
+from exudyn_crawler import errors, files
 from exudyn_crawler.case import CaseFile, differences, read_case, write_case
-from exudyn_crawler.errors import ASK_TO_OVERWRITE, CaseFileError
-from exudyn_crawler.files import clear_partial_files, writable_folder
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.record import CASE, HISTORY, Holds, RunFolder, quiet
@@ -44,7 +43,7 @@ def run_in(
     if out is None:
         yield RunFolder(report=report)
         return
-    with record.held(writable_folder(out)):
+    with record.held(files.writable_folder(out)):
         holds = _held_of_study(out, cases or {}) if case_file is None else held_of(out, case_file)
         goes_on = holds in (Holds.STOPPED, Holds.HISTORY)
         replaced = goes_on and record.earlier_record(out).get("overwrites") is True
@@ -60,7 +59,7 @@ def run_in(
         folder = RunFolder(out, report, holds if goes_on else Holds.NOTHING, overwrite or replaced)
         if case_file is not None:
             _write_case(out / CASE, case_file, replace=overwrite or goes_on)
-        clear_partial_files(out, below=case_file is not None)
+        files.clear_partial_files(out, below=case_file is not None)
         with record.recorded(folder):
             yield folder
             if case_file is not None and not (out / CASE).is_file():
@@ -72,7 +71,7 @@ def run_in(
 def held_of(out: Path, case_file: CaseFile) -> Holds:
     """What the folder of a run holds of a case; nothing, too, if it holds another one, or a longer run."""
     noted, found = record.earlier_record(out), None
-    with suppress(CaseFileError, FileNotFoundError):
+    with suppress(errors.CaseFileError, FileNotFoundError):
         found = read_case(out / CASE) if noted else None
     if found is None or found.case != case_file.case or found.duration > case_file.duration + SAME_TIME:
         return Holds.NOTHING
@@ -110,19 +109,19 @@ def _refuse_results(out: Path, below: bool = False) -> None:
     results = [path for path in paths if path.suffix in RESULT_SUFFIXES and not path.name.startswith(".")]
     if found := ", ".join(sorted(path.relative_to(out).as_posix() for path in results)[:3]):
         raise FileExistsError(
-            f"{out} holds results already ({found}, ...): choose another folder or {ASK_TO_OVERWRITE}"
+            f"{out} holds results already ({found}, ...): choose another folder or {errors.ASK_TO_OVERWRITE}"
         )
 
 
 def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
     """Write the resolved case file; one that says the same stays as its author wrote it."""
     found = None
-    with suppress(CaseFileError, FileNotFoundError):
+    with suppress(errors.CaseFileError, FileNotFoundError):
         found = read_case(path)
     if path.exists() and found != case_file and not replace:
         other = "" if found is None else f" ({differences(found, case_file)[0]})"
         raise FileExistsError(
-            f"{path} is the case of another run{other}: choose another folder or {ASK_TO_OVERWRITE}"
+            f"{path} is the case of another run{other}: choose another folder or {errors.ASK_TO_OVERWRITE}"
         )
     if found != case_file:
         write_case(case_file, path, overwrite=True)

@@ -7,9 +7,8 @@ import numpy as np
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground import sphere_contact, terrain
+from exudyn_crawler.model import engine, equations
 from exudyn_crawler.model.compiled_system import MANY, CompiledSystem, compiled_system
-from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from fem.interrupts import interrupts_wait
@@ -75,7 +74,7 @@ def rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
         residual[:n] += forces_held[0] * pulled
         residual[held] += forces_held[1:]
         gaps = [system.pulled_place(q) - start, *q[held]]
-        return np.concatenate((residual, STIFFNESS * np.array(gaps)))
+        return np.concatenate((residual, equations.STIFFNESS * np.array(gaps)))
 
     def derivative(at: np.ndarray) -> np.ndarray:
         """Central differences, a column for each argument."""
@@ -250,10 +249,10 @@ def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
     )
 
 
-def newton_settings(residual: float, iterations: int) -> "exu.SimulationSettings":
+def newton_settings(residual: float, iterations: int) -> "engine.exu.SimulationSettings":
     """Exudyn's settings for a rest or a motion, in silence; residual (N, root mean square) that is enough."""
-    settings = exu.SimulationSettings()
-    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings = engine.exu.SimulationSettings()
+    settings.linearSolver.solverType = engine.exu.LinearSolverType.EigenSparse
     settings.solution.file.write = False
     for solver in (settings.staticSolver, settings.timeIntegration):
         solver.verboseMode = 0
