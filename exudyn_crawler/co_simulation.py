@@ -63,7 +63,7 @@ class SteppedRun:
         if any((*force, *moment)) or case.machine is not None:
             phase = MachinePhase(name="rest", end=0.0, force=tuple(force), moment=tuple(moment))
             self.case = case.with_(machine=MachineCycle(phases=(phase,)))
-        formulation.compile_equations(formulation.kind_of(case))
+        formulation.compile_equations()
         self._system = compiled_system.compiled_system(self.case)
         self._system.set_initial(equilibrium.static_equilibrium(self.case))
         self._system.commands = self._at

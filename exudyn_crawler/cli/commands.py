@@ -156,10 +156,7 @@ def demo(
     """Roll a machine over a track with a flexible shoe, and make a page to look at."""
     case_file = application.study_case("demo")
     if prepare:
-        from exudyn_crawler.model.formulation import compile_equations
-
         typer.echo("compiling the equations of motion and reducing a shoe, once: about two minutes")
-        compile_equations("dragged")
         crawler.run_case(case_file.with_({"duration": 0.02}), progress=False)
         return
     case = case_file.case

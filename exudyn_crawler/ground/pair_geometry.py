@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from exudyn_crawler.ground import laws, overlap, pairs, terrain
 from exudyn_crawler.ground.frames import Frame, compiled, inlined, turned_back, within
-from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.ground.packed import Floats1, Floats2, Floats4, Ints1
+from exudyn_crawler.ground.rotations import FloatArray
 
 FINGER_BLEND, REACH_STEP = 0.02, 1e-7
 """m: of the reach in which the fingers' volumes take over from that of the whole underside, chosen here so
@@ -27,10 +28,10 @@ class Outline(NamedTuple):
 class Flexible(NamedTuple):
     """Integrated undersides of the flexible shoes (`fem.patches.Underside`)."""
 
-    corner: FloatArray
-    cell: FloatArray
-    integral: FloatArray
-    row: IntArray  # (shoes,): row in the modal coordinates, -1 for a rigid shoe
+    corner: Floats1
+    cell: Floats1
+    integral: Floats4
+    row: Ints1  # (shoes,): row in the modal coordinates, -1 for a rigid shoe
 
 
 class ContactGeometry(NamedTuple):
@@ -39,7 +40,7 @@ class ContactGeometry(NamedTuple):
     outline: Outline
     law: pairs.PairLaw
     flexible: Flexible
-    fingers: FloatArray  # (fingers, 2): y of the right and left side of each, at the undersides' rear, m
+    fingers: Floats2  # (fingers, 2): y of the right and left side of each, at the undersides' rear, m
 
 
 class BodyStates(NamedTuple):

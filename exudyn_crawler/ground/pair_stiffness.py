@@ -10,6 +10,7 @@ import numpy as np
 
 from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs, rotations
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned, turned_back
+from exudyn_crawler.ground.packed import Floats2, Floats3
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, Weights
 from fem.patches import mean_rows
 
@@ -24,15 +25,15 @@ DEPTH_STEP, MOVE_STEP, RATE_STEP = 1e-8, 1e-7, 1e-7
 class UnitContacts(NamedTuple):
     """Contacts of shoes with units of the terrain, in the order of the shoes; workspace."""
 
-    rows: tuple  # `ForceRows` as a plain tuple: force on the shoe (N, global), torque about the normal (N m)
-    results: FloatArray  # (contacts, RESULTS): columns as in `pairs.RESULT`
-    modes: FloatArray  # (contacts, 3, modes): mean displacement of flexible shoes' patches by their modes
+    rows: ForceRows  # force on the shoe (N, global), torque about the normal (N m)
+    results: Floats2  # (contacts, RESULTS): columns as in `pairs.RESULT`
+    modes: Floats3  # (contacts, 3, modes): mean displacement of flexible shoes' patches by their modes
 
     @classmethod
     def allocate(cls, contacts: int, modes: int) -> "UnitContacts":
         """Workspace for so many contacts."""
         return cls(
-            tuple(ForceRows.allocate(contacts, MOTIONS, modes)),
+            ForceRows.allocate(contacts, MOTIONS, modes),
             np.zeros((contacts, pairs.RESULTS)),
             np.zeros((contacts, 3, modes)),
         )

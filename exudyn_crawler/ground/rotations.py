@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross
+from exudyn_crawler.ground.packed import Floats2, Floats3, Floats4, Ints1, Ints2
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -189,14 +190,14 @@ class Weights(NamedTuple):
 class ForceRows(NamedTuple):
     """Elements of one kind with r rows each, as many as act at a state; m modes of a flexible body."""
 
-    bodies: IntArray  # (elements, 2): numbers of the bodies; -1 where there is no second one
-    unit: IntArray  # (elements,): unit of the terrain on the other side, -1 for none
-    wrench: FloatArray  # (elements, r): on the first body
+    bodies: Ints2  # (elements, 2): numbers of the bodies; -1 where there is no second one
+    unit: Ints1  # (elements,): unit of the terrain on the other side, -1 for none
+    wrench: Floats2  # (elements, r): on the first body
     # (elements, r, r): weighted derivative of the negative wrench, which is in the residual, by the motions
     # and their rates
-    tangent: FloatArray
-    jacobian: FloatArray  # (elements, 2, r, 6 + m): the motions by the coordinates of both bodies
-    unit_jacobian: FloatArray  # (elements, r, 2): the motions by heave and tilt of the unit
+    tangent: Floats3
+    jacobian: Floats4  # (elements, 2, r, 6 + m): the motions by the coordinates of both bodies
+    unit_jacobian: Floats3  # (elements, r, 2): the motions by heave and tilt of the unit
 
     @classmethod
     def allocate(cls, elements: int, rows: int, modes: int) -> "ForceRows":

@@ -14,36 +14,32 @@ import numpy as np
 
 from exudyn_crawler.ground import rotations
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross, dot, turned, turned_back
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray, Weights
+from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Ints1
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, Weights
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 
 
 class Bodies(NamedTuple):
     """All bodies of a system: b of them, shoes first."""
 
-    coordinate: IntArray  # (b,): first of the six coordinates of each, position and angles
-    modal: IntArray  # (b,): first of its modal coordinates, -1 for a rigid body
-    reference: FloatArray  # (b, 6): position (m, global) and angles (rad) where its coordinates are zero
-    mass: FloatArray  # (b,): kg
-    first: FloatArray  # (b, 3): integral over the mass of the places x in the body's frame, kg m
-    second: FloatArray  # (b, 3, 3): of x_a x_b, kg m2
+    coordinate: Ints1  # (b,): first of the six coordinates of each, position and angles
+    modal: Ints1  # (b,): first of its modal coordinates, -1 for a rigid body
+    reference: Floats2  # (b, 6): position (m, global) and angles (rad) where its coordinates are zero
+    mass: Floats1  # (b,): kg
+    first: Floats2  # (b, 3): integral over the mass of the places x in the body's frame, kg m
+    second: Floats3  # (b, 3, 3): of x_a x_b, kg m2
     # (b, 2, 3): cosines and sines of the angles, as of `write_angles`; all that reads attitudes reads these
-    of_angles: FloatArray
+    of_angles: Floats3
 
 
 class Modes(NamedTuple):
     """Modes that all flexible bodies share, m of modal mass 1, and their integrals over the mass."""
 
-    stiffness: FloatArray  # (m,): 1/s2
-    damping: FloatArray  # (m,): 1/s
-    shapes: FloatArray  # (3, m): integral of the mode shapes
-    places: FloatArray  # (9 m,): of x_a Psi_ck over (a, k, c)
-    products: FloatArray  # (m, 9 m): of Psi_aj Psi_ck over j and (a, k, c)
-
-    @classmethod
-    def none(cls) -> "Modes":
-        """Those of rigid bodies."""
-        return cls(np.zeros(0), np.zeros(0), np.zeros((3, 0)), np.zeros(0), np.zeros((0, 0)))
+    stiffness: Floats1  # (m,): 1/s2
+    damping: Floats1  # (m,): 1/s
+    shapes: Floats2  # (3, m): integral of the mode shapes
+    places: Floats1  # (9 m,): of x_a Psi_ck over (a, k, c)
+    products: Floats2  # (m, 9 m): of Psi_aj Psi_ck over j and (a, k, c)
 
 
 def second_moment(mass: float, inertia: FloatArray, center: FloatArray) -> FloatArray:

@@ -12,6 +12,9 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells import ground
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
+from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.ground.packed import nothing
+from exudyn_crawler.ground.pair_geometry import ContactGeometry
 from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
 from exudyn_crawler.model import elimination, shoe_mesh
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
@@ -95,7 +98,7 @@ class _Builder:
         none = np.zeros(3)
         mass, first = np.full(self.count, float(shoe.mass)), np.zeros((self.count, 3))
         second = np.tile(second_moment(shoe.mass, shoe.inertia_tensor, none), (self.count, 1, 1))
-        modes = Modes.none()
+        modes = nothing(Modes)
         if self.floating is not None:
             body, _ = shoe_model(case.flexible_shoes(), case.track)
             modes, own_first, own_second = _flexible_modes(case, self.floating)
@@ -214,10 +217,10 @@ class _Builder:
             places += [(self._pin_middle(0, "rear"), -1), (self._pin_middle(self.shoes - 1, "front"), -1)]
         return loads.Loads(*(np.array(one) for one in zip(*places, strict=True)))
 
-    def pull(self) -> Pull | None:
+    def pull(self) -> Pull:
         """Pull of a side frame's drive."""
         if self.frame is None:
-            return None
+            return nothing(Pull)
         markers = np.array([self._pin_middle(s, "front") for s in range(self.shoes)])
         ahead = self.case.track.pin_ahead
         return Pull(
@@ -233,11 +236,11 @@ class _Builder:
         height = np.full((*ground.COARSE, 1), self.case.shoe.footprint[4])
         return cells.CellTable(row, np.concatenate((nodes, height), axis=2), rows)
 
-    def closed_joints(self) -> ClosedJoints | None:
+    def closed_joints(self) -> ClosedJoints:
         """What the joints of a closed track have beside those of an open one."""
         closed = self.closed
         if closed is None:
-            return None
+            return nothing(ClosedJoints)
         # the bearings of the tumblers, which come last, are no part of the chains
         pins = int((1 + self.flexible[self.case.links - 1].any(axis=1)).sum())
         tracks, slides, turned = len(self.tumblers), len(self.idlers), self.turning
@@ -255,11 +258,11 @@ class _Builder:
             lag=np.full(len(turned), closed.torque_speed),
         )
 
-    def teeth(self) -> teeth.Teeth | None:
+    def teeth(self) -> teeth.Teeth:
         """Lugs of the shoes and the tumbler of a closed track."""
         closed, track = self.closed, self.case.track
         if closed is None:
-            return None
+            return nothing(teeth.Teeth)
         tumbler, lugs = closed.tumbler, closed.lugs(track)
         markers = [self._pin(shoe, *lug) for shoe in range(self.shoes) for lug in lugs]
         half = 0.5  # of the guide at each gear plane
@@ -272,11 +275,11 @@ class _Builder:
             flange=(closed.guide_play, half * closed.guide_stiffness, half * closed.guide_damping),
         )
 
-    def wheels(self) -> Wheels | None:
+    def wheels(self) -> Wheels:
         """Wheels of a side frame on the rails of the shoes; rollers of an open track have no flanges."""
         gear, rails = self.case.running_gear, self.case.shoe.rails
         if gear is None or rails is None:
-            return None
+            return nothing(Wheels)
         lines = shoe_mesh.strip_lines(gear, rails)
         middles, count = self.case.track_middles, self.shoes // self.case.tracks
         if isinstance(gear, ClosedTrack):
@@ -342,19 +345,16 @@ def _with_fronts(tables: Tables, shoes: int, links: Sequence[int]) -> Tables:
         for marker in pair
     ]
     couplings += [[*coordinates[body[joints.drive]], others[0]]]
-    if tables.closed is None:
+    if not len(tables.closed.motors):
         couplings.append([*coordinates[joints.turn], others[1]])
     frames = [one for group in coordinates[shoes:] for one in group]
-    if tables.wheels is not None:
-        met = zip(tables.wheels.frames.tolist(), tables.wheels.shoes.tolist(), strict=True)
-        couplings += [[*coordinates[k], *coordinates[wheel]] for wheel, ends in met for k in range(*ends)]
-    if tables.teeth is not None:
-        met = zip(body[tables.teeth.markers].tolist(), tables.teeth.tumblers.tolist(), strict=True)
-        couplings += [[*coordinates[shoe], *coordinates[tumbler]] for shoe, tumbler in met]
-    if tables.pull is not None:
-        couplings += [[*shoe, others[0]] for shoe in coordinates[:shoes]]
+    met = zip(tables.wheels.frames.tolist(), tables.wheels.shoes.tolist(), strict=True)
+    couplings += [[*coordinates[k], *coordinates[wheel]] for wheel, ends in met for k in range(*ends)]
+    met = zip(body[tables.teeth.markers].tolist(), tables.teeth.tumblers.tolist(), strict=True)
+    couplings += [[*coordinates[shoe], *coordinates[tumbler]] for shoe, tumbler in met]
+    couplings += [[*shoe, others[0]] for shoe in coordinates[: len(tables.pull.markers)]]
     order = sorted(chain)
-    if tables.closed is not None:
+    if len(tables.closed.motors):
         order.sort(key=lambda link: link & -link)
     groups = [*coordinates[:shoes], *(chain[link] for link in order), [*terrain, *frames, *others]]
     fronts = elimination.fronts_of(groups, couplings)
@@ -399,7 +399,6 @@ def parts_of(case: Case) -> Parts:
     bodies, modes = builder.bodies()
     joints, pins = builder.joints()
     loads, pull, teeth = builder.loads(), builder.pull(), builder.teeth()
-    nothing = np.zeros(0, dtype=np.int64)
     tables = Tables(
         bodies=bodies,
         modes=modes,
@@ -416,11 +415,13 @@ def parts_of(case: Case) -> Parts:
             6 * builder.shoes,
         ),
         flexible=np.array([builder.first_modal, len(bending)]),
-        contact=contact.geometry if isinstance(contact, PairGroundContact) else None,
+        contact=contact.geometry
+        if isinstance(contact, PairGroundContact)
+        else plain(nothing(ContactGeometry)),
         fronts=elimination.fronts_of([], []),
-        rows=FrontRows(*[nothing] * len(FrontRows._fields)),
+        rows=nothing(FrontRows),
         pull=pull,
-        cells=builder.cells() if isinstance(contact, CellGroundContact) else None,
+        cells=builder.cells() if isinstance(contact, CellGroundContact) else nothing(cells.CellTable),
         closed=builder.closed_joints(),
         teeth=teeth,
         wheels=builder.wheels(),

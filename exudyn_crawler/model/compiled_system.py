@@ -12,17 +12,17 @@ import numpy as np
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground import pairs, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
+from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.ground.packed import nothing, pack
 from exudyn_crawler.ground.rotations import Weights, moments_on_angles
 from exudyn_crawler.model import build, elimination, joints, newton, state, track_system
 from exudyn_crawler.model.engine import add_coordinates, exu, predict
 from exudyn_crawler.model.equations import STIFFNESS, gear_contacts, matrix, residual
-from exudyn_crawler.model.forces.cells import TrackOnCells
+from exudyn_crawler.model.forces.cells import OnCells, TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
-from exudyn_crawler.model.forces.teeth import TeethWorkspace
-from exudyn_crawler.model.forces.wheels import WheelWorkspace
-from exudyn_crawler.model.tables import Inputs, Tables, Workspace
+from exudyn_crawler.model.tables import SYSTEM, Inputs, System, Tables, Workspace
 
 STRIPS, LUGS = ("wheel", "force", "foot", "guide"), ("force", "guide")
 """What of wheels and lugs is read for flexible shoes."""
@@ -55,7 +55,7 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> state.
         flexible_shoes=() if case.flexible is None else tuple(case.flexible.shoes),
         modes=len(tables.modes.stiffness),
         contact=0
-        if tables.cells is None
+        if not len(tables.cells.flexible)
         else pairs.RESULTS + (tables.cells.nodes.size if case.flexible else 0),
         multipliers=(
             *(
@@ -91,7 +91,6 @@ class CompiledSystem(track_system.TrackSystem):
             )
         super().__init__(case, parts)
         self.tables = parts.tables
-        self._plain = plain(self.tables)
         self.layout = layout_of(case, self.tables, parts.pins)
         size, multipliers = self.layout.coordinate_count, self.tables.multiplier_count
         add_coordinates(self.mbs, size)
@@ -100,11 +99,12 @@ class CompiledSystem(track_system.TrackSystem):
         self._multipliers = np.zeros(multipliers)
         self._scratch = (np.zeros(size + multipliers), np.zeros(self.tables.fronts.size))
         if isinstance(contact, CellGroundContact):
-            self._workspace = Workspace.allocate(self.tables, 0, contact.ground.shoes)
-            bodies, cells = self._plain[0], Workspace(*self._workspace).cells or ()
-            self._cells = TrackOnCells(contact.ground, bodies, plain(self.tables.cells), cells)
+            self._work = Workspace.allocate(self.tables, 0, contact.ground.shoes)
+            on = OnCells(self.tables.bodies, self.tables.cells, self._work.cells)
+            self._cells = TrackOnCells(contact.ground, on)
         else:
-            self._workspace = Workspace.allocate(self.tables, contact.greatest_count)
+            self._work = Workspace.allocate(self.tables, contact.greatest_count, nothing(ShoePoints))
+        self._block = pack(System(self.tables, self._work), SYSTEM)
         machine = [StepProfile.constant(0.0)] * 6 if case.machine is None else case.machine.components
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
         applied = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
@@ -122,15 +122,13 @@ class CompiledSystem(track_system.TrackSystem):
 
     def gear_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
         """As of `TrackSystem`."""
-        if self.tables.wheels is None:
+        if not len(self.tables.wheels.frames):
             return {}
         arguments, factors = tuple(self.inputs(time)), tuple(AT_REST)
-        gear_contacts(self._plain, np.stack((q, q_t)), arguments, factors, self._workspace)
-        work, n = Workspace(*self._workspace), self.layout.shoes
-        wheels = WheelWorkspace(*(work.wheels or ()))
-        if work.teeth is None:
+        gear_contacts(self._block, np.stack((q, q_t)), arguments, factors)
+        wheels, teeth, n = self._work.wheels, self._work.teeth, self.layout.shoes
+        if not len(self.tables.teeth.markers):
             return {f"strip_{name}": getattr(wheels, name).copy() for name in STRIPS}
-        teeth = TeethWorkspace(*work.teeth)
         forces = {
             "wheel": wheels.on_shoes.copy(),
             "on_wheels": wheels.on_wheels.copy(),
@@ -148,12 +146,12 @@ class CompiledSystem(track_system.TrackSystem):
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""
-        self._driven = on or self.tables.pull is not None or self.tables.closed is not None
+        self._driven = on or self.case.running_gear is not None
 
     def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`; a side frame has its speed."""
         self._state[0], self._state[1:] = self.settled(q), 0.0
-        if self.tables.pull is not None:
+        if self.case.undercarriage is not None:
             first = self.tables.bodies.coordinate[self.tables.pull.frame]
             self._state[1, first] = self.case.drive.speed.value(0.0)
         self._multipliers[:] = 0.0
@@ -272,7 +270,7 @@ class CompiledSystem(track_system.TrackSystem):
         """Residual of all equations at coordinates, rates and accelerations (3, coordinates)."""
         out = np.empty_like(self._scratch[0])
         applied = np.zeros_like(self._multipliers) if multipliers is None else multipliers
-        residual(self._plain, state, applied, tuple(inputs), tuple(weights), self._workspace, out)
+        residual(self._block, state, applied, tuple(inputs), tuple(weights), out)
         return out
 
     def pulled_place(self, q: np.ndarray) -> float:
@@ -299,7 +297,7 @@ class CompiledSystem(track_system.TrackSystem):
             force, moment = static_friction(self.case, self.tables.bodies.mass[: len(shoes)])
             shoes[:, :3] -= force
             shoes[:, 3:] -= moments_on_angles(angles, moment)
-        along = Workspace(*self._workspace).jacobian[self.pin_rows, 0]
+        along = self._work.jacobian[self.pin_rows, 0]
         direction = np.zeros(len(q))
         direction[6 * self.layout.shoes - 6 : 6 * self.layout.shoes] = along[:6]
         if self.point.rows.shape[1]:
@@ -310,15 +308,15 @@ class CompiledSystem(track_system.TrackSystem):
         """Compiled functions with arguments as a run calls them, by what they make."""
         out, values = self._scratch
         inputs, weights = tuple(self.inputs(0.0)), (0.0, 0.0, 1.0, False, 1.0)
-        fronts = tuple(self.tables.fronts)
-        both = self._plain, self._state
+        fronts = self.tables.fronts
+        both = self._block, self._state
         return {
             "residual": [
-                (residual, (*both, self._multipliers, inputs, weights, self._workspace, out)),
-                (gear_contacts, (*both, inputs, weights, self._workspace)),
-            ][: 1 + (self.tables.wheels is not None)],
+                (residual, (*both, self._multipliers, inputs, weights, out)),
+                (gear_contacts, (*both, inputs, weights)),
+            ],
             "matrix": [
-                (matrix, (*both, inputs, weights, self._workspace, values)),
+                (matrix, (*both, inputs, weights, values)),
                 (elimination.eliminate, (fronts, values)),
                 (elimination.solve, (fronts, values, out)),
             ],
@@ -335,13 +333,12 @@ class CompiledSystem(track_system.TrackSystem):
         """Whether Newton's method finds the step that the state predicts, and its iterations."""
         try:
             converged, iterations, *_ = newton.step(
-                self._plain,
+                self._block,
                 self._state,
                 self._multipliers,
                 tuple(inputs),
                 tuple(weights),
                 limits,
-                self._workspace,
                 self._scratch,
             )
             self._singular = False
@@ -371,7 +368,7 @@ class CompiledSystem(track_system.TrackSystem):
             self._cells.cover(self._state)
         limits = (*self._limits, kept)
         converged, iterations = self._step(self.inputs(solver.it.currentTime), weights, limits)
-        serves = self.tables.closed is not None and converged and iterations == 1
+        serves = self.case.is_closed and converged and iterations == 1
         self._factored = weights if serves else None
         if not converged:
             self._multipliers[:] = start
@@ -401,7 +398,7 @@ class CompiledSystem(track_system.TrackSystem):
             loads[n + 1 :, 0] = -frame.end_tension, frame.end_tension
         turning = self._driven and self.case.drive.turn_rate is not None
         active = np.array([self._driven, turning], dtype=float)
-        if self.case.closed_track is not None and self.tables.closed is not None:
+        if self.case.closed_track is not None:
             active[:] = 0.0
             motors = np.zeros(len(self.tables.closed.motors))  # what keeps sliding idlers from spinning last
             motors[: len(of_tracks)] = of_tracks / self.case.closed_track.travel_per_angle(self.case.track)
@@ -414,8 +411,8 @@ class CompiledSystem(track_system.TrackSystem):
             self._cells.cover(self._state)
         inputs, weights, values = self.inputs(time), Weights(0.0, 0.0, 1.0, False, 1.0), self._scratch[1]
         out = self.residual(self._state, inputs, self._multipliers, weights)
-        matrix(self._plain, self._state, tuple(inputs), tuple(weights), self._workspace, values)
-        fronts = tuple(self.tables.fronts)
+        matrix(self._block, self._state, tuple(inputs), tuple(weights), values)
+        fronts = self.tables.fronts
         elimination.eliminate(fronts, values)
         # at rest constraints have no gap, and their rates do not change by themselves
         n = self._state.shape[1]

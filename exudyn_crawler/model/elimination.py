@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import SOURCES
+from exudyn_crawler.ground.packed import Ints1
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 from fem.compiling import compiler
 
@@ -38,12 +39,12 @@ solving_viewing = compiler(Path(__file__).parent, *SOURCES, error_model="numpy",
 class Fronts(NamedTuple):
     """Fronts in the order of their elimination; one array has the values of all of them, then their marks."""
 
-    unknowns: IntArray  # (entries,): unknowns of every front, its own group's first
-    first: IntArray  # (fronts + 1,): where a front's unknowns start
-    own: IntArray  # (fronts,): how many of them it eliminates
-    place: IntArray  # (fronts + 1,): where a front's square matrix starts among all values, row by row
-    parent: IntArray  # (fronts,): front that takes what is left, -1 where nothing is
-    into: IntArray  # (entries,): row in the parent's matrix of every unknown that is left
+    unknowns: Ints1  # (entries,): unknowns of every front, its own group's first
+    first: Ints1  # (fronts + 1,): where a front's unknowns start
+    own: Ints1  # (fronts,): how many of them it eliminates
+    place: Ints1  # (fronts + 1,): where a front's square matrix starts among all values, row by row
+    parent: Ints1  # (fronts,): front that takes what is left, -1 where nothing is
+    into: Ints1  # (entries,): row in the parent's matrix of every unknown that is left
 
     @property
     def size(self) -> int:
@@ -215,25 +216,24 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
 
 
 @solving
-def eliminate(fronts: tuple, values: FloatArray) -> None:
+def eliminate(fronts: Fronts, values: FloatArray) -> None:
     """Eliminate group by group, in place; a `LinAlgError` if the matrix of a group is singular.
 
-    `fronts` are `Fronts` as a plain tuple, `values` (size,) the matrices of the fronts, each with the terms
-    that were put there, and their marks; they are overwritten with what `solve` takes. Shoes may touch much
-    that they do not touch now: rows without any term are left out.
+    `values` (size,) are the matrices of the fronts, each with the terms that were put there, and their marks;
+    they are overwritten with what `solve` takes. Shoes may touch much that they do not touch now: rows
+    without any term are left out.
     """
-    places = Fronts(*fronts)
-    n = np.max(places.first[1:] - places.first[:-1])
+    n = np.max(fronts.first[1:] - fronts.first[:-1])
     rows, scratch = np.empty(n, dtype=np.int64), np.empty(n * n)
-    for k in range(places.own.shape[0]):
-        _eliminate(places, values, k, rows, scratch)
+    for k in range(fronts.own.shape[0]):
+        _eliminate(fronts, values, k, rows, scratch)
 
 
 @solving_within
-def _gather(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> int:
+def _gather(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> int:
     """Write the unknowns of a front, those that are left first, and their values; give how many are left."""
-    unknowns, own = places.unknowns[places.first[k] :], places.own[k]
-    left = _met(marks(places, values, k), own, at)
+    unknowns, own = fronts.unknowns[fronts.first[k] :], fronts.own[k]
+    left = _met(marks(fronts, values, k), own, at)
     for r in range(left):
         at[r] = unknowns[at[r]]
     for r in range(own):
@@ -244,10 +244,10 @@ def _gather(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntAr
 
 
 @solving_within
-def _forward(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
+def _forward(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
     """Take the own unknowns of a front out of the right-hand sides of those that are left."""
-    left, met, start = _gather(places, values, k, x, at, y), marks(places, values, k), places.place[k]
-    n = left + places.own[k]
+    left, met, start = _gather(fronts, values, k, x, at, y), marks(fronts, values, k), fronts.place[k]
+    n = left + fronts.own[k]
     for r in range(n - 1, left - 1, -1):
         p = int(met[r - left]) - 2
         y[r], y[p] = y[p], y[r]
@@ -265,12 +265,12 @@ def _forward(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntA
 
 
 @solving_within
-def _back(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
+def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
     """Find the own unknowns of a front from those that are left."""
-    left, start = _gather(places, values, k, x, at, y), places.place[k]
-    n = left + places.own[k]
+    left, start = _gather(fronts, values, k, x, at, y), fronts.place[k]
+    n = left + fronts.own[k]
     for r in range(left, n):
-        row = values[start + (r - left) * (n + left) : places.place[k + 1]]
+        row = values[start + (r - left) * (n + left) : fronts.place[k + 1]]
         s = y[r]
         for c in range(r):
             s -= row[c] * y[c]
@@ -278,12 +278,11 @@ def _back(places: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArra
 
 
 @solving
-def solve(fronts: tuple, values: FloatArray, x: FloatArray) -> None:
+def solve(fronts: Fronts, values: FloatArray, x: FloatArray) -> None:
     """Turn a right-hand side (unknowns,) into the solution, in place, after `eliminate`."""
-    places = Fronts(*fronts)
-    n = np.max(places.first[1:] - places.first[:-1])
+    n = np.max(fronts.first[1:] - fronts.first[:-1])
     y, at = np.empty(n), np.empty(n, dtype=np.int64)
-    for k in range(places.own.shape[0]):
-        _forward(places, values, k, x, at, y)
-    for k in range(places.own.shape[0] - 1, -1, -1):
-        _back(places, values, k, x, at, y)
+    for k in range(fronts.own.shape[0]):
+        _forward(fronts, values, k, x, at, y)
+    for k in range(fronts.own.shape[0] - 1, -1, -1):
+        _back(fronts, values, k, x, at, y)

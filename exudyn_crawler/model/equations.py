@@ -15,11 +15,11 @@ import numpy as np
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model import bodies, elimination, joints
 from exudyn_crawler.model.bodies import Bodies, add_bodies, add_body, attitude_of, write_angles
-from exudyn_crawler.model.elimination import solving, solving_allocating, solving_within
+from exudyn_crawler.model.elimination import solving, solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces import cells, loads, teeth, wheels
-from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace, add_terrain, unit_contacts
-from exudyn_crawler.model.joints import ROWS, ClosedJoints, motor_speed, motor_torque
-from exudyn_crawler.model.tables import FrontRows, Inputs, Tables, Workspace, named_tables
+from exudyn_crawler.model.forces.units import TerrainTable, add_terrain, unit_contacts
+from exudyn_crawler.model.joints import ROWS, motor_speed, motor_torque
+from exudyn_crawler.model.tables import FrontRows, Inputs, Tables, Workspace, read_system
 
 STIFFNESS = 1e9
 """N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
@@ -43,15 +43,11 @@ def _add_rows(bodies: Bodies, rows: ForceRows, count: int, row: FloatArray, resi
 
 @solving_within
 def _add_joints(
-    tables: Tables,
-    inputs: Inputs,
-    multipliers: FloatArray,
-    work: Workspace,
-    level: float,
-    out: FloatArray,
+    system: IntArray, inputs: Inputs, multipliers: FloatArray, level: float, out: FloatArray
 ) -> None:
     """Add the forces of all constraints, and write their residuals behind the coordinates'."""
-    bodies, between, pulls = tables.bodies, tables.joints.bodies, tables.pull is not None
+    tables, work = read_system(system)
+    bodies, between, pulls = tables.bodies, tables.joints.bodies, work.pulled.shape[0] > 0
     n, pins = out.shape[0] - multipliers.shape[0], ROWS * tables.joints.pins.shape[0]
     for r in range(between.shape[0]):
         is_speed = pins <= r < pins + 2
@@ -69,7 +65,7 @@ def _add_joints(
                 add_body(bodies, b, work.jacobian[r, side], multipliers[r], out)
 
 
-@solving_within
+@solving_inside
 def _gap_rate(tables: Tables, state: FloatArray, work: Workspace, row: int) -> float:
     """Rate (m/s or rad/s) of the gap of a constraint between two rigid bodies."""
     rate = 0.0
@@ -82,12 +78,10 @@ def _gap_rate(tables: Tables, state: FloatArray, work: Workspace, row: int) -> f
 
 @solving_within
 def _add_closed(
-    closed: tuple | None,
-    tables: Tables,
+    system: IntArray,
     state: FloatArray,
     inputs: Inputs,
     multipliers: FloatArray,
-    work: Workspace,
     level: float,
     out: FloatArray,
 ) -> None:
@@ -96,9 +90,8 @@ def _add_closed(
     The multiplier of a motor is the torque on its tumbler about that one's axis, with the other sign. It
     follows from the speed that is kept; where the torque is limited, from the lag behind that speed.
     """
-    if closed is None:
-        return
-    joints, n = ClosedJoints(*closed), out.shape[0] - multipliers.shape[0]
+    tables, work = read_system(system)
+    joints, n = tables.closed, out.shape[0] - multipliers.shape[0]
     for p in range(joints.compliance.shape[0]):
         for r in range(ROWS):
             row = ROWS * p + r
@@ -121,65 +114,60 @@ def _add_closed(
 
 @solving
 def residual(
-    values: tuple,
+    system: IntArray,
     state: FloatArray,
     multipliers: FloatArray,
     arguments: tuple,
     factors: tuple,
-    workspace: tuple,
     out: FloatArray,
 ) -> None:
     """Write the residual of all equations: forces, then gaps times `STIFFNESS`.
 
-    Tables, inputs, weights and workspace are `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
+    `system` is a block of `tables.System`, inputs and weights are `Inputs` and `Weights` as plain tuples.
     `state` (3, coordinates) are coordinates, rates and accelerations, `multipliers` in N and N m; `out`
     (coordinates + multipliers,) is overwritten.
     """
-    tables, inputs = named_tables(values), Inputs(*arguments)
-    weights, work = Weights(*factors), Workspace(*workspace)
-    units, bodies = UnitWorkspace(*work.units), tables.bodies
+    tables, work = read_system(system)
+    inputs, weights, bodies = Inputs(*arguments), Weights(*factors), tables.bodies
     # scratch: coordinates of bodies and their modes, rates, accelerations, forces
     rows, tensor = np.zeros((4, work.jacobian.shape[2])), np.empty((3, 3))
     out.fill(0.0)
     # elements leave those of other weights, which would be taken for masses
     if weights.acceleration != 0.0 and weights.position == weights.velocity == 0.0:
         for kind in range(len(work.elements)):
-            ForceRows(*work.elements[kind]).tangent.fill(0.0)
+            work.elements[kind].tangent.fill(0.0)
     write_angles(bodies, state[0])
     work.counts[0] = unit_contacts(
-        bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units
+        bodies, tables.flexible, tables.terrain, tables.contact, state, weights, work.units
     )
     cells.cell_forces(tables.cells, bodies, state, weights, work.cells)
     work.counts[1] = teeth.teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
     work.counts[2] = wheels.wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
     for kind in range(len(work.elements)):
-        _add_rows(bodies, ForceRows(*work.elements[kind]), work.counts[kind], rows[0], out)
+        _add_rows(bodies, work.elements[kind], work.counts[kind], rows[0], out)
     inertias = work.first, work.second, work.turning
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, rows, tensor, out)
-    contacts = ForceRows(*work.elements[0])
-    add_terrain(tables.terrain, contacts, work.counts[0], state, inputs.gravity[2], units, out)
+    add_terrain(tables.terrain, work.elements[0], work.counts[0], state, inputs.gravity[2], work.units, out)
     loads.add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
-    markers, closed = tables.markers, tables.closed is not None
+    markers, closed = tables.markers, tables.closed.motors.shape[0] > 0
     joints.add_pins(bodies, markers, tables.joints.pins, closed, state, rows, work.gap, work.jacobian)
     joints.add_speeds(bodies, markers, tables.joints, state, inputs.speeds, rows, work.gap, work.jacobian)
     joints.add_holds(bodies, tables.joints, state, work.gap, work.jacobian)
     joints.write_pull(tables.pull, bodies, markers, state, work.pulled, work.pull)
-    _add_joints(tables, inputs, multipliers, work, weights.level, out)
+    _add_joints(system, inputs, multipliers, weights.level, out)
     for p in range(work.turned.shape[0] if weights.position != 0.0 else 0):
         own, into = multipliers[ROWS * p :], work.turned[p]
         joints.write_turned(bodies, markers, tables.joints.pins[p], closed, own, state, rows[0], into)
-    _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights.level, out)
+    _add_closed(system, state, inputs, multipliers, weights.level, out)
 
 
 @solving
-def gear_contacts(
-    values: tuple, state: FloatArray, arguments: tuple, factors: tuple, workspace: tuple
-) -> None:
+def gear_contacts(system: IntArray, state: FloatArray, arguments: tuple, factors: tuple) -> None:
     """Find the lugs and strips of wheels that touch at coordinates and rates (2, coordinates).
 
-    The tuples are those of `residual`.
+    The other arguments are as of `residual`.
     """
-    tables, weights, work = named_tables(values), Weights(*factors), Workspace(*workspace)
+    weights, (tables, work) = Weights(*factors), read_system(system)
     write_angles(tables.bodies, state[0])
     teeth.teeth_contacts(tables.teeth, tables.bodies, tables.markers, state, weights, work.teeth)
     wheels.wheel_contacts(tables.wheels, tables.bodies, state, Inputs(*arguments).drag, weights, work.wheels)
@@ -250,8 +238,10 @@ def _add_block(
 
 
 @solving_allocating
-def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArray) -> None:
+def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
     """Add the tangents of elements, those of the same bodies that follow each other at once: ``J^T K J``."""
+    tables, work = read_system(system)
+    rows, count = work.elements[kind], work.counts[kind]
     if count == 0:
         return
     places, modal, terrain, first = tables.rows, tables.bodies.modal, tables.terrain, 0
@@ -279,12 +269,11 @@ def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArra
 
 
 @solving_within
-def _add_joint_rows(
-    tables: Tables, inputs: Inputs, weights: Weights, work: Workspace, values: FloatArray
-) -> None:
+def _add_joint_rows(system: IntArray, inputs: Inputs, weights: Weights, values: FloatArray) -> None:
     """Add the Jacobians of all constraints, and the directions of their forces, to the fronts."""
+    tables, work = read_system(system)
     places, fronts, modal, m = tables.rows, tables.fronts, tables.bodies.modal, work.jacobian.shape[2]
-    between, pulls = tables.joints.bodies, tables.pull is not None
+    between, pulls = tables.joints.bodies, work.pulled.shape[0] > 0
     pins, last = ROWS * tables.joints.pins.shape[0], fronts.own.shape[0] - 1
     # a constraint on velocity answers a change of the coordinates by its rate
     speed = STIFFNESS * weights.level * (weights.velocity if weights.velocity != 0.0 else 1.0)
@@ -308,7 +297,7 @@ def _add_joint_rows(
         if inputs.active[k] <= 0.0:
             row = places.multiplier[last, pins + k]
             elimination.front(fronts, values, last)[row, row] += 1.0
-    for k in range(work.pulled.shape[0] if pulls else 0):
+    for k in range(work.pulled.shape[0]):
         b = work.pulled[k]
         f = places.front[b]
         matrix, row, base = (
@@ -323,8 +312,9 @@ def _add_joint_rows(
 
 
 @solving_within
-def _add_turned(tables: Tables, by_place: float, work: Workspace, values: FloatArray) -> None:
+def _add_turned(system: IntArray, by_place: float, values: FloatArray) -> None:
     """Add how the moments of the pins' forces change as their bodies turn to the fronts."""
+    tables, work = read_system(system)
     places = tables.rows
     for p in range(work.turned.shape[0]):
         for side in range(2):
@@ -340,18 +330,11 @@ def _add_turned(tables: Tables, by_place: float, work: Workspace, values: FloatA
 
 @solving_within
 def _add_closed_rows(
-    closed: tuple | None,
-    tables: Tables,
-    state: FloatArray,
-    inputs: Inputs,
-    weights: Weights,
-    work: Workspace,
-    values: FloatArray,
+    system: IntArray, state: FloatArray, inputs: Inputs, weights: Weights, values: FloatArray
 ) -> None:
     """Add compliance of the pins and rows of the motors of a closed track to the fronts."""
-    if closed is None:
-        return
-    joints, places, fronts = ClosedJoints(*closed), tables.rows, tables.fronts
+    tables, work = read_system(system)
+    joints, places, fronts = tables.closed, tables.rows, tables.fronts
     for p in range(joints.compliance.shape[0]):
         f = places.front[tables.joints.bodies[ROWS * p, 0]]
         matrix = elimination.front(fronts, values, f)
@@ -381,8 +364,9 @@ def _add_closed_rows(
 
 
 @solving_within
-def _add_masses(tables: Tables, weights: Weights, work: Workspace, values: FloatArray) -> None:
+def _add_masses(system: IntArray, weights: Weights, values: FloatArray) -> None:
     """Add masses, stiffness and damping of bodies and terrain to the fronts."""
+    tables, work = read_system(system)
     terrain, places, order, last = tables.terrain, tables.rows, tables.fronts, tables.fronts.own.shape[0] - 1
     for b in range(tables.bodies.mass.shape[0]):
         inertia, f = bodies.Inertia(work.first[b], work.second[b], work.turning[b]), places.front[b]
@@ -397,19 +381,16 @@ def _add_masses(tables: Tables, weights: Weights, work: Workspace, values: Float
 
 
 @solving
-def matrix(
-    values: tuple, state: FloatArray, arguments: tuple, factors: tuple, workspace: tuple, fronts: FloatArray
-) -> None:
+def matrix(system: IntArray, state: FloatArray, arguments: tuple, factors: tuple, fronts: FloatArray) -> None:
     """Write the weighted derivative of the residual into the values of the fronts (size,).
 
-    Tuples are those of `residual`, which was called with the same weights just before and at the same state.
+    Arguments are as of `residual`, which was called with the same weights just before and at the same state.
     """
-    tables, inputs = named_tables(values), Inputs(*arguments)
-    weights, work = Weights(*factors), Workspace(*workspace)
+    (tables, work), inputs, weights = read_system(system), Inputs(*arguments), Weights(*factors)
     elimination.clear(tables.fronts, fronts)
-    _add_masses(tables, weights, work, fronts)
+    _add_masses(system, weights, fronts)
     for kind in range(len(work.elements)):
-        _add_elements(tables, ForceRows(*work.elements[kind]), work.counts[kind], fronts)
-    _add_joint_rows(tables, inputs, weights, work, fronts)
-    _add_turned(tables, weights.position, work, fronts)
-    _add_closed_rows(tables.closed, tables, state, inputs, weights, work, fronts)
+        _add_elements(system, kind, fronts)
+    _add_joint_rows(system, inputs, weights, fronts)
+    _add_turned(system, weights.position, fronts)
+    _add_closed_rows(system, state, inputs, weights, fronts)

@@ -7,7 +7,6 @@ both, finds them cached. That takes three quarters of the time.
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -25,53 +24,38 @@ def track_system(case: Case) -> TrackSystem:
     return compiled_system.compiled_system(case) if case.is_compiled else ExudynSystem(case)
 
 
-KINDS: dict[str, Callable[[], Case]] = {
-    "dragged": Case.translation,
-    "rolled": Case.rolled,
-    "closed": Case.closed,
-}
-"""Cases whose equations are compiled apart: sizes and numbers are all that others differ in."""
-
-
-def kind_of(case: Case) -> str:
-    """Which of `KINDS` a case is of."""
-    if case.is_closed:
-        return "closed"
-    return "rolled" if case.is_rolled else "dragged"
-
-
 @cache
-def compile_equations(kind: str) -> None:
-    """Compile residual and matrix of a kind of cases, unless they are cached; once a process.
+def compile_equations() -> None:
+    """Compile residual and matrix, unless they are cached; once a process, and the same for all cases.
 
     What fails beside this process, such as a disk that stores nothing, is compiled when it is called.
     """
     begun: list[subprocess.Popen] = []
-    with notify_compiling([equations.residual], lambda: begun.append(_beside(kind))):
-        _compile(kind, "residual")
+    with notify_compiling([equations.residual], lambda: begun.append(_beside())):
+        _compile("residual")
     for process in begun:
         process.wait()
 
 
-def compile_matrix(kind: str) -> None:
+def compile_matrix() -> None:
     """Compile the matrix, its elimination and the contacts that a history keeps."""
-    system = _compile(kind, "matrix")
+    system = _compile("matrix")
     none = np.zeros(system.layout.coordinate_count)
     system.contact.results(none, none)
 
 
-def _compile(kind: str, part: str) -> compiled_system.CompiledSystem:
-    """System of a case of a kind, with a part of its equations compiled."""
-    system = compiled_system.compiled_system(KINDS[kind]())
+def _compile(part: str) -> compiled_system.CompiledSystem:
+    """System of a case, with a part of its equations compiled."""
+    system = compiled_system.compiled_system(Case.translation())
     for function, arguments in system.calls()[part]:
         function.compile(tuple(typeof(one) for one in arguments))
     return system
 
 
-def _beside(kind: str) -> subprocess.Popen:
+def _beside() -> subprocess.Popen:
     """Process that compiles the matrix; no fork, which threads do not survive, and no script run anew."""
     return subprocess.Popen(
-        [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix({kind!r})"],
+        [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix()"],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

@@ -13,6 +13,7 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back, upward
+from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Ints1, Ints2
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.elimination import solving_inside, solving_within
@@ -27,21 +28,21 @@ SMALL = 1e-3
 class Markers(NamedTuple):
     """Points of bodies at which joints, loads and drives act; k of them."""
 
-    body: IntArray  # (k,): number of the body
-    position: FloatArray  # (k, 3): in the body's frame, m
-    displacement: FloatArray  # (k, 3, m): by the body's modes, in its frame; zero where it is rigid
-    rotation: FloatArray  # (k, 3, m): the same
-    modes: IntArray  # (k,): number of modes that move it, none where its body is rigid
+    body: Ints1  # (k,): number of the body
+    position: Floats2  # (k, 3): in the body's frame, m
+    displacement: Floats3  # (k, 3, m): by the body's modes, in its frame; zero where it is rigid
+    rotation: Floats3  # (k, 3, m): the same
+    modes: Ints1  # (k,): number of modes that move it, none where its body is rigid
 
 
 class Joints(NamedTuple):
     """Constraints, whose multipliers come in this order: pins, drive, turn, holds."""
 
-    pins: IntArray  # (pins, 2): markers of the rear and of the front shoe of every link pin
+    pins: Ints2  # (pins, 2): markers of the rear and of the front shoe of every link pin
     drive: int  # marker whose velocity along x is prescribed
     turn: int  # body whose angular velocity about its own axis z is prescribed
-    holds: IntArray  # (holds, 2): body and coordinate that stays where it is
-    bodies: IntArray  # (multipliers, 2): bodies that each constraint is between; -1 for none
+    holds: Ints2  # (holds, 2): body and coordinate that stays where it is
+    bodies: Ints2  # (multipliers, 2): bodies that each constraint is between; -1 for none
 
 
 class ClosedJoints(NamedTuple):
@@ -53,11 +54,11 @@ class ClosedJoints(NamedTuple):
     plane, as the rear body's yaw and roll have turned them. Multipliers of motors come last.
     """
 
-    compliance: FloatArray  # (pins, ROWS): m/N and rad/(N m)
-    relaxation: FloatArray  # (pins, ROWS): s, damping times compliance
-    motors: IntArray  # (motors, 2): frame and tumbler that turns against it, or idler that does not
-    limit: FloatArray  # (motors,): greatest torque, N m; infinite where the speed is kept
-    lag: FloatArray  # (motors,): rad/s at which there is 0.7 of the greatest torque
+    compliance: Floats2  # (pins, ROWS): m/N and rad/(N m)
+    relaxation: Floats2  # (pins, ROWS): s, damping times compliance
+    motors: Ints2  # (motors, 2): frame and tumbler that turns against it, or idler that does not
+    limit: Floats1  # (motors,): greatest torque, N m; infinite where the speed is kept
+    lag: Floats1  # (motors,): rad/s at which there is 0.7 of the greatest torque
 
 
 class End(NamedTuple):
@@ -278,25 +279,21 @@ class Pull(NamedTuple):
     tumbler: float  # x in the frame where the chain is pulled, m
     pitch: float  # of the chain, m
     ahead: float  # x of the front pins in a shoe, m
-    markers: IntArray  # (shoes,): middle of every shoe's front pins
+    markers: Ints1  # (shoes,): middle of every shoe's front pins
 
 
 @solving_within
 def write_pull(
-    values: tuple | None,
+    pull: Pull,
     bodies: Bodies,
     markers: Markers,
     state: FloatArray,
     pulled: IntArray,
     directions: FloatArray,
 ) -> None:
-    """Write the bodies (PULLED,) and the generalized forces (PULLED, 6 + m) of a unit pull on each.
-
-    `values` are `Pull` as a plain tuple, None where nothing pulls.
-    """
-    if values is None:
+    """Write the bodies (PULLED,) and the generalized forces (PULLED, 6 + m) of a unit pull on each."""
+    if pull.markers.shape[0] == 0:
         return
-    pull = Pull(*values)
     at = attitude_of(bodies, pull.frame)
     frame = frame_of(bodies, pull.frame, state, at)
     first = bodies.reference[0, 0] + state[0, bodies.coordinate[0]]

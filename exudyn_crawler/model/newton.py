@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.rotations import FloatArray, IntArray
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.equations import matrix, residual
-from exudyn_crawler.model.tables import Tables, named_tables
+from exudyn_crawler.model.tables import read_system
 
 CONTRACTION = 0.5
 """Residual over the last one above which the matrix is made anew."""
@@ -24,10 +24,6 @@ CLOSER = 0.25
 """Share of the limit to which the matrix of the last step has to bring the residual: a new one leaves a
 hundredth, and what an old one leaves adds up over steps."""
 
-FRONTS, CELLS, CLOSED, WHEELS = (
-    Tables._fields.index(name) for name in ("fronts", "cells", "closed", "wheels")
-)
-
 
 @elimination.solving_allocating
 def _norm(residual: FloatArray) -> float:
@@ -37,18 +33,17 @@ def _norm(residual: FloatArray) -> float:
 
 @elimination.solving
 def step(
-    tables: tuple,
+    system: IntArray,
     state: FloatArray,
     multipliers: FloatArray,
     inputs: tuple,
     factors: tuple,
     limits: tuple[float, int, bool],
-    workspace: tuple,
     scratch: tuple[FloatArray, FloatArray],
 ) -> tuple[bool, int, int, float]:
     """Solve the equations of a step from its prediction, in place.
 
-    Tables, inputs, factors and workspace are `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
+    `system` is a block of `tables.System`, inputs and factors are `Inputs` and `Weights` as plain tuples.
     `state` (3, coordinates) are predicted coordinates, rates and accelerations; the latter two follow a
     change of the coordinates ``weights.velocity`` and ``weights.acceleration`` times. `multipliers` are those
     of the last step, `limits` the residual (N, root mean square) that ends the search, most iterations, and
@@ -58,14 +53,15 @@ def step(
     """
     n = state.shape[1]
     out, values = scratch
-    named, cells, closed = named_tables(tables), tables[CELLS] is not None, tables[CLOSED] is not None
-    fronts, wheels = tables[FRONTS], tables[WHEELS] is not None
+    tables = read_system(system).tables
+    cells, wheels = tables.cells.flexible.shape[0] > 0, tables.wheels.frames.shape[0] > 0
+    closed = tables.closed.motors.shape[0] > 0
     by_place, by_rate, by_acceleration, own_secant, level = factors
     # a literal among them would compile the equations once more
     none = (0.0, 0.0, 0.0, own_secant, level)
     iterations = matrices = 0
     needed = derived = not limits[2]
-    residual(tables, state, multipliers, inputs, factors if derived else none, workspace, out)
+    residual(system, state, multipliers, inputs, factors if derived else none, out)
     old = 0
     last = _norm(out)
     change = np.empty_like(out)
@@ -74,12 +70,12 @@ def step(
             secant = matrices >= TANGENTS
             if secant or not derived:
                 by = (by_place, by_rate, by_acceleration, secant, level)
-                residual(tables, state, multipliers, inputs, by, workspace, out)
-            matrix(tables, state, inputs, factors, workspace, values)
-            elimination.eliminate(fronts, values)
+                residual(system, state, multipliers, inputs, by, out)
+            matrix(system, state, inputs, factors, values)
+            elimination.eliminate(tables.fronts, values)
             matrices, needed, old = matrices + 1, False, 0
         change[:] = out
-        elimination.solve(fronts, values, change)
+        elimination.solve(tables.fronts, values, change)
         for k in range(n):
             state[0, k] -= change[k]
             state[1, k] -= by_rate * change[k]
@@ -87,9 +83,9 @@ def step(
         for k in range(multipliers.shape[0]):
             multipliers[k] -= change[n + k]
         if cells:
-            joints.turn_moments(named.bodies, named.markers, named.joints.pins, change, multipliers)
+            joints.turn_moments(tables.bodies, tables.markers, tables.joints.pins, change, multipliers)
         iterations, old = iterations + 1, old + 1
-        residual(tables, state, multipliers, inputs, none, workspace, out)
+        residual(system, state, multipliers, inputs, none, out)
         derived = False
         norm = _norm(out)
         limit = limits[0] if matrices > 0 else CLOSER * limits[0]

@@ -10,7 +10,6 @@ from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model.compiled_system import AT_REST, compiled_system
 from exudyn_crawler.model.equations import matrix
 from exudyn_crawler.model.exudyn.system import ExudynSystem
-from exudyn_crawler.model.tables import Workspace
 
 FORCE_SCALE = 1e6
 """N, of multipliers: forces are linear in them."""
@@ -106,7 +105,7 @@ def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=AT_REST):
 
 def gaps_of(system):
     """Gaps of all constraints at the state of the last residual."""
-    return Workspace(*system._workspace).gap.copy()
+    return system._work.gap.copy()
 
 
 def compiled(case, q, q_t):
@@ -128,7 +127,7 @@ def compiled_matrix(system, q, q_t, weights):
     size = len(residual_of(system, q, q_t, weights=Weights(*weights)))
     fronts, values = system.tables.fronts, np.zeros_like(system._scratch[1])
     state = np.stack((q, q_t, np.zeros_like(q)))
-    matrix(system._plain, state, tuple(system.inputs(0.0)), weights, system._workspace, values)
+    matrix(system._block, state, tuple(system.inputs(0.0)), weights, values)
     dense = np.zeros((size, size))
     for k in range(len(fronts.own)):
         rows = fronts.rows(k)

@@ -163,7 +163,7 @@ def test_compiled_code_gives_back_every_reference_to_an_array(case):
     system = compiled_system(case)
     cells = system._cells
     system._state[0] = system.first_guess()
-    arrays = [*arrays_of(system._plain), *arrays_of(system._workspace), system._state, *system._scratch]
+    arrays = [*arrays_of(system.tables), *arrays_of(system._work), system._state, *system._scratch]
 
     def step():
         if cells is not None:

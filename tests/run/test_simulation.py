@@ -109,7 +109,7 @@ def test_every_variable_of_a_history_is_an_attribute(translation):
 @pytest.mark.parametrize("progress", [None, False])
 def test_a_run_that_compiles_says_so(monkeypatch, capsys, progress):
     monkeypatch.setattr("exudyn_crawler.run.folder.progress.LINE_EVERY", 0.05)
-    monkeypatch.setattr(simulation, "compile_equations", lambda _kind: clock.sleep(0.3))
+    monkeypatch.setattr(simulation, "compile_equations", lambda: clock.sleep(0.3))
     monkeypatch.setattr(simulation, "integrate", lambda *_, **__: None)
     simulate(Case.translation(), 0.01, progress)
     told = set(capsys.readouterr().err.splitlines())

@@ -36,27 +36,11 @@ class CellGround:
         self.heights = heights
         underside = np.array(corners, dtype=float)
         sides = np.linalg.norm(np.diff(underside[:3], axis=0), axis=1)
-        most, bend = int(1.6 * np.prod(sides / cell + 4.0)), 1 + len(flexible)
-        blocks = -(-most // kernel.BLOCK)
+        most = int(1.6 * np.prod(sides / cell + 4.0))
         bending = np.zeros(shoes, dtype=np.int64)
-        bending[list(flexible)] = np.arange(1, bend)
-        self.shoes = kernel.ShoePoints(
-            addresses=np.array(kernel.addresses_of(law.kernel)),
-            constants=np.array(law.constants(float(sides.min())), dtype=float),
-            corners=underside,
-            counts=np.zeros(shoes, dtype=np.int64),
-            cells=np.zeros((shoes, most), dtype=np.int64),
-            areas=np.zeros((shoes, most)),
-            points=np.zeros((shoes, blocks, kernel.POINT, kernel.BLOCK)),
-            trial=np.zeros((shoes, most, kernel.TRIAL)),
-            force=np.zeros((shoes, most, 3)),
-            wrench=np.zeros((shoes, 6)),
-            tangent=np.zeros((shoes, 6, 6)),
-            block=np.zeros((kernel.ROWS, kernel.BLOCK)),
-            bending=bending,
-            bent=np.zeros((bend, blocks, 6, kernel.BLOCK)),
-            slopes=np.zeros((bend, 9 * most)),
-        )
+        bending[list(flexible)] = np.arange(1, 1 + len(flexible))
+        constants = law.constants(float(sides.min()))
+        self.shoes = kernel.ShoePoints.allocate(law.kernel, constants, underside, most, bending)
         self._held = np.zeros(0, dtype=np.int64)
         self._names = np.zeros((0, 2), dtype=np.int64)
         self.tiles = Tiles(

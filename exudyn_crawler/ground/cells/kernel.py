@@ -13,11 +13,13 @@ from typing import NamedTuple
 import numpy as np
 from numba import carray, types
 from numba.np.unsafe.ndarray import to_fixed_tuple
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.ground import frames
 from exudyn_crawler.ground.cells import law
-from exudyn_crawler.ground.cells.law import compile_entry, prepare, respond, within_law
+from exudyn_crawler.ground.cells.law import LawKernel, compile_entry, prepare, respond, within_law
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 PLACE, NORMAL, GROUND, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 10, 12, 14, 17
@@ -46,26 +48,50 @@ FRAME = 18
 class ShoePoints(NamedTuple):
     """Points of the shoes and what the kernel makes of them; all arrays stay the same through a run."""
 
-    addresses: IntArray  # (2,): of the compiled law: `prepare` and `press`
-    constants: FloatArray  # of the law
-    corners: FloatArray  # (4, 3): of the underside, shoe's frame, anticlockwise from above; of one z, m
-    counts: IntArray  # (shoes,): number of points of each shoe
-    cells: IntArray  # (shoes, most): cell of each point
-    areas: FloatArray  # (shoes, most): true area of each point, m2
-    points: FloatArray  # (shoes, blocks, POINT, BLOCK)
-    trial: FloatArray  # (shoes, most, TRIAL)
-    force: FloatArray  # (shoes, most, 3): on the shoe at each point, N, global
-    wrench: FloatArray  # (shoes, 6): force (N) and moment about the frame's origin (N m), global
-    tangent: FloatArray  # (shoes, 6, 6): its weighted derivative by displacements and small rotations, global
-    block: FloatArray  # (ROWS, BLOCK): workspace of the points that are computed together
+    addresses: Ints1  # (2,): of the compiled law: `prepare` and `press`
+    constants: Floats1  # of the law
+    corners: Floats2  # (4, 3): of the underside, shoe's frame, anticlockwise from above; of one z, m
+    counts: Ints1  # (shoes,): number of points of each shoe
+    cells: Ints2  # (shoes, most): cell of each point
+    areas: Floats2  # (shoes, most): true area of each point, m2
+    points: Floats4  # (shoes, blocks, POINT, BLOCK)
+    trial: Floats3  # (shoes, most, TRIAL)
+    force: Floats3  # (shoes, most, 3): on the shoe at each point, N, global
+    wrench: Floats2  # (shoes, 6): force (N) and moment about the frame's origin (N m), global
+    tangent: Floats3  # (shoes, 6, 6): its weighted derivative by displacements and small rotations, global
+    block: Floats2  # (ROWS, BLOCK): workspace of the points that are computed together
     # (shoes,): row of each shoe in the next two: all rigid ones share the first, which stays in the cache
-    bending: IntArray
+    bending: Ints1
     # (1 + flexible shoes, blocks, 6, BLOCK): displacement of the points of flexible shoes by their modes (m),
     # and its rate (m/s), shoes' axes
-    bent: FloatArray
+    bent: Floats4
     # (1 + flexible shoes, 9 most): weighted derivative of each point's force by its displacement: array
     # (9, points), its rows one after the other
-    slopes: FloatArray
+    slopes: Floats2
+
+    @classmethod
+    def allocate(
+        cls, law: LawKernel, constants: ArrayLike, corners: ArrayLike, most: int, bending: IntArray
+    ) -> "ShoePoints":
+        """Arrays of shoes with so many points at most each, on cells of a law; `bending` is as above."""
+        shoes, bend, blocks = len(bending), 1 + int(bending.max(initial=0)), -(-most // BLOCK)
+        return cls(
+            addresses=np.array(addresses_of(law)),
+            constants=np.array(constants, dtype=float),
+            corners=np.array(corners, dtype=float),
+            counts=np.zeros(shoes, dtype=np.int64),
+            cells=np.zeros((shoes, most), dtype=np.int64),
+            areas=np.zeros((shoes, most)),
+            points=np.zeros((shoes, blocks, POINT, BLOCK)),
+            trial=np.zeros((shoes, most, TRIAL)),
+            force=np.zeros((shoes, most, 3)),
+            wrench=np.zeros((shoes, 6)),
+            tangent=np.zeros((shoes, 6, 6)),
+            block=np.zeros((ROWS, BLOCK)),
+            bending=bending,
+            bent=np.zeros((bend, blocks, 6, BLOCK)),
+            slopes=np.zeros((bend, 9 * most)),
+        )
 
 
 @frames.within
@@ -273,7 +299,7 @@ def prepare_points(law, count, points):
 
 
 @cache
-def addresses_of(kernel: law.LawKernel) -> tuple[int, int]:
+def addresses_of(kernel: LawKernel) -> tuple[int, int]:
     """Addresses of `prepare_points` and `press_shoe` compiled for a law."""
     constants_type, size = kernel.constants, len(kernel.constants._fields)
     numbers, number = types.CPointer(types.float64), types.intp

@@ -17,11 +17,10 @@ import numpy as np
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground import contact, rotations, sphere_contact, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
-from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.model import build, compiled_system, state, track_system
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.exudyn import bodies, drive, euler_parameters
-from exudyn_crawler.model.forces.cells import CellWorkspace, TrackOnCells
+from exudyn_crawler.model.forces.cells import CellWorkspace, OnCells, TrackOnCells
 
 CELL = 1.0
 """m, least side of the cells of the engine's search tree."""
@@ -126,11 +125,9 @@ class ExudynSystem(track_system.TrackSystem):
         drive.add_loads(mbs, case, shoes.markers[2 * len(joints) : -1], static)
         if isinstance(self.contact, contact.PairGroundContact):
             self._add_force([*nodes, *ground, *shoes.modal_nodes], self.contact.forces)
-        elif isinstance(self.contact, CellGroundContact) and tables.cells is not None:
-            workspace = plain(CellWorkspace.allocate(tables.cells, self.contact.ground.shoes))
-            self._cells = TrackOnCells(
-                self.contact.ground, plain(tables.bodies), plain(tables.cells), workspace
-            )
+        elif isinstance(self.contact, CellGroundContact):
+            work = CellWorkspace.allocate(tables.cells, self.contact.ground.shoes)
+            self._cells = TrackOnCells(self.contact.ground, OnCells(tables.bodies, tables.cells, work))
             self._add_cells(self._cells, [*nodes, *shoes.modal_nodes])
         else:
             self.general = add_spheres(mbs, case, shoes.bodies, ground, static)

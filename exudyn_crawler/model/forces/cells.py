@@ -5,12 +5,13 @@ move the nodes of the grid, the hats the points in between, and the forces of th
 keeps force and moment, and the bending moments on the grid's lines.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from exudyn_crawler.ground.cells import contact, ground, kernel
 from exudyn_crawler.ground.frames import Vector, along, turned
+from exudyn_crawler.ground.packed import Floats2, Floats3, Floats4, Floats5, Ints1, pack, reader, type_of
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
@@ -24,21 +25,21 @@ WRENCH = 6
 class CellTable(NamedTuple):
     """Undersides of shoes on cells, with a grid of nodes for those that bend."""
 
-    flexible: IntArray  # (shoes,): row of a shoe among the flexible ones, -1 for a rigid one
-    nodes: FloatArray  # (along, across, 3): nodes of the grid in the shoe's frame, m
-    rows: FloatArray  # (along, across, 3, modes): displacement of the nodes by the modes
+    flexible: Ints1  # (shoes,): row of a shoe among the flexible ones, -1 for a rigid one
+    nodes: Floats3  # (along, across, 3): nodes of the grid in the shoe's frame, m
+    rows: Floats4  # (along, across, 3, modes): displacement of the nodes by the modes
 
 
 class CellWorkspace(NamedTuple):
     """Workspace of the cells' forces."""
 
-    shoes: tuple  # `ground.cells.kernel.ShoePoints` as a plain tuple
-    frames: FloatArray  # (shoes, FRAME): of the shoes at the last state
+    shoes: Annotated[tuple, type_of(kernel.ShoePoints, named=False)]
+    frames: Floats2  # (shoes, FRAME): of the shoes at the last state
     # (flexible shoes, 2, along, across, 3): displacement of the grid's nodes by the modes (m), and its rate
     # (m/s), in the shoes' axes
-    bent: FloatArray
-    rigid: tuple  # `ForceRows` of rigid shoes: force, moment about the COM
-    flexible: tuple  # of flexible ones: forces at the nodes
+    bent: Floats5
+    rigid: ForceRows  # rigid shoes: force, moment about the COM
+    flexible: ForceRows  # flexible ones: forces at the nodes
 
     @classmethod
     def allocate(cls, table: CellTable, shoes: kernel.ShoePoints) -> "CellWorkspace":
@@ -50,7 +51,19 @@ class CellWorkspace(NamedTuple):
         bending.bodies[:, 0] = np.flatnonzero(table.flexible >= 0)
         frames = np.zeros((len(table.flexible), kernel.FRAME))
         bent = np.zeros((flexible, 2, *table.nodes.shape))
-        return cls(tuple(shoes), frames, bent, tuple(rigid), tuple(bending))
+        return cls(tuple(shoes), frames, bent, rigid, bending)
+
+
+class OnCells(NamedTuple):
+    """What a track on cells is made of."""
+
+    bodies: Bodies
+    table: CellTable
+    work: CellWorkspace
+
+
+ON_CELLS = type_of(OnCells)
+_read = reader(ON_CELLS)
 
 
 @solving_within
@@ -95,21 +108,21 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
 
 
 @solving
-def place_shoes(bodies: tuple, cells: tuple, state: FloatArray, workspace: tuple) -> None:
-    """Write the frames of shoes at a state, and how these are bent; arguments as plain tuples."""
-    named = Bodies(*bodies)
-    write_angles(named, state[0])
-    write_frames(named, CellTable(*cells), state, CellWorkspace(*workspace))
+def place_shoes(block: IntArray, state: FloatArray) -> None:
+    """Write the frames of shoes at a state, and how these are bent; of a block of `OnCells`."""
+    on = _read(block)
+    write_angles(on.bodies, state[0])
+    write_frames(on.bodies, on.table, state, on.work)
 
 
 @solving
-def bend_before(cells: tuple, frames: FloatArray, bent: FloatArray, workspace: tuple) -> None:
+def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
     """Move where the points of flexible shoes were when the last step was accepted by how these were bent.
 
     `frames` (shoes, FRAME) and `bent`, the displacement of the grid's nodes (flexible shoes, along, across,
-    3), m, are those of then; `cells` and `workspace` are `CellTable` and `CellWorkspace` as plain tuples.
+    3), m, are those of then; `block` is one of `OnCells`.
     """
-    table, work = CellTable(*cells), CellWorkspace(*workspace)
+    _, table, work = _read(block)
     shoes = kernel.ShoePoints(*work.shoes)
     for s in range(table.flexible.shape[0]):
         f, row = table.flexible[s], frames[s]
@@ -139,23 +152,20 @@ def _bend_points(table: CellTable, work: CellWorkspace) -> None:
 
 
 @solving
-def bend_shoes(cells: tuple, workspace: tuple) -> None:
-    """Write how the modes move the points of flexible shoes; arguments as of `bend_before`."""
-    _bend_points(CellTable(*cells), CellWorkspace(*workspace))
+def bend_shoes(block: IntArray) -> None:
+    """Write how the modes move the points of flexible shoes; of a block of `OnCells`."""
+    _, table, work = _read(block)
+    _bend_points(table, work)
 
 
 @solving_allocating
 def cell_forces(
-    cells: tuple | None, bodies: Bodies, state: FloatArray, weights: Weights, workspace: tuple | None
+    table: CellTable, bodies: Bodies, state: FloatArray, weights: Weights, work: CellWorkspace
 ) -> None:
-    """Press the shoes on the cells that were covered for the step, and write the elements.
-
-    `cells` and `workspace` are as of `bend_before`; None where the ground has no cells.
-    """
-    if cells is None or workspace is None:
+    """Press the shoes on the cells that were covered for the step, and write the elements."""
+    if table.flexible.shape[0] == 0:
         return
-    table, work = CellTable(*cells), CellWorkspace(*workspace)
-    shoes, rigid, flexible = kernel.ShoePoints(*work.shoes), ForceRows(*work.rigid), ForceRows(*work.flexible)
+    shoes, rigid, flexible = kernel.ShoePoints(*work.shoes), work.rigid, work.flexible
     write_frames(bodies, table, state, work)
     _bend_points(table, work)
     # derivatives of what stands negative in the residual
@@ -244,15 +254,10 @@ def _write_nodal(
 
 
 class TrackOnCells:
-    """Cells under a track from step to step: covered before one, committed after it was accepted.
+    """Cells under a track from step to step: covered before one, committed after it was accepted."""
 
-    `bodies`, `table` and `workspace` are `Bodies`, `CellTable` and `CellWorkspace` of the equations as plain
-    tuples.
-    """
-
-    def __init__(self, ground: ground.CellGround, bodies: tuple, table: tuple, workspace: tuple) -> None:
-        self.ground, self._bodies, self._table, self._workspace = ground, bodies, table, workspace
-        self._work = CellWorkspace(*workspace)
+    def __init__(self, ground: ground.CellGround, parts: OnCells) -> None:
+        self.ground, self._parts, self._work, self._block = ground, parts, parts.work, pack(parts, ON_CELLS)
         self._count_from_here()
 
     def _count_from_here(self) -> None:
@@ -261,24 +266,24 @@ class TrackOnCells:
 
     def put_down(self, state: np.ndarray) -> None:
         """Let slip count from a state (3, coordinates)."""
-        place_shoes(self._bodies, self._table, state, self._workspace)
+        place_shoes(self._block, state)
         self._count_from_here()
 
     def cover(self, state: np.ndarray) -> None:
         """Freeze which cells lie under the shoes, by the state (3, coordinates) that is predicted."""
-        place_shoes(self._bodies, self._table, state, self._workspace)
+        place_shoes(self._block, state)
         self.ground.cover(self._work.frames, self._before[0])
         if len(self._work.bent):
-            bend_before(self._table, *self._before, self._workspace)
+            bend_before(self._block, *self._before)
 
     def press(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Wrenches (shoes, 6) of the covered cells at a state, N and N m about the COMs, and modal forces.
 
         The latter (flexible shoes, modes) are those at the nodes of the grids, through their rows.
         """
-        place_shoes(self._bodies, self._table, state, self._workspace)
-        bend_shoes(self._table, self._workspace)
-        wrenches, table = self.ground.press(self._work.frames), CellTable(*self._table)
+        place_shoes(self._block, state)
+        bend_shoes(self._block)
+        wrenches, table = self.ground.press(self._work.frames), self._parts.table
         if table.rows.shape[3] == 0:
             return wrenches, np.zeros((0, 0))
         nodal = self.ground.coarse_forces(self._work.frames)[table.flexible >= 0]

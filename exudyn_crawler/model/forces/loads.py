@@ -8,7 +8,8 @@ import numpy as np
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.laws import step
-from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.ground.packed import Ints1
+from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
 
@@ -47,10 +48,10 @@ def values_at(profiles: tuple, time: float, out: FloatArray) -> None:
 class Loads(NamedTuple):
     """Where loads act; k of them."""
 
-    marker: IntArray  # (k,): where they act
+    marker: Ints1  # (k,): where they act
     # (k,): marker whose position and modes are what those of the load's place change by per metre that it
     # shifts to the left; -1 for a load that does not shift
-    beside: IntArray
+    beside: Ints1
 
 
 def static_friction(case: Case, masses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

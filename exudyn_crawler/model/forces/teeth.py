@@ -16,7 +16,8 @@ import numpy as np
 
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
-from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.ground.packed import Floats1, Floats2, Ints1
+from exudyn_crawler.ground.rotations import FloatArray, ForceRows, Weights
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.forces.treads import law_slopes, stored_energy, write_point
@@ -50,9 +51,9 @@ class Flange(NamedTuple):
 class Teeth(NamedTuple):
     """Lugs of all shoes and the tumblers that they run into; l of them."""
 
-    markers: IntArray  # (l,): centre of each lug
-    tumblers: IntArray  # (l,): body that it meets
-    side: FloatArray  # (l,): y of its gear plane in the tumbler, m
+    markers: Ints1  # (l,): centre of each lug
+    tumblers: Ints1  # (l,): body that it meets
+    side: Floats1  # (l,): y of its gear plane in the tumbler, m
     profile: tuple[float, float, float, float, float]  # `Profile`
     law: tuple[float, float, float, float]  # `Impact`
     flange: tuple[float, float, float]  # `Flange`
@@ -61,17 +62,17 @@ class Teeth(NamedTuple):
 class TeethWorkspace(NamedTuple):
     """Lugs as they touch at a state."""
 
-    rows: tuple  # `ForceRows` of those that touch as a plain tuple: force on the shoe, N, global
-    depth: FloatArray  # (l,): m; no touch unless positive
-    force: FloatArray  # (l, 3): on the shoe, N, global
-    moment: FloatArray  # (l, 3): of it about the shoe's COM, N m, global
-    guide: FloatArray  # (l,): part of the force across the tumbler, N
-    energy: FloatArray  # (1,): in the teeth, J
+    rows: ForceRows  # those that touch: force on the shoe, N, global
+    depth: Floats1  # (l,): m; no touch unless positive
+    force: Floats2  # (l, 3): on the shoe, N, global
+    moment: Floats2  # (l, 3): of it about the shoe's COM, N m, global
+    guide: Floats1  # (l,): part of the force across the tumbler, N
+    energy: Floats1  # (1,): in the teeth, J
 
     @classmethod
     def allocate(cls, lugs: int, modes: int) -> "TeethWorkspace":
         """Workspace for so many lugs."""
-        rows = tuple(ForceRows.allocate(lugs, 3, modes))
+        rows = ForceRows.allocate(lugs, 3, modes)
         return cls(
             rows, np.zeros(lugs), np.zeros((lugs, 3)), np.zeros((lugs, 3)), np.zeros(lugs), np.zeros(1)
         )
@@ -121,21 +122,15 @@ def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, f
 
 @elimination.solving_allocating
 def teeth_contacts(
-    table: tuple | None,
+    teeth: Teeth,
     bodies: Bodies,
     markers: joints.Markers,
     state: FloatArray,
     weights: Weights,
-    workspace: tuple,
+    work: TeethWorkspace,
 ) -> int:
-    """Find the lugs that touch at a state and give their number; none where there are no teeth.
-
-    `table` and `workspace` are `Teeth` and `TeethWorkspace` as plain tuples.
-    """
-    if table is None:
-        return 0
-    teeth, work = Teeth(*table), TeethWorkspace(*workspace)
-    rows, count, profile = ForceRows(*work.rows), 0, Profile(*teeth.profile)
+    """Find the lugs that touch at a state and give their number."""
+    rows, count, profile = work.rows, 0, Profile(*teeth.profile)
     values = np.zeros((2, 6 + markers.displacement.shape[2]))
     work.energy[0] = 0.0
     for k in range(teeth.markers.shape[0]):

@@ -1,8 +1,9 @@
 """Contact of shoes with the units of the terrain, which carry their forces into the terrain's coordinates."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from exudyn_crawler.ground.pair_stiffness import touching_pairs
+from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, type_of
+from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.ground.terrain import modal_motion
 from exudyn_crawler.model import bodies, elimination
@@ -11,23 +12,23 @@ from exudyn_crawler.model import bodies, elimination
 class TerrainTable(NamedTuple):
     """Terrain in its own coordinates, whose mass is 1."""
 
-    heave: FloatArray  # (units, coordinates): of the units by the coordinates
-    tilt: FloatArray
-    reference: FloatArray  # (units, 4): where the units are with free springs
-    stiffness: FloatArray  # (coordinates, coordinates): of the supports, 1/s2
-    damping: FloatArray  # of the supports, 1/s
-    weight: FloatArray  # (coordinates,): load of a unit of gravity
+    heave: Floats2  # (units, coordinates): of the units by the coordinates
+    tilt: Floats2
+    reference: Floats2  # (units, 4): where the units are with free springs
+    stiffness: Floats2  # (coordinates, coordinates): of the supports, 1/s2
+    damping: Floats2  # of the supports, 1/s
+    weight: Floats1  # (coordinates,): load of a unit of gravity
     first: int  # number of the first coordinate
 
 
 class UnitWorkspace(NamedTuple):
     """Workspace of the contacts."""
 
-    units: FloatArray  # (units, 4): places of the units
-    rates: FloatArray  # (units, 4)
-    forces: FloatArray  # (units, 2): what acts on their heave and tilt
-    contacts: tuple  # `UnitContacts` as a plain tuple
-    overlap: FloatArray  # scratch of the clipping
+    units: Floats2  # (units, 4): places of the units
+    rates: Floats2  # (units, 4)
+    forces: Floats2  # (units, 2): what acts on their heave and tilt
+    contacts: Annotated[tuple, type_of(UnitContacts, named=False)]
+    overlap: Floats3  # scratch of the clipping
 
 
 @elimination.solving_allocating
@@ -35,7 +36,7 @@ def unit_contacts(
     bodies: bodies.Bodies,
     flexible: IntArray,
     terrain: TerrainTable,
-    contact: tuple | None,
+    contact: tuple,
     state: FloatArray,
     weights: Weights,
     work: UnitWorkspace,
@@ -43,10 +44,9 @@ def unit_contacts(
     """Find the contacts at a state and give their number.
 
     `flexible` are the number of the first modal coordinate, and how many flexible bodies there are; `contact`
-    is `pair_geometry.ContactGeometry` as plain tuples, whose shoes are the first bodies, None where there are
-    no units.
+    is `pair_geometry.ContactGeometry` as plain tuples, whose shoes are the first bodies.
     """
-    if contact is None:
+    if terrain.reference.shape[0] == 0:
         return 0
     modal_motion(terrain.heave, terrain.tilt, state[0, terrain.first :], work.units)
     modal_motion(terrain.heave, terrain.tilt, state[1, terrain.first :], work.rates)

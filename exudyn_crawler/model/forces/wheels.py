@@ -11,7 +11,8 @@ import numpy as np
 
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces import teeth, treads
@@ -25,16 +26,16 @@ ROLLED = 0.05
 class Wheels(NamedTuple):
     """Wheels of frames, each with the same strips, and the shoes below them."""
 
-    frames: IntArray  # (wheels,): body that carries each
-    shoes: IntArray  # (wheels, 2): first and last but one shoe of its track
-    places: FloatArray  # (wheels, strips, 3): middle of every strip's axis in the frame's axes, m
-    middles: FloatArray  # (wheels,): y of the middle of its track in the frame's axes, m
-    radii: FloatArray  # (wheels,): m
+    frames: Ints1  # (wheels,): body that carries each
+    shoes: Ints2  # (wheels, 2): first and last but one shoe of its track
+    places: Floats3  # (wheels, strips, 3): middle of every strip's axis in the frame's axes, m
+    middles: Floats1  # (wheels,): y of the middle of its track in the frame's axes, m
+    radii: Floats1  # (wheels,): m
     law: tuple[float, float, float, float]  # `Impact` of a strip
     flange: tuple[float, float, float]  # `Flange` of a strip
     height: float  # of the flanges above the treads, m; zero for none
     rail: tuple[float, float, float]  # `treads.Rail`
-    rows: FloatArray  # (strips, stations + 2, 3, m): as of `shoe_mesh.RailRows`
+    rows: Floats4  # (strips, stations + 2, 3, m): as of `shoe_mesh.RailRows`
     spacing: float  # of the stations, m
     slots: int  # wheels that may be on one shoe at once
 
@@ -42,22 +43,22 @@ class Wheels(NamedTuple):
 class WheelWorkspace(NamedTuple):
     """Wheels as they touch at a state."""
 
-    rows: tuple  # `ForceRows` of those that touch as a plain tuple: force on the frame, N, global
-    wheel: IntArray  # (shoes, slots): wheel that is on a shoe, -1 for none
-    force: FloatArray  # (shoes, slots, strips, 3): on the shoe, N, global
-    foot: FloatArray  # (shoes, slots, strips, 3): where, m, global
-    guide: FloatArray  # (shoes, slots, strips): part of the force along the shoe's y, N
-    on_shoes: FloatArray  # (shoes, 6): force (N) and moment about the COM (N m) of all wheels, global
-    on_wheels: FloatArray  # (wheels, 3): force of all shoes, N, global
-    energy: FloatArray  # (1,): in the treads, J
-    modes: FloatArray  # (4, m): scratch, as of `_bending`
+    rows: ForceRows  # those that touch: force on the frame, N, global
+    wheel: Ints2  # (shoes, slots): wheel that is on a shoe, -1 for none
+    force: Floats4  # (shoes, slots, strips, 3): on the shoe, N, global
+    foot: Floats4  # (shoes, slots, strips, 3): where, m, global
+    guide: Floats3  # (shoes, slots, strips): part of the force along the shoe's y, N
+    on_shoes: Floats2  # (shoes, 6): force (N) and moment about the COM (N m) of all wheels, global
+    on_wheels: Floats2  # (wheels, 3): force of all shoes, N, global
+    energy: Floats1  # (1,): in the treads, J
+    modes: Floats2  # (4, m): scratch, as of `_bending`
 
     @classmethod
     def allocate(cls, wheels: Wheels, modes: int) -> "WheelWorkspace":
         """Workspace for these wheels."""
-        shoes, slots, strips = int(wheels.shoes.max()), wheels.slots, wheels.places.shape[1]
+        shoes, slots, strips = int(wheels.shoes.max(initial=0)), wheels.slots, wheels.places.shape[1]
         return cls(
-            tuple(ForceRows.allocate(shoes * slots * strips, 3, modes)),
+            ForceRows.allocate(shoes * slots * strips, 3, modes),
             np.full((shoes, slots), -1),
             np.zeros((shoes, slots, strips, 3)),
             np.zeros((shoes, slots, strips, 3)),
@@ -81,21 +82,17 @@ class Strip(NamedTuple):
 
 @solving_allocating
 def wheel_contacts(
-    table: tuple | None,
+    wheels: Wheels,
     bodies: Bodies,
     state: FloatArray,
     drag: FloatArray,
     weights: Weights,
-    workspace: tuple,
+    work: WheelWorkspace,
 ) -> int:
-    """Find the strips that touch at a state and give their number; none where there are no wheels.
+    """Find the strips that touch at a state and give their number.
 
-    `table` and `workspace` are `Wheels` and `WheelWorkspace` as plain tuples, `drag` (wheels,) is rolling
-    resistance over normal force with the sign of the travel.
+    `drag` (wheels,) is rolling resistance over normal force with the sign of the travel.
     """
-    if table is None:
-        return 0
-    wheels, work = Wheels(*table), WheelWorkspace(*workspace)
     count, strips = 0, wheels.places.shape[1]
     values = np.zeros((2, 6 + work.modes.shape[1]))
     work.wheel.fill(-1)
@@ -250,7 +247,7 @@ def _keep(
     `numbers` are those of wheel, shoe, slot and strip, and of the element.
     """
     w, s, slot, k, count = numbers
-    rows, (frame, shoe) = ForceRows(*work.rows), frames
+    rows, (frame, shoe) = work.rows, frames
     tread, foot = strip.tread, along(shoe.r, 1.0, strip.arm)
     pressed = (tread.force[0], tread.force[1]) if tread.depth > 0.0 else (0.0, 0.0)
     force = turned(shoe.R, (pressed[0], strip.side, pressed[1]))

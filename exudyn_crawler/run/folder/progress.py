@@ -23,7 +23,7 @@ LINE_EVERY = 10.0  # s of wall time between lines where there is no terminal, an
 
 REDUCE, COMPILE, SIMULATE = "reduce the flexible shoe", "compile the equations", "simulate"
 FIELDS, RECOVER, WRITE = "static fields of the shoe", "recover stresses", "tables and figures"
-ONCE = (REDUCE, COMPILE, FIELDS)  # stay on a machine: for another run of the same shoe or kind of track
+ONCE = (REDUCE, COMPILE, FIELDS)  # stay on a machine: for another run of the same shoe
 SIMULATION = (COMPILE, SIMULATE)  # a history takes their place
 BEGIN, BEGIN_CLOSED = 0.5, 2.5  # s of a run beside its steps: rest, files, record; rest of a closed track
 SHOES = 13
@@ -32,7 +32,7 @@ STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # s more of a flexible one
 ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3  # times that of rigid shoes, and s more of a flexible one, if rolled
 RECOVERY = 1.0e-3  # s a stored time of a flexible shoe, whose stresses are recovered
 PER_NODE = {REDUCE: 0.6e-3, FIELDS: 1.0e-3, SIMULATE: 1.5e-4, RECOVER: 5e-5}  # s; of each shoe, the last
-COMPILING = 50.0  # s of the equations of a kind of track
+COMPILING = 50.0  # s of the equations
 WRITING = {"tables": 0.5, "figures": 5.0, "pictures": 1.0, "page": 4.0}  # s, pictures of each flexible shoe
 TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
 

@@ -15,7 +15,7 @@ from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.ground import rotations, sphere_contact
 from exudyn_crawler.model import flexible_shoes, state
 from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.formulation import compile_equations, kind_of, track_system
+from exudyn_crawler.model.formulation import compile_equations, track_system
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
@@ -242,11 +242,11 @@ def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watc
 
 
 def compiled(case: Case, progress: bool | None = None) -> None:
-    """Compile the equations of a case's kind of track, once on a machine."""
+    """Compile the equations, once on a machine."""
     if case.is_compiled:
         shown = heartbeat(f"{case.name}: {COMPILE}", COMPILING, progress)
         with shown, threadpool_limits(1, user_api="blas"):
-            compile_equations(kind_of(case))
+            compile_equations()
 
 
 def simulate(

@@ -1,0 +1,121 @@
+"""Nested tuples of arrays and numbers in one block of memory, which compiled functions read where it is.
+
+To look at the types of hundreds of arrays in every call takes Python longer than the contact of a track, and
+compiled functions hand them on one by one. A block has a word of 8 bytes for each number, and for each array
+its address and shape. What it holds is what the annotations of named tuples say, the same for all cases.
+"""
+
+import itertools
+import struct
+from collections.abc import Callable
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import numpy as np
+from llvmlite import ir
+from numba import typeof, types
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Floats1 = Annotated[FloatArray, types.float64[::1]]
+Floats2 = Annotated[FloatArray, types.float64[:, ::1]]
+Floats3 = Annotated[FloatArray, types.float64[:, :, ::1]]
+Floats4 = Annotated[FloatArray, types.float64[:, :, :, ::1]]
+Floats5 = Annotated[FloatArray, types.float64[:, :, :, :, ::1]]
+Ints1 = Annotated[IntArray, types.int64[::1]]
+Ints2 = Annotated[IntArray, types.int64[:, ::1]]
+"""Arrays of so many dimensions, their numbers one after the other."""
+
+NUMBERS = {float: types.float64, int: types.int64, bool: types.boolean}
+WORD = ir.IntType(64)
+
+
+def type_of(kind: Any, named: bool = True) -> types.Type:
+    """The compiler's type of what an annotation says; named tuples as plain ones where not `named`."""
+    if get_origin(kind) is Annotated:
+        return kind.__metadata__[0]
+    if kind in NUMBERS:
+        return NUMBERS[kind]
+    if get_origin(kind) is tuple:
+        return types.BaseTuple.from_types([type_of(one, named) for one in get_args(kind)])
+    fields = [type_of(one, named) for one in get_type_hints(kind, include_extras=True).values()]
+    return types.BaseTuple.from_types(fields, kind if named else None)
+
+
+def nothing(kind: Any) -> Any:
+    """Values of an annotation, of no rows: arrays are empty, numbers 1."""
+    if get_origin(kind) is Annotated:
+        return _nothing(kind.__metadata__[0])
+    if kind in NUMBERS:
+        return kind(1)
+    if get_origin(kind) is tuple:
+        return tuple(nothing(one) for one in get_args(kind))
+    return kind(*map(nothing, get_type_hints(kind, include_extras=True).values()))
+
+
+def _nothing(kind: Any) -> Any:
+    if isinstance(kind, types.Array):
+        return np.zeros((0,) * kind.ndim, dtype=str(kind.dtype))
+    return tuple(map(_nothing, kind.types)) if isinstance(kind, types.BaseTuple) else 1
+
+
+def pack(values: tuple, kind: types.Type) -> IntArray:
+    """Block (words,) of tuples, whose arrays have to outlive it; TypeError if one is of another type."""
+    words: list[int] = []
+
+    def add(value: Any, of: Any) -> None:
+        if isinstance(of, types.BaseTuple):
+            for one, own in zip(value, of.types, strict=True):
+                add(one, own)
+        elif isinstance(of, types.Array):
+            if typeof(value) != of:
+                raise TypeError(f"arrays must be {of}, got {typeof(value)}")
+            words.extend((value.ctypes.data, *value.shape))
+        else:
+            number = struct.pack("<d", value) if of == types.float64 else struct.pack("<q", value)
+            words.append(int.from_bytes(number, "little", signed=True))
+
+    add(values, kind)
+    return np.array(words, dtype=np.int64)
+
+
+def reader(kind: types.Type) -> Callable[[IntArray], Any]:
+    """Function for compiled callers alone, of a block; it gives its values, whose arrays nobody counts."""
+
+    @intrinsic
+    def read(_typing: Any, block: Any) -> Any:
+        def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            words = make_array(signature.args[0])(context, builder, arguments[0]).data
+            places = itertools.count()
+
+            def word() -> Any:
+                return builder.load(builder.gep(words, [ir.Constant(WORD, next(places))]))
+
+            def array(of: Any) -> Any:
+                own = make_array(of)(context, builder)
+                size = ir.Constant(WORD, context.get_abi_sizeof(context.get_data_type(of.dtype)))
+                address, shape = word(), [word() for _ in range(of.ndim)]
+                strides = [size]
+                for length in shape[:0:-1]:
+                    strides.insert(0, builder.mul(strides[0], length))
+                data = builder.inttoptr(address, own.data.type)
+                populate_array(own, data=data, shape=shape, strides=strides, itemsize=size, meminfo=None)
+                return own._getvalue()
+
+            def value(of: Any) -> Any:
+                if isinstance(of, types.BaseTuple):
+                    return context.make_tuple(builder, of, [value(one) for one in of.types])
+                if isinstance(of, types.Array):
+                    return array(of)
+                found = word()
+                if of == types.float64:
+                    return builder.bitcast(found, ir.DoubleType())
+                return builder.trunc(found, ir.IntType(1)) if of == types.boolean else found
+
+            return value(kind)
+
+        return kind(block), code
+
+    return read
