@@ -15,7 +15,7 @@ from exudyn_crawler.ground.packed import Floats2, Floats3, Floats4, Floats5, Int
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
-from exudyn_crawler.model.elimination import solving, solving_allocating, solving_within
+from exudyn_crawler.model.elimination import solving, solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces.treads import write_point
 
 WRENCH = 6
@@ -38,6 +38,8 @@ class CellWorkspace(NamedTuple):
     # (flexible shoes, 2, along, across, 3): displacement of the grid's nodes by the modes (m), and its rate
     # (m/s), in the shoes' axes
     bent: Floats5
+    # (flexible shoes, most points, 4): `kernel.Hats` of every point, which stay for a step
+    hats: Floats3
     rigid: ForceRows  # rigid shoes: force, moment about the COM
     flexible: ForceRows  # flexible ones: forces at the nodes
 
@@ -51,7 +53,8 @@ class CellWorkspace(NamedTuple):
         bending.bodies[:, 0] = np.flatnonzero(table.flexible >= 0)
         frames = np.zeros((len(table.flexible), kernel.FRAME))
         bent = np.zeros((flexible, 2, *table.nodes.shape))
-        return cls(tuple(shoes), frames, bent, rigid, bending)
+        hats = np.zeros((flexible, shoes.areas.shape[1], 4))
+        return cls(tuple(shoes), frames, bent, hats, rigid, bending)
 
 
 class OnCells(NamedTuple):
@@ -66,11 +69,10 @@ ON_CELLS = type_of(OnCells)
 _read = reader(ON_CELLS)
 
 
-@solving_within
-def _hats(nodes: FloatArray, x: float, y: float) -> kernel.Hats:
-    """Mesh of a place (m, the shoe's frame)."""
-    last = nodes.shape[0] - 1, nodes.shape[1] - 1
-    return kernel.hats_at(nodes[0, 0], nodes[last[0], last[1]], last, x, y)
+@solving_inside
+def _hats(values: FloatArray) -> kernel.Hats:
+    """Mesh of a point, of its numbers (4,)."""
+    return kernel.Hats(int(values[0]), int(values[1]), values[2], values[3])
 
 
 @solving_within
@@ -119,6 +121,7 @@ def place_shoes(block: IntArray, state: FloatArray) -> None:
 def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
     """Move where the points of flexible shoes were when the last step was accepted by how these were bent.
 
+    Writes the meshes of these points, too.
     `frames` (shoes, FRAME) and `bent`, the displacement of the grid's nodes (flexible shoes, along, across,
     3), m, are those of then; `block` is one of `OnCells`.
     """
@@ -129,9 +132,13 @@ def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
         if f < 0:
             continue
         R = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
+        last = table.nodes.shape[0] - 1, table.nodes.shape[1] - 1
+        low, high = table.nodes[0, 0], table.nodes[last[0], last[1]]
         for a in range(shoes.counts[s]):
-            points, k = shoes.points[s, a // kernel.BLOCK], a % kernel.BLOCK
-            moved = turned(R, _moved_by_nodes(_hats(table.nodes, points[0, k], points[1, k]), bent[f]))
+            points, k, values = shoes.points[s, a // kernel.BLOCK], a % kernel.BLOCK, work.hats[f, a]
+            hats = kernel.hats_at(low, high, last, points[0, k], points[1, k])
+            values[0], values[1], values[2], values[3] = hats
+            moved = turned(R, _moved_by_nodes(hats, bent[f]))
             for c in range(3):
                 points[kernel.BEFORE + c, k] += moved[c]
 
@@ -143,8 +150,7 @@ def _bend_points(table: CellTable, work: CellWorkspace) -> None:
     for s in range(table.flexible.shape[0]):
         f = table.flexible[s]
         for a in range(shoes.counts[s] if f >= 0 else 0):
-            b, k = a // kernel.BLOCK, a % kernel.BLOCK
-            hats = _hats(table.nodes, shoes.points[s, b, 0, k], shoes.points[s, b, 1, k])
+            b, k, hats = a // kernel.BLOCK, a % kernel.BLOCK, _hats(work.hats[f, a])
             for rate in range(2):
                 moved = _moved_by_nodes(hats, work.bent[f, rate])
                 for c in range(3):
@@ -176,7 +182,7 @@ def cell_forces(
     for s in range(table.flexible.shape[0]):
         at, f = attitude_of(bodies, s), table.flexible[s]
         if f >= 0:
-            _write_nodal(table, shoes, s, at, work.bent[f, 0], derive, flexible, f)
+            _write_nodal(table, shoes, s, at, (work.bent[f, 0], work.hats[f]), derive, flexible, f)
             continue
         for r in range(WRENCH):
             rigid.wrench[count, r] = shoes.wrench[s, r]
@@ -191,26 +197,28 @@ def cell_forces(
 
 
 @solving_allocating
-def _add_nodal_tangent(table: CellTable, shoes: kernel.ShoePoints, s: int, tangent: FloatArray) -> None:
+def _add_nodal_tangent(
+    table: CellTable, shoes: kernel.ShoePoints, s: int, points: FloatArray, tangent: FloatArray
+) -> None:
     """Add the tangents of a shoe's points at the nodes of its grid.
 
     The product of two hats is one of three functions along and one of three across. Their sums over the
-    points of a mesh are what all pairs of its nodes need.
+    points of a mesh, whose `Hats` are given, are what all pairs of its nodes need.
     """
     nodes, across, count = table.nodes, table.nodes.shape[1], shoes.counts[s]
-    sums = np.zeros((nodes.shape[0] - 1, across - 1, 9, 9))
+    sums, own = np.zeros((nodes.shape[0] - 1, across - 1, 9, 9)), np.empty(9)
     slopes = shoes.slopes[shoes.bending[s], : 9 * count].reshape((9, count))
     for a in range(count):
-        points, k = shoes.points[s, a // kernel.BLOCK], a % kernel.BLOCK
-        hats = _hats(nodes, points[0, k], points[1, k])
-        u, v = hats.u, hats.v
+        i, j, u, v = _hats(points[a])
+        for c in range(9):
+            own[c] = slopes[c, a]
         by_u = ((1.0 - u) * (1.0 - u), (1.0 - u) * u, u * u)
         by_v = ((1.0 - v) * (1.0 - v), (1.0 - v) * v, v * v)
         for p in range(3):
             for q in range(3):
-                share = by_u[p] * by_v[q]
+                share, into = by_u[p] * by_v[q], sums[i, j, 3 * p + q]
                 for c in range(9):
-                    sums[hats.i, hats.j, 3 * p + q, c] += share * slopes[c, a]
+                    into[c] += share * own[c]
     for i in range(sums.shape[0]):
         for j in range(sums.shape[1]):
             for k in range(4):
@@ -229,12 +237,16 @@ def _write_nodal(
     shoes: kernel.ShoePoints,
     s: int,
     at: Attitude,
-    bent: FloatArray,
+    grid: tuple[FloatArray, FloatArray],
     derive: bool,
     rows: ForceRows,
     f: int,
 ) -> None:
-    """Write the forces at the nodes of a flexible shoe, their tangent, and the nodes' motions."""
+    """Write the forces at the nodes of a flexible shoe, their tangent, and the nodes' motions.
+
+    `grid` are how its nodes are displaced, and the `Hats` of its points.
+    """
+    bent, hats = grid
     wrench, tangent, jacobian = rows.wrench[f], rows.tangent[f], rows.jacobian[f, 0]
     nodes, across, count = table.nodes, table.nodes.shape[1], shoes.counts[s]
     low, high = nodes[0, 0], nodes[nodes.shape[0] - 1, across - 1]
@@ -243,7 +255,7 @@ def _write_nodal(
     kernel.spread_forces(shoes.points[s], shoes.force[s, :count], low, high, at_nodes)
     if derive:
         tangent.fill(0.0)
-        _add_nodal_tangent(table, shoes, s, tangent)
+        _add_nodal_tangent(table, shoes, s, hats, tangent)
     for i in range(nodes.shape[0]):
         for j in range(across):
             node, by = nodes[i, j], bent[i, j]
