@@ -368,8 +368,8 @@ class CompiledSystem(track_system.TrackSystem):
             self._cells.cover(self._state)
         limits = (*self._limits, kept)
         converged, iterations = self._step(self.inputs(solver.it.currentTime), weights, limits)
-        serves = self.case.is_closed and converged and iterations == 1
-        self._factored = weights if serves else None
+        keeps = self.case.is_closed or (self.case.is_rolled and self._cells is not None)
+        self._factored = weights if keeps and converged and iterations == 1 else None
         if not converged:
             self._multipliers[:] = start
             return False

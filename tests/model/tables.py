@@ -2,17 +2,21 @@
 
 import numpy as np
 
-from exudyn_crawler import Case
+from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.ground.packed import nothing, pack
+from exudyn_crawler.ground.pair_geometry import ContactGeometry
 from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
-from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.elimination import fronts_of
+from exudyn_crawler.model.forces.cells import CellTable
 from exudyn_crawler.model.forces.loads import Loads
+from exudyn_crawler.model.forces.teeth import Teeth
 from exudyn_crawler.model.forces.units import TerrainTable
-from exudyn_crawler.model.joints import ROWS, Joints, Markers
+from exudyn_crawler.model.forces.wheels import Wheels
+from exudyn_crawler.model.joints import ROWS, ClosedJoints, Joints, Markers, Pull
 from exudyn_crawler.model.newton import step
-from exudyn_crawler.model.tables import FrontRows, Inputs, Tables, Workspace
+from exudyn_crawler.model.tables import SYSTEM, FrontRows, Inputs, System, Tables, Workspace
 
 RADIUS = 0.9
 """Spectral radius of the integration."""
@@ -31,9 +35,6 @@ def hinged(masses, inertias, pins, held=()):
     places = np.array([(0.0, 0.0, 0.0), *(place for pair in pins for place in pair)])
     bodies = [0, *(b for k in range(len(pins)) for b in (k, k + 1))]
     zeros, empty = np.zeros((len(places), 3, 0)), np.zeros((0, 1))
-    outline, law, (corner, cell, integral, row), fingers = compiled_system(
-        Case.translation()
-    ).contact.geometry
     unknowns = list(range(6 * count))
     last = list(range(6 * count, size + len(rows)))
     fronts = fronts_of([unknowns, last], [[*unknowns, *last]])
@@ -50,7 +51,7 @@ def hinged(masses, inertias, pins, held=()):
             ),
             np.zeros((count, 2, 3)),
         ),
-        modes=Modes.none(),
+        modes=nothing(Modes),
         markers=Markers(np.array(bodies), places, zeros, zeros, np.zeros(len(bodies), dtype=np.int64)),
         joints=Joints(
             np.array([(2 * k + 1, 2 * k + 2) for k in range(len(pins))], dtype=np.int64).reshape(-1, 2),
@@ -64,7 +65,7 @@ def hinged(masses, inertias, pins, held=()):
             empty, empty, np.zeros((0, 4)), np.zeros((1, 1)), np.zeros((1, 1)), np.zeros(1), 6 * count
         ),
         flexible=np.array([size, 0]),
-        contact=(outline, law, (corner, cell, integral, row[:0]), fingers),
+        contact=plain(nothing(ContactGeometry)),
         fronts=fronts,
         rows=FrontRows(
             np.array([6 * np.arange(count), np.full(count, -1)]),
@@ -72,8 +73,11 @@ def hinged(masses, inertias, pins, held=()):
             np.array([place[6 * count], 0]),
             np.array([[place[size + r] for r in range(len(rows))], np.arange(1, 1 + len(rows))]),
         ),
-        pull=None,
-        cells=None,
+        pull=nothing(Pull),
+        cells=nothing(CellTable),
+        closed=nothing(ClosedJoints),
+        teeth=nothing(Teeth),
+        wheels=nothing(Wheels),
     )
 
 
@@ -85,7 +89,8 @@ def integrated(tables, start, gravity, h, steps):
     size, rows = 6 * len(tables.bodies.mass) + 1, tables.multiplier_count
     state, multipliers = np.zeros((3, size)), np.zeros(rows)
     state[:, :-1] = np.reshape(start, (3, -1))
-    values, workspace = plain(tables), Workspace.allocate(tables, 1)
+    system = System(tables, Workspace.allocate(tables, 1, nothing(ShoePoints)))
+    block = pack(system, SYSTEM)
     inputs = tuple(Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2), np.zeros(1)))
     scratch = np.zeros(size + rows), np.zeros(tables.fronts.size)
     # generalized alpha (Arnold and Bruels, Multibody System Dynamics 18, 2007)
@@ -102,9 +107,7 @@ def integrated(tables, start, gravity, h, steps):
         state[0] += h * state[1] + h * h * ((0.5 - beta) * before + beta * algorithmic)
         state[1] += h * ((1.0 - gamma) * before + gamma * algorithmic)
         state[2] = 0.0
-        converged, *_ = step(
-            values, state, multipliers, inputs, weights, (1e-6, 50, False), workspace, scratch
-        )
+        converged, *_ = step(block, state, multipliers, inputs, weights, (1e-6, 50, False), scratch)
         assert converged
         algorithmic = algorithmic + (1.0 - alpha_f) / (1.0 - alpha_m) * state[2]
         found.append((state.copy(), multipliers.copy()))
