@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from exudyn_crawler.case import Case, CellTerrain, PairContact, Shoe, Terrain
-from exudyn_crawler.ground import frames, laws, overlap, pair_stiffness, pairs, rotations
+from exudyn_crawler.ground import frames, laws, overlap, pair_stiffness, pairs, rotations, sphere_contact
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Flexible, Outline
-from exudyn_crawler.ground.sphere_contact import SphereGroundContact
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, terrain_coordinates
 from fem.patches import Underside
 
@@ -129,7 +128,7 @@ class PairGroundContact:
         return self._terrain.surface(x)
 
 
-GroundContact = PairGroundContact | SphereGroundContact | CellGroundContact
+GroundContact = PairGroundContact | sphere_contact.SphereGroundContact | CellGroundContact
 """Contacts between all shoes and the ground, read off a state: which there are, and the ground's `surface`.
 
 The coordinates q, with rates q_t: six a shoe (COM displacement from `shoe_reference` and angles), the
@@ -146,6 +145,6 @@ def ground_contact(
         return CellGroundContact(case)
     coordinates = terrain_coordinates(case)
     if isinstance(coordinates, UnitCoordinates) and case.contact.model == "spheres":
-        return SphereGroundContact(case, coordinates)
+        return sphere_contact.SphereGroundContact(case, coordinates)
     of_case = case.shoe_reference, case.shoe, case.unit_terrain(), case.pair_contact()
     return PairGroundContact(*of_case, coordinates, underside, flexible_shoes)

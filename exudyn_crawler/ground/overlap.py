@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import compiled, within
-from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.packed import FloatArray
 
 VERTICES = 12
 """Room for the corners of a clipped rectangle: each of five cuts adds one at most."""

@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 from exudyn_crawler.ground import laws, overlap, pairs, terrain
 from exudyn_crawler.ground.frames import Frame, compiled, inlined, turned_back, within
-from exudyn_crawler.ground.packed import Floats1, Floats2, Floats4, Ints1
-from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats4, Ints1
 
 FINGER_BLEND, REACH_STEP = 0.02, 1e-7
 """m: of the reach in which the fingers' volumes take over from that of the whole underside, chosen here so

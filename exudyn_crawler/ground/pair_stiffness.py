@@ -10,8 +10,8 @@ import numpy as np
 
 from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs, rotations
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned, turned_back
-from exudyn_crawler.ground.packed import Floats2, Floats3
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, Weights
+from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3
+from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
 from fem.patches import mean_rows
 
 MOTIONS = 4

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from exudyn_crawler.ground import frames, laws, overlap
 from exudyn_crawler.ground.frames import Frame, Vector, along, dot, norm, turned, turned_back, upward
-from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.packed import FloatArray
 
 Rectangle = tuple[float, float, float, float]
 """Least and greatest x, least and greatest y, m."""

@@ -15,13 +15,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross
-from exudyn_crawler.ground.packed import Floats2, Floats3, Floats4, Ints1, Ints2
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3, Floats4, Ints1, Ints2
 
 
 class Attitude(NamedTuple):

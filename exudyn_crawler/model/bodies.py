@@ -14,8 +14,8 @@ import numpy as np
 
 from exudyn_crawler.ground import rotations
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross, dot, turned, turned_back
-from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Ints1
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, Weights
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Ints1
+from exudyn_crawler.ground.rotations import Attitude, Weights
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 
 

@@ -9,12 +9,11 @@ from numpy.typing import ArrayLike
 from exudyn_crawler.case import Case, ClosedTrack
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.ground import packed, pair_geometry
 from exudyn_crawler.ground.cells import ground
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.packed import nothing
-from exudyn_crawler.ground.pair_geometry import ContactGeometry
 from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
 from exudyn_crawler.model import elimination, shoe_mesh
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
@@ -98,7 +97,7 @@ class _Builder:
         none = np.zeros(3)
         mass, first = np.full(self.count, float(shoe.mass)), np.zeros((self.count, 3))
         second = np.tile(second_moment(shoe.mass, shoe.inertia_tensor, none), (self.count, 1, 1))
-        modes = nothing(Modes)
+        modes = packed.nothing(Modes)
         if self.floating is not None:
             body, _ = shoe_model(case.flexible_shoes(), case.track)
             modes, own_first, own_second = _flexible_modes(case, self.floating)
@@ -220,7 +219,7 @@ class _Builder:
     def pull(self) -> Pull:
         """Pull of a side frame's drive."""
         if self.frame is None:
-            return nothing(Pull)
+            return packed.nothing(Pull)
         markers = np.array([self._pin_middle(s, "front") for s in range(self.shoes)])
         ahead = self.case.track.pin_ahead
         return Pull(
@@ -240,7 +239,7 @@ class _Builder:
         """What the joints of a closed track have beside those of an open one."""
         closed = self.closed
         if closed is None:
-            return nothing(ClosedJoints)
+            return packed.nothing(ClosedJoints)
         # the bearings of the tumblers, which come last, are no part of the chains
         pins = int((1 + self.flexible[self.case.links - 1].any(axis=1)).sum())
         tracks, slides, turned = len(self.tumblers), len(self.idlers), self.turning
@@ -262,7 +261,7 @@ class _Builder:
         """Lugs of the shoes and the tumbler of a closed track."""
         closed, track = self.closed, self.case.track
         if closed is None:
-            return nothing(teeth.Teeth)
+            return packed.nothing(teeth.Teeth)
         tumbler, lugs = closed.tumbler, closed.lugs(track)
         markers = [self._pin(shoe, *lug) for shoe in range(self.shoes) for lug in lugs]
         half = 0.5  # of the guide at each gear plane
@@ -279,7 +278,7 @@ class _Builder:
         """Wheels of a side frame on the rails of the shoes; rollers of an open track have no flanges."""
         gear, rails = self.case.running_gear, self.case.shoe.rails
         if gear is None or rails is None:
-            return nothing(Wheels)
+            return packed.nothing(Wheels)
         lines = shoe_mesh.strip_lines(gear, rails)
         middles, count = self.case.track_middles, self.shoes // self.case.tracks
         if isinstance(gear, ClosedTrack):
@@ -417,11 +416,11 @@ def parts_of(case: Case) -> Parts:
         flexible=np.array([builder.first_modal, len(bending)]),
         contact=contact.geometry
         if isinstance(contact, PairGroundContact)
-        else plain(nothing(ContactGeometry)),
+        else plain(packed.nothing(pair_geometry.ContactGeometry)),
         fronts=elimination.fronts_of([], []),
-        rows=nothing(FrontRows),
+        rows=packed.nothing(FrontRows),
         pull=pull,
-        cells=builder.cells() if isinstance(contact, CellGroundContact) else nothing(cells.CellTable),
+        cells=builder.cells() if isinstance(contact, CellGroundContact) else packed.nothing(cells.CellTable),
         closed=builder.closed_joints(),
         teeth=teeth,
         wheels=builder.wheels(),

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile
-from exudyn_crawler.ground import pairs, terrain
+from exudyn_crawler.ground import packed, pairs, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.packed import nothing, pack
 from exudyn_crawler.ground.rotations import Weights, moments_on_angles
 from exudyn_crawler.model import build, elimination, joints, newton, state, track_system
 from exudyn_crawler.model.engine import add_coordinates, exu, predict
@@ -103,8 +102,8 @@ class CompiledSystem(track_system.TrackSystem):
             on = OnCells(self.tables.bodies, self.tables.cells, self._work.cells)
             self._cells = TrackOnCells(contact.ground, on)
         else:
-            self._work = Workspace.allocate(self.tables, contact.greatest_count, nothing(ShoePoints))
-        self._block = pack(System(self.tables, self._work), SYSTEM)
+            self._work = Workspace.allocate(self.tables, contact.greatest_count, packed.nothing(ShoePoints))
+        self._block = packed.pack(System(self.tables, self._work), SYSTEM)
         machine = [StepProfile.constant(0.0)] * 6 if case.machine is None else case.machine.components
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
         applied = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]

@@ -13,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import SOURCES
-from exudyn_crawler.ground.packed import Ints1
-from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.ground.packed import FloatArray, IntArray, Ints1
 from fem.compiling import compiler
 
 solving = compiler(Path(__file__).parent, *SOURCES, error_model="numpy")

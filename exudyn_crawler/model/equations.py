@@ -12,12 +12,12 @@ them, so that they cost iterations and not accuracy.
 
 import numpy as np
 
-from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.ground.packed import FloatArray, IntArray
+from exudyn_crawler.ground.rotations import ForceRows, Weights
 from exudyn_crawler.model import bodies, elimination, joints
 from exudyn_crawler.model.bodies import Bodies, add_bodies, add_body, attitude_of, write_angles
 from exudyn_crawler.model.elimination import solving, solving_allocating, solving_inside, solving_within
-from exudyn_crawler.model.forces import cells, loads, teeth, wheels
-from exudyn_crawler.model.forces.units import TerrainTable, add_terrain, unit_contacts
+from exudyn_crawler.model.forces import cells, loads, teeth, units, wheels
 from exudyn_crawler.model.joints import ROWS, motor_speed, motor_torque
 from exudyn_crawler.model.tables import FrontRows, Inputs, Tables, Workspace, read_system
 
@@ -137,7 +137,7 @@ def residual(
         for kind in range(len(work.elements)):
             work.elements[kind].tangent.fill(0.0)
     write_angles(bodies, state[0])
-    work.counts[0] = unit_contacts(
+    work.counts[0] = units.unit_contacts(
         bodies, tables.flexible, tables.terrain, tables.contact, state, weights, work.units
     )
     cells.cell_forces(tables.cells, bodies, state, weights, work.cells)
@@ -147,7 +147,9 @@ def residual(
         _add_rows(bodies, work.elements[kind], work.counts[kind], rows[0], out)
     inertias = work.first, work.second, work.turning
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, rows, tensor, out)
-    add_terrain(tables.terrain, work.elements[0], work.counts[0], state, inputs.gravity[2], work.units, out)
+    units.add_terrain(
+        tables.terrain, work.elements[0], work.counts[0], state, inputs.gravity[2], work.units, out
+    )
     loads.add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
     markers, closed = tables.markers, tables.closed.motors.shape[0] > 0
     joints.add_pins(bodies, markers, tables.joints.pins, closed, state, rows, work.gap, work.jacobian)
@@ -175,7 +177,7 @@ def gear_contacts(system: IntArray, state: FloatArray, arguments: tuple, factors
 
 @solving_within
 def _write_motions(
-    terrain: TerrainTable,
+    terrain: units.TerrainTable,
     rows: ForceRows,
     first: int,
     sizes: tuple[int, int, int],

@@ -13,8 +13,8 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back, upward
-from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Ints1, Ints2
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, Ints1, Ints2
+from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.elimination import solving_inside, solving_within
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.ground.packed import FloatArray, IntArray
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.equations import matrix, residual
 from exudyn_crawler.model.tables import read_system

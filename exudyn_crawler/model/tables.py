@@ -8,13 +8,11 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground import overlap, packed, pair_geometry, pair_stiffness
 from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.frames import Vector
-from exudyn_crawler.ground.overlap import overlap_workspace
-from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Floats4, Ints1, Ints2, reader, type_of
-from exudyn_crawler.ground.pair_geometry import ContactGeometry
-from exudyn_crawler.ground.pair_stiffness import UnitContacts
-from exudyn_crawler.ground.rotations import FloatArray, ForceRows
+from exudyn_crawler.ground.packed import FloatArray
+from exudyn_crawler.ground.rotations import ForceRows
 from exudyn_crawler.model.bodies import Bodies, Modes
 from exudyn_crawler.model.elimination import Fronts
 from exudyn_crawler.model.forces.cells import CellTable, CellWorkspace
@@ -29,10 +27,10 @@ class FrontRows(NamedTuple):
     """Where in the fronts of the elimination the terms of the equations go."""
 
     # (fronts, bodies): row of a body's first coordinate in a front, -1 where the front has none; modes follow
-    body: Ints2
-    front: Ints1  # (bodies,): front in which a body is eliminated
-    terrain: Ints1  # (fronts,): row of the terrain's first coordinate
-    multiplier: Ints2  # (fronts, multipliers): row of a multiplier
+    body: packed.Ints2
+    front: packed.Ints1  # (bodies,): front in which a body is eliminated
+    terrain: packed.Ints1  # (fronts,): row of the terrain's first coordinate
+    multiplier: packed.Ints2  # (fronts, multipliers): row of a multiplier
 
 
 class Tables(NamedTuple):
@@ -44,9 +42,9 @@ class Tables(NamedTuple):
     joints: Joints
     loads: Loads
     terrain: TerrainTable
-    flexible: Ints1  # (2,): first modal coordinate of all, and the number of flexible bodies
+    flexible: packed.Ints1  # (2,): first modal coordinate of all, and the number of flexible bodies
     # `ContactGeometry` of shoes and units as a plain tuple
-    contact: Annotated[tuple, type_of(ContactGeometry, named=False)]
+    contact: Annotated[tuple, packed.type_of(pair_geometry.ContactGeometry, named=False)]
     fronts: Fronts  # order of the elimination
     rows: FrontRows
     pull: Pull  # what the drive pulls
@@ -76,22 +74,28 @@ class Inputs(NamedTuple):
 class Workspace(NamedTuple):
     """What a residual leaves for the matrix and for the next one."""
 
-    first: Floats2  # (bodies, ...): this and the next two are the `Inertia` of every body
-    second: Floats3
-    turning: Floats3
-    gap: Floats1  # (multipliers,): of the constraints, m, rad and their rates
-    jacobian: Floats3  # (multipliers, 2, 6 + modes): of the gaps, by the coordinates of their bodies
-    pulled: Ints1  # (PULLED,): bodies of the pull, none where nothing pulls
-    pull: Floats2  # (PULLED, 6 + modes): its directions
+    first: packed.Floats2  # (bodies, ...): this and the next two are the `Inertia` of every body
+    second: packed.Floats3
+    turning: packed.Floats3
+    gap: packed.Floats1  # (multipliers,): of the constraints, m, rad and their rates
+    jacobian: packed.Floats3  # (multipliers, 2, 6 + modes): of the gaps, by the coordinates of their bodies
+    pulled: packed.Ints1  # (PULLED,): bodies of the pull, none where nothing pulls
+    pull: packed.Floats2  # (PULLED, 6 + modes): its directions
     # contacts with units, lugs, wheels, and shoes on cells, two kinds
-    elements: tuple[ForceRows, ForceRows, ForceRows, ForceRows, ForceRows]
-    counts: Ints1  # (5,): how many there are of each
+    elements: tuple[
+        ForceRows,
+        ForceRows,
+        ForceRows,
+        ForceRows,
+        ForceRows,
+    ]
+    counts: packed.Ints1  # (5,): how many there are of each
     units: UnitWorkspace
     teeth: TeethWorkspace
     wheels: WheelWorkspace
     cells: CellWorkspace
-    motors: Floats3  # (motors, 2, 3): of frame and tumbler, as of `joints.motor_speed`
-    turned: Floats4  # (pins, 2, 3, 3): as of `joints.write_turned`; none of an open track on units
+    motors: packed.Floats3  # (motors, 2, 3): of frame and tumbler, as of `joints.motor_speed`
+    turned: packed.Floats4  # (pins, 2, 3, 3): as of `joints.write_turned`; none of an open track on units
 
     @classmethod
     def allocate(cls, tables: Tables, contacts: int, shoes: ShoePoints) -> "Workspace":
@@ -99,8 +103,8 @@ class Workspace(NamedTuple):
         count, m = len(tables.bodies.mass), len(tables.modes.stiffness)
         reference, motors = tables.terrain.reference, len(tables.closed.motors)
         pulled = PULLED if len(tables.pull.markers) else 0
-        touching, forces = UnitContacts.allocate(contacts, m), np.zeros((len(reference), 2))
-        rates, scratch = np.zeros_like(reference), overlap_workspace()
+        touching, forces = pair_stiffness.UnitContacts.allocate(contacts, m), np.zeros((len(reference), 2))
+        rates, scratch = np.zeros_like(reference), overlap.overlap_workspace()
         teeth = TeethWorkspace.allocate(len(tables.teeth.markers), m)
         wheels, cells = WheelWorkspace.allocate(tables.wheels, m), CellWorkspace.allocate(tables.cells, shoes)
         elements = touching.rows, teeth.rows, wheels.rows, cells.rigid, cells.flexible
@@ -131,5 +135,5 @@ class System(NamedTuple):
     work: Workspace
 
 
-SYSTEM = type_of(System)
-read_system = reader(SYSTEM)
+SYSTEM = packed.type_of(System)
+read_system = packed.reader(SYSTEM)

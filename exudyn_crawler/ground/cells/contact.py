@@ -5,12 +5,12 @@ from typing import cast
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.ground import pairs
 from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.kernel import BLOCK, GROUND, NORMAL, TRACTION, ShoePoints, arm_of, frame_at
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, scaled, velocity_at
-from exudyn_crawler.ground.pairs import NO_PATCH, RESULTS, Contact, keep
-from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.packed import FloatArray
 from exudyn_crawler.ground.terrain import TerrainCoordinates, TerrainModes
 
 ACROSS = 15
@@ -48,7 +48,7 @@ class CellGroundContact:
 
     def results(self, _q: np.ndarray, _q_t: np.ndarray, stored: np.ndarray | None = None) -> np.ndarray:
         """Contacts that a state has stored: one a shoe, of no area where it hangs in the air."""
-        return np.zeros((0, RESULTS)) if stored is None else stored[:, :RESULTS]
+        return np.zeros((0, pairs.RESULTS)) if stored is None else stored[:, : pairs.RESULTS]
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""
@@ -97,7 +97,7 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
         velocity = velocity_at(frame, place)
         rate = -dot(velocity, normal)
         torque = along((wrench[3], wrench[4], wrench[5]), -1.0, cross(arm, total))
-        contact = Contact(
+        contact = pairs.Contact(
             sunk / area,
             rate,
             area,
@@ -107,4 +107,4 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
             along(velocity, rate, normal),
             torque,
         )
-        keep(contact, s, NO_UNIT, 0, NO_PATCH, out[s])
+        pairs.keep(contact, s, NO_UNIT, 0, pairs.NO_PATCH, out[s])

@@ -15,12 +15,11 @@ from numba import carray, types
 from numba.np.unsafe.ndarray import to_fixed_tuple
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.ground import frames
+from exudyn_crawler.ground import frames, packed
 from exudyn_crawler.ground.cells import law
 from exudyn_crawler.ground.cells.law import LawKernel, compile_entry, prepare, respond, within_law
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
-from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
-from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.ground.packed import FloatArray, IntArray
 
 PLACE, NORMAL, GROUND, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 10, 12, 14, 17
 """First row of what a point is: its place in the shoe's frame (m), the cell's normal, the distance of the
@@ -48,26 +47,28 @@ FRAME = 18
 class ShoePoints(NamedTuple):
     """Points of the shoes and what the kernel makes of them; all arrays stay the same through a run."""
 
-    addresses: Ints1  # (2,): of the compiled law: `prepare` and `press`
-    constants: Floats1  # of the law
-    corners: Floats2  # (4, 3): of the underside, shoe's frame, anticlockwise from above; of one z, m
-    counts: Ints1  # (shoes,): number of points of each shoe
-    cells: Ints2  # (shoes, most): cell of each point
-    areas: Floats2  # (shoes, most): true area of each point, m2
-    points: Floats4  # (shoes, blocks, POINT, BLOCK)
-    trial: Floats3  # (shoes, most, TRIAL)
-    force: Floats3  # (shoes, most, 3): on the shoe at each point, N, global
-    wrench: Floats2  # (shoes, 6): force (N) and moment about the frame's origin (N m), global
-    tangent: Floats3  # (shoes, 6, 6): its weighted derivative by displacements and small rotations, global
-    block: Floats2  # (ROWS, BLOCK): workspace of the points that are computed together
+    addresses: packed.Ints1  # (2,): of the compiled law: `prepare` and `press`
+    constants: packed.Floats1  # of the law
+    corners: packed.Floats2  # (4, 3): of the underside, shoe's frame, anticlockwise from above; of one z, m
+    counts: packed.Ints1  # (shoes,): number of points of each shoe
+    cells: packed.Ints2  # (shoes, most): cell of each point
+    areas: packed.Floats2  # (shoes, most): true area of each point, m2
+    points: packed.Floats4  # (shoes, blocks, POINT, BLOCK)
+    trial: packed.Floats3  # (shoes, most, TRIAL)
+    force: packed.Floats3  # (shoes, most, 3): on the shoe at each point, N, global
+    wrench: packed.Floats2  # (shoes, 6): force (N) and moment about the frame's origin (N m), global
+    tangent: (
+        packed.Floats3
+    )  # (shoes, 6, 6): its weighted derivative by displacements and small rotations, global
+    block: packed.Floats2  # (ROWS, BLOCK): workspace of the points that are computed together
     # (shoes,): row of each shoe in the next two: all rigid ones share the first, which stays in the cache
-    bending: Ints1
+    bending: packed.Ints1
     # (1 + flexible shoes, blocks, 6, BLOCK): displacement of the points of flexible shoes by their modes (m),
     # and its rate (m/s), shoes' axes
-    bent: Floats4
+    bent: packed.Floats4
     # (1 + flexible shoes, 9 most): weighted derivative of each point's force by its displacement: array
     # (9, points), its rows one after the other
-    slopes: Floats2
+    slopes: packed.Floats2
 
     @classmethod
     def allocate(
@@ -391,7 +392,11 @@ def share_of(hats: Hats, k: int) -> float:
 
 @frames.within
 def spread_forces(
-    points: FloatArray, forces: FloatArray, low: FloatArray, high: FloatArray, nodes: FloatArray
+    points: FloatArray,
+    forces: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    nodes: FloatArray,
 ) -> None:
     """Add forces (count, 3) at the points of a shoe to the nodes (a, b, 3) of a grid of it, global, N.
 

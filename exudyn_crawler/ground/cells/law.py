@@ -19,8 +19,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from scipy.optimize import brentq
 
-from exudyn_crawler.case.parameters.base import quantity
-from exudyn_crawler.case.parameters.terrain import SoilLaw
+from exudyn_crawler.case.parameters import base, terrain
 from exudyn_crawler.ground.frames import SOURCES, Vector
 from fem.compiling import compiler
 
@@ -93,25 +92,25 @@ class LawKernel(NamedTuple):
     forgets: bool  # whether a cell that is left is fresh again, its sinkage too
 
 
-class CellLaw(SoilLaw):
+class CellLaw(terrain.SoilLaw):
     """Parameters of a law of the cells, with those that all laws have; base of the classes in `laws`."""
 
     kernel: ClassVar[LawKernel]
-    shear_deformation: float = quantity(
+    shear_deformation: float = base.quantity(
         "m",
         "K: slip at which shear of its first stiffness reaches the strength; in soil 63 % is mobilized there",
         plausible=(1e-5, 0.1),
         ge=1e-7,
         le=10,
     )
-    shear_viscosity: float = quantity(
+    shear_viscosity: float = base.quantity(
         "s",
         "time by which ground that sticks resists slip more than its stiffness",
         ge=0,
         le=10,
         default=2e-3,
     )
-    damping: float = quantity(
+    damping: float = base.quantity(
         "s/m", "share by which a sinkage of 1 m/s raises the pressure", ge=0, le=1e3, default=0.5
     )
 

@@ -10,11 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.cells import kernel
+from exudyn_crawler.ground.cells import kernel, law
 from exudyn_crawler.ground.cells.kernel import BEFORE, BLOCK, DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION
-from exudyn_crawler.ground.cells.law import call_at
 from exudyn_crawler.ground.frames import FACING, Frame, allocating, along, compiled, turned, within
-from exudyn_crawler.ground.rotations import FloatArray, IntArray
+from exudyn_crawler.ground.packed import FloatArray, IntArray
 
 BITS = 5
 SIDE = 1 << BITS
@@ -67,7 +66,7 @@ def gather(tiles: Tiles, shoes: kernel.ShoePoints) -> None:
             rise = points[block, NORMAL, k] * x + points[block, NORMAL + 1, k] * y
             points[block, SHEAR + 2, k] = -rise / points[block, NORMAL + 2, k]
             points[block, MOBILIZED, k] = tiles.fresh + share * (memory[cell, 4] - tiles.fresh)
-        call_at(shoes.addresses[0], shoes.constants, count, points)
+        law.call_at(shoes.addresses[0], shoes.constants, count, points)
     for s in range(shoes.counts.shape[0]):
         for a in range(shoes.counts[s]):
             loaded[shoes.cells[s, a]] = 0.0

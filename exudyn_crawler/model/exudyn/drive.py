@@ -8,7 +8,6 @@ import numpy as np
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.exudyn import bodies, euler_parameters
-from exudyn_crawler.model.exudyn.bodies import Shoes
 from exudyn_crawler.model.forces.loads import static_friction
 from exudyn_crawler.model.tables import Tables
 
@@ -37,7 +36,9 @@ def add_loads(mbs: "exu.MainSystem", case: Case, markers: list[int], static: boo
         mbs.CreateForce(itemNumber=marker, loadVector=force(0.0), loadVectorUserFunction=over_time)
 
 
-def add_hold(mbs: "exu.MainSystem", case: Case, shoes: Shoes, masses: np.ndarray, dashpots: bool) -> int:
+def add_hold(
+    mbs: "exu.MainSystem", case: Case, shoes: bodies.Shoes, masses: np.ndarray, dashpots: bool
+) -> int:
     """Keep the front shoe at rest in x, y and about z, with `static_friction` on all shoes on a slope.
 
     It is held where the drive will act: from another place the run would start with a jolt. `dashpots` damp
@@ -60,7 +61,7 @@ def add_hold(mbs: "exu.MainSystem", case: Case, shoes: Shoes, masses: np.ndarray
     return joint
 
 
-def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: Shoes) -> list[int]:
+def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Shoes) -> list[int]:
     """Prescribe the velocity along x of the drive's point and the front shoe's rate about its own z axis.
 
     On velocity level a halved step leaves no error in the acceleration.

@@ -9,11 +9,11 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground import packed, pairs
 from exudyn_crawler.ground.cells import contact, ground, kernel
 from exudyn_crawler.ground.frames import Vector, along, turned
-from exudyn_crawler.ground.packed import Floats2, Floats3, Floats4, Floats5, Ints1, pack, reader, type_of
-from exudyn_crawler.ground.pairs import RESULTS
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.ground.packed import FloatArray, IntArray
+from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
 from exudyn_crawler.model.elimination import solving, solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces.treads import write_point
@@ -25,21 +25,21 @@ WRENCH = 6
 class CellTable(NamedTuple):
     """Undersides of shoes on cells, with a grid of nodes for those that bend."""
 
-    flexible: Ints1  # (shoes,): row of a shoe among the flexible ones, -1 for a rigid one
-    nodes: Floats3  # (along, across, 3): nodes of the grid in the shoe's frame, m
-    rows: Floats4  # (along, across, 3, modes): displacement of the nodes by the modes
+    flexible: packed.Ints1  # (shoes,): row of a shoe among the flexible ones, -1 for a rigid one
+    nodes: packed.Floats3  # (along, across, 3): nodes of the grid in the shoe's frame, m
+    rows: packed.Floats4  # (along, across, 3, modes): displacement of the nodes by the modes
 
 
 class CellWorkspace(NamedTuple):
     """Workspace of the cells' forces."""
 
-    shoes: Annotated[tuple, type_of(kernel.ShoePoints, named=False)]
-    frames: Floats2  # (shoes, FRAME): of the shoes at the last state
+    shoes: Annotated[tuple, packed.type_of(kernel.ShoePoints, named=False)]
+    frames: packed.Floats2  # (shoes, FRAME): of the shoes at the last state
     # (flexible shoes, 2, along, across, 3): displacement of the grid's nodes by the modes (m), and its rate
     # (m/s), in the shoes' axes
-    bent: Floats5
+    bent: packed.Floats5
     # (flexible shoes, most points, 4): `kernel.Hats` of every point, which stay for a step
-    hats: Floats3
+    hats: packed.Floats3
     rigid: ForceRows  # rigid shoes: force, moment about the COM
     flexible: ForceRows  # flexible ones: forces at the nodes
 
@@ -65,8 +65,8 @@ class OnCells(NamedTuple):
     work: CellWorkspace
 
 
-ON_CELLS = type_of(OnCells)
-_read = reader(ON_CELLS)
+ON_CELLS = packed.type_of(OnCells)
+_read = packed.reader(ON_CELLS)
 
 
 @solving_inside
@@ -269,7 +269,12 @@ class TrackOnCells:
     """Cells under a track from step to step: covered before one, committed after it was accepted."""
 
     def __init__(self, ground: ground.CellGround, parts: OnCells) -> None:
-        self.ground, self._parts, self._work, self._block = ground, parts, parts.work, pack(parts, ON_CELLS)
+        self.ground, self._parts, self._work, self._block = (
+            ground,
+            parts,
+            parts.work,
+            packed.pack(parts, ON_CELLS),
+        )
         self._count_from_here()
 
     def _count_from_here(self) -> None:
@@ -313,6 +318,6 @@ class TrackOnCells:
         """
         out = np.zeros((len(self._work.frames), numbers))
         contact.write_contacts(self.ground.shoes, self._work.frames, out)
-        if numbers > RESULTS:
-            out[:, RESULTS:] = self.ground.coarse_forces(self._work.frames).reshape(len(out), -1)
+        if numbers > pairs.RESULTS:
+            out[:, pairs.RESULTS :] = self.ground.coarse_forces(self._work.frames).reshape(len(out), -1)
         return out

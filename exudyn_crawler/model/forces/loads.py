@@ -8,8 +8,7 @@ import numpy as np
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.laws import step
-from exudyn_crawler.ground.packed import Ints1
-from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.packed import FloatArray, Ints1
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
-from exudyn_crawler.ground.packed import Floats1, Floats2, Ints1
-from exudyn_crawler.ground.rotations import FloatArray, ForceRows, Weights
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Ints1
+from exudyn_crawler.ground.rotations import ForceRows, Weights
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.forces.treads import law_slopes, stored_energy, write_point

@@ -2,9 +2,9 @@
 
 from typing import Annotated, NamedTuple
 
-from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, type_of
-from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
-from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.ground import pair_stiffness
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, type_of
+from exudyn_crawler.ground.rotations import ForceRows, Weights
 from exudyn_crawler.ground.terrain import modal_motion
 from exudyn_crawler.model import bodies, elimination
 
@@ -27,7 +27,7 @@ class UnitWorkspace(NamedTuple):
     units: Floats2  # (units, 4): places of the units
     rates: Floats2  # (units, 4)
     forces: Floats2  # (units, 2): what acts on their heave and tilt
-    contacts: Annotated[tuple, type_of(UnitContacts, named=False)]
+    contacts: Annotated[tuple, type_of(pair_stiffness.UnitContacts, named=False)]
     overlap: Floats3  # scratch of the clipping
 
 
@@ -67,7 +67,7 @@ def unit_contacts(
     )
     # derivatives of what stands negative in the residual
     factors = (-weights.position, -weights.velocity, weights.acceleration, weights.secant, weights.level)
-    return touching_pairs(places, contact, factors, work.contacts, work.overlap)
+    return pair_stiffness.touching_pairs(places, contact, factors, work.contacts, work.overlap)
 
 
 @elimination.solving_within

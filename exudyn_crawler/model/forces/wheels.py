@@ -11,8 +11,8 @@ import numpy as np
 
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
-from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, Weights
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
+from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces import teeth, treads

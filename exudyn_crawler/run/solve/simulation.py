@@ -20,14 +20,13 @@ from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import COMPILE, COMPILING, REDUCE, heartbeat, progress_bar
-from exudyn_crawler.run.solve.equilibrium import newton_settings, static_equilibrium
-from exudyn_crawler.run.solve.stages import Recorder, is_quiet
+from exudyn_crawler.run.solve import equilibrium, stages
 from fem import interrupts
 
 
 def solver_settings(solver: Solver) -> "exu.SimulationSettings":
     """Exudyn's settings for a run; `set_times` gives it its times."""
-    settings = newton_settings(solver.residual, solver.maximum_iterations)
+    settings = equilibrium.newton_settings(solver.residual, solver.maximum_iterations)
     settings.solution.sensors.active = False
     time = settings.timeIntegration
     # a stage starts from the accelerations that the one before ended with
@@ -62,14 +61,14 @@ def integrate(
 ) -> History:
     """Integrate a built system from its initial state; see `simulate`."""
     case, settings = system.case, solver_settings(system.case.solver)
-    recorder = Recorder(system, duration, ground_times, checkpoints)
+    recorder = stages.Recorder(system, duration, ground_times, checkpoints)
     reason = ""
     with progress_bar(case.name, duration, progress) as tell, _watched(system, recorder, tell) as watch:
         for number, (start, end) in enumerate(pairwise(recorder.ends)):
             if number < recorder.first:
                 continue
             system.switch_drive(case.drive.drives_after(start))
-            set_times(settings, case.solver, start, end, is_quiet(case, start))
+            set_times(settings, case.solver, start, end, stages.is_quiet(case, start))
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             reason = _solve(system, settings, watch)
             if reason or watch.waiting:
@@ -194,7 +193,9 @@ class _Watch:
 
 
 @contextmanager
-def _watched(system: TrackSystem, recorder: Recorder, tell: Callable[[float], None]) -> Iterator[_Watch]:
+def _watched(
+    system: TrackSystem, recorder: stages.Recorder, tell: Callable[[float], None]
+) -> Iterator[_Watch]:
     """Store the states after each step within the block, and end the run after one where there is a reason.
 
     An interrupt waits for the end of its step: Exudyn does not hand on all of those that meet its own calls.
@@ -283,5 +284,5 @@ def simulate(
     # matrices of a step are so small that threads wait for each other, and round by how many they are
     with threadpool_limits(1, user_api="blas"):
         system = track_system(case)
-        system.set_initial(static_equilibrium(case))
+        system.set_initial(equilibrium.static_equilibrium(case))
         return integrate(system, duration, progress, checkpoints, ground_times)
