@@ -21,7 +21,7 @@ help:  ## what can be made
 $(INSTALLED): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 		|| { echo "Python >= 3.11 is needed; name one with: make PYTHON=python3.12 ..."; exit 1; }
-	@echo "installing into $(VENV): packages (about 1 GB, one or two minutes), then what is compiled (two more)"
+	@echo "installing into $(VENV): packages (about 1 GB, one or two minutes), then what is compiled (one or two more)"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .

@@ -68,6 +68,7 @@ class PairGroundContact:
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
         self.greatest_count = shoes * min(reach, units) * (1 + len(shoe.fingers))
         self._contacts = pair_stiffness.UnitContacts.allocate(self.greatest_count, modes)
+        self._plain = frames.plain(self._contacts)
         self._work = overlap.overlap_workspace()
         self._modal_shape = (len(flexible_shoes), modes)
         self.size = reference.size + coordinates.size + len(flexible_shoes) * modes
@@ -88,7 +89,7 @@ class PairGroundContact:
     def _touching(self, bodies: BodyStates) -> tuple[np.ndarray, np.ndarray]:
         """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
         count = pair_stiffness.touching_pairs(
-            tuple(bodies), self.geometry, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work
+            tuple(bodies), self.geometry, tuple(NO_DERIVATIVES), self._plain, self._work
         )
         return self._contacts.results[:count], self._contacts.modes[:count]
 

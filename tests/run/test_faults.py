@@ -8,7 +8,7 @@ import pytest
 from exudyn_crawler import Case, LoadCycle, simulate
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.contact import PairGroundContact
-from exudyn_crawler.model import compiled_system as compiled
+from exudyn_crawler.model import newton
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.exudyn.system import ExudynSystem
@@ -93,7 +93,7 @@ def test_a_failed_step_of_the_compiled_equations_names_it_too(rest, equation, na
         scratch[0][equation] = 1e13
         return False, 40, 3, 1e9
 
-    monkeypatch.setattr(compiled, "step", failing)
+    monkeypatch.setattr(newton, "step", failing)
     system.set_initial(rest)
     with pytest.raises(SimulationStopped, match=f"least step 1e-06 s; greatest residual at {name}$"):
         integrate(system, 0.1)

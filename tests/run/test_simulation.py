@@ -174,7 +174,7 @@ def calls_then_signal(monkeypatch, place, number):
     ("formulation", "place"),
     [
         ("compiled", "exudyn_crawler.model.compiled_system:predict"),
-        ("compiled", "exudyn_crawler.model.compiled_system:step"),
+        ("compiled", "exudyn_crawler.model.newton:step"),
         ("compiled", "exudyn_crawler.run.solve.stages:Recorder.store"),
         ("engine", "exudyn_crawler.run.solve.stages:Recorder.store"),
     ],
