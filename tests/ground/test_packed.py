@@ -5,8 +5,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from exudyn_crawler import BekkerSoil, Case
+from exudyn_crawler import Case
 from exudyn_crawler.ground import packed
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.frames import allocating, compiled
 from exudyn_crawler.model import equations
 from exudyn_crawler.model.compiled_system import compiled_system
