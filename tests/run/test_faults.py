@@ -88,7 +88,7 @@ def test_a_failed_step_of_the_compiled_equations_names_it_too(rest, equation, na
     system = compiled_system(case)
     assert system.layout.coordinate_count == 93
 
-    def failing(_model, _state, _multipliers, _inputs, _weights, _limits, _memory, scratch):
+    def failing(_system, _state, _multipliers, _inputs, _weights, _limits, scratch):
         scratch[0][:] = 1.0
         scratch[0][equation] = 1e13
         return False, 40, 3, 1e9
