@@ -44,7 +44,7 @@ def test_an_altered_bit_is_refused_or_changes_nothing(path, dataset):
     unguarded = heaps(content)
     assert len(unguarded) < 10_000
     rng, refused = np.random.default_rng(6), 0
-    for place in set(rng.integers(len(content), size=300).tolist()) - unguarded:
+    for place in set(rng.integers(len(content), size=150).tolist()) - unguarded:
         flipped = content[place] ^ 1 << int(rng.integers(8))
         path.write_bytes(content[:place] + bytes([flipped]) + content[place + 1 :])
         try:

@@ -173,7 +173,10 @@ def test_newtons_matrix_is_the_derivative_of_the_residual(base):
 @pytest.mark.parametrize(
     "case",
     [
-        three_shoes(RockFloor.hard_floor().with_(friction=0.05), side_slope=0.1, drive=FREE),
+        pytest.param(
+            three_shoes(RockFloor.hard_floor().with_(friction=0.05), side_slope=0.1, drive=FREE),
+            marks=pytest.mark.slow,
+        ),
         three_shoes(BekkerSoil.lete_sand().with_(cohesion=0.0, friction_angle=0.0), drive=FREE),
     ],
     ids=["rock that is too steep", "sand without strength"],
