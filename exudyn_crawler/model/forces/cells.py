@@ -176,7 +176,7 @@ def cell_forces(
     _bend_points(table, work)
     # derivatives of what stands negative in the residual
     by = np.array((-weights.position, -weights.velocity))
-    kernel.press(shoes, work.frames, by)
+    kernel.press(work.shoes, work.frames, by)
     derive = by[0] != 0.0 or by[1] != 0.0
     count = 0
     for s in range(table.flexible.shape[0]):
