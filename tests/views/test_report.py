@@ -195,6 +195,7 @@ def test_a_long_stress_study_stays_below_the_limit(flexible_run, stress_folder, 
     assert force.min() == pytest.approx(float(values.min()), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_rigid_studies_are_reported_too(rigid_folders):
     for folder in rigid_folders:
         page = write_report(folder).read_text(encoding="utf-8")
