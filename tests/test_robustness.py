@@ -111,7 +111,7 @@ main()
 
 @pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
-@pytest.mark.parametrize("limit", [100, 1000, 100_000])
+@pytest.mark.parametrize("limit", [100, 1000, pytest.param(100_000, marks=pytest.mark.slow)])
 def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path, limit):
     (tmp_path / "case.toml").write_text(SHORT)
     line = [sys.executable, "-c", FULL_DISK, str(limit), "run", "case.toml", "--out", "out"]
@@ -127,7 +127,9 @@ def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path,
 
 
 @pytest.mark.simulation
-@pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere"])
+@pytest.mark.parametrize(
+    "place", ["file", *(pytest.param(one, marks=pytest.mark.slow) for one in ("file/below", "/proc/nowhere"))]
+)
 def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, place):
     if place.startswith("/proc") and not os.path.isdir("/proc/self"):
         pytest.skip("no /proc here")

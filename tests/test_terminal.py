@@ -348,7 +348,8 @@ def grounds(bent):
     return {PAPERS: run, "hard floor, stones under the edges": run}
 
 
-@pytest.mark.parametrize("width", [WIDTHS[0], pytest.param(WIDTHS[1], marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("width", WIDTHS)
 def test_tables_of_the_grounds_are_read_in_any_terminal(terminal, monkeypatch, grounds, width):
     monkeypatch.setattr("studies.ground.study_runs", lambda *_, **__: nullcontext(grounds))
     Path("results/ground").mkdir(parents=True)

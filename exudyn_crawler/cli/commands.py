@@ -158,6 +158,10 @@ def demo(
     if prepare:
         typer.echo("compiling the equations of motion and reducing a shoe, once: a minute or two")
         crawler.run_case(case_file.with_({"duration": 0.02}), progress=False)
+        from exudyn_crawler.ground.cells.laws import bekker, rock
+
+        for law in (bekker.BekkerSoil.lete_sand(), rock.RockFloor.hard_floor()):
+            crawler.simulate(crawler.Case.translation().on_cells(law), 0.004, progress=False)
         return
     case = case_file.case
     typer.echo(

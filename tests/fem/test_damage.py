@@ -174,6 +174,7 @@ class Repeated:
         return (np.random.default_rng(k).standard_normal((500, 4)) for k in range(self.blocks))
 
 
+@pytest.mark.slow
 def test_a_longer_history_takes_no_more_memory(spread, monkeypatch):
     """Turning points, cycles and stresses of four times the time are not in memory together."""
     in_segments(monkeypatch, 512)

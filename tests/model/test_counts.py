@@ -110,7 +110,14 @@ def test_the_chapters_formula_gives_132_degrees_of_freedom(case, request):
 
 
 @pytest.mark.simulation
-@pytest.mark.parametrize(("case", "free"), [("straight", 17 + 15), ("turn", 16 + 15), ("fine", 17 + 32)])
+@pytest.mark.parametrize(
+    ("case", "free"),
+    [
+        ("straight", 17 + 15),
+        ("turn", 16 + 15),
+        pytest.param("fine", 17 + 32, marks=pytest.mark.slow),
+    ],
+)
 def test_the_equations_are_independent_and_leave_the_right_motion(case, free, request):
     _, matrices = request.getfixturevalue(case)
     position, rate = effective(matrices)

@@ -106,6 +106,7 @@ def test_spheres_without_rest_are_named():
         static_equilibrium(small_spheres(0.07))
 
 
+@pytest.mark.slow
 def test_spheres_that_sink_through_stop_the_run():
     """They stand at rest; the pull of the drive presses shoe 12 deeper until its spheres lose the ground."""
     with pytest.raises(SimulationStopped, match=r"spheres of shoes \[12\] sank through the ground") as stop:

@@ -277,6 +277,7 @@ def test_pictures_and_rows_can_be_chosen(reader):
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_cases_can_be_compared(browser, rigid_folders, tmp_path):
     reader = Reader(browser, write_report(rigid_folders[0], tmp_path / "report.html"))
     turning = History.load(rigid_folders[0] / "turning" / "history.nc")
