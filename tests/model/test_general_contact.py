@@ -101,6 +101,7 @@ def small_spheres(radius: float) -> Case:
     return CASE.with_(contact=SPHERES.with_(radius=radius))
 
 
+@pytest.mark.slow
 def test_spheres_without_rest_are_named():
     with pytest.raises(EquilibriumError, match=r"radius of 0\.07 m may be too small for a .* of 0\.06575 m"):
         static_equilibrium(small_spheres(0.07))

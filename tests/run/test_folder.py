@@ -128,6 +128,7 @@ def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users
     assert read_case(tmp_path / "case.toml").case == Case.turning()
 
 
+@pytest.mark.slow
 def test_a_run_that_was_to_replace_another_one_and_failed_leaves_nothing_of_it(tmp_path):
     run_case(
         CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path

@@ -135,6 +135,7 @@ def test_a_finished_run_is_made_longer_and_gives_what_the_longer_one_gives(
         run_case(short, out)
 
 
+@pytest.mark.slow
 def test_overwriting_that_was_stopped_goes_on(staged, tmp_path, monkeypatch):
     run_case(
         CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path

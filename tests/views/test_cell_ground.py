@@ -50,7 +50,7 @@ def folders(tmp_path_factory):
     """What short runs with every output leave, by name."""
     out = tmp_path_factory.mktemp("cells")
     for name, case in CASES.items():
-        outputs = Outputs(animation=True, page=False, ground_times=(0.0, 0.01))
+        outputs = Outputs(animation=True, pictures=False, page=False, ground_times=(0.0, 0.01))
         case_file = CaseFile(case=case(), duration=DURATION, outputs=outputs)
         run_case(case_file, out / name, progress=False)
     return {name: out / name for name in CASES}

@@ -118,6 +118,7 @@ def test_a_click_in_the_legend_hides_a_shoe_on_all_axes(reader):
     assert hidden == [name == names[0] for name in names]
 
 
+@pytest.mark.slow
 def test_the_whole_track_moves(reader, flexible_run):
     """Boxes of rigid and flexible shoes stand where the history has them, and go on when it is played."""
     history, _, _ = flexible_run
