@@ -13,7 +13,6 @@ from exudyn_crawler.ground import packed, pair_geometry
 from exudyn_crawler.ground.cells import ground
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
-from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
 from exudyn_crawler.model import elimination, shoe_mesh
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
@@ -56,11 +55,7 @@ class _Builder:
     """Tables of a case as they are made, one after the other."""
 
     def __init__(
-        self,
-        case: Case,
-        terrain_size: int,
-        floating: FloatingShoe | None,
-        point: shoe_mesh.DrivePoint,
+        self, case: Case, terrain_size: int, floating: FloatingShoe | None, point: shoe_mesh.DrivePoint
     ) -> None:
         self.case, self.floating, self.point = case, floating, point
         self.shoes = case.track.shoe_count
@@ -385,10 +380,7 @@ class Parts(NamedTuple):
 
 def parts_of(case: Case) -> Parts:
     """Flexible shoes, contact and tables of a case."""
-    bending, floating = (
-        flexible_shoes(case),
-        None if case.flexible is None else floating_shoe(case),
-    )
+    bending, floating = flexible_shoes(case), None if case.flexible is None else floating_shoe(case)
     bends = case.track.shoe_count - 1 in bending
     point = shoe_mesh.drive_point(case, floating.reduced if floating is not None and bends else None)
     contact = ground_contact(case, None if floating is None else floating.underside, bending)
@@ -416,7 +408,7 @@ def parts_of(case: Case) -> Parts:
         flexible=np.array([builder.first_modal, len(bending)]),
         contact=contact.geometry
         if isinstance(contact, PairGroundContact)
-        else plain(packed.nothing(pair_geometry.ContactGeometry)),
+        else packed.nothing(pair_geometry.ContactGeometry),
         fronts=elimination.fronts_of([], []),
         rows=packed.nothing(FrontRows),
         pull=pull,

@@ -47,15 +47,14 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> state.
     turned = state.TUMBLERS[case.tracks] if case.is_closed else ()
     turned += state.IDLERS[case.tracks] if case.has_tensioners else ()
     others = turned if case.running_gear is None else (state.SIDE_FRAME, *turned)
+    on_cells = len(tables.cells.flexible) > 0
     names = [*(f"shoe {number}" for number in case.track.shoes), *others]
     return state.StateLayout(
         shoes=case.track.shoe_count,
         terrain=tables.terrain.heave.shape[1],
         flexible_shoes=() if case.flexible is None else tuple(case.flexible.shoes),
         modes=len(tables.modes.stiffness),
-        contact=0
-        if not len(tables.cells.flexible)
-        else pairs.RESULTS + (tables.cells.nodes.size if case.flexible else 0),
+        contact=(pairs.RESULTS if on_cells else 0) + (tables.cells.nodes.size if case.flexible else 0),
         multipliers=(
             *(
                 (

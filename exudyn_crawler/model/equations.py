@@ -221,19 +221,15 @@ def _add_block(
 ) -> None:
     """Add a tangent by the coordinates of two bodies and the terrain; `numbers` are of front and bodies."""
     f, a, b = numbers
-    matrix, met, n = (
-        elimination.front(fronts, values, f),
-        elimination.marks(fronts, values, f),
-        block.shape[0],
-    )
+    matrix, met = elimination.front(fronts, values, f), elimination.marks(fronts, values, f)
     firsts, k = (places.body[f, a], places.body[f, b], places.terrain[f]), 0
     for part in range(3):
         for c in range(sizes[part]):
             into[k] = firsts[part] + c
             k += 1
-    for r in range(n):
+    for r in range(block.shape[0]):
         row, to = block[r], matrix[into[r]]
-        for c in range(n):
+        for c in range(block.shape[0]):
             if row[c] != 0.0:
                 to[into[c]] += row[c]
                 met[into[r]] = met[into[c]] = 1.0
@@ -302,11 +298,8 @@ def _add_joint_rows(system: IntArray, inputs: Inputs, weights: Weights, values: 
     for k in range(work.pulled.shape[0]):
         b = work.pulled[k]
         f = places.front[b]
-        matrix, row, base = (
-            elimination.front(fronts, values, f),
-            places.multiplier[f, pins],
-            places.body[f, b],
-        )
+        matrix = elimination.front(fronts, values, f)
+        row, base = places.multiplier[f, pins], places.body[f, b]
         for c in range(m if modal[b] >= 0 else 6):
             if work.pull[k, c] != 0.0:
                 matrix[base + c, row] += work.pull[k, c]
@@ -321,10 +314,8 @@ def _add_turned(system: IntArray, by_place: float, values: FloatArray) -> None:
     for p in range(work.turned.shape[0]):
         for side in range(2):
             b = tables.joints.bodies[ROWS * p, side]
-            own, place = (
-                elimination.front(tables.fronts, values, places.front[b]),
-                places.body[places.front[b], b] + 3,
-            )
+            own = elimination.front(tables.fronts, values, places.front[b])
+            place = places.body[places.front[b], b] + 3
             for r in range(3):
                 for c in range(3):
                     own[place + r, place + c] += by_place * work.turned[p, side, r, c]

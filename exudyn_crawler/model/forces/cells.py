@@ -269,12 +269,8 @@ class TrackOnCells:
     """Cells under a track from step to step: covered before one, committed after it was accepted."""
 
     def __init__(self, ground: ground.CellGround, parts: OnCells) -> None:
-        self.ground, self._parts, self._work, self._block = (
-            ground,
-            parts,
-            parts.work,
-            packed.pack(parts, ON_CELLS),
-        )
+        self.ground, self._parts, self._work = ground, parts, parts.work
+        self._block = packed.pack(parts, ON_CELLS)
         self._count_from_here()
 
     def _count_from_here(self) -> None:
