@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from exudyn_crawler.ground.packed import FloatArray
 from fem.compiling import compiler
 from fem.sources import FEM
 
@@ -109,6 +110,15 @@ def turned_back(R: Matrix, a: Vector) -> Vector:
         R[0][1] * a[0] + R[1][1] * a[1] + R[2][1] * a[2],
         R[0][2] * a[0] + R[1][2] * a[1] + R[2][2] * a[2],
     )
+
+
+@within
+def write_turned_rows(R: Matrix, rows: FloatArray, count: int, factor: float, out: FloatArray) -> None:
+    """Write first columns of rows (3, m) in a body's axes, global and times a factor, behind six others."""
+    for r in range(3):
+        x, y, z = R[r]
+        for k in range(count):
+            out[r, 6 + k] = factor * (x * rows[0, k] + y * rows[1, k] + z * rows[2, k])
 
 
 @compiled

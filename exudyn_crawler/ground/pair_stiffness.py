@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs, rotations
-from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned, turned_back
+from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3
 from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
 from fem.patches import mean_rows
@@ -77,7 +77,7 @@ def _bend(
     for k in range(rows.shape[1]):
         row = (rows[0, k], rows[1, k], rows[2, k])
         moved, moving = along(moved, bodies.modal[f, k], row), along(moving, bodies.modal_rates[f, k], row)
-        jacobian[0, 6 + k], jacobian[1, 6 + k], jacobian[2, 6 + k] = turned(shoe.R, row)
+    frames.write_turned_rows(shoe.R, rows, rows.shape[1], 1.0, jacobian)
     return pairs.Patch(moved, moving)
 
 

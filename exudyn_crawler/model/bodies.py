@@ -18,6 +18,9 @@ from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, 
 from exudyn_crawler.ground.rotations import Attitude, Weights
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 
+PAIR_ROWS = ((6, 0, 1), (2, 7, 3), (4, 5, 8))
+"""Row of integrals over axes a and c; first come those of two axes, which are all that spinning asks for."""
+
 
 class Bodies(NamedTuple):
     """All bodies of a system: b of them, shoes first."""
@@ -38,8 +41,8 @@ class Modes(NamedTuple):
     stiffness: Floats1  # (m,): 1/s2
     damping: Floats1  # (m,): 1/s
     shapes: Floats2  # (3, m): integral of the mode shapes
-    places: Floats1  # (9 m,): of x_a Psi_ck over (a, k, c)
-    products: Floats2  # (m, 9 m): of Psi_aj Psi_ck over j and (a, k, c)
+    places: Floats2  # (9, m): of x_a Psi_ck over `PAIR_ROWS` of (a, c) and k
+    products: Floats2  # (m, 9 m): of Psi_aj Psi_ck over j and (`PAIR_ROWS` of (a, c), k)
 
 
 def second_moment(mass: float, inertia: FloatArray, center: FloatArray) -> FloatArray:
@@ -100,18 +103,42 @@ def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
 
 
 @solving_within
-def _column(tensor: FloatArray, a: int, k: int) -> Vector:
-    return tensor[a, k, 0], tensor[a, k, 1], tensor[a, k, 2]
+def _add_products(products: FloatArray, state: FloatArray, levers: FloatArray, speeds: FloatArray) -> None:
+    """Add the products (m, 9 m) of the modes times their coordinates, and the first 6 m times their rates.
+
+    Three modes at a time: the sums are read and written a third as often.
+    """
+    by_threes = products.shape[0] - products.shape[0] % 3
+    for j in range(0, by_threes, 3):
+        one, two, three = products[j], products[j + 1], products[j + 2]
+        z, z_t = state[0, 6 + j : 9 + j], state[1, 6 + j : 9 + j]
+        for i in range(speeds.shape[0]):
+            speeds[i] = speeds[i] + z_t[0] * one[i] + z_t[1] * two[i] + z_t[2] * three[i]
+        for i in range(levers.shape[0]):
+            levers[i] = levers[i] + z[0] * one[i] + z[1] * two[i] + z[2] * three[i]
+    for j in range(by_threes, products.shape[0]):
+        for i in range(speeds.shape[0]):
+            speeds[i] += state[1, 6 + j] * products[j, i]
+        for i in range(levers.shape[0]):
+            levers[i] += state[0, 6 + j] * products[j, i]
 
 
 @solving_within
-def _add_products(products: FloatArray, state: FloatArray, shifts: FloatArray, speeds: FloatArray) -> None:
-    """Add the products (m, 9 m) of the modes times their coordinates and rates, which are read together."""
-    for j in range(products.shape[0]):
-        of_mode, z, z_t = products[j], state[0, 6 + j], state[1, 6 + j]
-        for i in range(of_mode.shape[0]):
-            shifts[i] += z * of_mode[i]
-            speeds[i] += z_t * of_mode[i]
+def _add_modal_forces(
+    modes: Modes, state: FloatArray, motion: Motion, bent: tuple[FloatArray, FloatArray], residual: FloatArray
+) -> None:
+    """Add inertia and elastic forces along the modes; `bent` are as of `_bend`."""
+    (levers, speeds), w, rows = bent, motion.omega, PAIR_ROWS
+    for k in range(modes.stiffness.shape[0]):
+        modal = state[2, 6 + k] + modes.stiffness[k] * state[0, 6 + k] + modes.damping[k] * state[1, 6 + k]
+        for a in range(3):
+            modal += modes.shapes[a, k] * motion.acceleration[a]
+            for c in range(3):
+                modal += levers[rows[a][c], k] * motion.turning[c][a]
+            # 2 Psi_k . (omega x Psi z'), of which this is the part of component a of Psi z'
+            b, c = (a + 1) % 3, (a + 2) % 3
+            modal += 2.0 * (speeds[rows[a][b], k] * w[c] - speeds[rows[a][c], k] * w[b])
+        residual[6 + k] += modal
 
 
 @solving_allocating
@@ -128,35 +155,29 @@ def _bend(
     `tensor` (3, 3) gathers ``integral p_a f_c`` of inertia forces f. Gives the force of the modes' motion, N,
     in the body's axes.
     """
-    m, w = modes.stiffness.shape[0], motion.omega
-    bent = np.zeros((2, 9 * m))
-    _add_products(modes.products, state, bent[0], bent[1])
-    shifts, speeds = bent[0].reshape((3, m, 3)), bent[1].reshape((3, m, 3))
-    places = modes.places.reshape((3, m, 3))
-    force, levers = (0.0, 0.0, 0.0), np.empty((3, 3))
+    m, w, rows = modes.stiffness.shape[0], motion.omega, PAIR_ROWS
+    # integrals of p_a Psi_ck, and of the modes' velocities times Psi_ck
+    levers, speeds = np.zeros((9, m)), np.zeros((6, m))
+    _add_products(modes.products, state, levers.reshape(-1), speeds.reshape(-1))
+    for n in range(9):
+        for k in range(m):
+            levers[n, k] += modes.places[n, k]
+    _add_modal_forces(modes, state, motion, (levers, speeds), residual)
+    force = (0.0, 0.0, 0.0)
     for k in range(m):
         z, z_t, z_tt = state[0, 6 + k], state[1, 6 + k], state[2, 6 + k]
-        modal = z_tt + modes.stiffness[k] * z + modes.damping[k] * z_t
-        for a in range(3):
-            inertia.first[a] += modes.shapes[a, k] * z
-            modal += modes.shapes[a, k] * motion.acceleration[a]
-            # integral of p_a Psi_k
-            lever = along(_column(places, a, k), 1.0, _column(shifts, a, k))
-            for c in range(3):
-                levers[a, c] = lever[c]
-                modal += lever[c] * motion.turning[c][a]
-            # 2 Psi_k . (omega x Psi z'), of which this is the part of component a of Psi z'
-            modal += 2.0 * cross(_column(speeds, a, k), w)[a]
-            swirl = cross(w, lever)
-            for c in range(3):
-                inertia.second[a, c] += lever[c] * z + places[c, k, a] * z
-                tensor[a, c] += lever[c] * z_tt + 2.0 * swirl[c] * z_t
-        moment = _moment_of(levers)
-        for a in range(3):
-            inertia.turning[a, k] = moment[a]
         shape = (modes.shapes[0, k], modes.shapes[1, k], modes.shapes[2, k])
         force = along(along(force, z_tt, shape), 2.0 * z_t, cross(w, shape))
-        residual[6 + k] += modal
+        for a in range(3):
+            inertia.first[a] += shape[a] * z
+            lever = (levers[rows[a][0], k], levers[rows[a][1], k], levers[rows[a][2], k])
+            swirl = cross(w, lever)
+            for c in range(3):
+                inertia.second[a, c] += lever[c] * z + modes.places[rows[c][a], k] * z
+                tensor[a, c] += lever[c] * z_tt + 2.0 * swirl[c] * z_t
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            inertia.turning[a, k] = levers[rows[b][c], k] - levers[rows[c][b], k]
     return force
 
 

@@ -15,7 +15,7 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
 from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
 from exudyn_crawler.model import elimination, shoe_mesh
-from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
+from exudyn_crawler.model.bodies import PAIR_ROWS, Bodies, Modes, second_moment
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
 from exudyn_crawler.model.forces import cells, loads, teeth, units
 from exudyn_crawler.model.forces.wheels import ROLLED, Wheels
@@ -38,15 +38,18 @@ def _flexible_modes(case: Case, floating: FloatingShoe) -> tuple[Modes, np.ndarr
     count = shapes.shape[2]
     heavy_places = mass @ places
     heavy = np.stack([mass @ shapes[:, c] for c in range(3)], axis=1)
+    by_place = np.einsum("na,nck->akc", places, heavy).transpose(0, 2, 1).reshape(9, count)
     products = np.einsum("naj,nck->jakc", shapes, heavy, optimize=True)
+    products = products.transpose(0, 1, 3, 2).reshape(count, 9, count)
+    order = np.argsort(np.ravel(PAIR_ROWS))
     omega = 2.0 * np.pi * floating.reduced.frequencies
     ratio = case.flexible_shoes().damping.value(floating.reduced.frequencies)
     modes = Modes(
         stiffness=omega**2,
         damping=2.0 * ratio * omega,
         shapes=np.ascontiguousarray(heavy.sum(axis=0)),
-        places=np.ascontiguousarray(np.einsum("na,nck->akc", places, heavy)).ravel(),
-        products=np.ascontiguousarray(products.reshape(count, 9 * count)),
+        places=by_place[order],
+        products=products[:, order].reshape(count, 9 * count),
     )
     return modes, heavy_places.sum(axis=0), places.T @ heavy_places
 

@@ -18,13 +18,12 @@ from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.rotations import Weights, moments_on_angles
 from exudyn_crawler.model import build, elimination, joints, newton, state, track_system
 from exudyn_crawler.model.engine import add_coordinates, exu, predict
-from exudyn_crawler.model.equations import STIFFNESS, gear_contacts, matrix, residual
+from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
 from exudyn_crawler.model.forces.cells import OnCells, TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
+from exudyn_crawler.model.gear import GearForces, write_gear_forces
 from exudyn_crawler.model.tables import SYSTEM, Inputs, System, Tables, Workspace
 
-STRIPS, LUGS = ("wheel", "force", "foot", "guide"), ("force", "guide")
-"""What of wheels and lugs is read for flexible shoes."""
 AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of a residual alone."""
 DRAG, CLOSED_DRAG = 100.0, 8.0
@@ -108,6 +107,7 @@ class CompiledSystem(track_system.TrackSystem):
         applied = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
         self._applied = plain(profiles_of(applied))
         self._resistances = np.zeros(1) if case.running_gear is None else case.running_gear.resistances
+        self._middles = case.track_middles
         self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
         self._limits = (0.0, 0)
         self._singular = False
@@ -118,29 +118,16 @@ class CompiledSystem(track_system.TrackSystem):
         if self._cells is not None:
             self._put_down(self._cells)
 
-    def gear_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
+    def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> GearForces:
         """As of `TrackSystem`."""
-        if not len(self.tables.wheels.frames):
-            return {}
-        arguments, factors = tuple(self.inputs(time)), tuple(AT_REST)
-        gear_contacts(self._block, np.stack((q, q_t)), arguments, factors)
-        wheels, teeth, n = self._work.wheels, self._work.teeth, self.layout.shoes
-        if not len(self.tables.teeth.markers):
-            return {f"strip_{name}": getattr(wheels, name).copy() for name in STRIPS}
-        forces = {
-            "wheel": wheels.on_shoes.copy(),
-            "on_wheels": wheels.on_wheels.copy(),
-            "tooth": np.hstack((teeth.force, teeth.moment)).reshape(n, -1, 6).sum(axis=1),
-            "guide": wheels.guide.sum(axis=(1, 2)) + teeth.guide.reshape(n, -1).sum(axis=1),
-        }
-        forces["energy"] = np.concatenate((wheels.energy, teeth.energy))
-        bending = np.flatnonzero(self.tables.bodies.modal >= 0)
-        if bending.size:
-            forces |= {f"strip_{name}": getattr(wheels, name)[bending] for name in STRIPS}
-            for name in LUGS:
-                of_lugs = getattr(teeth, name)
-                forces[f"lug_{name}"] = of_lugs.reshape(n, -1, *of_lugs.shape[1:])[bending]
-        return forces
+        n = self.layout.shoes
+        some = np.flatnonzero(self.tables.bodies.modal[:n] >= 0) if self.case.is_closed else np.arange(n)
+        found = GearForces.allocate(len(times), n, len(some), self._work)
+        speeds = np.array([self._applied_at(time)[1] for time in times])
+        drags = self._drags(self._speeds_of_tracks(speeds))
+        at = np.ascontiguousarray(q), np.ascontiguousarray(q_t)
+        write_gear_forces(self._block, *at, drags, some, tuple(found))
+        return found
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""
@@ -307,11 +294,12 @@ class CompiledSystem(track_system.TrackSystem):
         out, values = self._scratch
         inputs, weights = tuple(self.inputs(0.0)), (0.0, 0.0, 1.0, False, 1.0)
         fronts = self.tables.fronts
-        both = self._block, self._state
+        both, some = (self._block, self._state), np.zeros(0, dtype=np.int64)
+        gear = tuple(GearForces.allocate(1, self.layout.shoes, 0, self._work))
         return {
             "residual": [
                 (residual, (*both, self._multipliers, inputs, weights, out)),
-                (gear_contacts, (*both, inputs, weights)),
+                (write_gear_forces, (self._block, *self._state[:2, None], np.zeros((1, 0)), some, gear)),
             ],
             "matrix": [
                 (matrix, (*both, inputs, weights, values)),
@@ -378,20 +366,13 @@ class CompiledSystem(track_system.TrackSystem):
 
     def inputs(self, time: float) -> Inputs:
         """Loads and drive at a time, s."""
-        n, values = self.layout.shoes, np.zeros(self.layout.shoes + 9)
-        values_at(self._applied, time, values)
-        shoes, speeds, machine = values[:n], values[n : n + 3], values[n + 3 :]
+        n, (shoes, speeds, machine) = self.layout.shoes, self._applied_at(time)
+        of_tracks = self._speeds_of_tracks(speeds)
         loads = np.zeros((len(self.tables.loads.marker), 6))
         loads[:n, :3] = np.outer(shoes, self._down)
         frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, np.zeros(1), np.zeros(0)
-        if self.commands is not None:
-            speeds[:2], machine = self.commands(time)
-        # a turn makes the right track faster than the left one
-        of_tracks = speeds[0] - speeds[1] * self.case.track_middles
         if gear is not None:
-            loads[n] = machine
-            faded = np.hypot(of_tracks, gear.resistance_speed)
-            drag = (np.outer(of_tracks, self._resistances) / faded[:, None]).ravel()
+            loads[n], drag = machine, self._drags(of_tracks)
         if frame is not None:
             loads[n + 1 :, 0] = -frame.end_tension, frame.end_tension
         turning = self._driven and self.case.drive.turn_rate is not None
@@ -401,6 +382,27 @@ class CompiledSystem(track_system.TrackSystem):
             motors = np.zeros(len(self.tables.closed.motors))  # what keeps sliding idlers from spinning last
             motors[: len(of_tracks)] = of_tracks / self.case.closed_track.travel_per_angle(self.case.track)
         return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)
+
+    def _applied_at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Loads of the shoes, speed with rate of turning and side shift, wrench on the frame, at a time."""
+        n, values = self.layout.shoes, np.zeros(self.layout.shoes + 9)
+        values_at(self._applied, time, values)
+        shoes, speeds, machine = values[:n], values[n : n + 3], values[n + 3 :]
+        if self.commands is not None:
+            speeds[:2], machine = self.commands(time)
+        return shoes, speeds, machine
+
+    def _speeds_of_tracks(self, speeds: np.ndarray) -> np.ndarray:
+        """Speeds of the tracks (..., tracks), m/s: a turn makes the right one faster than the left one."""
+        return speeds[..., :1] - speeds[..., 1:2] * self._middles
+
+    def _drags(self, of_tracks: np.ndarray) -> np.ndarray:
+        """Rolling resistance over normal force of all wheels (..., wheels), with the sign of the travel."""
+        gear = self.case.running_gear
+        assert gear is not None
+        faded = np.hypot(of_tracks, gear.resistance_speed)
+        drags = of_tracks[..., None] * self._resistances / faded[..., None]
+        return drags.reshape(*of_tracks.shape[:-1], -1)
 
     def _accelerate(self, time: float) -> None:
         """Accelerations and multipliers of a track that starts."""

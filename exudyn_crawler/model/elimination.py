@@ -265,15 +265,28 @@ def _forward(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntA
 
 @solving_within
 def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
-    """Find the own unknowns of a front from those that are left."""
-    left, start = _gather(fronts, values, k, x, at, y), fronts.place[k]
-    n = left + fronts.own[k]
-    for r in range(left, n):
-        row = values[start + (r - left) * (n + left) : fronts.place[k + 1]]
-        s = y[r]
-        for c in range(r):
-            s -= row[c] * y[c]
-        y[r] = x[at[r]] = row[r] * s
+    """Find the own unknowns of a front from those that are left.
+
+    Three sums grow at once: each has to wait for its last term.
+    """
+    left, own = _gather(fronts, values, k, x, at, y), fronts.own[k]
+    start, width, end = fronts.place[k], own + 2 * left, left + own
+    rows = values[start : start + own * width].reshape((own, width))
+    for first in range(left, end, 3):
+        second, third = min(first + 1, end - 1), min(first + 2, end - 1)
+        one, two, three = rows[first - left], rows[second - left], rows[third - left]
+        s, t, u = y[first], y[second], y[third]
+        for c in range(first):
+            s -= one[c] * y[c]
+            t -= two[c] * y[c]
+            u -= three[c] * y[c]
+        y[first] = s = one[first] * s
+        if second > first:
+            y[second] = t = two[second] * (t - two[first] * s)
+        if third > second:
+            y[third] = three[third] * (u - three[first] * s - three[second] * t)
+    for r in range(left, end):
+        x[at[r]] = y[r]
 
 
 @solving

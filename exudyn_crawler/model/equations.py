@@ -41,6 +41,20 @@ def _add_rows(bodies: Bodies, rows: ForceRows, count: int, row: FloatArray, resi
                 add_body(bodies, b, row, -1.0, residual)
 
 
+@solving_inside
+def _add_pin(
+    bodies: Bodies, b: int, jacobian: FloatArray, multipliers: FloatArray, residual: FloatArray
+) -> None:
+    """Add the forces of a pin, whose Jacobian is (ROWS, 6 + m), on one of its bodies."""
+    first, modal = bodies.coordinate[b], bodies.modal[b] - 6
+    for c in range(jacobian.shape[1] if modal >= -6 else 6):
+        at = first + c if c < 6 else modal + c
+        force = residual[at]
+        for r in range(ROWS):
+            force += multipliers[r] * jacobian[r, c]
+        residual[at] = force
+
+
 @solving_within
 def _add_joints(
     system: IntArray, inputs: Inputs, multipliers: FloatArray, level: float, out: FloatArray
@@ -49,8 +63,14 @@ def _add_joints(
     tables, work = read_system(system)
     bodies, between, pulls = tables.bodies, tables.joints.bodies, work.pulled.shape[0] > 0
     n, pins = out.shape[0] - multipliers.shape[0], ROWS * tables.joints.pins.shape[0]
-    for r in range(between.shape[0]):
-        is_speed = pins <= r < pins + 2
+    for r in range(0, pins, ROWS):
+        for k in range(r, r + ROWS):
+            out[n + k] = STIFFNESS * work.gap[k]
+        for side in range(2):
+            own = work.jacobian[r : r + ROWS, side]
+            _add_pin(bodies, between[r, side], own, multipliers[r : r + ROWS], out)
+    for r in range(pins, between.shape[0]):
+        is_speed = r < pins + 2
         if is_speed and inputs.active[r - pins] <= 0.0:
             out[n + r] = multipliers[r]
             continue
@@ -161,18 +181,6 @@ def residual(
         own, into = multipliers[ROWS * p :], work.turned[p]
         joints.write_turned(bodies, markers, tables.joints.pins[p], closed, own, state, rows[0], into)
     _add_closed(system, state, inputs, multipliers, weights.level, out)
-
-
-@solving
-def gear_contacts(system: IntArray, state: FloatArray, arguments: tuple, factors: tuple) -> None:
-    """Find the lugs and strips of wheels that touch at coordinates and rates (2, coordinates).
-
-    The other arguments are as of `residual`.
-    """
-    weights, (tables, work) = Weights(*factors), read_system(system)
-    write_angles(tables.bodies, state[0])
-    teeth.teeth_contacts(tables.teeth, tables.bodies, tables.markers, state, weights, work.teeth)
-    wheels.wheel_contacts(tables.wheels, tables.bodies, state, Inputs(*arguments).drag, weights, work.wheels)
 
 
 @solving_within

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back, upward
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, Ints1, Ints2
 from exudyn_crawler.ground.rotations import Attitude
-from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
+from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving_inside, solving_within
 
 ROWS = 5
@@ -74,8 +74,13 @@ def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
     position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
     if markers.modes[k] == 0:
         return End(turned(at.R, position), (0.0, 0.0, 0.0))
-    lever = turned(at.R, moved(position, markers.displacement[k], row))
-    return End(lever, moved((0.0, 0.0, 0.0), markers.rotation[k], row))
+    displacement, rotation = markers.displacement[k], markers.rotation[k]
+    (x, y, z), (a, b, c) = position, (0.0, 0.0, 0.0)
+    for m in range(displacement.shape[1]):
+        amount = row[6 + m]
+        x, y, z = along((x, y, z), amount, (displacement[0, m], displacement[1, m], displacement[2, m]))
+        a, b, c = along((a, b, c), amount, (rotation[0, m], rotation[1, m], rotation[2, m]))
+    return End(turned(at.R, (x, y, z)), (a, b, c))
 
 
 @solving_within
@@ -131,13 +136,16 @@ def direction(
         out[3 + c] = sign * turning[c]
     if markers.modes[k] == 0:
         return
-    push, twist = turned_back(at.R, force), _by_rotation(end, turned_back(at.R, moment))
-    displacement, rotation = markers.displacement[k], markers.rotation[k]
+    push, displacement = turned_back(at.R, force), markers.displacement[k]
     for m in range(displacement.shape[1]):
-        work = 0.0
-        for c in range(3):
-            work += push[c] * displacement[c, m] + twist[c] * rotation[c, m]
+        work = push[0] * displacement[0, m] + push[1] * displacement[1, m] + push[2] * displacement[2, m]
         out[6 + m] = sign * work
+    if dot(moment, moment) == 0.0:
+        return
+    twist, rotation = _by_rotation(end, turned_back(at.R, moment)), markers.rotation[k]
+    for m in range(rotation.shape[1]):
+        work = twist[0] * rotation[0, m] + twist[1] * rotation[1, m] + twist[2] * rotation[2, m]
+        out[6 + m] += sign * work
 
 
 @solving_inside

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,9 @@ from exudyn_crawler.model.build import Parts
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.state import RATES, StateLayout
+
+if TYPE_CHECKING:
+    from exudyn_crawler.model.gear import GearForces
 
 FIRST_DEPTH = 1e-5
 """m, of all rollers in their rails to start from: enough to be felt."""
@@ -62,18 +65,12 @@ class TrackSystem(ABC):
         """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
         return None if self.floating is None else self.floating.reduced.frequencies
 
-    def gear_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
-        """What a running gear does to the shoes at a time (s), coordinates and rates; empty without any.
+    def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> "GearForces":
+        """What a running gear does to the shoes at times (t,), s, and coordinates and rates (t, coordinates).
 
-        Gives of f shoes, all of an open track and the flexible ones of a closed track, "strip_wheel"
-        (f, slots), "strip_force" and "strip_foot" (f, slots, strips, 3), "strip_guide" (f, slots, strips), as
-        of `forces.wheels.WheelWorkspace`. Of a closed track also "lug_force" (f, lugs, 3) and "lug_guide"
-        (f, lugs), as of `forces.teeth.TeethWorkspace`; "wheel" and "tooth", force (N) and moment about the
-        COM (N m) of all wheels and of the teeth on every shoe, both (shoes, 6), global; "guide", the part of
-        both across the track (shoes,); "on_wheels", the force on every wheel (wheels, 3); and "energy", J, in
-        the contacts of wheels and of teeth (2,).
+        One by one to all shoes of an open track, and to the flexible ones of a closed one.
         """
-        return {}
+        raise NotImplementedError("the case needs a running gear")
 
     @property
     def sticks(self) -> bool:

@@ -209,7 +209,7 @@ def test_rest_is_that_of_hinged_beams_on_springs():
     np.testing.assert_allclose(shoes[:, 4], tilt, atol=0.02 * np.abs(tilt).max())
     assert -frame[0] == pytest.approx(found[-2], rel=0.01)
     system = compiled_system(case)
-    found = system.gear_forces(0.0, q, np.zeros_like(q))
-    pressed = -found["strip_force"][..., 2].sum(axis=2)
-    single = [pressed[found["strip_wheel"] == roller].sum() for roller in range(len(ROLLERS))]
+    found = system.gear_forces(np.zeros(1), q[None], np.zeros((1, len(q))))
+    pressed = -found.strip_force[..., 2].sum(axis=-1)
+    single = [pressed[found.strip_wheel == roller].sum() for roller in range(len(ROLLERS))]
     np.testing.assert_allclose(single, rollers, rtol=3e-3)

@@ -13,7 +13,7 @@ elastic part has a potential. Rolling resistance lies along the rail.
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground.frames import Vector, cross, turned
+from exudyn_crawler.ground.frames import Vector, cross, turned, write_turned_rows
 from exudyn_crawler.ground.laws import Impact, impact_force, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, Weights
 from exudyn_crawler.model.elimination import solving, solving_inside, solving_within
@@ -173,7 +173,5 @@ def write_point(
         for r in range(3):
             jacobian[r, c] = sign if r == c else 0.0
             jacobian[r, 3 + c] = sign * by_angle[r]
-    for m in range(modes):
-        move = turned(at.R, (shapes[0, m], shapes[1, m], shapes[2, m]))
-        for r in range(3):
-            jacobian[r, 6 + m] = sign * move[r]
+    if modes > 0:
+        write_turned_rows(at.R, shapes, modes, sign, jacobian)

@@ -168,14 +168,13 @@ def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: Flo
     )
     table = wheels.rows[strip]
     rise = slope = rate = aside = aside_rate = 0.0
+    for row in range(4):
+        (a, b, c, d), r = values if row < 3 else slopes, min(row, 2)
+        for k in range(out.shape[1]):
+            behind, ahead = a * table[i, r, k] + b * table[i + 1, r, k], c * table[i + 2, r, k]
+            out[row, k] = behind + ahead + d * table[i + 3, r, k]
     for k in range(out.shape[1]):
-        x = y = z = tilt = 0.0
-        for n in range(4):
-            x += values[n] * table[i + n, 0, k]
-            y += values[n] * table[i + n, 1, k]
-            z += values[n] * table[i + n, 2, k]
-            tilt += slopes[n] * table[i + n, 2, k]
-        out[0, k], out[1, k], out[2, k], out[3, k] = x, y, z, tilt
+        y, z, tilt = out[1, k], out[2, k], out[3, k]
         rise += z * own[0, 6 + k]
         slope += tilt * own[0, 6 + k]
         rate += z * own[1, 6 + k]

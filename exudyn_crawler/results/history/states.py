@@ -15,6 +15,7 @@ from exudyn_crawler.model.state import IDLERS, MOTOR, RATES, SIDE_FRAME, TUMBLER
 from exudyn_crawler.results.history import History, catalogue, files
 
 if TYPE_CHECKING:
+    from exudyn_crawler.model.gear import GearForces
     from exudyn_crawler.model.track_system import TrackSystem
 
 AXES = ["x", "y", "z"]
@@ -60,8 +61,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     values |= _reactions(states, values) | _terrain(states) | contacts
     values["shoe_load"] = case.loads.loads(time)
     if case.running_gear is not None:
-        each = states.each(system.gear_forces, "time", *COORDINATES)
-        found = {name: np.array([one[name] for one in each]) for name in each[0]}
+        found = system.gear_forces(time, *map(states.part, COORDINATES))
         values |= _motion(states, SIDE_FRAME, case.frame_start, "side_frame_")
         values |= (_closed if case.is_closed else _rolled)(states, values, found)
     dataset = xr.Dataset(
@@ -194,7 +194,7 @@ def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
     return tables, pairs
 
 
-def _rolled(states: _States, motion: Arrays, found: Arrays) -> Arrays:
+def _rolled(states: _States, motion: Arrays, found: "GearForces") -> Arrays:
     """Forces of the rollers of a side frame and pull of its drive."""
     case, frame = states.system.case, states.system.case.undercarriage
     assert frame is not None
@@ -205,11 +205,11 @@ def _rolled(states: _States, motion: Arrays, found: Arrays) -> Arrays:
     rollers, when = np.arange(axes.shape[1]), np.arange(len(axes))[:, None, None]
     shoes = behind[..., None] + np.arange(len(NEIGHBOURS))
     # of either slot of a shoe, where it has the roller: (times, rollers, neighbours, strips, 3)
-    has = (found["strip_wheel"][when, shoes] == rollers[:, None, None])[..., None, None]
+    has = (found.strip_wheel[when, shoes] == rollers[:, None, None])[..., None, None]
     split = (*axes.shape, len(NEIGHBOURS), len(SIDES), frame.strips, 3)
     force, foot = (
-        np.where(has, found[name][when, shoes], 0.0).sum(axis=3).reshape(split).transpose(0, 1, 3, 4, 2, 5)
-        for name in ("strip_force", "strip_foot")
+        np.where(has, forces[when, shoes], 0.0).sum(axis=3).reshape(split).transpose(0, 1, 3, 4, 2, 5)
+        for forces in (found.strip_force, found.strip_foot)
     )
     return {
         "drive_pull": -states.part("drive")[:, 0],
@@ -220,7 +220,7 @@ def _rolled(states: _States, motion: Arrays, found: Arrays) -> Arrays:
     }
 
 
-def _closed(states: _States, motion: Arrays, found: Arrays) -> Arrays:
+def _closed(states: _States, motion: Arrays, found: "GearForces") -> Arrays:
     """Motion of the tumbler of a closed track, drive, wheels and teeth."""
     case = states.system.case
     names, start = TUMBLERS[case.tracks], case.tumbler_reference
@@ -239,14 +239,14 @@ def _closed(states: _States, motion: Arrays, found: Arrays) -> Arrays:
         "tumbler_speed": rate,
         "drive_moment": torque,
         "take_up": take_up,
-        "wheel_force": found["on_wheels"],
-        "wheel_load": found["wheel"][..., :3],
-        "wheel_moment": found["wheel"][..., 3:],
-        "tooth_force": found["tooth"][..., :3],
-        "tooth_moment": found["tooth"][..., 3:],
-        "guide_force": found["guide"],
-        "wheel_energy": found["energy"][:, 0],
-        "tooth_energy": found["energy"][:, 1],
+        "wheel_force": found.on_wheels,
+        "wheel_load": found.wheel[..., :3],
+        "wheel_moment": found.wheel[..., 3:],
+        "tooth_force": found.tooth[..., :3],
+        "tooth_moment": found.tooth[..., 3:],
+        "guide_force": found.guide,
+        "wheel_energy": found.energy[:, 0],
+        "tooth_energy": found.energy[:, 1],
     }
     if not states.system.layout.flexible_shoes:
         return named
@@ -254,16 +254,16 @@ def _closed(states: _States, motion: Arrays, found: Arrays) -> Arrays:
     across = rotations.rotation_matrices(motion["angles"][:, shoes])[..., 1]
     turned = states.parts(names)[..., 3:] + start[:, 3:]
     axis = rotations.rotation_matrices(turned[:, shoes // case.loop.shoe_count])[..., 1]
-    times, count, slots, strips = found["strip_guide"].shape
+    times, count, slots, strips = found.strip_guide.shape
     split = (times, count, slots, len(SIDES), strips // len(SIDES), 3)
-    guide = found["strip_guide"][..., None] * across[:, :, None, None]
+    guide = found.strip_guide[..., None] * across[:, :, None, None]
     return named | {
-        "strip_wheel": found["strip_wheel"] + 1,
-        "strip_force": found["strip_force"].reshape(split),
-        "strip_foot": found["strip_foot"].reshape(split),
+        "strip_wheel": found.strip_wheel + 1,
+        "strip_force": found.strip_force.reshape(split),
+        "strip_foot": found.strip_foot.reshape(split),
         "strip_guide": guide.reshape(split),
-        "lug_force": found["lug_force"],
-        "lug_guide": found["lug_guide"][..., None] * axis[:, :, None],
+        "lug_force": found.lug_force,
+        "lug_guide": found.lug_guide[..., None] * axis[:, :, None],
     }
 
 

@@ -1,0 +1,96 @@
+"""What wheels and teeth do to the shoes, at the states of a history."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.packed import FloatArray, IntArray
+from exudyn_crawler.ground.rotations import Weights
+from exudyn_crawler.model.bodies import write_angles
+from exudyn_crawler.model.elimination import solving, solving_within
+from exudyn_crawler.model.forces.teeth import teeth_contacts
+from exudyn_crawler.model.forces.wheels import wheel_contacts
+from exudyn_crawler.model.tables import Workspace, read_system
+
+
+class GearForces(NamedTuple):
+    """Forces at t times, global, on all n shoes and, one by one, on f of them."""
+
+    wheel: FloatArray  # (t, n, 6): force (N) and moment about the COM (N m) of all wheels
+    tooth: FloatArray  # (t, n, 6): of the teeth
+    guide: FloatArray  # (t, n): part of both across the track, N
+    on_wheels: FloatArray  # (t, wheels, 3): of all shoes on every wheel, N
+    energy: FloatArray  # (t, 2): in the contacts of wheels and of teeth, J
+    strip_wheel: IntArray  # (t, f, slots): as of `forces.wheels.WheelWorkspace`, as are all strips
+    strip_force: FloatArray  # (t, f, slots, strips, 3)
+    strip_foot: FloatArray  # (t, f, slots, strips, 3)
+    strip_guide: FloatArray  # (t, f, slots, strips)
+    lug_force: FloatArray  # (t, f, lugs, 3): as of `forces.teeth.TeethWorkspace`, as are all lugs
+    lug_guide: FloatArray  # (t, f, lugs)
+
+    @classmethod
+    def allocate(cls, times: int, shoes: int, some: int, work: Workspace) -> "GearForces":
+        """Arrays of zeros for a workspace, with `some` shoes one by one."""
+        wheels, lugs = work.wheels, len(work.teeth.guide) // shoes
+        return cls(
+            np.zeros((times, shoes, 6)),
+            np.zeros((times, shoes, 6)),
+            np.zeros((times, shoes)),
+            np.zeros((times, *wheels.on_wheels.shape)),
+            np.zeros((times, 2)),
+            np.zeros((times, some, *wheels.wheel.shape[1:]), dtype=np.int64),
+            np.zeros((times, some, *wheels.force.shape[1:])),
+            np.zeros((times, some, *wheels.foot.shape[1:])),
+            np.zeros((times, some, *wheels.guide.shape[1:])),
+            np.zeros((times, some, lugs, 3)),
+            np.zeros((times, some, lugs)),
+        )
+
+
+@solving_within
+def _copy(values: FloatArray, out: FloatArray) -> None:
+    for k in range(out.shape[0]):
+        out[k] = values[k]
+
+
+@solving
+def write_gear_forces(
+    system: IntArray,
+    coordinates: FloatArray,
+    rates: FloatArray,
+    drags: FloatArray,
+    some: IntArray,
+    out: tuple,
+) -> None:
+    """Write `GearForces`, as plain tuple, at coordinates and rates (times, coordinates).
+
+    `system` is a block of `tables.System`, `drags` (times, wheels) are as of `wheel_contacts`, `some` (f,)
+    are the numbers of the shoes whose forces are wanted one by one.
+    """
+    tables, work = read_system(system)
+    bodies, found, weights = tables.bodies, GearForces(*out), Weights(0.0, 0.0, 0.0, False, 1.0)
+    wheels, teeth, state = work.wheels, work.teeth, np.empty((2, coordinates.shape[1]))
+    shoes, lugs = found.guide.shape[1], found.lug_guide.shape[2]
+    for t in range(coordinates.shape[0]):
+        _copy(coordinates[t], state[0])
+        _copy(rates[t], state[1])
+        write_angles(bodies, state[0])
+        teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, teeth)
+        wheel_contacts(tables.wheels, bodies, state, drags[t], weights, wheels)
+        _copy(wheels.on_shoes.reshape(-1), found.wheel[t].reshape(-1))
+        _copy(wheels.on_wheels.reshape(-1), found.on_wheels[t].reshape(-1))
+        found.energy[t, 0], found.energy[t, 1] = wheels.energy[0], teeth.energy[0]
+        for s in range(shoes):
+            found.guide[t, s] = np.sum(wheels.guide[s]) + np.sum(teeth.guide[s * lugs : (s + 1) * lugs])
+            for lug in range(s * lugs, (s + 1) * lugs):
+                for c in range(3):
+                    found.tooth[t, s, c] += teeth.force[lug, c]
+                    found.tooth[t, s, 3 + c] += teeth.moment[lug, c]
+        for k in range(some.shape[0]):
+            s = some[k]
+            _copy(wheels.wheel[s], found.strip_wheel[t, k])
+            _copy(wheels.force[s].reshape(-1), found.strip_force[t, k].reshape(-1))
+            _copy(wheels.foot[s].reshape(-1), found.strip_foot[t, k].reshape(-1))
+            _copy(wheels.guide[s].reshape(-1), found.strip_guide[t, k].reshape(-1))
+            _copy(teeth.force[s * lugs : (s + 1) * lugs].reshape(-1), found.lug_force[t, k].reshape(-1))
+            _copy(teeth.guide[s * lugs : (s + 1) * lugs], found.lug_guide[t, k])
