@@ -46,10 +46,10 @@ def in_engine(case):
         marker = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=other))
         mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[base, marker]))
     place = np.array(case.track.com_positions(case.shoe.com_height)[6])
-    for joint, marker in zip(floating.joints, shoes.markers[:-1], strict=True):
-        center = (place + case.track.joint_centers[joint]).tolist()
+    for interface, marker in zip(reduced.interfaces, shoes.markers[:-1], strict=True):
+        center = (place + case.track.joint_centers[interface.name]).tolist()
         base = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=center))
-        axes = [*HELD[joint], 0, 0, 0]
+        axes = [*HELD[interface.name], 0, 0, 0]
         mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[base, marker], constrainedAxes=axes))
     mbs.AddLoad(items.LoadForceVector(markerNumber=shoes.markers[-1], loadVector=[0.0, 0.0, -LOAD]))
     mbs.Assemble()
