@@ -90,7 +90,8 @@ class CompiledSystem(track_system.TrackSystem):
         self.tables = parts.tables
         self.layout = layout_of(case, self.tables, parts.pins)
         size, multipliers = self.layout.coordinate_count, self.tables.multiplier_count
-        add_coordinates(self.mbs, size)
+        add_coordinates(self.mbs, "track", size)
+        self.mbs.Assemble()
         self._driven = True
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)

@@ -9,11 +9,15 @@ from typing import Any
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
-from exudyn.rigidBodyUtilities import RigidBodyInertia
+from exudyn.rigidBodyUtilities import (
+    EulerParameters2G,
+    EulerParameters2RotationMatrix,
+    RigidBodyInertia,
+)
 
 exu.config.printToConsole = False
 
-__all__ = ["RigidBodyInertia", "exu", "items"]
+__all__ = ["EulerParameters2G", "EulerParameters2RotationMatrix", "RigidBodyInertia", "exu", "items"]
 
 
 def predict(
@@ -63,8 +67,9 @@ def sparse(values: np.ndarray) -> "exu.MatrixContainer":
     return matrix
 
 
-def add_coordinates(mbs: "exu.MainSystem", size: int) -> None:
-    """Make of an empty system one object that has so many coordinates and a mass for each."""
-    nodes = [generic_node(mbs, "track", size)]
-    mbs.AddObject(items.ObjectGenericODE2(name="track", nodeNumbers=nodes, massMatrix=sparse(np.eye(size))))
-    mbs.Assemble()
+def add_coordinates(mbs: "exu.MainSystem", name: str, size: int, **acting: object) -> int:
+    """Object of so many coordinates with a mass of one for each, and what acts on them; gives their node."""
+    node = generic_node(mbs, name, size)
+    mass = sparse(np.eye(size))
+    mbs.AddObject(items.ObjectGenericODE2(name=name, nodeNumbers=[node], massMatrix=mass, **acting))
+    return node

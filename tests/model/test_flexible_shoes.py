@@ -8,7 +8,7 @@ from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, sim
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.model.build import parts_of
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.exudyn.bodies import add_shoe_nodes, add_shoes, points_of
+from exudyn_crawler.model.exudyn.bodies import add_shoe_nodes, add_shoes
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
@@ -133,7 +133,7 @@ def test_a_free_shoe_vibrates_at_its_modal_frequency():
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     tables = parts_of(case).tables
-    shoes = add_shoes(mbs, tables, add_shoe_nodes(mbs, tables), points_of(tables), np.zeros(3))
+    shoes = add_shoes(mbs, tables, add_shoe_nodes(mbs, tables), np.zeros(3))
     modal_node = shoes.modal_nodes[0]
     mbs.SetNodeParameter(modal_node, "initialCoordinates_t", [1e-2] + [0.0] * (floating.mode_count - 1))
     mbs.Assemble()

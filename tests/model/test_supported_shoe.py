@@ -7,8 +7,10 @@ import pytest
 
 from exudyn_crawler import Case
 from exudyn_crawler.model.build import parts_of
-from exudyn_crawler.model.exudyn.bodies import Point, add_shoe_nodes, add_shoes
+from exudyn_crawler.model.exudyn.bodies import add_shoe_nodes, add_shoes
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
+from exudyn_crawler.model.forces.loads import Loads
+from exudyn_crawler.model.joints import Markers
 from fem import Partition
 from fem.stress import von_mises
 from studies.stress import with_modes
@@ -35,11 +37,14 @@ def in_engine(case):
     tables, ground = parts_of(case).tables, mbs.AddObject(items.ObjectGround())
     reduced, nodes = floating.reduced, add_shoe_nodes(mbs, tables)
     points = [
-        Point(6, interface.center, pilot[:3], pilot[3:])
+        (6, interface.center, pilot[:3], pilot[3:], floating.mode_count)
         for interface, pilot in zip(reduced.interfaces, reduced.pilots, strict=True)
     ]
-    points.append(Point(6, floating.load_point, floating.load_rows, np.zeros_like(floating.load_rows)))
-    shoes = add_shoes(mbs, tables, nodes, points, np.zeros(3))
+    rows = floating.load_rows
+    points.append((6, floating.load_point, rows, np.zeros_like(rows), floating.mode_count))
+    markers = Markers(*(np.array(one) for one in zip(*points, strict=True)))
+    tables = tables._replace(markers=markers, loads=Loads(*np.zeros((2, 0), dtype=int)))
+    shoes = add_shoes(mbs, tables, nodes, np.zeros(3))
     for other in (*nodes[:6], *nodes[7:]):
         at = mbs.GetNode(other)["referenceCoordinates"][:3]
         base = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=at))

@@ -1,56 +1,28 @@
 """Shoes and terrain as Exudyn's bodies, with their weights."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.terrain import terrain_joints
-from exudyn_crawler.model.engine import RigidBodyInertia, exu, generic_node, items, sparse
+from exudyn_crawler.model.engine import RigidBodyInertia, add_coordinates, exu, generic_node, items, sparse
 from exudyn_crawler.model.exudyn.euler_parameters import UNTURNED
 from exudyn_crawler.model.forces.units import TerrainTable
-from exudyn_crawler.model.state import BODY_COORDINATES
+from exudyn_crawler.model.joints import Markers
 from exudyn_crawler.model.tables import Tables
 
-ARM = 0.05
-"""m, distance of a point's massless nodes from it."""
-CORNERS = ARM * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
-"""Of a tetrahedron: their mean is the centre, and no axis of rotation is preferred."""
-SIDES = (-1.0, 1.0)
-"""m, beside the place of a load: where its two shares act, to the right and to the left."""
-
-
-class Point(NamedTuple):
-    """A point of a body that joints or loads attach to, as of `joints.Markers`."""
-
-    body: int
-    position: np.ndarray
-    displacement: np.ndarray
-    rotation: np.ndarray
+CORNERS = 0.05 * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
+"""m, of a tetrahedron: their mean is the centre, and no axis of rotation is preferred."""
 
 
 class Shoes(NamedTuple):
-    """Shoes in Exudyn: nodes and bodies of all, nodes of the flexible ones' modes, markers of points."""
+    """Shoes in Exudyn: nodes and bodies of all, nodes of the flexible ones' modes, the tables' markers."""
 
     nodes: list[int]
     bodies: list[int]
     modal_nodes: list[int]
     markers: list[int]
-
-
-def points_of(tables: Tables) -> list[Point]:
-    """Both ends of every pin, then both `SIDES` of every load, and last the drive's."""
-    markers, loads, drive = tables.markers, tables.loads, tables.joints.drive
-    loaded = zip(loads.marker.tolist(), loads.beside.tolist(), strict=True)
-    places = [(k, k, 0.0) for k in tables.joints.pins.ravel().tolist()]
-    places += [(k, by, side) for k, by in loaded for side in SIDES]
-    places += [(drive, drive, 0.0)]
-    columns = (markers.position, markers.displacement, markers.rotation)
-    return [
-        Point(int(markers.body[k]), *(values[k] + side * values[by] for values in columns))
-        for k, by, side in places
-    ]
 
 
 def add_shoe_nodes(mbs: "exu.MainSystem", tables: Tables) -> list[int]:
@@ -61,62 +33,61 @@ def add_shoe_nodes(mbs: "exu.MainSystem", tables: Tables) -> list[int]:
     ]
 
 
-def add_shoes(
-    mbs: "exu.MainSystem", tables: Tables, nodes: list[int], points: Sequence[Point], gravity: np.ndarray
-) -> Shoes:
+def add_shoes(mbs: "exu.MainSystem", tables: Tables, nodes: list[int], gravity: np.ndarray) -> Shoes:
     """Rigid bodies and floating frames of the tables on their nodes, with their weights.
 
-    `points` get markers, `gravity` (3,) is in m/s2, global.
+    They get the tables' markers, but in place of one beside a load the point that is a metre to the left of
+    the load's place. `gravity` (3,) is in m/s2, global.
     """
-    shoes, bodies = Shoes(nodes, [], [], [0] * len(points)), tables.bodies
+    shoes, bodies, points = Shoes(nodes, [], [], []), tables.bodies, _points_of(tables)
     for b, node in enumerate(nodes):
-        name, is_rigid = f"shoe {b + 1}", bodies.modal[b] < 0
-        own = {k: point for k, point in enumerate(points) if point.body == b}
-        mass, com = bodies.mass[b], bodies.first[b] / bodies.mass[b]
-        inertia = np.trace(bodies.second[b]) * np.eye(3) - bodies.second[b]
-        if is_rigid:
-            six = RigidBodyInertia(mass, inertia, com).GetInertia6D()
-            body = mbs.AddObject(
-                items.ObjectRigidBody(name=name, mass=mass, inertia=six, centerOfMass=com, nodeNumber=node)
-            )
+        mass, inertia = bodies.mass[b], np.trace(bodies.second[b]) * np.eye(3) - bodies.second[b]
+        own = {"name": f"shoe {b + 1}", "mass": mass, "centerOfMass": bodies.first[b] / mass}
+        if bodies.modal[b] < 0:
+            six = RigidBodyInertia(mass, inertia).GetInertia6D()
+            body = mbs.AddObject(items.ObjectRigidBody(nodeNumber=node, inertia=six, **own))
         else:
-            shoes.modal_nodes.append(generic_node(mbs, f"modes of {name}", len(tables.modes.stiffness)))
-            body = mbs.AddObject(
-                items.ObjectFFRFreducedOrder(
-                    name=name,
-                    nodeNumbers=[node, shoes.modal_nodes[-1]],
-                    mass=mass,
-                    inertia=inertia,
-                    centerOfMass=com,
-                    **_elasticity(tables, list(own.values())),
-                )
-            )
+            modal = generic_node(mbs, f"modes of shoe {b + 1}", len(tables.modes.stiffness))
+            own |= {"nodeNumbers": [node, modal], "inertia": inertia, **_elasticity(tables, points)}
+            body = mbs.AddObject(items.ObjectFFRFreducedOrder(**own))
+            shoes.modal_nodes.append(modal)
         shoes.bodies.append(body)
-        for n, (k, point) in enumerate(own.items()):
-            corners, shares = [*range(4 * n, 4 * n + 4)], [0.25] * 4
-            shoes.markers[k] = mbs.AddMarker(
-                items.MarkerBodyRigid(bodyNumber=body, localPosition=point.position)
-                if is_rigid
-                else items.MarkerSuperElementRigid(
-                    bodyNumber=body, meshNodeNumbers=corners, weightingFactors=shares
-                )
-            )
         weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
         mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=gravity))
+    for k, (b, place) in enumerate(zip(points.body, points.position, strict=True)):
+        body, mesh, shares = shoes.bodies[b], [*range(4 * k, 4 * k + 4)], [0.25] * 4
+        marker = (
+            items.MarkerBodyRigid(bodyNumber=body, localPosition=place)
+            if bodies.modal[b] < 0
+            else items.MarkerSuperElementRigid(bodyNumber=body, meshNodeNumbers=mesh, weightingFactors=shares)
+        )
+        shoes.markers.append(mbs.AddMarker(marker))
     return shoes
 
 
-def _elasticity(tables: Tables, points: list[Point]) -> dict[str, object]:
-    """Modes of a floating frame of reference; they move four massless nodes about each point as it moves."""
-    modes = tables.modes
-    position, displacement, rotation = (np.stack(one)[:, None] for one in list(zip(*points, strict=True))[1:])
-    rows = displacement + np.cross(rotation, CORNERS[None, :, :, None], axis=2)
+def _points_of(tables: Tables) -> Markers:
+    """Markers that are points all: a load's place and what that changes by per metre are added."""
+    markers, loads = tables.markers, tables.loads
+    added = np.eye(len(markers.body))
+    added[loads.beside, loads.marker] = 1.0
+    columns = markers.position, markers.displacement, markers.rotation
+    position, displacement, rotation = (np.tensordot(added, one, axes=1) for one in columns)
+    return markers._replace(position=position, displacement=displacement, rotation=rotation)
+
+
+def _elasticity(tables: Tables, points: Markers) -> dict[str, object]:
+    """Modes of a floating frame of reference; they move four massless nodes about each point as it moves.
+
+    Every frame has the nodes of all points, also of those on other bodies, which nothing touches.
+    """
+    modes, m = tables.modes, len(tables.modes.stiffness)
+    turned = np.cross(points.rotation[:, None], CORNERS[None, :, :, None], axis=2)
     return {
-        "massMatrixReduced": sparse(np.eye(len(modes.stiffness))),
+        "massMatrixReduced": sparse(np.eye(m)),
         "stiffnessMatrixReduced": sparse(np.diag(modes.stiffness)),
         "dampingMatrixReduced": sparse(np.diag(modes.damping)),
-        "modeBasis": rows.reshape(-1, len(modes.stiffness)),
-        "referencePositions": (position + CORNERS).ravel(),
+        "modeBasis": (points.displacement[:, None] + turned).reshape(-1, m),
+        "referencePositions": (points.position[:, None] + CORNERS).ravel(),
         **floating_integrals(tables),
     }
 
@@ -129,39 +100,29 @@ def floating_integrals(tables: Tables) -> dict[str, np.ndarray]:
     ``a~^T b~ = (a . b) 1 - b a^T`` for places and mode shapes a and b.
     """
     modes, m = tables.modes, len(tables.modes.stiffness)
-    places = modes.places.reshape(3, m, 3)  # x_a Psi_ck over (a, k, c)
-    products = modes.products.reshape(m, 3, m, 3)  # Psi_aj Psi_ck over (j, a, k, c)
-    cross = np.zeros((3, 3, 3))
-    cross[[0, 1, 2], [1, 2, 0], [2, 0, 1]], cross[[0, 1, 2], [2, 0, 1], [1, 2, 0]] = 1.0, -1.0
-
-    def both_skew(pairs: np.ndarray) -> np.ndarray:
-        return np.einsum("...aka,rs->...rks", pairs, np.eye(3)) - np.einsum("...skr->...rks", pairs)
-
+    cross = np.cross(np.eye(3)[:, None], np.eye(3))
+    # x_a Psi_ck over (0, a, k, c), then Psi_aj Psi_ck over (j, a, k, c)
+    pairs = np.concatenate((modes.places.reshape(1, 3, m, 3), modes.products.reshape(m, 3, m, 3)))
+    once = -np.einsum("rac,jakc->jrk", cross, pairs)
+    twice = np.einsum("jaka,rs->jrks", pairs, np.eye(3)) - np.einsum("jskr->jrks", pairs)
     return {
         "mPhitTPsi": modes.shapes,
         "mPhitTPsiTilde": np.einsum("rds,dk->rks", cross, modes.shapes).reshape(3, 3 * m),
-        "mPsiTildePsi": -np.einsum("rac,jakc->jrk", cross, products).reshape(3 * m, m),
-        "mPsiTildePsiTilde": both_skew(products).reshape(3 * m, 3 * m),
-        "mXRefTildePsi": -np.einsum("rac,akc->rk", cross, places),
-        "mXRefTildePsiTilde": both_skew(places).reshape(3, 3 * m),
+        "mXRefTildePsi": once[0],
+        "mXRefTildePsiTilde": twice[0].reshape(3, 3 * m),
+        "mPsiTildePsi": once[1:].reshape(3 * m, m),
+        "mPsiTildePsiTilde": twice[1:].reshape(3 * m, 3 * m),
     }
 
 
 def add_terrain_modes(mbs: "exu.MainSystem", terrain: TerrainTable, gravity: np.ndarray) -> list[int]:
     """Terrain in its independent coordinates; gives their node."""
-    size = len(terrain.stiffness)
-    nodes = [generic_node(mbs, "terrain", size)]
-    mbs.AddObject(
-        items.ObjectGenericODE2(
-            name="terrain",
-            nodeNumbers=nodes,
-            massMatrix=sparse(np.eye(size)),
-            stiffnessMatrix=sparse(terrain.stiffness),
-            dampingMatrix=sparse(terrain.damping),
-            forceVector=-gravity[2] * terrain.weight,
-        )
-    )
-    return nodes
+    acting = {
+        "stiffnessMatrix": sparse(terrain.stiffness),
+        "dampingMatrix": sparse(terrain.damping),
+        "forceVector": -gravity[2] * terrain.weight,
+    }
+    return [add_coordinates(mbs, "terrain", len(terrain.stiffness), **acting)]
 
 
 def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
@@ -170,13 +131,13 @@ def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
     Units only tilt, so that angles serve them.
     """
     terrain, ground = case.unit_terrain(), mbs.CreateGround()
-    axes, tilt = np.eye(3), terrain.tilt_axis
+    axes, tilt, support = np.eye(3), terrain.tilt_axis, np.zeros((6, 6))
+    support[2, 2], support[3 + tilt, 3 + tilt] = terrain.spring_stiffness, terrain.column_tilt_stiffness
     offset = terrain.spring_offset * axes[1 - tilt]
     nodes, bodies = [], []
     for number, center in enumerate(terrain.even_centers, start=1):
-        name = f"unit {number}"
         made = mbs.CreateRigidBody(
-            name=name,
+            name=f"unit {number}",
             referencePosition=center,
             inertia=RigidBodyInertia(terrain.unit_mass, np.diag(terrain.unit_inertia)),
             # on a slope the ground below holds each unit along it; the joints, which end at the one unit
@@ -185,28 +146,20 @@ def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
             nodeType=exu.NodeType.RotationRxyz,
             returnDict=True,
         )
-        body = made["bodyNumber"]
+        node, body = made["nodeNumber"], made["bodyNumber"]
         for place in (0.0 * offset,) if terrain.springs_per_unit == 1 else (-offset, offset):
-            mbs.CreateCartesianSpringDamper(
+            mbs.CreateRigidBodySpringDamper(
                 itemNumbers=[ground, body],
                 localPosition0=center + place,
                 localPosition1=place,
-                stiffness=[0.0, 0.0, terrain.spring_stiffness],
-                damping=[0.0, 0.0, terrain.spring_damping],
-            )
-        if terrain.column_tilt:
-            stiffness = terrain.springs_per_unit * terrain.column_tilt_stiffness
-            mbs.CreateTorsionalSpringDamper(
-                itemNumbers=[ground, body],
-                position=center,
-                axis=axes[tilt],
-                stiffness=stiffness,
-                damping=terrain.damping_time * stiffness,
-                unlimitedRotations=False,
+                stiffness=support,
+                damping=terrain.damping_time * support,
+                useIntrinsicFormulation=False,
             )
         for axis in {0, 1, 2} - {tilt}:
-            hold(mbs, made["nodeNumber"], 3 + axis, f"rotation {axis} of {name}", velocity_level=True)
-        nodes.append(made["nodeNumber"])
+            held = f"rotation {axis} of unit {number}"
+            mbs.CreateCoordinateConstraint(held, [None, node], [None, 3 + axis], velocityLevel=True)
+        nodes.append(node)
         bodies.append(body)
     sides = 0.5 * np.array([terrain.unit_length, terrain.unit_width, 0.0])
     for joint in terrain_joints(terrain):
@@ -216,13 +169,7 @@ def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
             position=terrain.even_centers[joint.first] + sides * axes[joint.axis],
             constrainedAxes=[1, 1, 1] if joint.spherical else [0, 0, 1],
         )
-    for axis in (0, 1):
-        hold(mbs, nodes[-1], axis, f"hold of unit {len(nodes)} ({BODY_COORDINATES[axis]})")
+    for axis, name in enumerate("xy"):
+        held = f"hold of unit {len(nodes)} ({name})"
+        mbs.CreateCoordinateConstraint(held, [None, nodes[-1]], [None, axis])
     return nodes
-
-
-def hold(mbs: "exu.MainSystem", node: int, coordinate: int, name: str, velocity_level: bool = False) -> int:
-    """Constraint that keeps one coordinate of a node where it is."""
-    return mbs.CreateCoordinateConstraint(
-        name, itemNumbers=[None, node], coordinates=[None, coordinate], velocityLevel=velocity_level
-    )

@@ -9,30 +9,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from exudyn_crawler.ground import rotations
+from exudyn_crawler.model.engine import EulerParameters2G, EulerParameters2RotationMatrix
 
 UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 """Euler parameters of reference of every body."""
-SIGNS = np.array([-1.0, 1.0, 1.0, 1.0])
 SIZE = 7
 """Coordinates of a body: displacement and Euler parameters."""
-
-
-def rate_matrix(e: np.ndarray) -> np.ndarray:
-    """G of Euler parameters (..., 4), which makes global angular velocities of their rates: (..., 3, 4)."""
-    e0, e1, e2, e3 = np.moveaxis(e, -1, 0)
-    rows = ((-e1, e0, -e3, e2), (-e2, e3, e0, -e1), (-e3, -e2, e1, e0))
-    return 2.0 * np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
-def matrices_of(e: np.ndarray) -> np.ndarray:
-    """Rotation matrices of Euler parameters (..., 4) of any norm: array (..., 3, 3).
-
-    ``R = G Gb^T / 4`` with Gb, which makes angular velocities in body components (Nikravesh, ch. 6).
-    """
-    # forces that are no numbers bring parameters to zero, which scipy refuses
-    of_body = rate_matrix(e * -SIGNS) * SIGNS
-    products = np.einsum("...ij,...kj->...ik", rate_matrix(e), of_body)
-    return np.asarray(0.25 * products / np.sum(e**2, axis=-1)[..., None, None])
 
 
 class BodyCoordinates:
@@ -42,8 +24,7 @@ class BodyCoordinates:
     """
 
     def __init__(self, reference: np.ndarray) -> None:
-        self._reference = reference
-        self._turned = reference[:, 3:].copy()
+        self._turned = self._reference = reference[:, 3:]
 
     def _split(self, values: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """First three numbers of every body, its others, and what follows the bodies."""
@@ -52,20 +33,20 @@ class BodyCoordinates:
         return bodies[:, :3], bodies[:, 3:], values[count:]
 
     def _turn(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """G (bodies, 3, 4), and angles (bodies, 3), at Exudyn's coordinates."""
-        e = self._split(q, SIZE)[1] + UNTURNED
-        return rate_matrix(e), rotations.angles_of(matrices_of(e))
+        """G (3, 4, bodies), and angles (bodies, 3), at Exudyn's coordinates."""
+        e = (self._split(q, SIZE)[1] + UNTURNED).T
+        return EulerParameters2G(e), rotations.angles_of(EulerParameters2RotationMatrix(e).transpose(2, 0, 1))
 
     def of_state(self, q: np.ndarray, q_t: np.ndarray, q_tt: np.ndarray) -> list[np.ndarray]:
         """Exudyn's coordinates, rates and accelerations of a state's."""
         split = [self._split(values, 6) for values in (q, q_t, q_tt)]
         angles, rates, accelerations = (turned for _, turned, _ in split)
-        self._turned = angles = self._reference[:, 3:] + angles
+        self._turned = angles = self._reference + angles
         e = np.asarray(Rotation.from_matrix(rotations.rotation_matrices(angles)).as_quat(scalar_first=True))
-        G = rate_matrix(e)
-        e_t = 0.25 * np.einsum("nij,ni->nj", G, rotations.angular_velocity(angles, rates))
+        G = EulerParameters2G(e.T)
+        e_t = 0.25 * np.einsum("ijn,ni->nj", G, rotations.angular_velocity(angles, rates))
         alpha = rotations.angular_acceleration(angles, rates, accelerations)
-        e_tt = 0.25 * np.einsum("nij,ni->nj", G, alpha) - np.sum(e_t**2, axis=1)[:, None] * e
+        e_tt = 0.25 * np.einsum("ijn,ni->nj", G, alpha) - np.sum(e_t**2, axis=1)[:, None] * e
         return [_joined(*one) for one in zip(split, (e - UNTURNED, e_t, e_tt), strict=True)]
 
     def to_state(self, q: np.ndarray, *rates: np.ndarray) -> list[np.ndarray]:
@@ -75,29 +56,24 @@ class BodyCoordinates:
         """
         split = [self._split(values, SIZE) for values in (q, *rates)]
         G, angles = self._turn(q)
-        spins = [np.einsum("nij,nj->ni", G, turned) for _, turned, _ in split[1:]]
-        turned = [rotations.angle_rates(angles, spins[0])]
-        if len(spins) > 1:
-            turned.append(rotations.angle_accelerations(angles, turned[0], spins[1]))
-        turns = 2.0 * np.pi
-        self._turned = angles + turns * np.round((self._turned - angles) / turns)
-        turned.insert(0, self._turned - self._reference[:, 3:])
+        spin, *changes = (np.einsum("ijn,nj->ni", G, turned) for _, turned, _ in split[1:])
+        self._turned = np.unwrap(np.stack((self._turned, angles)), axis=0)[1]
+        turned = [self._turned - self._reference, rotations.angle_rates(angles, spin)]
+        turned += [rotations.angle_accelerations(angles, turned[1], change) for change in changes]
         return [_joined(*one) for one in zip(split, turned, strict=True)]
 
     def forces_of_state(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Generalized forces on Exudyn's coordinates of those on a state's."""
         (G, angles), split = self._turn(q), self._split(forces, 6)
-        return _joined(split, np.einsum("nij,ni->nj", G, rotations.moments_of(angles, split[1])))
+        return _joined(split, np.einsum("ijn,ni->nj", G, rotations.moments_of(angles, split[1])))
 
     def wrenches(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Forces (N) and moments about the origins (N m) of forces on Exudyn's coordinates: (bodies, 6)."""
-        pushes, turning, _ = self._split(forces, SIZE)
-        return np.hstack((pushes, 0.25 * np.einsum("nij,nj->ni", self._turn(q)[0], turning)))
+        """Forces (N) and moments about the origins (N m) of forces on Exudyn's coordinates, then the others.
 
-    def forces_to_state(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Generalized forces on a state's coordinates of those on Exudyn's."""
-        turning = rotations.moments_on_angles(self._turn(q)[1], self.wrenches(q, forces)[:, 3:])
-        return _joined(self._split(forces, SIZE), turning)
+        Gives six numbers a body, in one row.
+        """
+        G, split = self._turn(q)[0], self._split(forces, SIZE)
+        return _joined(split, 0.25 * np.einsum("ijn,nj->ni", G, split[1]))
 
 
 def _joined(split: tuple[np.ndarray, np.ndarray, np.ndarray], turned: np.ndarray) -> np.ndarray:

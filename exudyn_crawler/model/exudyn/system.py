@@ -7,16 +7,15 @@ without rollers; the compiled equations are checked against it.
 """
 
 import dataclasses
-import math
-import weakref
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground import contact, rotations, sphere_contact, terrain
+from exudyn_crawler.ground import sphere_contact, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
+from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.model import build, compiled_system, state, track_system
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.exudyn import bodies, drive, euler_parameters
@@ -36,44 +35,30 @@ def add_spheres(
     Damping and friction are those of `case.sphere_contact()`, the stiffness is `case.sphere_stiffness`.
     `static` leaves friction out: at rest there is none, and on the way to it the track would creep.
     """
-    spheres, terrain, centers = (
-        case.sphere_contact(),
-        case.unit_terrain(),
-        sphere_contact.sphere_centers(case),
-    )
-    friction = NO_FRICTION if static else max(spheres.friction, NO_FRICTION)
+    spheres, terrain = case.sphere_contact(), case.unit_terrain()
     contact = mbs.AddGeneralContact()
     contact.frictionProportionalZone = spheres.friction_speed
-    contact.SetFrictionPairings(np.array([[friction]]))
+    contact.SetFrictionPairings(np.array([[NO_FRICTION if static else max(spheres.friction, NO_FRICTION)]]))
     contact.computeContactForces = True
     contact.sphereSphereContact = False
     # otherwise an edge pushes with half the force, as if two triangles shared it
     contact.excludeDuplicatedTrigSphereContactPoints = True
-    (x0, x1), (y0, y1) = terrain.bounds
-    tops = terrain.top_heights
-    sides = [math.ceil((high - low) / CELL) for low, high in terrain.bounds]
-    contact.SetSearchTreeCellSize([*(max(1, side) for side in sides), 1])
-    contact.SetSearchTreeBox([x0, y0, tops.min() - 1.0], [x1, y1, tops.max() + 1.0])
-    # the stiffnesses of both partners act in series, their dampings add
-    law: dict[str, Any] = {
-        "contactStiffness": 2.0 * case.sphere_stiffness,
-        "contactDamping": 0.5 * spheres.damping / spheres.count,
-        "frictionMaterialIndex": 0,
-    }
+    (low, high), tops = np.transpose(terrain.bounds), terrain.top_heights
+    contact.SetSearchTreeCellSize([*np.ceil((high - low) / CELL).astype(int), 1])
+    contact.SetSearchTreeBox([*low, tops.min() - 1.0], [*high, tops.max() + 1.0])
+    # the stiffnesses of both partners act in series, their dampings add; the last is their friction's number
+    law = 2.0 * case.sphere_stiffness, 0.5 * spheres.damping / spheres.count, 0
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - sphere_contact.face_inset(case)
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
     for node, top, slope in zip(unit_nodes, tops, terrain.slopes, strict=True):
         z = 0.5 * terrain.unit_height + top + slope * corners[:, 0]
-        contact.AddTrianglesRigidBodyBased(
-            rigidBodyMarkerIndex=mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node)),
-            pointList=np.column_stack((corners, z)).tolist(),
-            triangleList=[[0, 1, 2], [0, 2, 3]],
-            **law,
-        )
+        marker = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
+        faces = np.column_stack((corners, z)).tolist(), [[0, 1, 2], [0, 2, 3]]
+        contact.AddTrianglesRigidBodyBased(marker, *law, *faces)
     for body in bodies:
-        for center in centers:
+        for center in sphere_contact.sphere_centers(case):
             marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=center))
-            contact.AddSphereWithMarker(markerIndex=marker, radius=spheres.radius, **law)
+            contact.AddSphereWithMarker(marker, spheres.radius, *law)
     return contact
 
 
@@ -81,8 +66,8 @@ SHARPENING = 0.1
 """Of the residual that ends a step: with the Jacobian of an earlier step the iteration ends just below it,
 with a new one far below."""
 
-PIN_ROWS = [0, 1, 2, 3, 5]
-"""Multipliers of a pin among the six of Exudyn's joint, whose free rotation has one that is zero."""
+FREE_ROTATION = 4
+"""Multiplier that is zero among the six of Exudyn's joint: all of these leave the rotation about y free."""
 
 
 class ExudynSystem(track_system.TrackSystem):
@@ -100,44 +85,38 @@ class ExudynSystem(track_system.TrackSystem):
         super().__init__(case, parts)
         self._coordinates = euler_parameters.BodyCoordinates(parts.tables.bodies.reference)
         self.general: exu.GeneralContact | None = None
-        joints = self._assemble(parts, static)
-        self.layout, self._rows = self._layout_of(parts, joints)
-        if not static:
-            self.switch_drive(True)
+        self._assemble(parts, static)
+        self.layout, self._rows = self._layout_of(parts)
 
-    def _assemble(self, parts: build.Parts, static: bool) -> list[int]:
-        """Add all items; gives the joints that the compiled equations have, too."""
-        mbs, case, tables, gravity = self.mbs, self.case, parts.tables, self.case.gravity_vector()
+    def _assemble(self, parts: build.Parts, static: bool) -> None:
+        """Add all items."""
+        mbs, case, tables, contact = self.mbs, self.case, parts.tables, self.contact
+        gravity = case.gravity_vector()
         # coordinates come in the order of the nodes
         nodes, ground = bodies.add_shoe_nodes(mbs, tables), []
-        if isinstance(self.contact.coordinates, terrain.UnitCoordinates):
+        if isinstance(contact.coordinates, terrain.UnitCoordinates):
             ground = bodies.add_units(mbs, case)
-        elif self.contact.coordinates.size:
+        elif contact.coordinates.size:
             ground = bodies.add_terrain_modes(mbs, tables.terrain, gravity)
-        shoes = bodies.add_shoes(mbs, tables, nodes, bodies.points_of(tables), gravity)
+        shoes = bodies.add_shoes(mbs, tables, nodes, gravity)
         self._shoe_bodies = shoes.bodies
-        joints = []
-        for p, (link, side) in enumerate(parts.pins):
-            ends = shoes.markers[2 * p : 2 * p + 2]
-            joints.append(
-                mbs.CreateGenericJoint(state.pin_name(side, link), ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
-            )
-        drive.add_loads(mbs, case, shoes.markers[2 * len(joints) : -1], static)
-        if isinstance(self.contact, contact.PairGroundContact):
-            self._add_force([*nodes, *ground, *shoes.modal_nodes], self.contact.forces)
-        elif isinstance(self.contact, CellGroundContact):
-            work = CellWorkspace.allocate(tables.cells, self.contact.ground.shoes)
-            self._cells = TrackOnCells(self.contact.ground, OnCells(tables.bodies, tables.cells, work))
-            self._add_cells(self._cells, [*nodes, *shoes.modal_nodes])
+        for (link, side), pin in zip(parts.pins, tables.joints.pins, strict=True):
+            ends = [shoes.markers[k] for k in pin]
+            mbs.CreateGenericJoint(state.pin_name(side, link), ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
+        drive.add_loads(mbs, case, tables, shoes, static)
+        if isinstance(contact, PairGroundContact):
+            self._add_force([*nodes, *ground, *shoes.modal_nodes], contact.forces)
+        elif isinstance(contact, CellGroundContact):
+            work = CellWorkspace.allocate(tables.cells, contact.ground.shoes)
+            self._cells = TrackOnCells(contact.ground, OnCells(tables.bodies, tables.cells, work))
+            self._add_force([*nodes, *shoes.modal_nodes], self._cells.forces)
         else:
             self.general = add_spheres(mbs, case, shoes.bodies, ground, static)
         if static:
-            bounces = self.general is not None and not case.terrain.is_even
-            self._drives = [drive.add_hold(mbs, case, shoes, tables.bodies.mass, dashpots=bounces)]
+            drive.add_hold(mbs, case, tables, shoes)
         else:
             self._drives = drive.add_drive(mbs, case, tables, shoes)
         mbs.Assemble()
-        return joints + self._drives
 
     def _add_force(self, nodes: list[int], forces: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
         """Forces of the ground on all coordinates of a state, at these and their rates, as one user force."""
@@ -148,76 +127,53 @@ class ExudynSystem(track_system.TrackSystem):
             return coordinates.forces_of_state(own, forces(*coordinates.to_state(own, np.array(q_t))))
 
         massless = exu.MatrixContainer()
-        self.mbs.AddObject(
-            items.ObjectGenericODE2(
-                name="contact", nodeNumbers=nodes, massMatrix=massless, forceUserFunction=force
-            )
-        )
-
-    def _add_cells(self, cells: TrackOnCells, nodes: list[int]) -> None:
-        """Ground of cells under the shoes, covered and committed about each step."""
-        reference = self.contact.shoe_reference
-        # the engine keeps these functions, and they would keep the system
-        system = weakref.proxy(self)
-
-        def forces(q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
-            wrenches, modal = cells.press(np.stack((q, q_t)))
-            angles = reference[:, 3:] + q[: reference.size].reshape(-1, 6)[:, 3:]
-            wrenches[:, 3:] = rotations.moments_on_angles(angles, wrenches[:, 3:])
-            return np.concatenate((wrenches.ravel(), modal.ravel()))
-
-        def cover(_mbs, _time):
-            cells.cover(np.stack(system.coordinates()))
-            return True
-
-        self._add_force(nodes, forces)
-        self.mbs.SetPreStepUserFunction(cover)
+        self.mbs.AddObject(items.ObjectGenericODE2("contact", nodes, massless, forceUserFunction=force))
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:
-        """As of `TrackSystem`; cells remember each step first."""
+        """As of `TrackSystem`; cells remember each step first, and are covered for the next one."""
         cells, ends = self._cells, report
         if cells is None or ends is None:
             super().after_step(ends)
             return
 
         def remembered(time: float) -> bool:
-            cells.press(np.stack(self.coordinates()))
+            state = np.stack(self.coordinates())
+            cells.forces(*state[:2])
             cells.commit()
-            return ends(time)
+            goes_on = ends(time)
+            cells.cover(state)
+            return goes_on
 
         super().after_step(remembered)
 
-    def _layout_of(self, parts: build.Parts, joints: list[int]) -> tuple[state.StateLayout, np.ndarray]:
+    def _layout_of(self, parts: build.Parts) -> tuple[state.StateLayout, np.ndarray]:
         """Layout of the states, and where Exudyn has their multipliers.
 
         Behind the joints of the compiled equations come Exudyn's other items; the norm of Euler parameters
         is none of the state's.
         """
-        data, multipliers, rows = self.mbs.systemData, [], []
+        data, own = self.mbs.systemData, compiled_system.layout_of(self.case, parts.tables, parts.pins)
         norms = {row for body in self._shoe_bodies for row in data.GetObjectLTGAE(body)}
-        others = set(range(data.NumberOfObjects())) - {*map(int, joints)}
-        for k, number in enumerate([*joints, *sorted(others)]):
+        rows: dict[str, list[int]] = {name: [] for name, _ in own.multipliers}
+        for number in range(data.NumberOfObjects()):
             of_item = [row for row in data.GetObjectLTGAE(number) if row not in norms]
-            if k < len(parts.pins):
-                of_item = [of_item[row] for row in PIN_ROWS]
-            if of_item:
-                multipliers.append((self.mbs.GetObject(number)["name"], len(of_item)))
-                rows += of_item
-        layout = compiled_system.layout_of(self.case, parts.tables, parts.pins)
+            if len(of_item) == 6:
+                del of_item[FREE_ROTATION]
+            rows[self.mbs.GetObject(number)["name"]] = of_item
         layout = dataclasses.replace(
-            layout,
+            own,
             terrain=self.contact.coordinates.size,
             terrain_bodies=isinstance(self.contact.coordinates, terrain.UnitCoordinates),
-            multipliers=tuple(multipliers),
-            contact=layout.contact if self.general is None else 6,
+            multipliers=tuple((name, len(of_item)) for name, of_item in rows.items() if len(of_item)),
+            contact=own.contact if self.general is None else 6,
         )
-        return layout, np.array(rows, dtype=int)
+        return layout, np.concatenate([*rows.values()]).astype(int)
 
     def coordinates(self) -> list[np.ndarray]:
         """Current coordinates, rates and accelerations, in the layout's order."""
-        data = self.mbs.systemData
-        rates = (data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())
-        return self._coordinates.to_state(*map(np.array, rates))
+        data: Any = self.mbs.systemData
+        rates = data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt()
+        return self._coordinates.to_state(*rates)
 
     @property
     def multipliers(self) -> np.ndarray:
@@ -252,46 +208,39 @@ class ExudynSystem(track_system.TrackSystem):
         if self.general is None:
             return super().stored_contacts()
         forces = np.asarray(self.general.GetSystemODE2RhsContactForces(copy=True))
-        return self._coordinates.wrenches(np.array(self.mbs.systemData.GetODE2Coordinates()), forces)
+        wrenches = self._coordinates.wrenches(np.array(self.mbs.systemData.GetODE2Coordinates()), forces)
+        return wrenches[: 6 * self.layout.shoes].reshape(-1, 6)
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free."""
-        turns = self.case.drive.turn_rate is not None
-        for item, is_on in zip(self._drives, (on, on and turns), strict=True):
-            self.mbs.SetObjectParameter(item, "activeConnector", is_on)
+        speeds = self.case.drive.speed, self.case.drive.turn_rate
+        for item, speed in zip(self._drives, speeds, strict=True):
+            self.mbs.SetObjectParameter(item, "activeConnector", on and speed is not None)
 
     def solve(self, settings: "exu.SimulationSettings") -> None:
         """Integrate between the times of the settings; errors as of `TrackSystem.solve`."""
         newton = settings.timeIntegration.newton
-        newton.numericalDifferentiation.doSystemWideDifferentiation = self.general is not None
         tolerance = newton.absoluteTolerance
         newton.absoluteTolerance = SHARPENING * tolerance
         try:
-            self.mbs.SolveDynamic(settings)
-        except (exu.SolverError, exu.InternalError) as error:  # the latter where a matrix is not finite
-            raise self._failure("dynamicSolver") from error
+            self._run(self.mbs.SolveDynamic, settings, newton, "dynamicSolver")
         finally:
             newton.absoluteTolerance = tolerance
 
     def rest(self, settings: "exu.SimulationSettings") -> np.ndarray:
         """Coordinates at rest of a system built for statics, from its initial ones, or a `NewtonError`."""
-        differences = settings.staticSolver.newton.numericalDifferentiation
-        differences.doSystemWideDifferentiation = self.general is not None
-        try:
-            self.mbs.SolveStatic(settings)
-        except exu.SolverError as error:
-            raise self._failure("staticSolver") from error
+        self._run(self.mbs.SolveStatic, settings, settings.staticSolver.newton, "staticSolver")
         return self.coordinates()[0]
 
-    def _failure(self, name: str) -> track_system.NewtonError:
-        """What a solver left behind that failed, in the layout's equations."""
-        solver: Any = self.mbs.sys[name]
-        residual = np.array(solver.GetSystemResidual())
-        own = np.array(self.mbs.systemData.GetODE2Coordinates())
-        if not solver.IsStaticSolver():
-            # the solver multiplies the equations of motion by what makes accelerations of displacements
-            residual[: len(own)] /= solver.newmarkBeta * solver.it.currentStepSize**2
-        forces, gaps = self._coordinates.forces_to_state(own, residual[: len(own)]), residual[len(own) :]
-        return track_system.NewtonError(
-            np.concatenate((forces, gaps[self._rows])), bool(solver.conv.linearSolverFailed)
-        )
+    def _run(self, solve: Callable, settings: "exu.SimulationSettings", newton: Any, name: str) -> None:
+        """Call a solver; where it fails, say so with what it left behind, in the layout's equations."""
+        newton.numericalDifferentiation.doSystemWideDifferentiation = self.general is not None
+        try:
+            solve(settings)
+        except (exu.SolverError, exu.InternalError) as error:  # the latter where a matrix is not finite
+            solver, q = self.mbs.sys[name], np.array(self.mbs.systemData.GetODE2Coordinates())
+            # the dynamic one multiplies the equations of motion by what makes accelerations of displacements
+            scale = 1.0 if solver.IsStaticSolver() else solver.newmarkBeta * solver.it.currentStepSize**2
+            forces, gaps = np.split(np.array(solver.GetSystemResidual()), [len(q)])
+            residual = np.concatenate((self._coordinates.wrenches(q, forces / scale), gaps[self._rows]))
+            raise track_system.NewtonError(residual, bool(solver.conv.linearSolverFailed)) from error

@@ -13,7 +13,7 @@ from exudyn_crawler.ground import packed, pairs
 from exudyn_crawler.ground.cells import contact, ground, kernel
 from exudyn_crawler.ground.frames import Vector, along, turned
 from exudyn_crawler.ground.packed import FloatArray, IntArray
-from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
+from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights, moments_on_angles
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
 from exudyn_crawler.model.elimination import solving, solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces.treads import write_point
@@ -289,18 +289,20 @@ class TrackOnCells:
         if len(self._work.bent):
             bend_before(self._block, *self._before)
 
-    def press(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Wrenches (shoes, 6) of the covered cells at a state, N and N m about the COMs, and modal forces.
+    def forces(self, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
+        """Generalized forces of the covered cells on shoes and modes, at coordinates and rates: array (n,).
 
-        The latter (flexible shoes, modes) are those at the nodes of the grids, through their rows.
+        Those on modes are the ones at the nodes of the grids, through their rows.
         """
-        place_shoes(self._block, state)
+        place_shoes(self._block, np.stack((q, q_t)))
         bend_shoes(self._block)
-        wrenches, table = self.ground.press(self._work.frames), self._parts.table
+        wrenches, (bodies, table, _) = self.ground.press(self._work.frames), self._parts
+        angles = bodies.reference[:, 3:] + q[: wrenches.size].reshape(-1, 6)[:, 3:]
+        wrenches[:, 3:] = moments_on_angles(angles, wrenches[:, 3:])
         if table.rows.shape[3] == 0:
-            return wrenches, np.zeros((0, 0))
+            return wrenches.ravel()
         nodal = self.ground.coarse_forces(self._work.frames)[table.flexible >= 0]
-        return wrenches, np.einsum("sabc,abcm->sm", nodal, table.rows)
+        return np.concatenate((wrenches.ravel(), np.einsum("sabc,abcm->sm", nodal, table.rows).ravel()))
 
     def commit(self) -> None:
         """Let the cells remember the state whose residual was computed last."""
