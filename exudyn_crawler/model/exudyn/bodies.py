@@ -76,36 +76,27 @@ def _points_of(tables: Tables) -> Markers:
 
 
 def _elasticity(tables: Tables, points: Markers) -> dict[str, object]:
-    """Modes of a floating frame of reference; they move four massless nodes about each point as it moves.
+    """Modes of a floating frame of reference and integrals over it, as `ObjectFFRFreducedOrder` names them.
 
-    Every frame has the nodes of all points, also of those on other bodies, which nothing touches.
+    The modes move four massless nodes about each point as it moves. Every frame has the nodes of all points,
+    also of those on other bodies, which nothing touches. The integrals are those of the nodal-based floating
+    frame of reference formulation with modal reduction (Zwölfer and Gerstmayr, Acta Mechanica 2020, doi
+    10.1007/s00707-020-02886-2), made of ``a~^T b = -a x b`` and ``a~^T b~ = (a . b) 1 - b a^T`` for places
+    and mode shapes a and b.
     """
     modes, m = tables.modes, len(tables.modes.stiffness)
     turned = np.cross(points.rotation[:, None], CORNERS[None, :, :, None], axis=2)
-    return {
-        "massMatrixReduced": sparse(np.eye(m)),
-        "stiffnessMatrixReduced": sparse(np.diag(modes.stiffness)),
-        "dampingMatrixReduced": sparse(np.diag(modes.damping)),
-        "modeBasis": (points.displacement[:, None] + turned).reshape(-1, m),
-        "referencePositions": (points.position[:, None] + CORNERS).ravel(),
-        **floating_integrals(tables),
-    }
-
-
-def floating_integrals(tables: Tables) -> dict[str, np.ndarray]:
-    """Integrals over a flexible body as `ObjectFFRFreducedOrder` names them, of those of the tables.
-
-    They are those of the nodal-based floating frame of reference formulation with modal reduction (Zwölfer
-    and Gerstmayr, Acta Mechanica 2020, doi 10.1007/s00707-020-02886-2), made of ``a~^T b = -a x b`` and
-    ``a~^T b~ = (a . b) 1 - b a^T`` for places and mode shapes a and b.
-    """
-    modes, m = tables.modes, len(tables.modes.stiffness)
     cross = np.cross(np.eye(3)[:, None], np.eye(3))
     # x_a Psi_ck over (0, a, k, c), then Psi_aj Psi_ck over (j, a, k, c)
     pairs = np.concatenate((modes.places.reshape(1, 3, m, 3), modes.products.reshape(m, 3, m, 3)))
     once = -np.einsum("rac,jakc->jrk", cross, pairs)
     twice = np.einsum("jaka,rs->jrks", pairs, np.eye(3)) - np.einsum("jskr->jrks", pairs)
     return {
+        "massMatrixReduced": sparse(np.eye(m)),
+        "stiffnessMatrixReduced": sparse(np.diag(modes.stiffness)),
+        "dampingMatrixReduced": sparse(np.diag(modes.damping)),
+        "modeBasis": (points.displacement[:, None] + turned).reshape(-1, m),
+        "referencePositions": (points.position[:, None] + CORNERS).ravel(),
         "mPhitTPsi": modes.shapes,
         "mPhitTPsiTilde": np.einsum("rds,dk->rks", cross, modes.shapes).reshape(3, 3 * m),
         "mXRefTildePsi": once[0],
