@@ -6,6 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.terrain import terrain_joints
+from exudyn_crawler.model.bodies import PAIR_ROWS
 from exudyn_crawler.model.engine import RigidBodyInertia, add_coordinates, exu, generic_node, items, sparse
 from exudyn_crawler.model.exudyn.euler_parameters import UNTURNED
 from exudyn_crawler.model.forces.units import TerrainTable
@@ -87,10 +88,10 @@ def _elasticity(tables: Tables, points: Markers) -> dict[str, object]:
     modes, m = tables.modes, len(tables.modes.stiffness)
     turned = np.cross(points.rotation[:, None], CORNERS[None, :, :, None], axis=2)
     cross = np.cross(np.eye(3)[:, None], np.eye(3))
-    # x_a Psi_ck over (0, a, k, c), then Psi_aj Psi_ck over (j, a, k, c)
-    pairs = np.concatenate((modes.places.reshape(1, 3, m, 3), modes.products.reshape(m, 3, m, 3)))
-    once = -np.einsum("rac,jakc->jrk", cross, pairs)
-    twice = np.einsum("jaka,rs->jrks", pairs, np.eye(3)) - np.einsum("jskr->jrks", pairs)
+    # x_a Psi_ck over (0, a, c, k), then Psi_aj Psi_ck over (j, a, c, k)
+    pairs = np.concatenate((modes.places[None], modes.products.reshape(m, 9, m)))[:, np.array(PAIR_ROWS)]
+    once = -np.einsum("rac,jack->jrk", cross, pairs)
+    twice = np.einsum("jaak,rs->jrks", pairs, np.eye(3)) - np.einsum("jsrk->jrks", pairs)
     return {
         "massMatrixReduced": sparse(np.eye(m)),
         "stiffnessMatrixReduced": sparse(np.diag(modes.stiffness)),
