@@ -18,8 +18,7 @@ from exudyn_crawler.results.life.duty_runs import NodeLife
 from exudyn_crawler.run.folder import folder as folders, progress, record
 from exudyn_crawler.views import style, tables
 from exudyn_crawler.views.pages import life as pages
-from fem import write_vtu
-from fem.interrupts import interrupts_wait
+from fem import interrupts, write_vtu
 
 LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
 TABLE, CAUSES = "shortest_lives.csv", "causes.csv"
@@ -153,7 +152,7 @@ def _history_of(run: DutyRun) -> Path:
     return path / record.HISTORY if path.is_dir() else path
 
 
-@interrupts_wait()
+@interrupts.interrupts_wait()
 def _spread(run: DutyRun, case: Case) -> xr.DataArray | None:
     """Relative spread of a run's peaks, if it has been found beside its history; ValueError if of another."""
     path = _history_of(run).parent / folders.SPREAD_FOLDER / folders.SPREAD

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from exudyn_crawler.ground.packed import FloatArray
-from fem.compiling import compiler
-from fem.sources import FEM
+from fem import compiling, sources
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
@@ -18,27 +17,27 @@ Matrix = tuple[Vector, Vector, Vector]
 FACING = 0.2
 """Cosine of a shoe's tilt below which its underside meets no ground: it goes round a loop, or back above."""
 
-SOURCES = (Path(__file__).parent, FEM / "compiling.py", FEM / "patches.py")
+SOURCES = (Path(__file__).parent, sources.FEM / "compiling.py", sources.FEM / "patches.py")
 """Compiled functions of this room and what they call are here; the rest of `fem` does not make them stale."""
 
-compiled = compiler(*SOURCES, error_model="numpy")
+compiled = compiling.compiler(*SOURCES, error_model="numpy")
 """Compiles a function; dividing by zero gives what IEEE says in place of an exception.
 
 Every literal integer among a call's arguments compiles the function once more, so that counts that are handed
 on start as ``np.int64(0)``.
 """
 
-allocating = compiler(*SOURCES, error_model="numpy", no_cpython_wrapper=True)
+allocating = compiling.compiler(*SOURCES, error_model="numpy", no_cpython_wrapper=True)
 """Compiles a function for compiled callers alone: what Python would need to call it, and numba takes long to
 make, is left out, and calling it from Python ends the process.
 """
 
-within = compiler(*SOURCES, error_model="numpy", no_cpython_wrapper=True, _nrt=False)
+within = compiling.compiler(*SOURCES, error_model="numpy", no_cpython_wrapper=True, _nrt=False)
 """The same without counts of references to arrays, which took a tenth of a step. Such a function makes no
 array, gives none back, not even a view, and calls none that gives one back: the counts would be wrong then.
 """
 
-inlined = compiler(*SOURCES, error_model="numpy", inline="always")
+inlined = compiling.compiler(*SOURCES, error_model="numpy", inline="always")
 """Compiles a function within its callers alone, which takes less time where these are one or two."""
 
 

@@ -16,12 +16,11 @@ from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.rotations import Weights, moments_on_angles
-from exudyn_crawler.model import build, elimination, joints, newton, state, track_system
+from exudyn_crawler.model import build, elimination, gear, joints, newton, state, track_system
 from exudyn_crawler.model.engine import add_coordinates, exu, predict
 from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
 from exudyn_crawler.model.forces.cells import OnCells, TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
-from exudyn_crawler.model.gear import GearForces, write_gear_forces
 from exudyn_crawler.model.tables import SYSTEM, Inputs, System, Tables, Workspace
 
 AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
@@ -119,15 +118,15 @@ class CompiledSystem(track_system.TrackSystem):
         if self._cells is not None:
             self._put_down(self._cells)
 
-    def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> GearForces:
+    def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> gear.GearForces:
         """As of `TrackSystem`."""
         n = self.layout.shoes
         some = np.flatnonzero(self.tables.bodies.modal[:n] >= 0) if self.case.is_closed else np.arange(n)
-        found = GearForces.allocate(len(times), n, len(some), self._work)
+        found = gear.GearForces.allocate(len(times), n, len(some), self._work)
         speeds = np.array([self._applied_at(time)[1] for time in times])
         drags = self._drags(self._speeds_of_tracks(speeds))
         at = np.ascontiguousarray(q), np.ascontiguousarray(q_t)
-        write_gear_forces(self._block, *at, drags, some, tuple(found))
+        gear.write_gear_forces(self._block, *at, drags, some, tuple(found))
         return found
 
     def switch_drive(self, on: bool) -> None:
@@ -295,12 +294,12 @@ class CompiledSystem(track_system.TrackSystem):
         out, values = self._scratch
         inputs, weights = tuple(self.inputs(0.0)), (0.0, 0.0, 1.0, False, 1.0)
         fronts = self.tables.fronts
-        both, some = (self._block, self._state), np.zeros(0, dtype=np.int64)
-        gear = tuple(GearForces.allocate(1, self.layout.shoes, 0, self._work))
+        both, none = (self._block, self._state), (np.zeros((1, 0)), np.zeros(0, dtype=np.int64))
+        found = tuple(gear.GearForces.allocate(1, self.layout.shoes, 0, self._work))
         return {
             "residual": [
                 (residual, (*both, self._multipliers, inputs, weights, out)),
-                (write_gear_forces, (self._block, *self._state[:2, None], np.zeros((1, 0)), some, gear)),
+                (gear.write_gear_forces, (self._block, *self._state[:2, None], *none, found)),
             ],
             "matrix": [
                 (matrix, (*both, inputs, weights, values)),

@@ -9,11 +9,7 @@ from typing import Any
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
-from exudyn.rigidBodyUtilities import (
-    EulerParameters2G,
-    EulerParameters2RotationMatrix,
-    RigidBodyInertia,
-)
+from exudyn.rigidBodyUtilities import EulerParameters2G, EulerParameters2RotationMatrix, RigidBodyInertia
 
 exu.config.printToConsole = False
 

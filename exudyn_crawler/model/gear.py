@@ -8,8 +8,7 @@ from exudyn_crawler.ground.packed import FloatArray, IntArray
 from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model.bodies import write_angles
 from exudyn_crawler.model.elimination import solving, solving_within
-from exudyn_crawler.model.forces.teeth import teeth_contacts
-from exudyn_crawler.model.forces.wheels import wheel_contacts
+from exudyn_crawler.model.forces import teeth, wheels
 from exudyn_crawler.model.tables import Workspace, read_system
 
 
@@ -31,17 +30,17 @@ class GearForces(NamedTuple):
     @classmethod
     def allocate(cls, times: int, shoes: int, some: int, work: Workspace) -> "GearForces":
         """Arrays of zeros for a workspace, with `some` shoes one by one."""
-        wheels, lugs = work.wheels, len(work.teeth.guide) // shoes
+        of_wheels, lugs = work.wheels, len(work.teeth.guide) // shoes
         return cls(
             np.zeros((times, shoes, 6)),
             np.zeros((times, shoes, 6)),
             np.zeros((times, shoes)),
-            np.zeros((times, *wheels.on_wheels.shape)),
+            np.zeros((times, *of_wheels.on_wheels.shape)),
             np.zeros((times, 2)),
-            np.zeros((times, some, *wheels.wheel.shape[1:]), dtype=np.int64),
-            np.zeros((times, some, *wheels.force.shape[1:])),
-            np.zeros((times, some, *wheels.foot.shape[1:])),
-            np.zeros((times, some, *wheels.guide.shape[1:])),
+            np.zeros((times, some, *of_wheels.wheel.shape[1:]), dtype=np.int64),
+            np.zeros((times, some, *of_wheels.force.shape[1:])),
+            np.zeros((times, some, *of_wheels.foot.shape[1:])),
+            np.zeros((times, some, *of_wheels.guide.shape[1:])),
             np.zeros((times, some, lugs, 3)),
             np.zeros((times, some, lugs)),
         )
@@ -69,28 +68,28 @@ def write_gear_forces(
     """
     tables, work = read_system(system)
     bodies, found, weights = tables.bodies, GearForces(*out), Weights(0.0, 0.0, 0.0, False, 1.0)
-    wheels, teeth, state = work.wheels, work.teeth, np.empty((2, coordinates.shape[1]))
+    of_wheels, of_teeth, state = work.wheels, work.teeth, np.empty((2, coordinates.shape[1]))
     shoes, lugs = found.guide.shape[1], found.lug_guide.shape[2]
     for t in range(coordinates.shape[0]):
         _copy(coordinates[t], state[0])
         _copy(rates[t], state[1])
         write_angles(bodies, state[0])
-        teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, teeth)
-        wheel_contacts(tables.wheels, bodies, state, drags[t], weights, wheels)
-        _copy(wheels.on_shoes.reshape(-1), found.wheel[t].reshape(-1))
-        _copy(wheels.on_wheels.reshape(-1), found.on_wheels[t].reshape(-1))
-        found.energy[t, 0], found.energy[t, 1] = wheels.energy[0], teeth.energy[0]
+        teeth.teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, of_teeth)
+        wheels.wheel_contacts(tables.wheels, bodies, state, drags[t], weights, of_wheels)
+        _copy(of_wheels.on_shoes.reshape(-1), found.wheel[t].reshape(-1))
+        _copy(of_wheels.on_wheels.reshape(-1), found.on_wheels[t].reshape(-1))
+        found.energy[t, 0], found.energy[t, 1] = of_wheels.energy[0], of_teeth.energy[0]
         for s in range(shoes):
-            found.guide[t, s] = np.sum(wheels.guide[s]) + np.sum(teeth.guide[s * lugs : (s + 1) * lugs])
+            found.guide[t, s] = np.sum(of_wheels.guide[s]) + np.sum(of_teeth.guide[s * lugs : (s + 1) * lugs])
             for lug in range(s * lugs, (s + 1) * lugs):
                 for c in range(3):
-                    found.tooth[t, s, c] += teeth.force[lug, c]
-                    found.tooth[t, s, 3 + c] += teeth.moment[lug, c]
+                    found.tooth[t, s, c] += of_teeth.force[lug, c]
+                    found.tooth[t, s, 3 + c] += of_teeth.moment[lug, c]
         for k in range(some.shape[0]):
             s = some[k]
-            _copy(wheels.wheel[s], found.strip_wheel[t, k])
-            _copy(wheels.force[s].reshape(-1), found.strip_force[t, k].reshape(-1))
-            _copy(wheels.foot[s].reshape(-1), found.strip_foot[t, k].reshape(-1))
-            _copy(wheels.guide[s].reshape(-1), found.strip_guide[t, k].reshape(-1))
-            _copy(teeth.force[s * lugs : (s + 1) * lugs].reshape(-1), found.lug_force[t, k].reshape(-1))
-            _copy(teeth.guide[s * lugs : (s + 1) * lugs], found.lug_guide[t, k])
+            _copy(of_wheels.wheel[s], found.strip_wheel[t, k])
+            _copy(of_wheels.force[s].reshape(-1), found.strip_force[t, k].reshape(-1))
+            _copy(of_wheels.foot[s].reshape(-1), found.strip_foot[t, k].reshape(-1))
+            _copy(of_wheels.guide[s].reshape(-1), found.strip_guide[t, k].reshape(-1))
+            _copy(of_teeth.force[s * lugs : (s + 1) * lugs].reshape(-1), found.lug_force[t, k].reshape(-1))
+            _copy(of_teeth.guide[s * lugs : (s + 1) * lugs], found.lug_guide[t, k])

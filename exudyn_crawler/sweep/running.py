@@ -8,8 +8,7 @@ from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import writable_folder, write_netcdf
 from exudyn_crawler.run.folder import progress as parts, record
-from exudyn_crawler.sweep import page, results, scatter
-from exudyn_crawler.sweep.answers import ANSWERS
+from exudyn_crawler.sweep import answers, page, results, scatter
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
@@ -102,7 +101,7 @@ def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], l
     read = {digest: read_outcome(runs, digest) for digest in different}
     stored = {digest: outcome for digest, outcome in read.items() if outcome is not None}
     failed = {digest for digest, outcome in stored.items() if outcome["status"] == FAILED}
-    asked = {digest: ANSWERS.dump_python(one.asked, mode="json") for digest, one in different.items()}
+    asked = {digest: answers.ANSWERS.dump_python(one.asked, mode="json") for digest, one in different.items()}
     answered = {digest for digest, one in stored.items() if one.get("asked") == asked[digest]} - failed
     missing = [different[one] for one in different if one not in answered and (retry or one not in failed)]
     count, there = len(sweep.planned), len(different) - len(missing)
@@ -121,8 +120,8 @@ def tasks_of(
     """Tasks of planned runs, each made when it is asked for: all cases take too much memory."""
     shared = None if reductions is None else str(reductions.resolve())
     for one in missing:
-        case, answers = sweep.case_of(one.values)[0].model_dump_json(), ANSWERS.dump_json(one.asked).decode()
-        yield Task(one.digest, case, answers, str(runs), shared, own_versions(), again=retry)
+        case, asked = sweep.case_of(one.values)[0].model_dump_json(), answers.ANSWERS.dump_json(one.asked)
+        yield Task(one.digest, case, asked.decode(), str(runs), shared, own_versions(), again=retry)
 
 
 def run_time(case_file: CaseFile) -> float:

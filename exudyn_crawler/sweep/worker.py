@@ -14,9 +14,8 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from exudyn_crawler import errors
+from exudyn_crawler import case_run, errors
 from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case_run import run_case
 from exudyn_crawler.model.reductions import program_digest
 from exudyn_crawler.run.folder.record import LOCK, note_file, timestamp, write_json
 from exudyn_crawler.sweep import answers, definition
@@ -117,6 +116,6 @@ def _answered(task: Task) -> dict[str, float | None]:
     with warnings.catch_warnings():
         # the sweep warns of them once
         warnings.simplefilter("ignore", errors.ImplausibleWarning)
-        run = run_case(case_file, folder, reductions=task.reductions, **how)
+        run = case_run.run_case(case_file, folder, reductions=task.reductions, **how)
         numbers = {one.label: one.of_run(run) for one in answers.ANSWERS.validate_json(task.answers)}
     return {name: None if value != value else value for name, value in numbers.items()}

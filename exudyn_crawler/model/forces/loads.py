@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile
-from exudyn_crawler.ground.frames import compiled
-from exudyn_crawler.ground.laws import step
+from exudyn_crawler.ground import frames, laws
 from exudyn_crawler.ground.packed import FloatArray, Ints1
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
@@ -31,7 +30,7 @@ def profiles_of(profiles: Sequence[StepProfile]) -> Profiles:
     return Profiles(times, values)
 
 
-@compiled
+@frames.compiled
 def values_at(profiles: tuple, time: float, out: FloatArray) -> None:
     """Write the values (q,) of `Profiles` as a plain tuple at a time, s."""
     all_times, all_values = profiles
@@ -41,7 +40,7 @@ def values_at(profiles: tuple, time: float, out: FloatArray) -> None:
         if k == 0 or k == times.shape[0]:
             out[row] = values[min(k, times.shape[0] - 1)]
         else:
-            out[row] = step(time, times[k - 1], values[k - 1], times[k], values[k])
+            out[row] = laws.step(time, times[k - 1], values[k - 1], times[k], values[k])
 
 
 class Loads(NamedTuple):

@@ -2,9 +2,8 @@
 
 from typing import Annotated, NamedTuple
 
-from exudyn_crawler.ground import pair_stiffness
+from exudyn_crawler.ground import pair_stiffness, rotations
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, type_of
-from exudyn_crawler.ground.rotations import ForceRows, Weights
 from exudyn_crawler.ground.terrain import modal_motion
 from exudyn_crawler.model import bodies, elimination
 
@@ -38,7 +37,7 @@ def unit_contacts(
     terrain: TerrainTable,
     contact: tuple,
     state: FloatArray,
-    weights: Weights,
+    weights: rotations.Weights,
     work: UnitWorkspace,
 ) -> int:
     """Find the contacts at a state and give their number.
@@ -73,7 +72,7 @@ def unit_contacts(
 @elimination.solving_within
 def add_terrain(
     terrain: TerrainTable,
-    rows: ForceRows,
+    rows: rotations.ForceRows,
     count: int,
     state: FloatArray,
     gravity: float,

@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground.frames import compiled
-from exudyn_crawler.ground.rotations import FloatArray, rotation_matrices
+from exudyn_crawler.ground import frames, rotations
 from exudyn_crawler.results.history import History, catalogue
 
 MOST_STATES = 4000
@@ -136,7 +135,7 @@ def pressed_depths(
     step = -(-int(rows[-1] + 1) // MOST_STATES)
     looked = np.unique(np.concatenate((np.arange(0, rows[-1] + 1, step), rows)))
     states = history.dataset[["position", "angles"]].isel(time=looked).transpose("time", "shoe", "axis")
-    position, turn = states.position.values, rotation_matrices(states.angles.values)
+    position, turn = states.position.values, rotations.rotation_matrices(states.angles.values)
     footprint, grid = np.array(history.case.shoe.footprint), np.array((x[0], x[1], y[0], y[1]))
     depth, out = np.zeros(height.shape), np.zeros((len(rows), *height.shape))
     begin = 0
@@ -146,14 +145,14 @@ def pressed_depths(
     return out
 
 
-@compiled
+@frames.compiled
 def _press_in(
-    position: FloatArray,
-    turn: FloatArray,
-    footprint: FloatArray,
-    grid: FloatArray,
-    height: FloatArray,
-    depth: FloatArray,
+    position: rotations.FloatArray,
+    turn: rotations.FloatArray,
+    footprint: rotations.FloatArray,
+    grid: rotations.FloatArray,
+    height: rotations.FloatArray,
+    depth: rotations.FloatArray,
 ) -> None:
     """Deepen what undersides have pressed in, at places of which the first two along x and y are given."""
     x0, dx, y0, dy = grid[0], grid[1] - grid[0], grid[2], grid[3] - grid[2]

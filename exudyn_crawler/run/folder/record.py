@@ -19,8 +19,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import note_written, noted_files, whole_file
+from exudyn_crawler import errors, files
 
 CASE, RECORD, LOG, LOCK = "case.toml", "run.json", "run.log", ".lock"
 HISTORY, STOPPED_HISTORY = "history.nc", "history_stopped.nc"
@@ -56,7 +55,7 @@ def recorded_files(folder: Path) -> set[str]:
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write a record of what was done."""
-    with whole_file(path, overwrite=True) as temporary:
+    with files.whole_file(path, overwrite=True) as temporary:
         temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
@@ -173,26 +172,28 @@ def recorded(folder: RunFolder) -> Iterator[None]:
         "commit": commit(),
         "overwrites": folder.overwrites,
     }
-    with logged(out), noted_files() as noted:
+    with logged(out), files.noted_files() as noted:
 
         def write(**outcome: str) -> None:
             whole, paths = out.resolve(), [path.resolve() for path in noted]
             inside = {path.relative_to(whole).as_posix() for path in paths if path.is_relative_to(whole)}
-            files = sorted(name for name in inside | before if (out / name).is_file())
+            left = sorted(name for name in inside | before if (out / name).is_file())
             if outcome:
                 taken = round(time.perf_counter() - begun, 3)
                 record.update(finished=timestamp(), wall_time_s=taken, **outcome)
-            write_json(out / RECORD, record | {"stages_s": folder.stages, "files": files})
+            write_json(out / RECORD, record | {"stages_s": folder.stages, "files": left})
 
         folder._record = write
         logger.info("%s %s, process %d", PROGRAM, found.get(PROGRAM, ""), os.getpid())
         for name in (CASE, LOG):
-            note_written(out / name)
+            files.note_written(out / name)
         write()
         try:
             yield
         except BaseException as error:
-            status = "stopped" if isinstance(error, SimulationStopped | KeyboardInterrupt) else "failed"
+            status = (
+                "stopped" if isinstance(error, errors.SimulationStopped | KeyboardInterrupt) else "failed"
+            )
             logger.error("%s", status, exc_info=error)
             # what went wrong matters more than a record that cannot be written either
             with suppress(OSError):

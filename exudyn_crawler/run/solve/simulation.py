@@ -13,9 +13,7 @@ from exudyn_crawler.case import Case, Solver, case_file
 from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.ground import rotations, sphere_contact
-from exudyn_crawler.model import flexible_shoes, state
-from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.formulation import compile_equations, track_system
+from exudyn_crawler.model import engine, flexible_shoes, formulation, state
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
@@ -24,7 +22,7 @@ from exudyn_crawler.run.solve import equilibrium, stages
 from fem import interrupts
 
 
-def solver_settings(solver: Solver) -> "exu.SimulationSettings":
+def solver_settings(solver: Solver) -> "engine.exu.SimulationSettings":
     """Exudyn's settings for a run; `set_times` gives it its times."""
     settings = equilibrium.newton_settings(solver.residual, solver.maximum_iterations)
     settings.solution.sensors.active = False
@@ -41,7 +39,7 @@ def solver_settings(solver: Solver) -> "exu.SimulationSettings":
 
 
 def set_times(
-    settings: "exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
+    settings: "engine.exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
 ) -> None:
     """Put the times of a stage into Exudyn's settings; a quiet one takes longer steps."""
     time = settings.timeIntegration
@@ -229,7 +227,7 @@ def _watched(
         system.after_step(None)
 
 
-def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str:
+def _solve(system: TrackSystem, settings: "engine.exu.SimulationSettings", watch: _Watch) -> str:
     """Integrate one stage; gives why it stopped early, if it did."""
     reason = ""
     try:
@@ -247,7 +245,7 @@ def compiled(case: Case, progress: bool | None = None) -> None:
     if case.is_compiled:
         shown = heartbeat(f"{case.name}: {COMPILE}", COMPILING, progress)
         with shown, threadpool_limits(1, user_api="blas"):
-            compile_equations()
+            formulation.compile_equations()
 
 
 def simulate(
@@ -283,6 +281,6 @@ def simulate(
     compiled(case, progress)
     # matrices of a step are so small that threads wait for each other, and round by how many they are
     with threadpool_limits(1, user_api="blas"):
-        system = track_system(case)
+        system = formulation.track_system(case)
         system.set_initial(equilibrium.static_equilibrium(case))
         return integrate(system, duration, progress, checkpoints, ground_times)
