@@ -109,7 +109,7 @@ def test_every_variable_of_a_history_is_an_attribute(translation):
 @pytest.mark.parametrize("progress", [None, False])
 def test_a_run_that_compiles_says_so(monkeypatch, capsys, progress):
     monkeypatch.setattr("exudyn_crawler.run.folder.progress.LINE_EVERY", 0.05)
-    monkeypatch.setattr(simulation, "compile_equations", lambda: clock.sleep(0.3))
+    monkeypatch.setattr(simulation.formulation, "compile_equations", lambda: clock.sleep(0.3))
     monkeypatch.setattr(simulation, "integrate", lambda *_, **__: None)
     simulate(Case.translation(), 0.01, progress)
     told = set(capsys.readouterr().err.splitlines())
@@ -232,14 +232,14 @@ def test_progress_shows_time_and_speed_when_asked(capfd):
 
 @pytest.mark.parametrize("formulation", ["compiled", "engine"])
 def test_nothing_of_a_run_stays_in_memory(formulation, monkeypatch):
-    built, build = [], simulation.track_system
+    built, build = [], simulation.formulation.track_system
 
     def noted(case):
         system = build(case)
         built.append(weakref.ref(system))
         return system
 
-    monkeypatch.setattr(simulation, "track_system", noted)
+    monkeypatch.setattr(simulation.formulation, "track_system", noted)
     simulate(Case.translation().with_({"formulation": formulation}), 0.01, progress=False)
     gc.collect()
     assert [one() for one in built] == [None]

@@ -103,7 +103,7 @@ def test_two_sweeps_in_one_folder_are_refused(ran):
 
 @pytest.mark.usefixtures("without_reports")
 def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tmp_path, monkeypatch):
-    whole = worker.run_case
+    whole = worker.case_run.run_case
 
     def failing(case_file, *given, **how):
         if case_file.case.terrain.spring_stiffness == 1e7:
@@ -112,7 +112,7 @@ def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tm
 
     told = []
     with monkeypatch.context() as patch:
-        patch.setattr(worker, "run_case", failing)
+        patch.setattr(worker.case_run, "run_case", failing)
         run = run_sweep(small_sweep(), tmp_path, scheduler=scheduler, progress=False, say=told.append)
     assert run.table["status"].tolist() == ["failed", "done"]
     assert run.table["reason"].tolist() == ["RuntimeError: it sank", ""]

@@ -77,7 +77,7 @@ def test_what_goes_wrong_is_the_outcome(tmp_path, monkeypatch):
     def failing(*_given, **_how):
         raise ZeroDivisionError("of nothing")
 
-    monkeypatch.setattr(worker, "run_case", failing)
+    monkeypatch.setattr(worker.case_run, "run_case", failing)
     outcome = run_task(task_of(tmp_path))
     assert (outcome["status"], outcome["reason"]) == ("failed", "ZeroDivisionError: of nothing")
     assert read_outcome(str(tmp_path), outcome["digest"]) == outcome
