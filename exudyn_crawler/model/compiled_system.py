@@ -370,8 +370,8 @@ class CompiledSystem(track_system.TrackSystem):
         of_tracks = self._speeds_of_tracks(speeds)
         loads = np.zeros((len(self.tables.loads.marker), 6))
         loads[:n, :3] = np.outer(shoes, self._down)
-        frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, np.zeros(1), np.zeros(0)
-        if gear is not None:
+        frame, drag, motors = self.case.undercarriage, np.zeros(1), np.zeros(0)
+        if self.case.running_gear is not None:
             loads[n], drag = machine, self._drags(of_tracks)
         if frame is not None:
             loads[n + 1 :, 0] = -frame.end_tension, frame.end_tension
@@ -398,9 +398,9 @@ class CompiledSystem(track_system.TrackSystem):
 
     def _drags(self, of_tracks: np.ndarray) -> np.ndarray:
         """Rolling resistance over normal force of all wheels (..., wheels), with the sign of the travel."""
-        gear = self.case.running_gear
-        assert gear is not None
-        faded = np.hypot(of_tracks, gear.resistance_speed)
+        running_gear = self.case.running_gear
+        assert running_gear is not None
+        faded = np.hypot(of_tracks, running_gear.resistance_speed)
         drags = of_tracks[..., None] * self._resistances / faded[..., None]
         return drags.reshape(*of_tracks.shape[:-1], -1)
 
