@@ -100,7 +100,8 @@ def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
 def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
     """Marks of front k, a view: not zero for each row behind its own that has a term, beside it or below.
 
-    Those of its own rows are above 1 after its elimination: rows that were exchanged with these, 2 added.
+    After its elimination those of its own rows are the rows that were exchanged with these, 2 added, and those
+    behind the unknowns that are left, 1 added, then zero.
     """
     start = places.place[-1]
     return values[start + places.first[k] : start + places.first[k + 1]]
@@ -203,6 +204,8 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
         for c in range(left):
             to[n + c] = dense[c, r]
         at += n + left
+    for r in range(own, met.shape[0]):
+        met[r] = 1.0 + places.unknowns[places.first[k] + rows[r - own]] if r - own < left else 0.0
     if parent >= 0:
         higher, above = front(places, values, parent), marks(places, values, parent)
         for r in range(left):
@@ -231,12 +234,12 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
 @solving_within
 def _gather(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> int:
     """Write the unknowns of a front, those that are left first, and their values; give how many are left."""
-    unknowns, own = fronts.unknowns[fronts.first[k] :], fronts.own[k]
-    left = _met(marks(fronts, values, k), own, at)
-    for r in range(left):
-        at[r] = unknowns[at[r]]
+    met, own, left = marks(fronts, values, k), fronts.own[k], 0
+    while own + left < met.shape[0] and met[own + left] > 0.0:
+        at[left] = int(met[own + left]) - 1
+        left += 1
     for r in range(own):
-        at[left + r] = unknowns[r]
+        at[left + r] = fronts.unknowns[fronts.first[k] + r]
     for r in range(left + own):
         y[r] = x[at[r]]
     return left
