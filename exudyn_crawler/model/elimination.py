@@ -100,8 +100,8 @@ def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
 def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
     """Marks of front k, a view: not zero for each row behind its own that has a term, beside it or below.
 
-    After its elimination those of its own rows are the rows that were exchanged with these, 2 added, and those
-    behind the unknowns that are left, 1 added, then zero.
+    After its elimination those of its own rows are the rows that were exchanged with these, 2 added; those
+    behind are the unknowns that are left, 1 added, then zero.
     """
     start = places.place[-1]
     return values[start + places.first[k] : start + places.first[k + 1]]
