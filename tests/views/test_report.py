@@ -179,7 +179,7 @@ def test_a_long_stress_study_stays_below_the_limit(flexible_run, stress_folder, 
     shoes = np.tile(stress.shoe.values, 3)
     over_time = stress[["highest_von_mises"]].isel(time=back_and_forth).assign_coords(time=time)
     at_frames = stress.drop_dims("time").isel(frame=np.arange(8) % 2).assign_coords(frame=5.0 * np.arange(8))
-    wide = xr.merge([over_time, at_frames]).sel(shoe=shoes)
+    wide = xr.merge([over_time, at_frames]).sel(shoe=shoes).assign_coords(shoe=1 + np.arange(len(shoes)))
     wide.to_netcdf(tmp_path / "stress.nc", engine="h5netcdf")
     for picture in stress_folder.glob("stress_*.png"):
         for number in range(4):
