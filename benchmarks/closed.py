@@ -1,4 +1,4 @@
-"""Cost of closed tracks: whole runs less their start, and integration alone.
+"""Cost of closed tracks: whole runs less their start, and integration alone, medians of rounds of all.
 
 `python -m benchmarks.closed` prints the table.
 """
@@ -15,6 +15,8 @@ from studies.closed import INTERVAL, ON_SPOT, TURNS, turning_case
 
 START, DURATION = 0.02, 5.0
 """s, of the run that is taken off the whole one, and of that one."""
+ROUNDS = 7
+"""In which the cases take turns: other work on a machine comes and goes."""
 
 
 def closed_cases() -> dict[str, Case]:
@@ -53,9 +55,11 @@ def main() -> None:
             "every 20 ms": spent(case, INTERVAL),
             "integration alone": timed(case, DURATION)[0]["processor ms a step"] / case.solver.step / 1e3,
         }
+        for _ in range(ROUNDS)
         for name, case in closed_cases().items()
     ]
-    print_table(pd.DataFrame(rows), "Closed tracks, processor s a simulated second")
+    medians = pd.DataFrame(rows).groupby("what", sort=False).median().reset_index()
+    print_table(medians, "Closed tracks, processor s a simulated second")
 
 
 if __name__ == "__main__":

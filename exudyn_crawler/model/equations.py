@@ -236,11 +236,17 @@ def _add_block(
             into[k] = firsts[part] + c
             k += 1
     for r in range(block.shape[0]):
-        row, to = block[r], matrix[into[r]]
-        for c in range(block.shape[0]):
-            if row[c] != 0.0:
-                to[into[c]] += row[c]
-                met[into[r]] = met[into[c]] = 1.0
+        row, to, k = block[r], matrix[into[r]], 0
+        for part in range(3):
+            there, here = to[firsts[part] :], row[k:]
+            for c in range(sizes[part]):
+                there[c] += here[c]
+            k += sizes[part]
+        c = 0
+        while c < k and row[c] == 0.0 and block[c, r] == 0.0:
+            c += 1
+        if c < k:
+            met[into[r]] = 1.0
 
 
 @solving_allocating
