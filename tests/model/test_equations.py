@@ -153,7 +153,7 @@ def arrays_of(values):
     "case",
     [
         FLEXIBLE,
-        small_flexible_case(),
+        pytest.param(small_flexible_case(), marks=pytest.mark.slow),
         small_flexible_case().on_cells(BekkerSoil.lete_sand()),
         Case.closed(),
     ],
