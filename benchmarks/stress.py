@@ -86,7 +86,10 @@ def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarra
     parts["modes"] = np.concatenate(list(stress_basis(alone).coordinates.values())) @ turn
     for rate in RATES[1:]:
         parts[f"modes{rate}"] = few.part(state, f"modes{rate}") @ units.integrated.inside.T @ turn
-    return all_modes.pack(parts)
+    row = np.empty(all_modes.size)
+    for name, values in parts.items():
+        all_modes.part(row, name)[...] = values
+    return row
 
 
 def _products(first: ReducedBody, second: ReducedBody, case: Case) -> np.ndarray:

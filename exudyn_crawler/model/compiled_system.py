@@ -423,8 +423,8 @@ class CompiledSystem(track_system.TrackSystem):
         self._hand_over(exu.ConfigurationType.Initial)
 
     def _hand_over(self, to: "exu.ConfigurationType") -> None:
-        data = self.mbs.systemData
-        q, q_t, q_tt = self._state.tolist()  # lists, which Exudyn reads faster than arrays
+        data: Any = self.mbs.systemData
+        q, q_t, q_tt = map(memoryview, self._state)  # which Exudyn reads faster than arrays and lists
         data.SetODE2Coordinates(q, to)
         data.SetODE2Coordinates_t(q_t, to)
         data.SetODE2Coordinates_tt(q_tt, to)

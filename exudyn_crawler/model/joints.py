@@ -12,10 +12,10 @@ frame alone, so that the direction of the force is not the gradient of what it k
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back, upward
+from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, norm, turned, turned_back, upward
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, Ints1, Ints2
 from exudyn_crawler.ground.rotations import Attitude
-from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
+from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.elimination import solving_inside, solving_within
 
 ROWS = 5
@@ -23,6 +23,9 @@ ROWS = 5
 
 SMALL = 1e-3
 """rad, rotation below which sine and cosine are taken as series."""
+
+UNTURNED = (1.0, 0.5, 1.0 / 6.0)
+"""`_factors` of no rotation."""
 
 
 class Markers(NamedTuple):
@@ -66,21 +69,7 @@ class End(NamedTuple):
 
     lever: Vector  # from the frame's origin, m, global
     rotation: Vector  # vector to turn about, rad, the body's frame
-
-
-@solving_inside
-def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
-    """Marker k at the coordinates of its body and its modes (6 + m,)."""
-    position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
-    if markers.modes[k] == 0:
-        return End(turned(at.R, position), (0.0, 0.0, 0.0))
-    displacement, rotation = markers.displacement[k], markers.rotation[k]
-    (x, y, z), (a, b, c) = position, (0.0, 0.0, 0.0)
-    for m in range(displacement.shape[1]):
-        amount = row[6 + m]
-        x, y, z = along((x, y, z), amount, (displacement[0, m], displacement[1, m], displacement[2, m]))
-        a, b, c = along((a, b, c), amount, (rotation[0, m], rotation[1, m], rotation[2, m]))
-    return End(turned(at.R, (x, y, z)), (a, b, c))
+    factors: Vector  # as of `_factors`, of its length
 
 
 @solving_within
@@ -94,10 +83,20 @@ def _factors(angle: float) -> tuple[float, float, float]:
 
 
 @solving_inside
+def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
+    """Marker k at the coordinates of its body and its modes (6 + m,)."""
+    position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
+    if markers.modes[k] == 0:
+        return End(turned(at.R, position), (0.0, 0.0, 0.0), UNTURNED)
+    rotation = moved((0.0, 0.0, 0.0), markers.rotation[k], row)
+    lever = turned(at.R, moved(position, markers.displacement[k], row))
+    return End(lever, rotation, _factors(norm(rotation)))
+
+
+@solving_inside
 def axis_of(end: End, at: Attitude, k: int) -> Vector:
     """Axis k of an end, global: ``R exp(rotation) e_k``."""
-    t = end.rotation
-    s, c, _ = _factors(math.sqrt(dot(t, t)))
+    t, (s, c, _) = end.rotation, end.factors
     once = cross(t, basis(k))
     return turned(at.R, along(along(basis(k), s, once), c, cross(t, once)))
 
@@ -109,10 +108,17 @@ def _by_rotation(end: End, moment: Vector) -> Vector:
     An end turns at ``T rotation'`` with ``T = 1 + (1 - cos a)/a^2 t~ + (a - sin a)/a^3 t~ t~``; this is its
     transpose times the moment.
     """
-    t = end.rotation
-    _, c, d = _factors(math.sqrt(dot(t, t)))
+    t, (_, c, d) = end.rotation, end.factors
     once = cross(t, moment)
     return along(along(moment, -c, once), d, cross(t, once))
+
+
+@solving_within
+def _add_work(shapes: FloatArray, action: Vector, sign: float, out: FloatArray) -> None:
+    """Add the work of a force or moment (the body's frame) along shapes (3, m), times a sign."""
+    for m in range(shapes.shape[1]):
+        work = action[0] * shapes[0, m] + action[1] * shapes[1, m] + action[2] * shapes[2, m]
+        out[m] += sign * work
 
 
 @solving_inside
@@ -136,16 +142,12 @@ def direction(
         out[3 + c] = sign * turning[c]
     if markers.modes[k] == 0:
         return
-    push, displacement = turned_back(at.R, force), markers.displacement[k]
-    for m in range(displacement.shape[1]):
-        work = push[0] * displacement[0, m] + push[1] * displacement[1, m] + push[2] * displacement[2, m]
-        out[6 + m] = sign * work
-    if dot(moment, moment) == 0.0:
-        return
-    twist, rotation = _by_rotation(end, turned_back(at.R, moment)), markers.rotation[k]
-    for m in range(rotation.shape[1]):
-        work = twist[0] * rotation[0, m] + twist[1] * rotation[1, m] + twist[2] * rotation[2, m]
-        out[6 + m] += sign * work
+    modal = out[6:]
+    modal.fill(0.0)
+    if dot(force, force) != 0.0:
+        _add_work(markers.displacement[k], turned_back(at.R, force), sign, modal)
+    if dot(moment, moment) != 0.0:
+        _add_work(markers.rotation[k], _by_rotation(end, turned_back(at.R, moment)), sign, modal)
 
 
 @solving_inside

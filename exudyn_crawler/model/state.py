@@ -7,13 +7,11 @@ terrain's, the flexible shoes' modes and other bodies.
 """
 
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from math import prod
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 VERSION = 7
 """Of the layout's text; another version is an error."""
@@ -118,27 +116,6 @@ class StateLayout:
     def has(self, name: str) -> bool:
         """Whether there is a part of this name."""
         return name in self._parts
-
-    def pack(self, parts: Mapping[str, ArrayLike]) -> np.ndarray:
-        """Row of a state from its parts: array (size,).
-
-        A ValueError names a part that is unknown, does not fit or is missing.
-        """
-        row = np.empty(self.size)
-        filled = np.zeros(self.size, dtype=bool)
-        for name, values in parts.items():
-            # every step of a run comes here: slices in place of `part`
-            first, shape = self._place(name)
-            value = np.asarray(values)
-            if value.shape != shape:
-                raise ValueError(f"{name} must have shape {shape}, got {value.shape}")
-            end = first + value.size
-            row[first:end] = value.ravel()
-            filled[first:end] = True
-        if not filled.all():
-            missing = next(name for name in self._parts if not self.part(filled, name).all())
-            raise ValueError(f"a state needs its {missing}")
-        return row
 
     def equation(self, row: int) -> str:
         """Coordinate that an equation belongs to, or, behind all of those, the multiplier's item."""

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.model.build import Parts
@@ -141,9 +140,8 @@ class TrackSystem(ABC):
 
     def state(self) -> np.ndarray:
         """Current state in one row, laid out as `layout` says."""
-        parts: dict[str, ArrayLike] = {"time": self.mbs.systemData.GetTime(), "multipliers": self.multipliers}
-        parts |= {f"coordinates{rate}": part for rate, part in zip(RATES, self.coordinates(), strict=True)}
-        return self.layout.pack(parts | {"contact": self.stored_contacts()})
+        time, contacts = self.mbs.systemData.GetTime(), self.stored_contacts()
+        return np.concatenate(((time,), *self.coordinates(), self.multipliers, contacts.ravel()))
 
     @abstractmethod
     def coordinates(self) -> Sequence[np.ndarray]:

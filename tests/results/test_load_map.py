@@ -15,6 +15,7 @@ from exudyn_crawler.results.loads.exports import roller_loads
 from exudyn_crawler.results.loads.load_map import GROUND, RAILS, coordinates, loads_by_kind, unit_loads
 from exudyn_crawler.results.stress.basis import ground_grid, rail_stations, static_loads
 from tests.rolled import small_flexible_case
+from tests.states import row_of
 
 TURNS = {
     "level": (0.0, 0.0, 0.0),
@@ -32,10 +33,7 @@ def at_rest_but_turned(case, turns):
     q = np.zeros(sum(layout.part(np.zeros((1, layout.size)), "coordinates").shape[1:]))
     places = q[: 6 * shoes].reshape(-1, 6)
     places[:, 2], places[:, 3:] = -0.03, turns
-    parts = {f"coordinates{rate}": np.zeros_like(q) for rate in ("", " rate", " acceleration")}
-    none = np.zeros(sum(size for _, size in layout.multipliers))
-    state = layout.pack(parts | {"coordinates": q, "time": 0.0, "multipliers": none})
-    return system, q, system_history(system, state[None])
+    return system, q, system_history(system, row_of(layout, {"coordinates": q})[None])
 
 
 @pytest.mark.simulation

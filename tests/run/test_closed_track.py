@@ -29,6 +29,7 @@ from studies.balance import (
 )
 from studies.closed import torque_by_tension
 from tests.model.both import compiled_matrix, residual_of
+from tests.states import row_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
@@ -61,9 +62,7 @@ def test_worn_slack_and_light_chains_find_their_rest(changes):
 
 def resting(system, q):
     """Row of a state at rest, without multipliers."""
-    still, layout = np.zeros_like(q), system.layout
-    parts = {"coordinates": q, "coordinates rate": still, "coordinates acceleration": still, "time": 0.0}
-    return layout.pack(parts | {"multipliers": np.zeros(system.tables.multiplier_count)})[None]
+    return row_of(system.layout, {"coordinates": q})[None]
 
 
 def pins(history):

@@ -27,6 +27,7 @@ from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem.elasticity import Material
 from studies.balance import energy_balance, shoe_actions, shoe_imbalance
 from tests.model.both import residual_of
+from tests.states import row_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
@@ -98,9 +99,7 @@ def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
     layout, still = system.layout, np.zeros_like(q)
     q[-11] += 0.012  # y of frame and tumbler
     q[-5] += 0.012
-    parts = {"coordinates": q, "coordinates rate": still, "coordinates acceleration": still, "time": 0.0}
-    none = np.zeros(system.tables.multiplier_count)
-    history = system_history(system, layout.pack(parts | {"multipliers": none})[None])
+    history = system_history(system, row_of(layout, {"coordinates": q})[None])
     lifted = q.copy()
     lifted[[-10, -4]] += 20.0
     residual = residual_of(system, q, still) - residual_of(system, lifted, still)

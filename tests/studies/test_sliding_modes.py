@@ -19,6 +19,7 @@ from studies.sliding_modes import (
     with_friction,
     with_shoes,
 )
+from tests import states
 from tests.studies.planar_track import PlanarTrack
 
 pytestmark = pytest.mark.simulation
@@ -105,10 +106,8 @@ def test_tension_is_the_friction_behind_the_link():
 
 def row_of(case, q, q_t, q_tt):
     """Row of a state at 2 s; a run finds its multipliers itself."""
-    layout = track_system(case).layout
-    none = np.zeros(layout.equation_count - layout.coordinate_count)
-    parts = {"coordinates": q, "coordinates rate": q_t, "coordinates acceleration": q_tt}
-    return layout.pack(parts | {"time": 2.0, "multipliers": none})
+    parts = {"time": 2.0, "coordinates": q, "coordinates rate": q_t, "coordinates acceleration": q_tt}
+    return states.row_of(track_system(case).layout, parts)
 
 
 def test_a_run_from_steady_sliding_stays_there():

@@ -143,12 +143,13 @@ def _reactions(states: _States, motion: Arrays) -> Arrays:
     }
     if layout.flexible_shoes:
         # a rigid link has one joint, whose reaction is no pin's
-        single = np.isnan(force[:, :, -1:])
+        single = np.isnan(force[0, :, -1, 0])
+        force[:, single] = torque[:, single] = np.nan
         named |= {
             "modal_coordinate": states.part("modes"),
             "modal_velocity": states.part("modes rate"),
-            "pin_force": np.where(single, np.nan, force),
-            "pin_torque": np.where(single, np.nan, torque),
+            "pin_force": force,
+            "pin_torque": torque,
         }
     return named
 
