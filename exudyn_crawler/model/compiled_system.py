@@ -424,7 +424,7 @@ class CompiledSystem(track_system.TrackSystem):
 
     def _hand_over(self, to: "exu.ConfigurationType") -> None:
         data: Any = self.mbs.systemData
-        q, q_t, q_tt = map(memoryview, self._state)  # which Exudyn reads faster than arrays and lists
+        q, q_t, q_tt = (row.data for row in self._state)  # memory is read faster than arrays and lists
         data.SetODE2Coordinates(q, to)
         data.SetODE2Coordinates_t(q_t, to)
         data.SetODE2Coordinates_tt(q_tt, to)

@@ -9,8 +9,6 @@ from exudyn_crawler.ground.terrain import terrain_joints
 from exudyn_crawler.model.bodies import PAIR_ROWS
 from exudyn_crawler.model.engine import RigidBodyInertia, add_coordinates, exu, generic_node, items, sparse
 from exudyn_crawler.model.exudyn.euler_parameters import UNTURNED
-from exudyn_crawler.model.forces.units import TerrainTable
-from exudyn_crawler.model.joints import Markers
 from exudyn_crawler.model.tables import Tables
 
 CORNERS = 0.05 * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
@@ -40,7 +38,8 @@ def add_shoes(mbs: "exu.MainSystem", tables: Tables, nodes: list[int], gravity: 
     They get the tables' markers, but in place of one beside a load the point that is a metre to the left of
     the load's place. `gravity` (3,) is in m/s2, global.
     """
-    shoes, bodies, points = Shoes(nodes, [], [], []), tables.bodies, _points_of(tables)
+    tables = _with_points(tables)
+    shoes, bodies, markers = Shoes(nodes, [], [], []), tables.bodies, tables.markers
     for b, node in enumerate(nodes):
         mass, inertia = bodies.mass[b], np.trace(bodies.second[b]) * np.eye(3) - bodies.second[b]
         own = {"name": f"shoe {b + 1}", "mass": mass, "centerOfMass": bodies.first[b] / mass}
@@ -49,13 +48,13 @@ def add_shoes(mbs: "exu.MainSystem", tables: Tables, nodes: list[int], gravity: 
             body = mbs.AddObject(items.ObjectRigidBody(nodeNumber=node, inertia=six, **own))
         else:
             modal = generic_node(mbs, f"modes of shoe {b + 1}", len(tables.modes.stiffness))
-            own |= {"nodeNumbers": [node, modal], "inertia": inertia, **_elasticity(tables, points)}
+            own |= {"nodeNumbers": [node, modal], "inertia": inertia, **_elasticity(tables)}
             body = mbs.AddObject(items.ObjectFFRFreducedOrder(**own))
             shoes.modal_nodes.append(modal)
         shoes.bodies.append(body)
         weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
         mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=gravity))
-    for k, (b, place) in enumerate(zip(points.body, points.position, strict=True)):
+    for k, (b, place) in enumerate(zip(markers.body, markers.position, strict=True)):
         body, mesh, shares = shoes.bodies[b], [*range(4 * k, 4 * k + 4)], [0.25] * 4
         marker = (
             items.MarkerBodyRigid(bodyNumber=body, localPosition=place)
@@ -66,17 +65,18 @@ def add_shoes(mbs: "exu.MainSystem", tables: Tables, nodes: list[int], gravity: 
     return shoes
 
 
-def _points_of(tables: Tables) -> Markers:
-    """Markers that are points all: a load's place and what that changes by per metre are added."""
+def _with_points(tables: Tables) -> Tables:
+    """Tables whose markers are points all: a load's place and what that changes by per metre are added."""
     markers, loads = tables.markers, tables.loads
     added = np.eye(len(markers.body))
     added[loads.beside, loads.marker] = 1.0
     columns = markers.position, markers.displacement, markers.rotation
     position, displacement, rotation = (np.tensordot(added, one, axes=1) for one in columns)
-    return markers._replace(position=position, displacement=displacement, rotation=rotation)
+    points = markers._replace(position=position, displacement=displacement, rotation=rotation)
+    return tables._replace(markers=points)
 
 
-def _elasticity(tables: Tables, points: Markers) -> dict[str, object]:
+def _elasticity(tables: Tables) -> dict[str, object]:
     """Modes of a floating frame of reference and integrals over it, as `ObjectFFRFreducedOrder` names them.
 
     The modes move four massless nodes about each point as it moves. Every frame has the nodes of all points,
@@ -85,7 +85,7 @@ def _elasticity(tables: Tables, points: Markers) -> dict[str, object]:
     10.1007/s00707-020-02886-2), made of ``a~^T b = -a x b`` and ``a~^T b~ = (a . b) 1 - b a^T`` for places
     and mode shapes a and b.
     """
-    modes, m = tables.modes, len(tables.modes.stiffness)
+    points, modes, m = tables.markers, tables.modes, len(tables.modes.stiffness)
     turned = np.cross(points.rotation[:, None], CORNERS[None, :, :, None], axis=2)
     cross = np.cross(np.eye(3)[:, None], np.eye(3))
     # x_a Psi_ck over (0, a, c, k), then Psi_aj Psi_ck over (j, a, c, k)
@@ -107,8 +107,9 @@ def _elasticity(tables: Tables, points: Markers) -> dict[str, object]:
     }
 
 
-def add_terrain_modes(mbs: "exu.MainSystem", terrain: TerrainTable, gravity: np.ndarray) -> list[int]:
+def add_terrain_modes(mbs: "exu.MainSystem", tables: Tables, gravity: np.ndarray) -> list[int]:
     """Terrain in its independent coordinates; gives their node."""
+    terrain = tables.terrain
     acting = {
         "stiffnessMatrix": sparse(terrain.stiffness),
         "dampingMatrix": sparse(terrain.damping),

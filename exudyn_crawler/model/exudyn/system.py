@@ -7,60 +7,19 @@ without rollers; the compiled equations are checked against it.
 """
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground import sphere_contact, terrain
+from exudyn_crawler.ground import terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.model import build, compiled_system, state, track_system
 from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.exudyn import bodies, drive, euler_parameters
+from exudyn_crawler.model.exudyn import bodies, drive, euler_parameters, spheres
 from exudyn_crawler.model.forces.cells import CellWorkspace, OnCells, TrackOnCells
-
-CELL = 1.0
-"""m, least side of the cells of the engine's search tree."""
-NO_FRICTION = 1e-12
-"""In place of zero: without friction Exudyn leaves out the normal forces' moment on the units."""
-
-
-def add_spheres(
-    mbs: "exu.MainSystem", case: Case, bodies: Sequence[int], unit_nodes: Sequence[int], static: bool
-) -> "exu.GeneralContact":
-    """Spheres of a case on the bodies of its shoes, and faces of its units, two triangles each.
-
-    Damping and friction are those of `case.sphere_contact()`, the stiffness is `case.sphere_stiffness`.
-    `static` leaves friction out: at rest there is none, and on the way to it the track would creep.
-    """
-    spheres, terrain = case.sphere_contact(), case.unit_terrain()
-    contact = mbs.AddGeneralContact()
-    contact.frictionProportionalZone = spheres.friction_speed
-    contact.SetFrictionPairings(np.array([[NO_FRICTION if static else max(spheres.friction, NO_FRICTION)]]))
-    contact.computeContactForces = True
-    contact.sphereSphereContact = False
-    # otherwise an edge pushes with half the force, as if two triangles shared it
-    contact.excludeDuplicatedTrigSphereContactPoints = True
-    (low, high), tops = np.transpose(terrain.bounds), terrain.top_heights
-    contact.SetSearchTreeCellSize([*np.ceil((high - low) / CELL).astype(int), 1])
-    contact.SetSearchTreeBox([*low, tops.min() - 1.0], [*high, tops.max() + 1.0])
-    # the stiffnesses of both partners act in series, their dampings add; the last is their friction's number
-    law = 2.0 * case.sphere_stiffness, 0.5 * spheres.damping / spheres.count, 0
-    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - sphere_contact.face_inset(case)
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
-    for node, top, slope in zip(unit_nodes, tops, terrain.slopes, strict=True):
-        z = 0.5 * terrain.unit_height + top + slope * corners[:, 0]
-        marker = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
-        faces = np.column_stack((corners, z)).tolist(), [[0, 1, 2], [0, 2, 3]]
-        contact.AddTrianglesRigidBodyBased(marker, *law, *faces)
-    for body in bodies:
-        for center in sphere_contact.sphere_centers(case):
-            marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=center))
-            contact.AddSphereWithMarker(marker, spheres.radius, *law)
-    return contact
-
 
 SHARPENING = 0.1
 """Of the residual that ends a step: with the Jacobian of an earlier step the iteration ends just below it,
@@ -97,7 +56,7 @@ class ExudynSystem(track_system.TrackSystem):
         if isinstance(contact.coordinates, terrain.UnitCoordinates):
             ground = bodies.add_units(mbs, case)
         elif contact.coordinates.size:
-            ground = bodies.add_terrain_modes(mbs, tables.terrain, gravity)
+            ground = bodies.add_terrain_modes(mbs, tables, gravity)
         shoes = bodies.add_shoes(mbs, tables, nodes, gravity)
         self._shoe_bodies = shoes.bodies
         for (link, side), pin in zip(parts.pins, tables.joints.pins, strict=True):
@@ -111,7 +70,7 @@ class ExudynSystem(track_system.TrackSystem):
             self._cells = TrackOnCells(contact.ground, OnCells(tables.bodies, tables.cells, work))
             self._add_force([*nodes, *shoes.modal_nodes], self._cells.forces)
         else:
-            self.general = add_spheres(mbs, case, shoes.bodies, ground, static)
+            self.general = spheres.add_spheres(mbs, case, shoes.bodies, ground, static)
         if static:
             drive.add_hold(mbs, case, tables, shoes)
         else:
@@ -131,16 +90,16 @@ class ExudynSystem(track_system.TrackSystem):
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:
         """As of `TrackSystem`; cells remember each step first, and are covered for the next one."""
-        cells, ends = self._cells, report
-        if cells is None or ends is None:
-            super().after_step(ends)
+        cells = self._cells
+        if cells is None or report is None:
+            super().after_step(report)
             return
 
         def remembered(time: float) -> bool:
             state = np.stack(self.coordinates())
             cells.forces(*state[:2])
             cells.commit()
-            goes_on = ends(time)
+            goes_on = report(time)
             cells.cover(state)
             return goes_on
 
@@ -220,12 +179,9 @@ class ExudynSystem(track_system.TrackSystem):
     def solve(self, settings: "exu.SimulationSettings") -> None:
         """Integrate between the times of the settings; errors as of `TrackSystem.solve`."""
         newton = settings.timeIntegration.newton
-        tolerance = newton.absoluteTolerance
-        newton.absoluteTolerance = SHARPENING * tolerance
-        try:
-            self._run(self.mbs.SolveDynamic, settings, newton, "dynamicSolver")
-        finally:
-            newton.absoluteTolerance = tolerance
+        tolerance, newton.absoluteTolerance = newton.absoluteTolerance, SHARPENING * newton.absoluteTolerance
+        self._run(self.mbs.SolveDynamic, settings, newton, "dynamicSolver")
+        newton.absoluteTolerance = tolerance
 
     def rest(self, settings: "exu.SimulationSettings") -> np.ndarray:
         """Coordinates at rest of a system built for statics, from its initial ones, or a `NewtonError`."""

@@ -1,0 +1,47 @@
+"""Exudyn's own contact of spheres on the shoes with faces of the terrain's units."""
+
+import numpy as np
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.ground import sphere_contact
+from exudyn_crawler.model.engine import exu, items
+
+CELL = 1.0
+"""m, least side of the cells of the engine's search tree."""
+NO_FRICTION = 1e-12
+"""In place of zero: without friction Exudyn leaves out the normal forces' moment on the units."""
+
+
+def add_spheres(
+    mbs: "exu.MainSystem", case: Case, bodies: list[int], unit_nodes: list[int], static: bool
+) -> "exu.GeneralContact":
+    """Spheres of a case on the bodies of its shoes, and faces of its units, two triangles each.
+
+    Damping and friction are those of `case.sphere_contact()`, the stiffness is `case.sphere_stiffness`.
+    `static` leaves friction out: at rest there is none, and on the way to it the track would creep.
+    """
+    spheres, terrain = case.sphere_contact(), case.unit_terrain()
+    contact = mbs.AddGeneralContact()
+    contact.frictionProportionalZone = spheres.friction_speed
+    contact.SetFrictionPairings(np.array([[NO_FRICTION if static else max(spheres.friction, NO_FRICTION)]]))
+    contact.computeContactForces = True
+    contact.sphereSphereContact = False
+    # otherwise an edge pushes with half the force, as if two triangles shared it
+    contact.excludeDuplicatedTrigSphereContactPoints = True
+    (low, high), tops = np.transpose(terrain.bounds), terrain.top_heights
+    contact.SetSearchTreeCellSize([*np.ceil((high - low) / CELL).astype(int), 1])
+    contact.SetSearchTreeBox([*low, tops.min() - 1.0], [*high, tops.max() + 1.0])
+    # the stiffnesses of both partners act in series, their dampings add; the last is their friction's number
+    law = 2.0 * case.sphere_stiffness, 0.5 * spheres.damping / spheres.count, 0
+    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - sphere_contact.face_inset(case)
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
+    for node, top, slope in zip(unit_nodes, tops, terrain.slopes, strict=True):
+        z = 0.5 * terrain.unit_height + top + slope * corners[:, 0]
+        marker = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
+        faces = np.column_stack((corners, z)).tolist(), [[0, 1, 2], [0, 2, 3]]
+        contact.AddTrianglesRigidBodyBased(marker, *law, *faces)
+    for body in bodies:
+        for center in sphere_contact.sphere_centers(case):
+            marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=center))
+            contact.AddSphereWithMarker(marker, spheres.radius, *law)
+    return contact
