@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from exudyn_crawler import Case, simulate
+from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.terrain import reduced_coordinates
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
@@ -42,6 +43,8 @@ class PlanarTrack:
     def __post_init__(self) -> None:
         case = self.case
         self.system = compiled_system(case)
+        assert isinstance(self.system.contact, PairGroundContact)
+        self.contact = self.system.contact
         self.shoes = case.track.shoe_count
         self.modes = reduced_coordinates(case)
         self.free = 1 + self.shoes + self.modes.size
@@ -97,7 +100,7 @@ class PlanarTrack:
         """Of the free coordinates; forces on the shoes (shoes, 3) and their COMs' accelerations."""
         q, q_t, by, bend = self.full(time, state)
         n, case = self.shoes, self.case
-        generalized = self.system.contact.forces(q, q_t)
+        generalized = self.contact.forces(q, q_t)
         forces = generalized[: 6 * n].reshape(n, 6)[:, [0, 2, 4]].copy()
         forces[:, 1] -= self.load + case.shoe.mass * case.gravity
         forces[:, 2] += self.load * case.shoe.load_point[2] * np.sin(q[4 : 6 * n : 6])

@@ -25,6 +25,7 @@ from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 from exudyn_crawler.views.style import STYLE, save_figure
 from exudyn_crawler.views.tables import print_table
+from studies.stress import with_modes
 
 RUNS = 3
 START = 0.1
@@ -59,7 +60,7 @@ def timed(case: Case, duration: float) -> tuple[dict[str, float], NDArray]:
     return spent, system.layout.part(system.state(), "coordinates")
 
 
-def beside(case: Case, duration: float, engine: bool = True) -> dict[str, float]:
+def beside(case: Case, duration: float, engine: bool = True) -> dict[str, object]:
     """Medians of both formulations and their ratio; the engine's only where it is asked for."""
     names = ("compiled", "engine") if engine else ("compiled",)
     found: dict[str, list[float]] = {name: [] for name in names}
@@ -68,7 +69,9 @@ def beside(case: Case, duration: float, engine: bool = True) -> dict[str, float]
         for name in names:
             spent, ends[name] = timed(case.with_(formulation=name), duration)
             found[name].append(spent["processor ms a step"])
-    row = {f"{name}, ms a step": statistics.median(values) for name, values in found.items()}
+    row: dict[str, object] = {
+        f"{name}, ms a step": statistics.median(values) for name, values in found.items()
+    }
     if engine:
         ratios = [b / a for a, b in zip(found["compiled"], found["engine"], strict=True)]
         row["engine over compiled"] = statistics.median(ratios)
@@ -82,17 +85,18 @@ def longer(shoes: int) -> Case:
     case = Case.translation()
     track = case.track.with_(shoe_count=shoes)
     length = track.pitch * shoes + track.first_com[0] + 8.0
-    terrain = case.terrain.with_(columns=int(np.ceil(length / case.terrain.unit_length)))
+    units = case.unit_terrain()
+    terrain = units.with_(columns=int(np.ceil(length / units.unit_length)))
     return case.with_(track=track, terrain=terrain, loads=LoadCycle.constant([PULL] * shoes))
 
 
 def flexible(numbers: tuple[int, ...], modes: str | None = None) -> Case:
-    """Propel with these flexible shoes of the coarse mesh; modes as of `FlexibleShoes.with_modes`."""
+    """Propel with these flexible shoes of the coarse mesh; modes as of `studies.stress.with_modes`."""
     case = Case.stress("coarse")
     if not numbers:
         return case.with_(flexible=None)
     shoes = FlexibleShoes.ph4100c("coarse").with_(shoes=numbers)
-    return case.with_(flexible=shoes if modes is None else shoes.with_modes(modes))
+    return case.with_(flexible=shoes if modes is None else with_modes(shoes, modes))
 
 
 def units(columns: int, rows: int) -> Case:

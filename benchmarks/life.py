@@ -44,15 +44,13 @@ def study(folder: Path) -> pd.DataFrame:
     least = np.sort(np.concatenate(list(damage.values())))[-WORST]
     normals = surface_normals(whole.mesh)
     for shoe in shoes:
-        modes, own = whole.stress_modes, q[shoe]
         nodes = surface[damage[shoe] >= least]
         if len(nodes):
-            critical_planes(
-                lambda nodes, angles, modes=modes, own=own: damage_on_planes(
-                    modes, own, normals, angles, counting, nodes
-                ),
-                nodes,
-            )
+
+            def damage_on(nodes: np.ndarray, angles: np.ndarray, own: np.ndarray = q[shoe]) -> np.ndarray:
+                return damage_on_planes(whole.stress_modes, own, normals, angles, counting, nodes)
+
+            critical_planes(damage_on, nodes)
     title = f"critical planes of the {WORST} worst nodes of all shoes"
     rows.append({"what": title, "processor s": clock.process_time() - begun})
     return pd.DataFrame(rows)

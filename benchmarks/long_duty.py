@@ -78,7 +78,7 @@ def run(case_file: CaseFile) -> tuple[pd.DataFrame, int]:
         found.append((kept.time, memory()))
         return kept
 
-    Checkpoints.save = noted  # type: ignore[method-assign]
+    Checkpoints.save = noted  # type: ignore[method-assign, assignment]
     try:
         with tempfile.TemporaryDirectory() as folder:
             history: History = run_case(case_file, folder, progress=False).history

@@ -5,6 +5,7 @@ import time as clock
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from exudyn_crawler import Case, History, SphereContact, simulate
 from exudyn_crawler.views.tables import print_table
@@ -86,12 +87,12 @@ def accuracy(history: History) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def rms_of(values) -> float:
+def rms_of(values: xr.DataArray) -> float:
     """Root mean square over time and shoes."""
     return float(np.sqrt((values**2).mean()))
 
 
-def mean_of(values) -> float:
+def mean_of(values: xr.DataArray) -> float:
     """Mean over time."""
     return float(time_mean(values))
 

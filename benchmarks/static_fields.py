@@ -57,7 +57,7 @@ class Shoe:
         return modes, modes + self.body.stress(fields.displacements @ loads.T)
 
 
-def error(found: Floats, exact: Floats, nodes: Floats | None = None) -> tuple[float, float]:
+def error(found: Floats, exact: Floats, nodes: np.ndarray | None = None) -> tuple[float, float]:
     """Greatest and mean over loads of the greatest error over the peak: stresses (n, 6, t)."""
     chosen = slice(None) if nodes is None else nodes
     off = von_mises(np.moveaxis(found - exact, 1, 2))[chosen].max(axis=0)
