@@ -143,6 +143,8 @@ def figure(table: pd.DataFrame) -> Figure:
 
 def main(folder: Path | None = None) -> None:
     """Print the table, and write it with its figure into a folder."""
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
     table = pd.DataFrame(growths())
     print_table(table, "A step in both formulations")
     print(f"greatest memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2f} GB")
