@@ -11,9 +11,6 @@ from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fle
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, terrain_coordinates
 from fem.patches import Underside
 
-NO_DERIVATIVES = rotations.Weights(0.0, 0.0, 0.0, False, 1.0)
-"""Of forces alone."""
-
 
 def pair_law(law: PairContact, underside_area: float) -> pairs.PairLaw:
     """Law of a pair; `underside_area` (m2) is that of a shoe."""
@@ -89,7 +86,7 @@ class PairGroundContact:
     def _touching(self, bodies: BodyStates) -> tuple[np.ndarray, np.ndarray]:
         """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
         count = pair_stiffness.touching_pairs(
-            tuple(bodies), self.geometry, tuple(NO_DERIVATIVES), self._plain, self._work
+            tuple(bodies), self.geometry, tuple(rotations.NO_DERIVATIVES), self._plain, self._work
         )
         return self._contacts.results[:count], self._contacts.modes[:count]
 

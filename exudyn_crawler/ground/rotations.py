@@ -183,6 +183,10 @@ class Weights(NamedTuple):
     level: float
 
 
+NO_DERIVATIVES = Weights(0.0, 0.0, 0.0, False, 1.0)
+"""Of forces alone."""
+
+
 class ForceRows(NamedTuple):
     """Elements of one kind with r rows each, as many as act at a state; m modes of a flexible body."""
 

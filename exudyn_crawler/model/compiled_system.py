@@ -15,7 +15,7 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.rotations import Weights, moments_on_angles
+from exudyn_crawler.ground.rotations import NO_DERIVATIVES, Weights, moments_on_angles
 from exudyn_crawler.model import build, elimination, gear, joints, newton, state, track_system
 from exudyn_crawler.model.engine import add_coordinates, exu, predict
 from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
@@ -23,8 +23,6 @@ from exudyn_crawler.model.forces.cells import OnCells, TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
 from exudyn_crawler.model.tables import SYSTEM, Inputs, System, Tables, Workspace
 
-AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
-"""Of a residual alone."""
 DRAG, CLOSED_DRAG = 100.0, 8.0
 """1/s, force over momentum that slows every body in creeping, so that shoes slip slowly; of a closed chain,
 whose runs swing slowly and stand no still shoes."""
@@ -250,7 +248,7 @@ class CompiledSystem(track_system.TrackSystem):
         state: np.ndarray,
         inputs: Inputs,
         multipliers: np.ndarray | None = None,
-        weights: Weights = AT_REST,
+        weights: Weights = NO_DERIVATIVES,
     ) -> np.ndarray:
         """Residual of all equations at coordinates, rates and accelerations (3, coordinates)."""
         out = np.empty_like(self._scratch[0])

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.packed import FloatArray, IntArray
-from exudyn_crawler.ground.rotations import Weights
+from exudyn_crawler.ground.rotations import NO_DERIVATIVES
 from exudyn_crawler.model.bodies import write_angles
 from exudyn_crawler.model.elimination import solving, solving_within
 from exudyn_crawler.model.forces import teeth, wheels
@@ -67,7 +67,7 @@ def write_gear_forces(
     are the numbers of the shoes whose forces are wanted one by one.
     """
     tables, work = read_system(system)
-    bodies, found, weights = tables.bodies, GearForces(*out), Weights(0.0, 0.0, 0.0, False, 1.0)
+    bodies, found, weights = tables.bodies, GearForces(*out), NO_DERIVATIVES
     of_wheels, of_teeth, state = work.wheels, work.teeth, np.empty((2, coordinates.shape[1]))
     shoes, lugs = found.guide.shape[1], found.lug_guide.shape[2]
     for t in range(coordinates.shape[0]):

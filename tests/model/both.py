@@ -6,8 +6,8 @@ from typing import NamedTuple
 import exudyn as exu
 import numpy as np
 
-from exudyn_crawler.ground.rotations import Weights
-from exudyn_crawler.model.compiled_system import AT_REST, compiled_system
+from exudyn_crawler.ground.rotations import NO_DERIVATIVES, Weights
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import matrix
 from exudyn_crawler.model.exudyn.system import ExudynSystem
 
@@ -97,7 +97,7 @@ def static_solver(mbs):
         solver.FinalizeSolver(mbs, settings)
 
 
-def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=AT_REST):
+def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=NO_DERIVATIVES):
     """Residual of the compiled equations, at zero accelerations and multipliers unless they are given."""
     state = np.stack((q, q_t, np.zeros_like(q) if q_tt is None else q_tt))
     return system.residual(state, system.inputs(0.0), multipliers, weights)
