@@ -126,6 +126,7 @@ def test_the_equations_are_independent_and_leave_the_right_motion(case, free, re
     assert len(matrices.mass) - len(rows) == free
 
 
+@pytest.mark.slow
 def test_the_fine_grid_follows_the_same_rule(fine):
     position, rate = effective(fine[1])
     assert len(fine[1].mass) == 6 * (13 + 247)
