@@ -170,7 +170,7 @@ class OneSidedBed:
             )
 
 
-class Section(NamedTuple):
+class CrossSection(NamedTuple):
     """Section of a body across y: area (m2), z of its middle, bottom and top (m), second moment (m4)."""
 
     area: float
@@ -180,7 +180,7 @@ class Section(NamedTuple):
     second: float
 
 
-def section(mesh: Mesh, y: float) -> Section:
+def section(mesh: Mesh, y: float) -> CrossSection:
     """Section at a y, by Green's theorem along its outline; curved faces count as flat."""
     corners = mesh.nodes[mesh.boundary[:, :3]]
     # no node lies in the plane
@@ -201,4 +201,6 @@ def section(mesh: Mesh, y: float) -> Section:
     middle = float((twice * (p[:, 1] + q[:, 1])).sum() / 6.0 / area)
     about_zero = float((twice * (p[:, 1] ** 2 + p[:, 1] * q[:, 1] + q[:, 1] ** 2)).sum() / 12.0)
     heights = np.concatenate((p[:, 1], q[:, 1]))
-    return Section(area, middle, float(heights.min()), float(heights.max()), about_zero - area * middle**2)
+    return CrossSection(
+        area, middle, float(heights.min()), float(heights.max()), about_zero - area * middle**2
+    )

@@ -29,7 +29,7 @@ FLANGE = "flange"
 
 
 @dataclass(frozen=True)
-class Resolution:
+class ElementSizes:
     """Edge lengths of the elements in m, how many lie along the radius of a curve, and how fast they grow.
 
     Attributes
@@ -50,9 +50,9 @@ class Resolution:
 
 
 SIZES = {
-    "coarse": Resolution(0.070, 0.060, 0.22, 0.5),
-    "study": Resolution(0.035, 0.021, 0.130, 1.0),
-    "fine": Resolution(0.022, 0.012, 0.085, 1.5),
+    "coarse": ElementSizes(0.070, 0.060, 0.22, 0.5),
+    "study": ElementSizes(0.035, 0.021, 0.130, 1.0),
+    "fine": ElementSizes(0.022, 0.012, 0.085, 1.5),
 }
 """Resolutions about as fine as the ready meshes of these names."""
 
@@ -76,7 +76,7 @@ def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
         )
 
 
-def _set_sizes(body: Any, size: Resolution, shoe: ShoeDimensions) -> None:
+def _set_sizes(body: Any, size: ElementSizes, shoe: ShoeDimensions) -> None:
     """Small elements on bores, on the fillets at the roots of the rear lugs, and on rails that overhang."""
     for face in body.faces:
         low, high = face.bounding_box
@@ -119,14 +119,14 @@ def straighten_distorted(nodes: Floats, elements: Integers) -> tuple[Floats, int
         straightened += int(bad.sum())
 
 
-def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | Resolution = "study") -> Mesh:
+def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes = "study") -> Mesh:
     """Mesh a shoe with quadratic tetrahedra whose edges follow bores and fillets.
 
     Parameters
     ----------
     dimensions : ShoeDimensions, optional
         The default ones if left out.
-    size : str or Resolution
+    size : str or ElementSizes
         "coarse", "study", "fine", or a resolution of one's own.
 
     Returns
@@ -143,7 +143,7 @@ def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | Resolution =
         If there is no such size, or the dimensions leave no faces for a surface or make several solids.
     """
     if isinstance(size, str) and size not in SIZES:
-        raise ValueError(f"size must be one of {SHOE_SIZES} or a Resolution, got {size!r}")
+        raise ValueError(f"size must be one of {SHOE_SIZES} or ElementSizes, got {size!r}")
     resolution = SIZES[size] if isinstance(size, str) else size
     try:
         from netgen import occ  # wanted only here

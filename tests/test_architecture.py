@@ -1,6 +1,7 @@
 """The rooms of the code: arrows one way, no circle, functions that fit a screen, a picture that is true."""
 
 import ast
+from collections import Counter
 
 import pytest
 
@@ -42,6 +43,12 @@ def test_no_modules_import_each_other_in_a_circle():
 def test_every_room_stands_on_a_floor():
     known = {room for floor in rooms.FLOORS for room in floor} | set(rooms.SHARED) | {rooms.FACE}
     assert {rooms.room_of(module) for module in rooms.modules()} == known
+
+
+def test_no_class_name_stands_twice():
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in rooms.modules().values()]
+    names = [node.name for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    assert {name for name, number in Counter(names).items() if number > 1} == set()
 
 
 def test_engine_is_imported_in_one_place():

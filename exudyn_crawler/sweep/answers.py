@@ -10,7 +10,7 @@ from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured, shown
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import DTYPES, QUANTITIES, Quantity, select
-from exudyn_crawler.results.life.duty import Damage, Duty, DutyRun, Often, Survival
+from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyRun, Often, Survival
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
 from exudyn_crawler.run.folder.folder import SAME_TIME
@@ -153,7 +153,7 @@ class HotSpot(AnyAnswer):
         return float(by_rank.get(self.rank, float("nan")))
 
 
-class Life(AnyAnswer, Damage, Often):
+class Life(AnyAnswer, DamageOptions, Often):
     """Shortest life of the flexible shoes where all machine hours are like the run, or as a share of them."""
 
     model: Literal["life"] = "life"
@@ -177,7 +177,7 @@ class Life(AnyAnswer, Damage, Often):
         if self.an_hour is None and self.share is None:
             repeated["share"] = 1.0
         run = DutyRun(name="run", folder=".", **repeated)
-        damage = {name: getattr(self, name) for name in Damage.model_fields}
+        damage = {name: getattr(self, name) for name in DamageOptions.model_fields}
         return Duty(runs=(run,), survivals=(self.survival,), plane_nodes=0, **damage)
 
     def _case_errors(self, case_file: CaseFile) -> Errors:

@@ -20,7 +20,7 @@ from exudyn_crawler.case import CaseFile, Outputs, case_of
 from exudyn_crawler.case.case_file import BARE
 from exudyn_crawler.case.parameters import checks, fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
-from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often
+from exudyn_crawler.sweep.answers import ANSWERS, Answers, DamageOptions, Life, Often
 from exudyn_crawler.sweep.vary import Varied, Vary, checked_case
 
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
@@ -34,7 +34,7 @@ OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
 """Columns of a sweep's table beside those of what varies and of the answers."""
 MESH = "flexible.mesh"
 MEASURED = ("low", "high", "values")  # of what varies, in the unit of the case
-LIVES = (*Damage.model_fields, *Often.model_fields, "survival")
+LIVES = (*DamageOptions.model_fields, *Often.model_fields, "survival")
 """What of an answer of life may vary; it is that of all of them."""
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 from exudyn_crawler.case.parameters import base, fields, reading
 from exudyn_crawler.life_run import stage_lives
 from exudyn_crawler.results.life import duty_runs, life
-from exudyn_crawler.results.life.duty import Damage, Duty, DutyCase, DutyRun, read_duty
+from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyCase, DutyRun, read_duty
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
 from exudyn_crawler.sweep import answers, definition
 from fem.defects import CycleStage
@@ -50,7 +50,7 @@ class DutyScatter(definition.Variation):
     @cached_property
     def answers(self) -> tuple[answers.Life, ...]:
         """Life of the shoe, its bores left out, and of each of its regions."""
-        damage = {name: getattr(self.duty, name) for name in Damage.model_fields}
+        damage = {name: getattr(self.duty, name) for name in DamageOptions.model_fields}
         regions = [None, *(one for one in REGIONS if one != BORES)]
         return tuple(answers.Life(region=one, survival=self.duty.survivals[-1], **damage) for one in regions)
 

@@ -254,7 +254,7 @@ class DutyRun(Often):
         return self.an_hour if self.an_hour is not None else (self.share or 0.0) * HOUR / duration
 
 
-class Damage(Parameters):
+class DamageOptions(Parameters):
     """Material of the shoes, and how the damage of its cycles is summed up."""
 
     material: FatigueMaterial = option("of the shoes against cyclic stress")
@@ -270,7 +270,7 @@ class Damage(Parameters):
     )
 
 
-class Duty(Damage):
+class Duty(DamageOptions):
     """Mix of runs and check cases that a shovel's hours are made of, its shoes' material and their wear."""
 
     name: Name = option("of the duty", "duty")
