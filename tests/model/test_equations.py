@@ -154,7 +154,7 @@ def arrays_of(values):
     [
         FLEXIBLE,
         pytest.param(small_flexible_case(), marks=pytest.mark.slow),
-        small_flexible_case().on_cells(BekkerSoil.lete_sand()),
+        pytest.param(small_flexible_case().on_cells(BekkerSoil.lete_sand()), marks=pytest.mark.slow),
         Case.closed(),
     ],
     ids=["dragged", "rolled", "rolled on cells", "closed"],

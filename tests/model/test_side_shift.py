@@ -60,7 +60,7 @@ def test_a_load_shifts_between_the_phases():
     assert LoadCycle.shovel_cycle().side_shift.values == (0.0,) * 5
 
 
-@pytest.mark.parametrize("name", ["rigid", "flexible"])
+@pytest.mark.parametrize("name", ["rigid", pytest.param("flexible", marks=pytest.mark.slow)])
 def test_balances_hold_while_a_load_shifts(name, request):
     """The moment tells where the load acts; a flexible shoe's own has parts that are not stored."""
     history = request.getfixturevalue(name)

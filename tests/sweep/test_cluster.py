@@ -70,6 +70,7 @@ def settings_of_the_process():
     }
 
 
+@pytest.mark.slow
 def test_a_cluster_leaves_the_process_as_it_was(tmp_path):
     before = settings_of_the_process()
     with connected(None, 2, tmp_path, print) as client:

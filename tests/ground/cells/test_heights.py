@@ -194,6 +194,7 @@ def test_parts_that_are_too_fine_for_the_cells_are_refused():
     ]
 
 
+@pytest.mark.slow
 def test_a_shoe_that_leaves_the_measured_ground_is_reported(tmp_path):
     np.save(tmp_path / "a.npy", np.zeros((30, 60)))
     heights = Heights(measured=MeasuredGrid(file=tmp_path / "a.npy", spacing=0.1))
