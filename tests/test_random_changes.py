@@ -100,7 +100,7 @@ def changed_line(line, dice):
 @pytest.mark.parametrize(
     ("base", "count"),
     [
-        (tiny, 24),
+        (tiny, 40),
         pytest.param(tiny, 300, marks=pytest.mark.slow),
         pytest.param(tiny_flexible, 300, marks=pytest.mark.slow),
     ],
