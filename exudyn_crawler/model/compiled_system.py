@@ -422,10 +422,10 @@ class CompiledSystem(track_system.TrackSystem):
 
     def _hand_over(self, to: "exu.ConfigurationType") -> None:
         data: Any = self.mbs.systemData
-        q, q_t, q_tt = (row.data for row in self._state)  # memory is read faster than arrays and lists
-        data.SetODE2Coordinates(q, to)
-        data.SetODE2Coordinates_t(q_t, to)
-        data.SetODE2Coordinates_tt(q_tt, to)
+        places = data.GetODE2Coordinates, data.GetODE2Coordinates_t, data.GetODE2Coordinates_tt
+        for place, row in zip(places, self._state, strict=True):
+            # into Exudyn's own memory: what sets coordinates takes them number by number
+            place(to, copy=False)[:] = row
 
 
 def compiled_system(case: Case) -> CompiledSystem:
