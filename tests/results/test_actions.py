@@ -13,13 +13,7 @@ from exudyn_crawler.results.loads.actions import (
     actions,
 )
 from exudyn_crawler.results.loads.load_map import unit_loads
-from studies.balance import (
-    energies,
-    powers,
-    shoe_actions,
-    shoe_imbalance,
-    track_imbalance,
-)
+from studies.balance import energies, powers, shoe_actions, shoe_imbalance, track_imbalance
 from tests.modal_loads import modal_loads
 
 WEIGHT = 13 * 432.3e3  # N, of the loaded track
@@ -35,20 +29,20 @@ def test_every_shoe_of_a_rigid_track_has_its_actions(translation):
     }  # fmt: skip
     seven = named(translation, 7)
     assert {("joint", "rear right"), ("contact", "unit 7"), ("contact", "unit 12")} < set(seven)
+    # contacts enter a rigid shoe as a whole
+    assert {action.entry for (kind, _), action in seven.items() if kind == "contact"} == {None}
     assert ("drive", "frame") not in seven
     assert ("drive", "frame") in named(translation, 13)
 
 
 def test_a_flexible_shoe_is_held_at_both_pins_of_each_link(flexible_run):
-    history = flexible_run[0]
-    pins = {where for kind, where in named(history, 7) if kind == "joint"}
-    assert pins == {"front right", "front left", "rear right", "rear left"}
-    assert {where for kind, where in named(history, 2) if kind == "joint"} == {"front right", "rear right"}
+    right = {"front right", "rear right"}
+    for shoe, pins in ((7, right | {"front left", "rear left"}), (2, right)):
+        assert {where for kind, where in named(flexible_run[0], shoe) if kind == "joint"} == pins
 
 
 def test_pins_act_where_they_are_and_with_opposite_forces(flexible_run):
-    history = flexible_run[0]
-    behind, ahead = named(history, 6), named(history, 7)
+    behind, ahead = (named(flexible_run[0], shoe) for shoe in (6, 7))
     for side in ("right", "left"):
         one, other = behind["joint", f"front {side}"], ahead["joint", f"rear {side}"]
         assert np.array_equal(one.force, -other.force)
@@ -67,11 +61,6 @@ def test_actions_enter_a_flexible_shoe_by_name(flexible_run):
     assert entries["load"] == OverSurface()
     assert isinstance(entries["contact"], OverRectangle)
     assert (entries["weight"], entries["drive"]) == (None, AtDrivePoint())
-
-
-def test_contacts_enter_a_rigid_shoe_as_a_whole(translation):
-    entries = {action.entry for (kind, _), action in named(translation, 7).items() if kind == "contact"}
-    assert entries == {None}
 
 
 def test_contacts_are_those_by_shoe(translation):

@@ -9,21 +9,13 @@ from exudyn_crawler.results.life.duty import DutyRun
 TEXT = """
 miner = "haibach"
 
+runs = [
+    { name = "propel", folder = "runs/propel", share = 0.07 },
+    { name = "dig", folder = "/elsewhere/cycle", begin = 15, end = 40.0, an_hour = 75 },
+]
 [material]
 base = "cast_manganese"
 roughness = 1e-4
-
-[[runs]]
-name = "propel"
-folder = "runs/propel"
-share = 0.07
-
-[[runs]]
-name = "dig"
-folder = "/elsewhere/cycle"
-begin = 15
-end = 40.0
-an_hour = 75
 """
 
 
@@ -48,8 +40,8 @@ def test_a_duty_is_read_with_folders_from_where_it_lies(file):
     ("old", "new", "words"),
     [
         ("roughness = 1e-4", "yield_strength = 350", r"material.yield_strength: .* got 350; is it in MPa\?"),
-        ("share = 0.07", "share = 0.07\nan_hour = 3", "an_hour or share must be given, got neither or both"),
-        ("share = 0.07", "", "an_hour or share must be given"),
+        ("share = 0.07", "share = 0.07, an_hour = 3", "an_hour or share must be given, got neither or both"),
+        (", share = 0.07", "", "an_hour or share must be given"),
         ("end = 40.0", "end = 10.0", "end must be after begin = 15 s, got 10 s"),
         ("share = 0.07", "shar = 0.07", r"runs\[0\].shar: unknown key; did you mean runs\[0\].share\?"),
         ('name = "dig"', 'name = "propel"', "the runs' names must differ"),

@@ -50,7 +50,7 @@ def test_loads_do_the_elastic_forces_work_on_every_mode(flexible_run, shift):
 
 
 def test_a_static_solution_has_the_stress_of_the_run(flexible_run, front):
-    history, _, _ = flexible_run
+    history = flexible_run[0]
     whole = unit_loads(history.case).whole
     row = int(np.abs(history.time.values - TIME).argmin())
     modal = von_mises(whole.stress(whole_coordinates(history, 13)[row])[0])
@@ -84,7 +84,6 @@ def test_the_peak_is_that_of_the_recovered_stress(flexible_run):
 def test_a_deck_is_written_with_its_table(front, tmp_path, program):
     text = front.write(tmp_path / "deck.inp", program).read_text()
     assert text.startswith("** shoe 13 at t = 0.05 s; N, m, Pa")
-    assert "** " in text
     assert "com node" in text
     assert text.count("*RIGID BODY") == 4
     with pytest.raises(FileExistsError, match=r"deck\.inp exists"):
@@ -103,19 +102,13 @@ def test_what_is_no_shoe_or_time_of_the_run_is_refused(flexible_run):
 
 def test_rigid_links_have_no_pin_forces(flexible_run):
     history = flexible_run[0]
-    beside = {6, 7, 12}
-    for joint in history.case.track.joints.tolist():
-        for name in ("pin_force", "pin_torque"):
-            pins = history.dataset[name].sel(joint=joint)
-            assert bool(pins.notnull().all()) if joint in beside else bool(pins.isnull().all())
+    beside = [6, 7, 12]
+    for name in ("pin_force", "pin_torque"):
+        pins = history.dataset[name]
+        assert bool(pins.sel(joint=beside).notnull().all())
+        assert bool(pins.drop_sel(joint=beside).isnull().all())
     # and the joint's are there for all
     assert bool(history.joint_force.notnull().all())
-
-
-def test_the_pins_of_a_link_add_up_to_its_joint(flexible_run):
-    history = flexible_run[0]
-    both = history.pin_force.sel(joint=12).sum("pin")
-    assert both.values == pytest.approx(history.joint_force.sel(joint=12).values, abs=1e-6)
 
 
 def test_pin_forces_are_the_actions_in_the_shoes_axes(flexible_run):

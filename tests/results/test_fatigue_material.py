@@ -76,9 +76,8 @@ def test_castings_differ_by_region():
     # Murakami's limit of 50 micrometres is a range of 486 MPa from 0 (HV 860 / 3.2), of 552 MPa with HV 320
     small = material.with_(castings=({"defect_size": 5e-5},), fatigue_strength=860e6)
     more = [CycleStage(np.zeros(1), np.array([500e6]), np.ones(1))]
-    grows, sleeps = (
-        one.defect_life("lugs", "elementary", more, 0.9) for one in (small, small.with_(hardness=320))
-    )
+    materials = (small, small.with_(hardness=320))
+    grows, sleeps = (one.defect_life("lugs", "elementary", more, 0.9) for one in materials)
     assert grows == growth(Defect(5e-5, 860.0 / 3.2, 0.06), *own[1:2], more[0].end, np.ones(1), 0.9)[0]
     assert sleeps > 10.0 * grows
     with pytest.raises(ParameterError, match="regions must differ"):

@@ -14,8 +14,12 @@ from meshes import STEEL, joint_interfaces, mesh_named
 from tests.modal_loads import modal_loads
 
 TRACK = Track.ph4100c()
-LUG_ROOTS = ((-0.1837, 0.652, -0.0725), (-0.1837, -0.522, 0.1675), (0.2023, -0.7951, 0.0708))
-"""m: the S-paper's hot spots beside the inner faces of the rear lugs, and the root of a fork's cheek."""
+ROOTS = {
+    "lugs": ((-0.1837, 0.652, -0.0725), (-0.1837, -0.522, 0.1675), (0.2023, -0.7951, 0.0708)),
+    "notches": ((-0.169, -0.463, 0.152), (0.185, -0.408, 0.163), (-0.169, 0.887, 0.152)),
+}
+"""m: the S-paper's hot spots beside the inner faces of the rear lugs, and the root of a fork's cheek; corners
+of the flanges' notches."""
 SHOE = 7
 NODES = np.arange(0, 3000, 500)
 OTHERS = {
@@ -48,19 +52,13 @@ def test_regions_are_where_their_surfaces_are(shoe):
     assert set(regions[tips]) == {"wings"}
 
 
-@pytest.mark.parametrize("place", LUG_ROOTS)
-def test_roots_of_lugs_are_lugs(shoe, place):
-    nearest = int(np.linalg.norm(shoe.nodes - place, axis=1).argmin())
-    assert np.linalg.norm(shoe.nodes[nearest] - place) < 0.03
-    assert shoe_regions(shoe, TRACK)[nearest] == "lugs"
-
-
-@pytest.mark.parametrize("place", [(-0.169, -0.463, 0.152), (0.185, -0.408, 0.163), (-0.169, 0.887, 0.152)])
-def test_corners_of_the_flanges_notches_are_no_lugs(shoe, place):
-    surface = shoe.mesh.surface_nodes
-    nearest = surface[np.linalg.norm(shoe.nodes[surface] - place, axis=1).argmin()]
-    assert np.linalg.norm(shoe.nodes[nearest] - place) < 0.03
-    assert shoe_regions(shoe, TRACK)[nearest] == "notches"
+@pytest.mark.parametrize("region", ROOTS)
+def test_roots_of_lugs_are_lugs_and_corners_of_notches_are_none(shoe, region):
+    surface, regions = shoe.mesh.surface_nodes, shoe_regions(shoe, TRACK)
+    for place in ROOTS[region]:
+        nearest = surface[np.linalg.norm(shoe.nodes[surface] - place, axis=1).argmin()]
+        assert np.linalg.norm(shoe.nodes[nearest] - place) < 0.03
+        assert regions[nearest] == region, place
 
 
 def test_shoe_without_rails_has_neither_roller_path_nor_wings(shoe):
@@ -69,26 +67,19 @@ def test_shoe_without_rails_has_neither_roller_path_nor_wings(shoe):
     assert set(shoe_regions(bare(mesh), TRACK)) == {"lugs", "bores", "web", "notches"}
 
 
-def test_shares_of_uniaxial_stresses_are_those_of_their_sum():
-    parts = {"pull": np.array([[3e6, 0, 0, 0, 0, 0]]), "push": np.array([[-1e6, 0, 0, 0, 0, 0]])}
-    found = shares(parts)
-    assert found["pull"] == pytest.approx(1.5)
-    assert found["push"] == pytest.approx(-0.5)
-
-
-def test_share_of_shear_beside_tension_is_that_of_the_squares():
-    tension, shear = 5e6, 4e6
-    found = shares(
-        {"tension": np.array([[tension, 0, 0, 0, 0, 0]]), "shear": np.array([[0, 0, 0, shear, 0, 0]])}
-    )
-    assert found["shear"] == pytest.approx(3.0 * shear**2 / (tension**2 + 3.0 * shear**2))
-    assert found["tension"] + found["shear"] == pytest.approx(1.0)
-
-
-def test_pressure_from_all_sides_has_no_share():
-    found = shares({"squeeze": np.full((1, 6), -1e6) * [1, 1, 1, 0, 0, 0], "tension": np.eye(1, 6) * 2e6})
-    assert found["squeeze"] == pytest.approx(0.0)
-    assert found["tension"] == pytest.approx(1.0)
+@pytest.mark.parametrize(
+    ("one", "other", "share"),
+    [
+        ((3.0, 0, 0, 0, 0, 0), (-1.0, 0, 0, 0, 0, 0), 1.5),
+        ((0, 0, 0, 4.0, 0, 0), (5.0, 0, 0, 0, 0, 0), 48.0 / 73.0),
+        ((-1.0, -1.0, -1.0, 0, 0, 0), (2.0, 0, 0, 0, 0, 0), 0.0),
+    ],
+    ids=["of their sum", "shear: 3 of its square", "none of pressure from all sides"],
+)
+def test_shares_of_two_stresses_are_those_by_hand(one, other, share):
+    found = shares({"one": 1e6 * np.array([one]), "other": 1e6 * np.array([other])})
+    assert found["one"] == pytest.approx(share)
+    assert found["other"] == pytest.approx(1.0 - share)
 
 
 def test_shares_of_no_stress_are_zero():

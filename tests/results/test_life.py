@@ -53,7 +53,7 @@ def test_damage_at_a_place_is_that_of_its_history(flexible_run, found):
     """Counted again from the modal coordinates, each run as often as the duty says."""
     history, node = flexible_run[0], int(found.table["node"][0])
     chosen = int(found.whole.mesh.surface_nodes[5])
-    only = life_of(duty(FIRST, nodes=(chosen,)), [history])
+    only = life_of(duty(FIRST, nodes=(chosen,)).with_(plane_nodes=0), [history])
     assert only.table["node"].tolist() == list(only.nodes)
     assert chosen in only.nodes
     run = found.nodes[node].cycles.query("run == 'first' and shoe == 13")
@@ -129,7 +129,8 @@ def test_every_life_has_a_range_and_a_verdict(flexible_run, found):
 def test_the_widest_spread_of_the_runs_is_in_the_verdict(flexible_run, found):
     """Parts of one run have its spread once."""
     history, spread = flexible_run[0], 0.0 * found.dataset.place_damage[:, 0].fillna(0.0) + 0.3
-    wide = life_of(duty(FIRST, SECOND), [history, history], spreads=[spread, 0.5 * spread])
+    both = duty(FIRST, SECOND).with_(plane_nodes=0)
+    wide = life_of(both, [history, history], spreads=[spread, 0.5 * spread])
     known = found.dataset.stress_error.notnull().values
     more = (wide.dataset.stress_error - found.dataset.stress_error).values[known]
     assert more == pytest.approx(np.full(known.sum(), 0.3))
@@ -141,22 +142,20 @@ def test_the_widest_spread_of_the_runs_is_in_the_verdict(flexible_run, found):
 def test_cycles_of_a_node_make_its_matrix_and_history(found):
     for node in found.nodes.values():
         cycles = node.cycles
-        matrix = node.rainflow_matrix()
-        assert matrix["cycles an hour"].sum() == pytest.approx(cycles["times an hour"].sum())
+        times = node.rainflow_matrix()["cycles an hour"].sum()
+        assert times == pytest.approx(cycles["times an hour"].sum())
         last = node.damage_history().groupby(["run", "shoe"])["damage an hour"].last()
         each = cycles.groupby(["run", "shoe"])["damage an hour"].sum()
         assert last.to_numpy() == pytest.approx(each.reindex(last.index).to_numpy())
-        criterion = found.duty.criterion
-        assert node.by_criterion[criterion] == pytest.approx(cycles["damage an hour"].sum(), rel=1e-9)
+        own = node.by_criterion[found.duty.criterion]
+        assert own == pytest.approx(cycles["damage an hour"].sum(), rel=1e-9)
 
 
-def test_castings_change_the_life_of_their_region_alone(flexible_run):
-    history = flexible_run[0]
-    bare = changed(history, flexible=history.case.flexible.with_(static_fields=False))
-    sound = life_of(duty(FIRST).with_(plane_nodes=0), [bare])
+def test_castings_change_the_life_of_their_region_alone(modes_alone):
+    sound = life_of(duty(FIRST).with_(plane_nodes=0), [modes_alone])
     wings = {"region": "wings", "residual_stress": 60e6, "defect_size": 5e-4}
     material = WEAK.with_(castings=(wings, {"region": "web", "defect_size": 5e-3}))
-    cast = life_of(duty(FIRST).with_(plane_nodes=0, material=material), [bare])
+    cast = life_of(duty(FIRST).with_(plane_nodes=0, material=material), [modes_alone])
     before, after = sound.table.set_index("region"), cast.table.set_index("region")
     last = "life in h that 97.5 % survive"
     assert after.loc["wings", last] < before.loc["wings", last]
@@ -175,13 +174,11 @@ def test_castings_change_the_life_of_their_region_alone(flexible_run):
     assert after.loc["wings", "life in h, defect"] == pytest.approx(min(1.0 / damage, BEYOND), rel=1e-6)
 
 
-def test_no_damage_is_a_life_beyond_what_is_told(flexible_run, found):
+def test_no_damage_is_a_life_beyond_what_is_told(modes_alone, found):
     strong = FatigueMaterial.a36().with_(fatigue_strength=1e10)
-    history = flexible_run[0]
-    bare = changed(history, flexible=history.case.flexible.with_(static_fields=False))
     good = (found.dataset.verdict >= 0) & (found.dataset.verdict < OPEN)
     chosen = np.flatnonzero(good)[:5]
-    long = life_of(Duty(runs=(FIRST,), material=strong, nodes=tuple(chosen.tolist())), [bare])
+    long = life_of(Duty(runs=(FIRST,), material=strong, nodes=tuple(chosen.tolist())), [modes_alone])
     assert float(long.dataset.life.max()) == float(long.dataset.life.min()) == BEYOND
     words = in_words(long.table)
     assert set(words["life in h that 50 % survive"]) == {"beyond 1e9"}
@@ -201,24 +198,18 @@ def test_what_a_drive_pulls_at_a_node_is_not_known(flexible_run, found):
     assert (unknown == at_load).all()
 
 
-def changed(history: History, **changes) -> History:
-    return History(history.case.with_(**changes), history.dataset)
-
-
 def test_runs_that_do_not_fit_are_refused(flexible_run, translation):
     history = flexible_run[0]
     flexible = history.case.flexible
-    one = DutyRun(name="one", folder=".", an_hour=1.0)
-    two = DutyRun(name="two", folder=".", an_hour=1.0)
-    for other, words in (
-        (translation, "run 'two' must have flexible shoes"),
-        (
-            changed(history, flexible=flexible.with_(shoes=(7,))),
-            r"shoes of 'one' is \(7, 13\), of 'two' \(7,\)",
-        ),
-        (changed(history, flexible=flexible.with_(mesh="study")), "same shoes: mesh of 'one' is"),
-        (changed(history, flexible=flexible.with_(youngs_modulus=7e10)), "youngs_modulus of 'one' is 2"),
+    one, two = (DutyRun(name=name, folder=".", an_hour=1.0) for name in ("one", "two"))
+    with pytest.raises(ValueError, match="run 'two' must have flexible shoes"):
+        life_of(duty(one, two), [history, translation])
+    for change, words in (
+        ({"shoes": (7,)}, r"shoes of 'one' is \(7, 13\), of 'two' \(7,\)"),
+        ({"mesh": "study"}, "same shoes: mesh of 'one' is"),
+        ({"youngs_modulus": 7e10}, "youngs_modulus of 'one' is 2"),
     ):
+        other = History(history.case.with_(flexible=flexible.with_(**change)), history.dataset)
         with pytest.raises(ValueError, match=words):
             life_of(duty(one, two), [history, other])
     for run, words in (
@@ -236,11 +227,11 @@ def test_runs_that_do_not_fit_are_refused(flexible_run, translation):
 def test_static_fields_are_counted_with_the_modes(flexible_run):
     """Their stress is what the run's own results show, and their families of loads share the damage."""
     history = flexible_run[0]
-    fields = changed(history, flexible=history.case.flexible.with_(static_fields=True))
-    found = life_of(duty(FIRST), [fields])
+    assert history.case.flexible.static_fields
+    found = life_of(duty(FIRST), [history])
     node, peaks = int(found.table["node"][0]), []
     for shoe in (7, 13):
-        stress = node_stress(fields, shoe, node=node)
+        stress = node_stress(history, shoe, node=node)
         peaks.append(float(stress.von_mises.sel(time=slice(0.0, HALF + 1e-9)).max()))
     ends = found.nodes[node].cycles[["begin in Pa", "end in Pa"]].abs().to_numpy()
     # a part of a run has other directions of its fields than the whole: either leaves this out

@@ -27,12 +27,6 @@ def in_segments(monkeypatch):
         monkeypatch.setattr(module, name, SEGMENT)
 
 
-def duty():
-    run = DutyRun(name="propel", folder=".", share=0.1)
-    material = FatigueMaterial.a36().with_(fatigue_strength=90e6)
-    return Duty(runs=(run,), material=material, plane_nodes=0, survivals=(0.9,))
-
-
 def test_stresses_from_segments_are_those_of_the_whole_run(flexible_run, in_segments):
     history, stress, _ = flexible_run
     found = recover_stresses(history)
@@ -43,20 +37,20 @@ def test_stresses_from_segments_are_those_of_the_whole_run(flexible_run, in_segm
 
 @pytest.mark.slow
 def test_lives_from_segments_are_those_of_the_whole_run(flexible_run, request):
-    history = flexible_run[0]
-    whole = life_of(duty(), [history])
+    run = DutyRun(name="propel", folder=".", share=0.1)
+    material = FatigueMaterial.a36().with_(fatigue_strength=90e6)
+    duty = Duty(runs=(run,), material=material, plane_nodes=0, survivals=(0.9,))
+    whole = life_of(duty, [flexible_run[0]])
     request.getfixturevalue("in_segments")
-    found = life_of(duty(), [history])
-    known = whole.dataset.damage_an_hour.values > 0.0
-    np.testing.assert_allclose(
-        found.dataset.damage_an_hour.values[known], whole.dataset.damage_an_hour.values[known], rtol=1e-3
-    )
+    found = life_of(duty, [flexible_run[0]])
+    damage, expected = (one.dataset.damage_an_hour.values for one in (found, whole))
+    known = expected > 0.0
+    np.testing.assert_allclose(damage[known], expected[known], rtol=1e-3)
     assert found.table["node"].tolist() == whole.table["node"].tolist()
-    shares = whole.table.filter(like="share of").to_numpy(dtype=float)
-    np.testing.assert_allclose(found.table.filter(like="share of").to_numpy(dtype=float), shares, atol=1e-3)
-    assert whole.dataset.stress_error.values == pytest.approx(
-        found.dataset.stress_error.values, rel=1e-4, nan_ok=True
-    )
+    shares, expected = (one.table.filter(like="share of").to_numpy(dtype=float) for one in (found, whole))
+    np.testing.assert_allclose(shares, expected, atol=1e-3)
+    error, expected = (one.dataset.stress_error.values for one in (found, whole))
+    assert expected == pytest.approx(error, rel=1e-4, nan_ok=True)
 
 
 def test_a_longer_run_takes_no_more_memory_for_its_coordinates(flexible_run, in_segments):

@@ -66,16 +66,14 @@ def test_derived_quantities_are_attributes_as_the_catalogue_tells(translation, r
 
 
 def test_what_a_history_cannot_give_is_refused_with_what_it_needs(translation, rolled):
-    with pytest.raises(
-        ValueError, match=r"rail_force needs a rolled case \(undercarriage\), the case has none"
+    for history, name, told in (
+        (translation, "rail_force", r"rail_force needs a rolled case \(undercarriage\), the case has none"),
+        (rolled, "drive_force", "drive_force needs a dragged track, the case has an undercarriage"),
+        (translation, "highest_von_mises", "highest_von_mises needs flexible shoes, the case has none"),
+        (translation, "rail_forc", "there is no quantity 'rail_forc'; the nearest is 'rail_force'"),
     ):
-        translation.quantity("rail_force")
-    with pytest.raises(ValueError, match="drive_force needs a dragged track, the case has an undercarriage"):
-        rolled.quantity("drive_force")
-    with pytest.raises(ValueError, match="highest_von_mises needs flexible shoes, the case has none"):
-        translation.quantity("highest_von_mises")
-    with pytest.raises(ValueError, match="there is no quantity 'rail_forc'; the nearest is 'rail_force'"):
-        translation.quantity("rail_forc")
+        with pytest.raises(ValueError, match=told):
+            history.quantity(name)
 
 
 def test_stresses_are_quantities_where_they_are_given(flexible_run):
@@ -103,9 +101,7 @@ def test_results_are_read_without_the_engine():
     modules = [".".join(path.relative_to(room).with_suffix("").parts) for path in room.glob("*/[a-z]*.py")]
     assert "history.states" in modules
     imports = "".join(f"import exudyn_crawler.results.{name}\n" for name in sorted(modules))
-    script = (
-        f"import sys\n{imports}assert not [name for name in sys.modules if name.split('.')[0] == 'exudyn']"
-    )
+    script = f"{imports}import sys\nassert not [one for one in sys.modules if one.split('.')[0] == 'exudyn']"
     subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
 
 
@@ -132,9 +128,8 @@ def test_deformation_counts_every_spring_from_equilibrium(translation):
     deformation = translation.terrain_deformation
     assert float(deformation[0]) == 0.0
     heave = translation.unit_heave - translation.unit_heave.isel(time=0)
-    assert deformation.values == pytest.approx(
-        2.0 * heave.sum("unit").values, abs=1e-13
-    )  # m, rounding of 50 units
+    rounding = 1e-13  # m, of 50 units
+    assert deformation.values == pytest.approx(2.0 * heave.sum("unit").values, abs=rounding)
 
 
 def test_the_track_balances_through_stick_slip(longer):
@@ -149,15 +144,11 @@ def test_rolling_units_push_a_straight_track_sideways(translation):
     assert sideways[1] > 1e-5
 
 
-def test_shoes_together_carry_what_the_rollers_press(rolled):
+def test_shoes_together_carry_what_the_rollers_press_and_each_has_its_own_loads(rolled):
     found = rolled.rail_force
     assert found.dims == ("time", "shoe", "axis")
     pressed = rolled.roller_force.sum(("roller", "rail"))
     np.testing.assert_allclose(found.sum("shoe").values, pressed.values, rtol=1e-12, atol=1e-6)
-
-
-def test_a_shoe_has_the_forces_of_its_own_loads(rolled):
-    found = rolled.rail_force
     loaded = np.flatnonzero((found.sel(axis="z") < 0.0).any("time")) + 1
     assert len(loaded) == 3
     for shoe in (*loaded, loaded[0] + 1):

@@ -58,8 +58,7 @@ def test_every_tread_of_a_run_is_counted_by_its_place(rolled):
 
 @pytest.mark.simulation
 def test_a_life_shows_the_roller_path_of_its_rolled_runs(rolled):
-    basis = SimpleNamespace(history=rolled)
-    run = SimpleNamespace(basis=basis, run=SimpleNamespace(name="propel"))
+    run = SimpleNamespace(basis=SimpleNamespace(history=rolled), run=SimpleNamespace(name="propel"))
     duty = Duty(runs=(DutyRun(name="propel", folder=".", share=0.1),), material=FatigueMaterial.a36())
     found = roller_paths(SimpleNamespace(duty=duty, runs=[run]))
     pd.testing.assert_frame_equal(found["propel"], roller_path(rolled, [duty.material]))
@@ -91,7 +90,7 @@ def test_stress_of_the_structure_is_that_of_the_node_below_the_tread(bent):
 
 def test_a_track_without_rollers_has_no_roller_path(translation):
     with pytest.raises(ValueError, match="undercarriage"):
-        roller_path(History(translation.case, translation.dataset))
+        roller_path(translation)
 
 
 @pytest.mark.simulation

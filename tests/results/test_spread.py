@@ -12,8 +12,7 @@ from fem.trust import HELD, LIMITED, VERDICTS
 
 @pytest.fixture(scope="module")
 def first(flexible_run):
-    _, dataset, tables = flexible_run
-    return StressResults(dataset, tables, {}, whole=None)
+    return StressResults(*flexible_run[1:], {}, whole=None)
 
 
 @pytest.fixture(scope="module")

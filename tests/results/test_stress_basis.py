@@ -33,13 +33,6 @@ def with_fields(flexible_run: Run) -> History:
 
 
 @pytest.fixture(scope="module")
-def modes_alone(flexible_run: Run) -> History:
-    history = flexible_run[0]
-    flexible = history.case.flexible_shoes().with_(static_fields=False)
-    return History(history.case.with_(flexible=flexible), history.dataset)
-
-
-@pytest.fixture(scope="module")
 def basis(with_fields: History) -> StressBasis:
     return stress_basis(with_fields)
 

@@ -17,12 +17,10 @@ def test_they_are_those_of_the_history(translation):
     link = found.loc["greatest force of a link"]
     assert link["value"] == pytest.approx(np.linalg.norm(translation.joint_force.values, axis=-1).max() / 1e3)
     assert link["of"].startswith("link ")
-    assert found.loc["deepest penetration", "value"] == pytest.approx(
-        1e3 * float(translation.penetration.max())
-    )
-    assert found.loc["way", "value"] == pytest.approx(
-        float(np.linalg.norm(translation.position.values[-1, -1] - translation.position.values[0, -1]))
-    )
+    depth = 1e3 * float(translation.penetration.max())
+    assert found.loc["deepest penetration", "value"] == pytest.approx(depth)
+    begin, end = translation.position.values[[0, -1], -1]
+    assert found.loc["way", "value"] == pytest.approx(np.linalg.norm(end - begin))
     assert "highest von Mises stress" not in found.index
     # units that roll push shoes aside, which friction holds only once they slip
     carried = 13 * translation.case.mean_load
@@ -48,8 +46,8 @@ def test_a_rolled_track_is_asked_for_rollers_and_pull(rolled):
     pull = found.loc["greatest pull of the drive"]
     assert pull["value"] == pytest.approx(float(rolled.drive_pull.max()) / 1e3)
     assert found.loc["way", "of"] == "side frame"
-    moved = rolled.side_frame_position.values[[0, -1]]
-    assert found.loc["way", "value"] == pytest.approx(np.linalg.norm(moved[1] - moved[0]))
+    begin, end = rolled.side_frame_position.values[[0, -1]]
+    assert found.loc["way", "value"] == pytest.approx(np.linalg.norm(end - begin))
     start, case = found.loc["out of balance at the start"], rolled.case
     shoes = case.shoe.mass * np.linalg.norm(rolled.acceleration.values[0], axis=-1)
     frame = case.undercarriage.mass * np.linalg.norm(rolled.side_frame_acceleration.values[0])

@@ -15,9 +15,7 @@ def small_case(duration: float = 0.02, shoes: int = 3) -> CaseFile:
     """Three rigid shoes."""
     base = Case.translation()
     case = base.with_(
-        name="small",
-        track=base.track.with_(shoe_count=shoes),
-        loads=LoadCycle.constant([450e3] * shoes),
+        name="small", track=base.track.with_(shoe_count=shoes), loads=LoadCycle.constant([450e3] * shoes)
     )
     return CaseFile(case=case, duration=duration)
 

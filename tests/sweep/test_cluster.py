@@ -17,7 +17,7 @@ from distributed import get_client
 
 from exudyn_crawler import Case, CaseFile
 from exudyn_crawler.model.reductions import VARIABLE
-from exudyn_crawler.sweep import cluster, page
+from exudyn_crawler.sweep import cluster
 from exudyn_crawler.sweep.answers import Answer, HotSpot
 from exudyn_crawler.sweep.cluster import connected, outcomes
 from exudyn_crawler.sweep.definition import Sweep
@@ -26,15 +26,13 @@ from exudyn_crawler.sweep.vary import Vary
 from exudyn_crawler.sweep.worker import Task, check_versions, own_versions
 from tests.sweep.cases import FORCE, STIFFNESS, small_sweep
 
+pytestmark = pytest.mark.usefixtures("without_reports")
+
 
 def running(folder: Path) -> list[int]:
     """Processes that work at runs of a sweep."""
-    found = []
-    for path in folder.glob("runs/*/run.json"):
-        record = json.loads(path.read_text())
-        if record["status"] == "running":
-            found.append(record["process"])
-    return found
+    records = [json.loads(path.read_text()) for path in folder.glob("runs/*/run.json")]
+    return [record["process"] for record in records if record["status"] == "running"]
 
 
 def kill_the_first_at_work(folder: Path, killed: list[int]) -> threading.Thread:
@@ -51,11 +49,6 @@ def kill_the_first_at_work(folder: Path, killed: list[int]) -> threading.Thread:
     thread = threading.Thread(target=kill, daemon=True)
     thread.start()
     return thread
-
-
-@pytest.fixture(autouse=True)
-def _without_reports(monkeypatch):
-    monkeypatch.setattr(page, "_report_of", lambda *_: None)
 
 
 def settings_of_the_process():

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler.run.folder.record import held
-from exudyn_crawler.sweep import page, worker
+from exudyn_crawler.sweep import worker
 from exudyn_crawler.sweep.answers import Answer
 from exudyn_crawler.sweep.running import folder_state, run_sweep
 from exudyn_crawler.sweep.vary import Vary
@@ -19,15 +19,8 @@ pytestmark = pytest.mark.simulation
 @pytest.fixture(scope="module")
 def ran(scheduler, tmp_path_factory):
     """Sweep of two runs in its folder, and the lines that it told."""
-    told = []
-    folder = tmp_path_factory.mktemp("sweep")
+    told, folder = [], tmp_path_factory.mktemp("sweep")
     return run_sweep(small_sweep(), folder, scheduler=scheduler, progress=False, say=told.append), told
-
-
-@pytest.fixture
-def without_reports(monkeypatch):
-    """Write no reports of single runs, which take longer than the runs."""
-    monkeypatch.setattr(page, "_report_of", lambda *_: None)
 
 
 def times_of(run):
@@ -40,11 +33,10 @@ def test_a_sweep_is_a_folder_of_ordinary_runs_with_their_answers(ran):
     assert run.table["status"].tolist() == ["done", "done"]
     for name in run.table["folder"]:
         folder = run.folder / "runs" / name
-        outcome = json.loads((folder / "outcome.json").read_text())
-        found = run.table.set_index("folder").loc[name, FORCE.label]
-        assert outcome["answers"] == {FORCE.label: found}
-        assert {"case.toml", "run.json", "history.nc"} <= {path.name for path in folder.iterdir()}
-        assert json.loads((folder / "run.json").read_text())["status"] == "done"
+        outcome, record = (json.loads((folder / f"{one}.json").read_text()) for one in ("outcome", "run"))
+        assert outcome["answers"] == {FORCE.label: run.table.set_index("folder").loc[name, FORCE.label]}
+        assert {"case.toml", "history.nc"} <= {path.name for path in folder.iterdir()}
+        assert record["status"] == "done"
     assert json.loads((run.folder / "run.json").read_text())["status"] == "done"
 
 
@@ -110,18 +102,17 @@ def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tm
             raise RuntimeError("it sank")
         return whole(case_file, *given, **how)
 
-    told = []
+    told, how = [], {"scheduler": scheduler, "progress": False}
     with monkeypatch.context() as patch:
         patch.setattr(worker.case_run, "run_case", failing)
-        run = run_sweep(small_sweep(), tmp_path, scheduler=scheduler, progress=False, say=told.append)
+        run = run_sweep(small_sweep(), tmp_path, say=told.append, **how)
     assert run.table["status"].tolist() == ["failed", "done"]
     assert run.table["reason"].tolist() == ["RuntimeError: it sank", ""]
     assert any(line.endswith("failed: RuntimeError: it sank") for line in told)
     # it stays so until it is asked for
-    kept = run_sweep(small_sweep(), tmp_path, scheduler=scheduler, progress=False)
-    assert kept.table["status"].tolist() == ["failed", "done"]
-    retried = run_sweep(small_sweep(), tmp_path, scheduler=scheduler, progress=False, retry=True)
-    assert retried.table["status"].tolist() == ["done", "done"]
+    for retry, status in ((False, "failed"), (True, "done")):
+        again = run_sweep(small_sweep(), tmp_path, retry=retry, **how)
+        assert again.table["status"].tolist() == [status, "done"]
 
 
 def test_what_is_refused_leaves_no_folder(tmp_path):

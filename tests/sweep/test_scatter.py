@@ -29,7 +29,7 @@ from exudyn_crawler.sweep.scatter import _with_all_cases, read_scatter
 from exudyn_crawler.sweep.vary import Vary
 from fem import Shapes
 from meshes.shoe import STEEL, joint_interfaces
-from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_case, small_sweep
+from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_sweep
 
 NICRMO = FatigueMaterial.cast_nicrmo()
 LIFE = Life(name="life", survival=0.5, material=NICRMO)
@@ -37,12 +37,8 @@ CASTING = "life.material.casting_factor"
 
 
 def sample(count: int, **changes) -> Sweep:
-    given = {
-        "vary": (Vary(key=STIFFNESS, low=1e7, high=4e7, scale="log", distribution="normal"),),
-        "design": "latin_hypercube",
-        "runs": count,
-    }
-    return small_sweep(**given | changes)
+    vary = (Vary(key=STIFFNESS, low=1e7, high=4e7, scale="log", distribution="normal"),)
+    return small_sweep(**{"vary": vary, "design": "latin_hypercube", "runs": count} | changes)
 
 
 def answered(sweep: Sweep, **columns: np.ndarray) -> pd.DataFrame:
@@ -96,11 +92,6 @@ def test_distributions_that_make_no_sense_are_refused(given, told):
         Vary(**{"key": STIFFNESS, "low": 1.0, "high": 2.0} | given)
 
 
-def test_a_grid_of_a_distribution_is_refused():
-    with pytest.raises(ValueError, match="count must be given for a grid"):
-        sample(None, design="grid")
-
-
 def test_a_drawn_run_keeps_its_values_and_the_same_seed_draws_the_same():
     sweep, again = sample(20), sample(20)
     assert sweep.rows == again.rows
@@ -110,18 +101,20 @@ def test_a_drawn_run_keeps_its_values_and_the_same_seed_draws_the_same():
     np.testing.assert_array_equal(np.floor(20.0 * distribution.cdf(values)), np.arange(20))
 
 
+def quantiles_of(sweep: Sweep, values: np.ndarray) -> pd.DataFrame:
+    """Quantiles of answers, without the time that outcomes take."""
+    table = pd.DataFrame({"run": np.arange(len(values)), "status": "done", FORCE.label: values})
+    table.attrs = {"units": sweep.units()}
+    return quantiles(sweep, table)
+
+
 def test_bounds_of_quantiles_hold_as_often_as_they_say():
     random = np.random.default_rng(7)
     sweep, truth = sample(60), stats.weibull_min(1.5)
-    held = np.zeros(len(PORTIONS))
-    known = np.zeros(len(PORTIONS))
+    held, known = np.zeros((2, len(PORTIONS)))
+    exact = truth.ppf(PORTIONS)
     for _ in range(100):
-        values = truth.rvs(60, random_state=random)
-        table = pd.DataFrame({"run": np.arange(60), "status": "done", FORCE.label: values})
-        table.attrs = {"units": sweep.units()}
-        found = quantiles(sweep, table)
-        np.testing.assert_allclose(found["value"], np.quantile(values, PORTIONS))
-        exact = truth.ppf(PORTIONS)
+        found = quantiles_of(sweep, truth.rvs(60, random_state=random))
         both = found[["least", "most"]].notna().all(axis=1).to_numpy()
         known += both
         held += both & (found["least"] <= exact).to_numpy() & (exact <= found["most"]).to_numpy()
@@ -134,9 +127,7 @@ def test_bounds_of_quantiles_hold_as_often_as_they_say():
 def test_quantiles_and_bounds_are_scipys(count):
     """Linear between order statistics; bounds at the ranks of binomial quantiles, known or not."""
     values = stats.lognorm(0.8).rvs(count, random_state=np.random.default_rng(count))
-    table = pd.DataFrame({"run": np.arange(count), "status": "done", FORCE.label: values})
-    table.attrs = {"units": {FORCE.label: "N"}}
-    found = quantiles(sample(count), table).set_index("portion below")
+    found = quantiles_of(sample(count), values).set_index("portion below")
     np.testing.assert_allclose(found["value"], stats.mstats.mquantiles(values, PORTIONS, alphap=1, betap=1))
     ranked = np.sort(values)
     for portion, row in found.iterrows():
@@ -152,8 +143,7 @@ def test_quantiles_and_bounds_are_scipys(count):
 
 
 def test_fewer_runs_show_whether_a_quantile_has_settled():
-    sweep, values = sample(40), np.arange(40.0)
-    found = quantiles(sweep, answered(sweep, **{FORCE.label: values})).set_index("portion below").loc[0.5]
+    found = quantiles_of(sample(40), np.arange(40.0)).set_index("portion below").loc[0.5]
     assert (found["value"], found["of half"], found["of a quarter"]) == (19.5, 9.5, 4.5)
     assert found["runs"] == 40
 
@@ -161,9 +151,7 @@ def test_fewer_runs_show_whether_a_quantile_has_settled():
 def test_failed_runs_are_left_out_and_counted():
     sweep, values = sample(20), np.arange(20.0)
     values[3] = np.nan
-    table = answered(sweep, **{FORCE.label: values})
-    assert (table["status"] == "failed").sum() == 1
-    assert set(quantiles(sweep, table)["runs"]) == {19}
+    assert set(quantiles(sweep, answered(sweep, **{FORCE.label: values}))["runs"]) == {19}
 
 
 def test_what_an_answer_depends_on_is_found():
@@ -178,15 +166,12 @@ def test_what_an_answer_depends_on_is_found():
 
 
 def flexible_sample(count: int, **changes) -> Sweep:
-    case = Case.stress("coarse")
     given = {
-        "case": CaseFile(case=case, duration=0.1),
+        "case": CaseFile(case=Case.stress("coarse"), duration=0.1),
         "vary": (Vary(key=CASTING, low=1.2, high=1.4, distribution="normal"),),
         "answers": (LIFE, Life(name="path", region="roller path", survival=0.5, material=NICRMO)),
-        "design": "latin_hypercube",
-        "runs": count,
     }
-    return Sweep(**given | changes)
+    return sample(count, **given | changes)
 
 
 def test_lives_are_drawn_for_all_answers_of_a_run():
@@ -198,18 +183,12 @@ def test_lives_are_drawn_for_all_answers_of_a_run():
     assert sweep.units()["casting_factor"] == ""
 
 
-def test_values_of_a_tail_that_cannot_be_are_refused_before_anything_runs():
+def test_paths_and_values_of_a_life_that_cannot_be_are_refused_before_anything_runs():
     sweep = flexible_sample(20, vary=(Vary(key=CASTING, low=1.0, high=1.6, distribution="normal"),))
     with pytest.raises(ValueError, match=r"run 16 .*casting_factor: must be greater than or equal to 1"):
         sweep.table()
-
-
-def test_paths_of_a_life_need_an_answer_of_one():
     with pytest.raises(ValueError, match="paths of life need an answer of model 'life'"):
         sample(20, vary=(Vary(key=CASTING, low=1.0, high=1.6),))
-
-
-def test_wrong_values_of_a_life_are_refused_before_anything_runs():
     with pytest.raises(ValueError, match=r"life\.material\.casting_factor"):
         flexible_sample(4, vary=(Vary(key=CASTING, values=(0.5, 1.0)),))
 
@@ -252,11 +231,9 @@ def test_a_sample_leaves_tables_and_a_part_of_the_page(tmp_path):
 
 
 def test_grids_and_few_runs_have_no_scatter():
-    few = sample(4)
-    assert scatter_tables(few, answered(few, **{FORCE.label: np.arange(4.0)})) == {}
     grid = small_sweep(vary=(Vary(key=STIFFNESS, low=1e7, high=2e7, count=12),))
-    assert scatter_tables(grid, answered(grid, **{FORCE.label: np.arange(12.0)})) == {}
-    assert small_case().case.name == "small"
+    for sweep, runs in ((sample(4), 4.0), (grid, 12.0)):
+        assert scatter_tables(sweep, answered(sweep, **{FORCE.label: np.arange(runs)})) == {}
 
 
 def test_the_ready_sample_can_be_planned():
@@ -285,73 +262,33 @@ def hills(mesh, names) -> Shapes:
 DUTY = """
 survivals = [0.5, 0.975]
 changes_an_hour = 0.5
-
-[material]
-base = "cast_nicrmo"
-[[material.castings]]
-region = "web"
-
-[[stages]]
-name = "new"
-hours = 2000
-check = "coarse"
-[[stages]]
-name = "worn"
-hours = 500
-check = "fine"
-
-[[cases]]
-name = "passes"
-case = "pass"
-after = "ends"
-an_hour = 10
-[[cases]]
-name = "stones"
-case = "sand"
-an_hour = 2
+material = { base = "cast_nicrmo", castings = [{ region = "web" }] }
+stages = [{ name = "new", hours = 2000, check = "coarse" }, { name = "worn", hours = 500, check = "fine" }]
+cases = [
+    { name = "passes", case = "pass", after = "ends", an_hour = 10 },
+    { name = "stones", case = "sand", an_hour = 2 },
+]
 """
 SCATTER = """
 duty = "duty.toml"
 runs = 12
-[[vary]]
-key = "survivals[0]"
-name = "strength"
-low = 0.01
-high = 0.99
-[[vary]]
-key = "material.castings[0].residual_stress"
-unit = "Pa"
-low = -50e6
-high = 50e6
-[[vary]]
-key = ["cases[0].an_hour", "cases[1].an_hour"]
-name = "often"
-factor = true
-low = 0.5
-high = 2.0
-scale = "log"
-distribution = "normal"
-[[vary]]
-key = "cases[0].load"
-low = 0.8
-high = 1.2
-[[vary]]
-key = "cases[1].case"
-name = "ground"
-values = ["sand", "rock"]
-[[vary]]
-key = "stages[*].hours"
-name = "wear"
-factor = true
-low = 0.7
-high = 1.4
+vary = [
+    { key = "survivals[0]", name = "strength", low = 0.01, high = 0.99 },
+    { key = "material.castings[0].residual_stress", unit = "Pa", low = -50e6, high = 50e6 },
+    { key = ["cases[0].an_hour", "cases[1].an_hour"], name = "often", factor = true, low = 0.5, high = 2.0, \
+scale = "log", distribution = "normal" },
+    { key = "cases[0].load", low = 0.8, high = 1.2 },
+    { key = "cases[1].case", name = "ground", values = ["sand", "rock"] },
+    { key = "stages[*].hours", name = "wear", factor = true, low = 0.7, high = 1.4 },
+]
 """
 
 
 @pytest.fixture
 def drawn_duty(tmp_path, monkeypatch):
     (tmp_path / "duty.toml").write_text(DUTY)
-    (tmp_path / "scatter.toml").write_text(SCATTER)
+    path = tmp_path / "scatter.toml"
+    path.write_text(SCATTER)
     mesh = meshes.mesh_named("coarse")
     worn = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
 
@@ -359,24 +296,31 @@ def drawn_duty(tmp_path, monkeypatch):
         return hills(worn if check.mesh == "fine" else mesh, names)
 
     monkeypatch.setattr(life_run.solve, "case_shapes", shapes)
-    return tmp_path / "scatter.toml"
+    return path
 
 
-def test_lives_of_draws_are_those_of_their_duties(drawn_duty):
+def test_a_scatter_over_a_duty_leaves_what_a_sweep_leaves_with_the_lives_of_its_draws(drawn_duty, tmp_path):
     """Counted once for all draws of strength, residual stress, rates, loads, ground and wear.
 
     A life counts stresses within 1e-4 of the highest: a tenth as high, 0.5 % of its life.
     """
     scatter = read_scatter(drawn_duty)
-    found = scatter.lives()
-    assert len(found) == 12
+    run = run_sweep(scatter, tmp_path / "out")
+    assert {"results.csv", "results.nc", "quantiles.csv", "failures.csv", "sensitivities.csv"} <= {
+        one.name for one in run.folder.iterdir()
+    }
+    assert run.table["status"].tolist() == ["done"] * 12
+    assert set(failures(run.sweep, run.table)["answer"]) == {one.label for one in run.sweep.answers}
+    page = (run.folder / "report.html").read_text()
+    assert "duty duty, design latin_hypercube" in page
+    assert "shoes a year" in page
     assert {one.cases[1].case for one in scatter.duties} == {"sand", "rock"}
-    for number in (11,):
-        whole = life(scatter.duties[number])
-        lives = pd.Series(whole.dataset.life.values[-1]).groupby(whole.regions).min().drop("bores")
-        for region, hours in lives.items():
-            assert found[number][f"life_{region}".replace(" ", "_")] == pytest.approx(hours, rel=0.01)
-        assert found[number]["life"] == pytest.approx(lives.min(), rel=1e-3)
+    found = run.table.iloc[11]
+    whole = life(scatter.duties[11])
+    lives = pd.Series(whole.dataset.life.values[-1]).groupby(whole.regions).min().drop("bores")
+    for region, hours in lives.items():
+        assert found[f"life_{region}".replace(" ", "_")] == pytest.approx(hours, rel=0.01)
+    assert found["life"] == pytest.approx(lives.min(), rel=1e-3)
 
 
 def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
@@ -388,18 +332,6 @@ def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
     assert found[3]["life_web"] <= table.loc["web", "life in h, defect"] * 1.001
     longer = table.loc["web"].filter(like="life in h that")
     assert found[3]["life_web"] < 0.9 * longer.item()
-
-
-def test_a_scatter_over_a_duty_leaves_what_a_sweep_leaves(drawn_duty, tmp_path):
-    run = run_sweep(read_scatter(drawn_duty), tmp_path / "out")
-    assert {"results.csv", "results.nc", "quantiles.csv", "failures.csv", "sensitivities.csv"} <= {
-        one.name for one in run.folder.iterdir()
-    }
-    assert (run.table["status"] == "done").all()
-    assert set(failures(run.sweep, run.table)["answer"]) == {one.label for one in run.sweep.answers}
-    page = (run.folder / "report.html").read_text()
-    assert "duty duty, design latin_hypercube" in page
-    assert "shoes a year" in page
 
 
 @pytest.mark.parametrize(

@@ -12,13 +12,6 @@ def applied(vary, value):
     return checked_case(vary.applied(small_case().model_dump(mode="json"), value), CaseFile).case
 
 
-def case_with(**values):
-    content = small_case().model_dump(mode="json")
-    for path, value in values.items():
-        content = with_value(content, parse_path(path.replace("__", ".")), value, CaseFile)
-    return checked_case(content, CaseFile).case
-
-
 def test_levels_lie_evenly_or_in_equal_ratios():
     assert Vary(key=STIFFNESS, low=1e6, high=3e6, count=3).levels() == (1e6, 2e6, 3e6)
     levels = Vary(key=STIFFNESS, low=5e6, high=80e6, count=5, scale="log").levels()
@@ -80,11 +73,13 @@ def test_counts_between_bounds_are_whole_numbers():
         ({"values": (1.0,), "low": 1.0}, "values take the place of low, high and count"),
         ({"values": (1.0, 1.0)}, "values must be different ones"),
         ({"values": ()}, "values must be different ones"),
+        ({"key": "", "values": (1.0,)}, "at least 1 character"),
+        ({"key": "a..b", "values": (1.0,)}, r"a path must be like terrain\."),
     ],
 )
-def test_bounds_that_make_no_sense_are_refused(given, told):
+def test_paths_and_bounds_that_make_no_sense_are_refused(given, told):
     with pytest.raises(ValueError, match=told):
-        Vary(key=STIFFNESS, **given)
+        Vary(**{"key": STIFFNESS} | given)
 
 
 @pytest.mark.parametrize(
@@ -97,10 +92,7 @@ def test_bounds_that_make_no_sense_are_refused(given, told):
         ({"key": "contact.friction", "low": 0.1, "high": 0.5}, "contact.friction: unknown key"),
         ({"key": "contact.model", "values": ("spheres",)}, "cannot vary: each has values of its own"),
         ({"key": "terrain", "values": (1.0,)}, "terrain is a table"),
-        (
-            {"key": "terrain.tilt", "values": (2.0,), "factor": True},
-            "a factor needs numbers, got 2.0 times",
-        ),
+        ({"key": "terrain.tilt", "values": (2.0,), "factor": True}, "a factor needs numbers, got 2.0 times"),
         ({"key": "terrain.grade", "values": (2.0, 3.0), "factor": True}, "a factor of zero changes nothing"),
         ({"key": STIFFNESS, "values": ("soft",)}, "must be a number in N/m, or such as '1 MN/m'"),
     ],
@@ -112,22 +104,15 @@ def test_what_does_not_fit_the_case_is_refused(given, told):
     assert "\n" not in str(refused.value)
 
 
-def test_numbers_that_are_meant_are_taken_with_their_unit():
+def test_numbers_meant_in_their_unit_are_taken_and_values_that_only_others_allow_left_to_the_runs():
     Vary(key=STIFFNESS, low=5.0, high=80.0, unit="N/m").check(small_case())
-
-
-def test_values_that_only_others_allow_are_left_to_the_runs():
     Vary(key="contact.dynamic_friction", values=(0.5,)).check(small_case())
-
-
-def test_a_content_is_the_same_case():
-    case = small_case()
-    assert checked_case(case.model_dump(mode="json"), CaseFile) == case
 
 
 def test_values_are_changed_in_tables_lists_and_beside_the_case():
     before = small_case()
     content = before.model_dump(mode="json")
+    assert checked_case(content, CaseFile) == before
     for vary, value in (
         (Vary(key="duration", values=(2.0,), factor=True), 2.0),
         (Vary(key="loads.phases[*].loads", values=(4e5,)), 4e5),
@@ -142,22 +127,12 @@ def test_values_are_changed_in_tables_lists_and_beside_the_case():
     assert small_case().model_dump(mode="json") == before.model_dump(mode="json")
 
 
-def test_items_that_a_list_does_not_have_are_refused():
-    vary = Vary(key="loads.phases[3].loads", values=(1.0,))
-    with pytest.raises(ValueError, match=r"loads\.phases has 1 items, counted from 0, no \[3\]"):
-        vary.applied(small_case().model_dump(mode="json"), 1.0)
-
-
 def test_the_first_of_many_faults_is_named():
-    names = ("spring_stiffness", "spring_damping", "density", "unit_length")
+    content = small_case().model_dump(mode="json")
+    for name in ("spring_stiffness", "spring_damping", "density", "unit_length"):
+        content = with_value(content, parse_path(f"terrain.{name}"), -1.0, CaseFile)
     with pytest.raises(ValueError, match=r"^terrain\.unit_length: [^;]*got -1"):
-        case_with(**{f"terrain__{name}": -1.0 for name in names})
-
-
-@pytest.mark.parametrize("path", ["", "a..b", "a b", "loads.phases[-1]", "[2]", "a.[1]"])
-def test_what_is_no_path_is_refused(path):
-    with pytest.raises(ValueError, match=r"a path must be like terrain\.|at least 1 character"):
-        Vary(key=path, values=(1.0,))
+        checked_case(content, CaseFile)
 
 
 def test_a_column_is_named_and_has_its_unit_by_the_paths_end():

@@ -73,16 +73,6 @@ def test_a_run_that_was_stopped_goes_on_from_its_checkpoint(tmp_path, monkeypatc
     assert found["answers"] == {FORCE.label: float((whole.joint_force**2).sum("axis").max() ** 0.5)}
 
 
-def test_what_goes_wrong_is_the_outcome(tmp_path, monkeypatch):
-    def failing(*_given, **_how):
-        raise ZeroDivisionError("of nothing")
-
-    monkeypatch.setattr(worker.case_run, "run_case", failing)
-    outcome = run_task(task_of(tmp_path))
-    assert (outcome["status"], outcome["reason"]) == ("failed", "ZeroDivisionError: of nothing")
-    assert read_outcome(str(tmp_path), outcome["digest"]) == outcome
-
-
 @pytest.mark.simulation
 def test_a_failed_run_is_run_anew_when_it_is_asked_for(tmp_path):
     task = task_of(tmp_path)
@@ -117,10 +107,7 @@ def test_a_worker_of_other_versions_is_refused(tmp_path):
     check_versions(own_versions(), dict(own_versions()), "host")
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["", "[]", "{", '{"digest": "another", "answers": {}}'],
-)
+@pytest.mark.parametrize("text", ["", "[]", "{", '{"digest": "another", "answers": {}}'])
 def test_outcomes_of_others_and_broken_ones_count_for_nothing(tmp_path, text):
     assert read_outcome(tmp_path, DIGEST) is None
     folder = folder_of(tmp_path, DIGEST)
