@@ -118,14 +118,28 @@ quantity = "joint_force"
 """
 
 
+COMMAND = [sys.executable, "-m", "exudyn_crawler", "sweep", "s.toml", "--workers", "2", "--out"]
+
+
+def rows_without_times(folder: Path) -> list[str]:
+    return [line.rpartition(",")[0] for line in (folder / "results.csv").read_text().splitlines()]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Results of the sweep that nothing stops."""
+    folder = tmp_path_factory.mktemp("whole")
+    (folder / "s.toml").write_text(SWEEP)
+    subprocess.run([*COMMAND, "out"], cwd=folder, check=True, capture_output=True)
+    return rows_without_times(folder / "out")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
-def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind):
+def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind, whole):
     (tmp_path / "s.toml").write_text(SWEEP)
-    command = [sys.executable, "-m", "exudyn_crawler", "sweep", "s.toml", "--workers", "2", "--out"]
-    subprocess.run([*command, "whole"], cwd=tmp_path, check=True, capture_output=True)
     process = subprocess.Popen(
-        [*command, "stopped"],
+        [*COMMAND, "stopped"],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -152,14 +166,10 @@ def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind):
     while any(Path(f"/proc/{pid}").exists() for pid in running(tmp_path / "stopped")):
         assert time.monotonic() < give_up
         time.sleep(0.1)
-    again = subprocess.run([*command, "stopped"], cwd=tmp_path, check=True, capture_output=True, text=True)
+    again = subprocess.run([*COMMAND, "stopped"], cwd=tmp_path, check=True, capture_output=True, text=True)
     assert f"6 runs: {len(before)} done" in again.stdout
     assert all(path.stat().st_mtime_ns == time for path, time in before.items())
-    results = [
-        [line.rpartition(",")[0] for line in (tmp_path / name / "results.csv").read_text().splitlines()]
-        for name in ("whole", "stopped")
-    ]
-    assert results[0] == results[1]
+    assert rows_without_times(tmp_path / "stopped") == whole
 
 
 def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatch):
@@ -277,10 +287,8 @@ def test_a_scheduler_elsewhere_runs_a_sweep_by_its_address_and_by_its_file(tmp_p
         scheduler.kill()
         *progress, line = lost.communicate(timeout=60)[1].splitlines()
         assert lost.returncode == 1
-        assert (
-            line
-            == "error: the scheduler was lost; finished runs are kept: run the same command again to continue"
-        )
+        told = "error: the scheduler was lost; finished runs are kept: run the same command again to continue"
+        assert line == told
         assert all(one.startswith("sweep: ") for one in progress)
     finally:
         for process in (worker, scheduler):
