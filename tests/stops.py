@@ -82,13 +82,8 @@ def stopped(case: Path, out: Path, moment: float, kind: signal.Signals) -> dict[
     then = None if first == 0 else ended(begin(case, out))
     record = out / "run.json"
     status = json.loads(record.read_text())["status"] if record.exists() else "no record"
-    return {
-        "moment": round(moment, 3),
-        "signal": kind.name,
-        "ended": first,
-        "then": then,
-        "status": status,
-    }
+    told = {"moment": round(moment, 3), "signal": kind.name}
+    return told | {"ended": first, "then": then, "status": status}
 
 
 def trials(case: Path, folder: Path, count: int, seed: int) -> list[dict[str, object]]:

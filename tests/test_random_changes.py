@@ -7,56 +7,38 @@ import sys
 
 import pytest
 
-from exudyn_crawler import Case, CaseFile, LoadCycle, Terrain
+from exudyn_crawler import Case, CaseFile, LoadCycle
 from exudyn_crawler.__main__ import main
 from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.case_file import case_text
 
 SEED = 20160316
-ODD = (
-    "0",
-    "-1",
-    "1e300",
-    "-1e300",
-    "1e-300",
-    "nan",
-    "inf",
-    "99999999999999999999",
-    "true",
-    '""',
-    "[]",
-    "{}",
-    "x",
-)
+NUMBERS = ("0", "-1", "1e300", "-1e300", "1e-300", "nan", "inf", "99999999999999999999")
+ODD = (*NUMBERS, "true", '""', "[]", "{}", "x")
 PROGRESS = re.compile(r"^(compiling .*|.*: \d+ s so far)\n", re.MULTILINE)
 LONGEST = 120.0
 """s, after which a change hangs: 300 of them take about two minutes."""
 FACTORS = (0.0, 1e-6, 1e-3, 0.5, 0.9, 1.1, 2.0, 1e3, 1e6, -1.0)
 
 
-def tiny():
-    """Two shoes on a few units for two steps: a run that takes a moment, and leaves little."""
-    case = Case.translation()
-    terrain = Terrain.kinematics().with_(columns=4, rows=3)
-    track = case.track.with_(shoe_count=2)
-    solver = case.solver.with_(maximum_iterations=20, minimum_step=2e-4)
-    case = case.with_(track=track, terrain=terrain, loads=LoadCycle.propel(2), solver=solver)
-    outputs = Outputs(figures=False, tables=False, forces=False, page=False)
+def short(case, columns, rows, **outputs):
+    """Two shoes of a case on a few units for two steps: a run that takes a moment, and leaves little."""
+    size = {"track.shoe_count": 2, "terrain.columns": columns, "terrain.rows": rows}
+    case = case.with_(
+        size | {"solver.maximum_iterations": 20, "solver.minimum_step": 2e-4}, loads=LoadCycle.propel(2)
+    )
+    outputs = Outputs(figures=False, tables=False, forces=False, page=False, **outputs)
     return CaseFile(case=case, duration=0.004, outputs=outputs)
+
+
+def tiny():
+    return short(Case.translation(), 4, 3)
 
 
 def tiny_flexible():
-    """The same of the stress study's parameters, with a flexible front shoe of the coarse mesh."""
-    case = Case.stress("coarse")
-    terrain = case.terrain.with_(columns=8, rows=9)
-    track = case.track.with_(shoe_count=2)
-    solver = case.solver.with_(maximum_iterations=20, minimum_step=2e-4)
-    flexible = case.flexible_shoes().with_(shoes=(2,), static_fields=False)
-    case = case.with_(
-        track=track, terrain=terrain, loads=LoadCycle.propel(2), solver=solver, flexible=flexible
-    )
-    outputs = Outputs(figures=False, tables=False, forces=False, pictures=False, paraview=False, page=False)
-    return CaseFile(case=case, duration=0.004, outputs=outputs)
+    """With the stress study's parameters and a flexible front shoe of the coarse mesh."""
+    case = Case.stress("coarse").with_({"flexible.shoes": (2,), "flexible.static_fields": False})
+    return short(case, 8, 9, pictures=False, paraview=False)
 
 
 @pytest.fixture

@@ -6,16 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from exudyn_crawler import (
-    Case,
-    CaseFile,
-    Duty,
-    FatigueMaterial,
-    History,
-    SphereContact,
-    life,
-    read_case,
-)
+from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, History, SphereContact, life, read_case
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import relative_spread
@@ -27,8 +18,7 @@ pytestmark = pytest.mark.simulation
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Folder of a run with one flexible shoe."""
-    case = Case.stress("coarse")
-    case = case.with_(flexible=case.flexible_shoes().with_(shoes=(13,)))
+    case = Case.stress("coarse").with_({"flexible.shoes": (13,)})
     out = tmp_path_factory.mktemp("runs") / "run"
     run_case(CaseFile(case=case, duration=0.02, outputs=ONE_TIME), out, progress=False)
     return out
@@ -46,9 +36,8 @@ def test_runs_start_a_nudge_apart_and_have_the_other_law(folder, found):
     assert second.terrain.origin[0] - first.terrain.origin[0] == pytest.approx(NUDGE, rel=1e-3)
     assert second == nudged(first, 1)
     assert read_case(folder / "spread" / "law_by_area" / "case.toml").case.contact.sharing == "area"
-    moved = [
-        History.load(one / "history.nc").position.values for one in (folder, folder / "spread" / "start_2")
-    ]
+    folders = (folder, folder / "spread" / "start_2")
+    moved = [History.load(one / "history.nc").position.values for one in folders]
     assert 0.0 < np.abs(moved[0] - moved[1]).max() < 1e-6
     # before any slip the start matters little, the law does at once
     assert found.by_shoe()["spread in %"][0] < 0.1

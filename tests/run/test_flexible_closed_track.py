@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import (
-    Case,
-    Duty,
-    FatigueMaterial,
-    FlexibleShoes,
-    StepProfile,
-    recover_stresses,
-    simulate,
-)
+from exudyn_crawler import Case, Duty, FatigueMaterial, FlexibleShoes, StepProfile, recover_stresses, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
@@ -31,7 +23,7 @@ from tests.states import row_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
-UNDER_ROLLER, ON_IDLER, ON_TUMBLER = 8, 15, 35
+FLEXIBLE = UNDER_ROLLER, ON_IDLER, ON_TUMBLER = 8, 15, 35
 GEAR = {"roller", "idler", "carrier", "tooth", "guide"}
 
 
@@ -46,7 +38,21 @@ def flexible_case(shoes, **values):
 @pytest.fixture(scope="module")
 def bent():
     """Run of 0.1 s with a flexible shoe at each place."""
-    return simulate(flexible_case((UNDER_ROLLER, ON_IDLER, ON_TUMBLER)), 0.1, progress=False)
+    return simulate(flexible_case(FLEXIBLE), 0.1, progress=False)
+
+
+def balanced_forces(history):
+    """All that acts on the shoes of a run, once it is seen to balance."""
+    acts, left = shoe_actions(history).force, shoe_imbalance(history).force
+    assert np.abs(left).max() < 1e-5 * np.abs(acts).max()
+    return acts
+
+
+def balanced_loads(history):
+    """Loads of the shoe on the tumbler for other programs, once they are seen to balance."""
+    loads = shoe_loads(history, ON_TUMBLER, 0.1)
+    assert np.abs(loads.residual).max() < 1e-5 * np.abs(loads.centers).max()
+    return loads
 
 
 @pytest.mark.filterwarnings("ignore:flexible.youngs_modulus")
@@ -67,15 +73,11 @@ def test_stiff_shoe_gives_the_forces_of_a_rigid_one(shoe):
 
 
 def test_all_that_acts_on_flexible_shoes_balances(bent):
-    acts, left = shoe_actions(bent).force, shoe_imbalance(bent).force
-    assert np.abs(left).max() < 1e-5 * np.abs(acts).max()
-    pressed = np.abs(acts).max(("time", "axis")).sel(shoe=[UNDER_ROLLER, ON_IDLER, ON_TUMBLER])
+    pressed = np.abs(balanced_forces(bent)).max(("time", "axis")).sel(shoe=[*FLEXIBLE])
     for shoe, kind in ((UNDER_ROLLER, "roller"), (ON_IDLER, "idler"), (ON_TUMBLER, "tooth")):
         assert pressed.sel(shoe=shoe, source=kind) > 1e5
     assert (pressed.sel(source=["wheel", "load"]) == 0.0).all()
-    loads = shoe_loads(bent, ON_TUMBLER, 0.1)
-    assert (loads.table["kind"] == "tooth").sum() == 2
-    assert np.abs(loads.residual).max() < 1e-5 * np.abs(loads.centers).max()
+    assert (balanced_loads(bent).table["kind"] == "tooth").sum() == 2
 
 
 def test_loads_of_the_wheels_are_those_on_the_shoe(bent):
@@ -93,8 +95,7 @@ def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
 
     The frame stands aside, so that flanges push; the chain is worn, so that pins are off their bores.
     """
-    changes = {"closed_track.pitch_growth": 0.005}
-    case = flexible_case((UNDER_ROLLER, ON_IDLER, ON_TUMBLER)).with_(changes)
+    case = flexible_case(FLEXIBLE).with_({"closed_track.pitch_growth": 0.005})
     system, q = compiled_system(case), static_equilibrium(case)
     layout, still = system.layout, np.zeros_like(q)
     q[-11] += 0.012  # y of frame and tumbler
@@ -130,7 +131,7 @@ def test_life_counts_cycles_of_the_loop_with_their_causes(bent):
     weak = FatigueMaterial.a36().with_(fatigue_strength=20e6)
     run = DutyRun(name="start", folder=".", share=0.1)
     found = life_of(Duty(runs=(run,), material=weak, plane_nodes=0), [bent])
-    assert found.dataset.shoe.values.tolist() == [UNDER_ROLLER, ON_IDLER, ON_TUMBLER]
+    assert found.dataset.shoe.values.tolist() == [*FLEXIBLE]
     assert (found.dataset.place_damage.max(("survival", "node")) > 0.0).all()
     shares = [one.load_shares for one in found.nodes.values()]
     assert {"pins", "ground", "rollers", "idler", "tooth"} <= set().union(*shares)
@@ -155,9 +156,7 @@ def test_a_flexible_shoe_goes_over_the_tumbler():
     assert way[-1] > 1.2
     turned = history.angles.sel(shoe=ON_TUMBLER).isel({history.angles.dims[-1]: 1})
     assert abs(float(turned[-1] - turned[0])) > 2.0
-    acts, left = shoe_actions(history).force, shoe_imbalance(history).force
-    assert float(abs(left).max()) < 1e-5 * float(abs(acts).max())
-    assert float(abs(acts).sel(shoe=ON_TUMBLER, source="tooth").max()) > 5e5
+    assert float(abs(balanced_forces(history)).sel(shoe=ON_TUMBLER, source="tooth").max()) > 5e5
     balance = energy_balance(history)
     assert np.abs(balance.imbalance.values).max() < 1e-2 * balance.drive.values.max()
 
@@ -170,12 +169,10 @@ def test_lugs_beside_the_pins_load_the_bores_next_to_them():
     case = flexible_case((ON_TUMBLER,)).with_({"closed_track.tumbler.lugs": lugs})
     history = simulate(case, 0.1, progress=False)
     assert history.lug_force.sizes["lug"] == 4
-    acts, left = shoe_actions(history).force, shoe_imbalance(history).force
-    assert np.abs(left).max() < 1e-5 * np.abs(acts).max()
+    balanced_forces(history)
+    balanced_loads(history)
     teeth = [one for one in actions(history, ON_TUMBLER) if one.kind == "tooth"]
     assert {"rear right", "rear left"} <= {one.where for one in teeth}
-    loads = shoe_loads(history, ON_TUMBLER, 0.1)
-    assert np.abs(loads.residual).max() < 1e-5 * np.abs(loads.centers).max()
     shares = recover_stresses(history).by_region[ON_TUMBLER].filter(like="share of ")
     np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-9)
 

@@ -19,7 +19,9 @@ from studies.kinematics import study as kinematics_study
 pytestmark = pytest.mark.simulation
 
 QUIET = Outputs(figures=False, pictures=False, paraview=False, page=False)
+QUIET_TEXT = "[outputs]\nfigures = false\npictures = false\nparaview = false\npage = false\n"
 SHORT = CaseFile(case=Case.turning(), duration=0.05, outputs=QUIET)
+DRAWN = CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False))
 HOLD = """
 import sys, time
 from pathlib import Path
@@ -95,8 +97,7 @@ def test_flexible_shoes_repeat_bit_for_bit(tmp_path):
     # a reduction in each process: eigenvalue solvers may start at random, threads may sum in any order
     text = (
         'base = "stress"\nduration = 0.01\n'
-        '[flexible]\nbase = "ph4100c"\nmesh = "coarse"\nshoes = [13]\nfixed_modes = 4\n'
-        "[outputs]\nfigures = false\npictures = false\nparaview = false\npage = false\n"
+        f'[flexible]\nbase = "ph4100c"\nmesh = "coarse"\nshoes = [13]\nfixed_modes = 4\n{QUIET_TEXT}'
     )
     (tmp_path / "case.toml").write_text(text)
     for name in ("first", "again"):
@@ -114,9 +115,7 @@ def test_an_earlier_run_stays_unless_asked(kept):
 
 
 def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users(tmp_path):
-    run_case(
-        CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path
-    )
+    run_case(DRAWN, tmp_path)
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "own.csv").write_text("mine too")
     assert (tmp_path / "velocity.png").exists()
@@ -128,56 +127,30 @@ def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users
     assert read_case(tmp_path / "case.toml").case == Case.turning()
 
 
-@pytest.mark.slow
-def test_a_run_that_was_to_replace_another_one_and_failed_leaves_nothing_of_it(tmp_path):
-    run_case(
-        CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path
-    )
-    solver = Case.translation().solver.with_(maximum_iterations=2, minimum_step=1.5e-3)
-    stopping = CaseFile(case=Case.translation().with_(solver=solver), duration=10.0, outputs=QUIET)
-    with pytest.raises(SimulationStopped):
-        run_case(stopping, tmp_path, overwrite=True)
-    names = {"case.toml", "run.json", "run.log", "history_stopped.nc", "checkpoints"}
-    assert visible(tmp_path) == names
-    assert record(tmp_path)["status"] == "stopped"
-
-
-def test_nothing_outside_the_folder_is_removed(tmp_path):
+def test_nothing_outside_the_folder_is_removed(kept, tmp_path):
     out = tmp_path / "out"
-    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=QUIET), out)
+    shutil.copytree(kept, out)
     (tmp_path / "precious").write_text("mine")
     (out / "link").symlink_to(tmp_path / "precious")
     (out / "own").mkdir()
-    odd = [
-        "../precious",
-        "own/../../precious",
-        str(tmp_path / "precious"),
-        "link",
-        "own",
-        ".",
-        "",
-        "a\0b",
-        7,
-        None,
-    ]
+    paths = ["../precious", "own/../../precious", str(tmp_path / "precious")]
+    odd = [*paths, "link", "own", ".", "", "a\0b", 7, None]
     (out / "run.json").write_text(json.dumps({"files": [*odd, "loads.csv"]}))
-    bare = CaseFile(
-        case=Case.translation(), duration=0.01, outputs=Outputs(figures=False, tables=False, page=False)
-    )
+    bare = SHORT.with_(duration=0.01, outputs=QUIET.with_(tables=False))
     run_case(bare, out, overwrite=True)
     assert (tmp_path / "precious").read_text() == "mine"
     assert (out / "link").exists()
     assert not (out / "loads.csv").exists()
     for broken in ('{"files": 7}', '{"files": "abc"}', "[" * 100_000, "{", "7"):
         (out / "run.json").write_text(broken)
-        run_case(bare, out, overwrite=True)
+        with run_in(out, bare, overwrite=True):
+            assert record(out)["status"] == "running"
         assert record(out)["status"] == "done"
 
 
 def test_the_case_of_another_run_is_refused_and_the_authors_own_file_kept(tmp_path):
     own = tmp_path / "case.toml"
-    quiet = "figures = false\npictures = false\nparaview = false\npage = false\n"
-    text = f'base = "turning" # mine\nduration = 0.05\n[outputs]\n{quiet}'
+    text = f'base = "turning" # mine\nduration = 0.05\n{QUIET_TEXT}'
     own.write_text(text)
     with pytest.raises(FileExistsError, match=r"case\.toml is the case of another run"):
         run_case(CaseFile(case=Case.translation(), duration=0.05), tmp_path)
@@ -186,16 +159,19 @@ def test_the_case_of_another_run_is_refused_and_the_authors_own_file_kept(tmp_pa
     assert own.read_text() == text
 
 
-def test_a_stopped_run_is_recorded_with_its_reason(tmp_path):
-    solver = Case.translation().solver.with_(maximum_iterations=2, minimum_step=1.5e-3)
-    stopping = CaseFile(case=Case.translation().with_(solver=solver), duration=10.0)
+def test_a_stopped_run_is_recorded_with_its_reason_and_leaves_nothing_of_the_one_it_was_to_replace(
+    kept, tmp_path
+):
+    out = shutil.copytree(kept, tmp_path / "out")
+    case = Case.translation().with_({"solver.maximum_iterations": 2, "solver.minimum_step": 1.5e-3})
     with pytest.raises(SimulationStopped):
-        run_case(stopping, tmp_path)
-    found = record(tmp_path)
+        run_case(CaseFile(case=case, duration=10.0), out, overwrite=True)
+    found = record(out)
     assert found["status"] == "stopped"
     assert "the simulation stopped at t = " in found["error"]
     assert "history_stopped.nc" in found["files"]
-    assert "Traceback" in (tmp_path / "run.log").read_text()
+    assert "Traceback" in (out / "run.log").read_text()
+    assert visible(out) == {"case.toml", "run.json", "run.log", "history_stopped.nc", "checkpoints"}
 
 
 @pytest.mark.slow

@@ -11,16 +11,11 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.catalogue import link_name
 from exudyn_crawler.views.figures import history_series, run_figures
 from exudyn_crawler.views.scenes.gear import gear_solids
-from studies.balance import (
-    energy_balance,
-    frame_imbalance,
-    shoe_imbalance,
-    tumbler_imbalance,
-)
+from studies.balance import energy_balance, frame_imbalance, shoe_imbalance, tumbler_imbalance
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
-
+STILL = Drive(speed=StepProfile.constant(0.0))
 PINS = 0.7
 """m, of the pins' middles beside that of the shoe."""
 FRICTION = 0.3
@@ -28,16 +23,8 @@ FRICTION = 0.3
 
 def twice(case):
     """Two of a closed track, whose side frames have the machine between them."""
-    com, tensor = case.closed_track.com, (1e3, 1e3, 1e3, 0.0, 0.0, 0.0)
-    body = CarBody(
-        track_distance=9.0,
-        mass=1e3,
-        inertia=tensor,
-        com=com,
-        upper_mass=1e3,
-        upper_inertia=tensor,
-        upper_com=com,
-    )
+    small = {"mass": 1e3, "inertia": (1e3, 1e3, 1e3, 0.0, 0.0, 0.0), "com": case.closed_track.com}
+    body = CarBody(track_distance=9.0, **small, **{f"upper_{name}": value for name, value in small.items()})
     return case.with_(
         {"track.shoe_count": 76, "closed_track.mass": case.closed_track.mass - 1e3},
         loads=LoadCycle.constant([0.0] * 76),
@@ -69,12 +56,8 @@ def test_flexible_shoes_of_two_tracks_are_those_of_one():
     flexible = FlexibleShoes.ph4100c("coarse").with_(shoes=(8,), highest_frequency=1500.0)
     drive = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.3)))
     case, aside = Case.closed().with_(drive=drive, flexible=flexible), 9.3 - Case.closed().track.first_com[1]
-    track = case.track.with_(
-        first_com=(case.track.first_com[0], 9.3),
-        spherical_y=case.track.spherical_y + aside,
-        parallel_y=case.track.parallel_y + aside,
-    )
-    case = case.with_({"terrain.rows": 6}, track=track).on_cells(RockFloor.hard_floor())
+    pins = {f"track.{name}": getattr(case.track, name) + aside for name in ("spherical_y", "parallel_y")}
+    case = case.with_({"terrain.rows": 6, "track.first_com[1]": 9.3} | pins).on_cells(RockFloor.hard_floor())
     both = twice(case).with_({"flexible.shoes": (8, 46)})
     one, two = (simulate(each, 0.06, progress=False) for each in (case, both))
     single, modes = one.modal_coordinate.values[:, 0], np.moveaxis(two.modal_coordinate.values, 1, 0)
@@ -201,7 +184,7 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
 @pytest.mark.parametrize("changes", [{"car_body.slew": 0.5 * np.pi}, {"terrain.side_slope": 0.1}])
 def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
     """As on two supports; shoes that lean carry a little beside their middles."""
-    case = Case.shovel().with_(changes, drive=Drive(speed=StepProfile.constant(0.0)))
+    case = Case.shovel().with_(changes, drive=STILL)
     history = simulate(case, 0.02, progress=False)
     parts = [*case.frame_parts, Part(76 * case.shoe.mass, np.array([0.0, 0.0, 0.4]), np.eye(3))]
     down, ground = case.terrain.down, case.frame_start[2]
@@ -215,11 +198,9 @@ def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
 def test_digging_loads_are_shared_by_the_tracks_and_held_by_the_ground():
     force, about = np.array([-2e5, 0.0, -9e5]), 3e6  # N and N m: the dipper is to the right
     phase = MachinePhase(name="dig", end=0.0, force=tuple(force), moment=(about, 0.0, 0.0))
-    still = Case.shovel().with_(drive=Drive(speed=StepProfile.constant(0.0)))
-    idle, digging = (
-        simulate(case, 0.02, progress=False)
-        for case in (still, still.with_(machine=MachineCycle(phases=(phase,))))
-    )
+    still = Case.shovel().with_(drive=STILL)
+    dug = still.with_(machine=MachineCycle(phases=(phase,)))
+    idle, digging = (simulate(case, 0.02, progress=False) for case in (still, dug))
     carried, moments = [], []
     for history in (idle, digging):
         held = (history.normal_force + history.friction_force).isel(time=-1)
@@ -247,14 +228,12 @@ def test_a_differential_turn_is_in_balance_and_less_than_commanded():
 
 def test_a_machine_stands_on_a_grade_by_friction_and_leans_to_its_rear():
     """The resultant of its weight meets the ground where the pressure's centre is."""
-    case = Case.shovel().with_({"terrain.grade": 0.1}, drive=Drive(speed=StepProfile.constant(0.0)))
+    case = Case.shovel().with_({"terrain.grade": 0.1}, drive=STILL)
     data = simulate(case, 0.02, progress=False).dataset.isel(time=-1)
     place, turn = data.side_frame_position.values, rotation_matrices(data.side_frame_angles.values)
     parts = [(part.mass, place + turn @ part.com) for part in case.frame_parts]
-    parts += [
-        (case.closed_track.tumbler.mass, one)
-        for one in data.tumbler_position.transpose("track", "axis").values
-    ]
+    tumblers = data.tumbler_position.transpose("track", "axis").values
+    parts += [(case.closed_track.tumbler.mass, one) for one in tumblers]
     parts += [(case.shoe.mass, one) for one in data.position.values]
     mass, down = sum(part[0] for part in parts), case.gravity_vector()
     middle = sum(part[0] * part[1] for part in parts) / mass

@@ -71,16 +71,11 @@ def test_numbers_do_not_depend_on_how_many_threads_there_are():
     assert ends[0].identical(ends[1])
 
 
-def test_the_track_obeys_newton_and_euler_as_a_whole(run):
-    off = track_imbalance(run, about=(14.0, 9.29, 0.0))
-    assert np.abs(off.force).max() < 1e-6 * WEIGHT
-    assert np.abs(off.moment).max() < 1e-6 * WEIGHT * 4.0  # half the track's length
-
-
-def test_every_shoe_obeys_newton_and_euler_with_its_joints(run):
-    off = shoe_imbalance(run)
-    assert np.abs(off.force).max() < 1e-6 * WEIGHT
-    assert np.abs(off.moment).max() < 1e-6 * WEIGHT
+def test_the_track_as_a_whole_and_every_shoe_with_its_joints_obey_newton_and_euler(run):
+    whole, single = track_imbalance(run, about=(14.0, 9.29, 0.0)), shoe_imbalance(run)
+    for off, arm in ((whole, 4.0), (single, 1.0)):  # m; 4 is half the track's length
+        assert np.abs(off.force).max() < 1e-6 * WEIGHT
+        assert np.abs(off.moment).max() < 1e-6 * WEIGHT * arm
 
 
 def test_the_balance_would_notice_one_missing_force(translation):
@@ -89,14 +84,11 @@ def test_the_balance_would_notice_one_missing_force(translation):
     assert np.abs(shoe_imbalance(history).force).max() > 1e-6 * WEIGHT
 
 
-def test_pins_stay_together(run):
+def test_pins_stay_together_and_their_axes_parallel(run):
     frames = rotation_matrices(run.angles.values)
     pins = [run.position.values + frames @ pin for pin in (run.case.track.front_pin, run.case.track.rear_pin)]
     assert pins[0][:, :-1] == pytest.approx(pins[1][:, 1:], abs=1e-7)  # m, links of 0.6 m
-
-
-def test_pin_axes_stay_parallel(run):
-    axis = rotation_matrices(run.angles.values)[..., 1]
+    axis = frames[..., 1]
     assert np.abs(np.cross(axis[:, :-1], axis[:, 1:])).max() < 1e-7
 
 
@@ -118,16 +110,16 @@ def test_a_run_that_compiles_says_so(monkeypatch, capsys, progress):
     )
 
 
-def test_states_are_stored_at_the_output_interval():
-    case = Case.translation()
-    coarse = case.with_(solver=case.solver.with_(output_interval=0.01))
-    times = simulate(coarse, 0.05).time.values
-    assert times == pytest.approx([0.0, 0.01, 0.02, 0.03, 0.04, 0.05], abs=1e-12)
-
-
-def test_the_same_case_twice_gives_the_same_numbers():
-    first, second = (simulate(Case.turning(), 0.05).dataset for _ in range(2))
-    assert first.identical(second)
+@pytest.mark.parametrize(
+    ("output", "checkpoint", "expected"),
+    [(0.01, 10.0, [0.0, 0.01, 0.02, 0.03, 0.04, 0.05]), (0.5, 0.02, [0.0, 0.04, 0.06, 0.08, 0.1])],
+)
+def test_states_are_stored_at_the_output_interval_and_of_every_stage_however_seldom_that_is(
+    output, checkpoint, expected
+):
+    intervals = {"solver.output_interval": output, "solver.checkpoint_interval": checkpoint}
+    times = simulate(Case.translation().with_(intervals), expected[-1]).time.values
+    assert times == pytest.approx(expected, abs=1e-12)
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0, math.nan, math.inf])
@@ -137,9 +129,8 @@ def test_bad_durations_are_refused(duration):
 
 
 def test_a_step_that_fails_stops_the_run_and_keeps_what_there_is():
-    case = Case.translation()
     # two iterations that may not cut the step: enough while the track creeps, not when it slips
-    impatient = case.with_(solver=case.solver.with_(maximum_iterations=2, minimum_step=1.5e-3))
+    impatient = Case.translation().with_({"solver.maximum_iterations": 2, "solver.minimum_step": 1.5e-3})
     failed = r"stopped at t = .* s: Newton's method failed at the least step 0\.0015 s; "
     with pytest.raises(SimulationStopped, match=failed + r"greatest residual at shoe \d+ \(.*\)$") as stop:
         simulate(impatient, 3.0)
@@ -191,16 +182,8 @@ def test_an_interrupt_ends_the_run_after_its_step_and_keeps_the_history(
     assert signal.getsignal(interrupt) is signal.default_int_handler
 
 
-def test_every_stage_has_a_state_however_seldom_they_are_stored():
-    case = Case.translation()
-    solver = case.solver.with_(output_interval=0.5, checkpoint_interval=0.02)
-    history = simulate(case.with_(solver=solver), 0.1)
-    assert history.time.values == pytest.approx([0.0, 0.04, 0.06, 0.08, 0.1])
-
-
 def test_an_interrupt_between_stages_keeps_the_stages(monkeypatch, interrupt):
-    case = Case.translation()
-    case = case.with_(solver=case.solver.with_(checkpoint_interval=0.01))
+    case = Case.translation().with_({"solver.checkpoint_interval": 0.01})
     calls_then_signal(monkeypatch, "exudyn_crawler.run.solve.stages:Recorder.end_stage", interrupt)
     with pytest.raises(SimulationStopped, match="interrupted") as stop:
         simulate(case, 0.2)
@@ -217,13 +200,9 @@ def test_an_interrupt_that_is_ignored_ends_nothing(monkeypatch):
         signal.signal(signal.SIGINT, before)
 
 
-def test_progress_is_quiet_off_a_terminal(capfd):
+def test_progress_is_quiet_off_a_terminal_and_shows_time_and_speed_when_asked(capfd):
     simulate(Case.translation(), 0.01)
-    captured = capfd.readouterr()
-    assert captured.out + captured.err == ""
-
-
-def test_progress_shows_time_and_speed_when_asked(capfd):
+    assert capfd.readouterr() == ("", "")
     simulate(Case.translation(), 0.01, progress=True)
     shown = capfd.readouterr().err
     for words in ("translation", "0.01 of 0.01 s", "s wall per s"):

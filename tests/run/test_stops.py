@@ -16,17 +16,14 @@ from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.run.solve import simulation
 from exudyn_crawler.views import outputs
 from studies.kinematics import study as kinematics_study
-from tests.run.test_folder import record, visible
+from tests.run.test_folder import DRAWN, QUIET, record, visible
 
 pytestmark = pytest.mark.simulation
 
 # the package's public function of this name hides the module
 case_run_module = importlib.import_module("exudyn_crawler.case_run")
-QUIET = Outputs(figures=False, pictures=False, paraview=False, page=False)
 STAGED = CaseFile(
-    case=Case.turning().with_(solver=Case.turning().solver.with_(checkpoint_interval=0.05)),
-    duration=0.15,
-    outputs=QUIET,
+    case=Case.turning().with_({"solver.checkpoint_interval": 0.05}), duration=0.15, outputs=QUIET
 )
 
 
@@ -137,13 +134,8 @@ def test_a_finished_run_is_made_longer_and_gives_what_the_longer_one_gives(
 
 @pytest.mark.slow
 def test_overwriting_that_was_stopped_goes_on(staged, tmp_path, monkeypatch):
-    run_case(
-        CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path
-    )
-    for place in (
-        "run.folder.checkpoints.save_joined",
-        "views.tables.write_table",
-    ):
+    run_case(DRAWN, tmp_path)
+    for place in ("run.folder.checkpoints.save_joined", "views.tables.write_table"):
         stopped_at(f"exudyn_crawler.{place}", monkeypatch, lambda: run_case(STAGED, tmp_path, overwrite=True))
         assert not (tmp_path / "velocity.png").exists()
     not_again(monkeypatch)
@@ -218,20 +210,21 @@ def test_a_history_too_large_for_memory_gives_the_same_files(staged, tmp_path, m
     assert_same(tmp_path, staged)
 
 
-RIGID = CaseFile(case=STAGED.case, duration=0.3, outputs=Outputs(shoes=(7,), page=False))
+RIGID = CaseFile(case=STAGED.case, duration=1.0, outputs=Outputs(shoes=(7,), page=False))
 
 
 def flexible():
-    case = Case.stress("coarse")
-    solver = case.solver.with_(checkpoint_interval=0.1)
-    case = case.with_(solver=solver, flexible=case.flexible.with_(shoes=(13,), fixed_modes=4))
+    parts = {"solver.checkpoint_interval": 0.1, "flexible.shoes": (13,), "flexible.fixed_modes": 4}
+    case = Case.stress("coarse").with_(parts)
     return CaseFile(case=case, duration=0.4, outputs=Outputs(shoes=(13,), picture_times=(0.2,)))
 
 
-def random_stops(case_file, folder, count, seed):
-    """Stops of the command at random moments of all its time; every one of them is finished by the next."""
-    write_case(case_file, folder / "case.toml")
-    line = [sys.executable, "-m", "tests.stops", folder / "case.toml", folder, str(count), str(seed)]
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+@pytest.mark.parametrize("shoes", ["rigid", "flexible"])
+def test_the_command_finishes_what_was_stopped_at_any_of_forty_moments(tmp_path, shoes):
+    write_case(RIGID if shoes == "rigid" else flexible(), tmp_path / "case.toml")
+    line = [sys.executable, "-m", "tests.stops", tmp_path / "case.toml", tmp_path, "40", "2026"]
     done = subprocess.run(line, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     trials = json.loads(done.stdout)
@@ -241,18 +234,4 @@ def random_stops(case_file, folder, count, seed):
         if trial["signal"] != "SIGKILL":
             assert "run the same command again to continue" in trial["told"] or trial["ended"] == -15, trial
         assert trial["ended"] != 0, trial
-    assert len(trials) == count
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-def test_the_command_finishes_what_a_signal_stopped(tmp_path):
-    random_stops(RIGID.with_(outputs=QUIET), tmp_path, 3, 5)
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-@pytest.mark.parametrize("shoes", ["rigid", "flexible"])
-def test_the_command_finishes_what_was_stopped_at_any_of_forty_moments(tmp_path, shoes):
-    case_file = RIGID.with_(duration=1.0) if shoes == "rigid" else flexible()
-    random_stops(case_file, tmp_path, 40, 2026)
+    assert len(trials) == 40
