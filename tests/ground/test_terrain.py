@@ -19,23 +19,23 @@ from exudyn_crawler.ground.terrain import (
 from exudyn_crawler.model.build import parts_of
 from exudyn_crawler.model.exudyn.bodies import add_terrain_modes, add_units
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
-from tests.model.linearized import linearized
+from tests.model.both import linearized
 
-GRIDS = {"coarse": Terrain.kinematics(), "fine": Terrain.stress()}
+COARSE, FINE = Terrain.kinematics(), Terrain.stress()
 VARIANTS = {
-    "coarse": GRIDS["coarse"],
-    "fine": GRIDS["fine"],
-    "coarse rolling": GRIDS["coarse"].with_(tilt="roll"),
-    "fine rolling": GRIDS["fine"].with_(tilt="roll"),
+    "coarse": COARSE,
+    "fine": FINE,
+    "coarse rolling": COARSE.with_(tilt="roll"),
+    "fine rolling": FINE.with_(tilt="roll"),
 }
 
 
 @pytest.mark.parametrize(("grid", "spherical", "in_plane"), [("coarse", 49, 36), ("fine", 246, 216)])
 def test_joints_are_a_spanning_tree_and_the_rest(grid, spherical, in_plane):
-    joints = terrain_joints(GRIDS[grid])
+    joints = terrain_joints(VARIANTS[grid])
     tree = [joint for joint in joints if joint.spherical]
     assert (len(tree), len(joints) - len(tree)) == (spherical, in_plane)
-    root = np.arange(GRIDS[grid].unit_count)
+    root = np.arange(VARIANTS[grid].unit_count)
     for joint in tree:  # a joint that closed a loop would find one root on both sides
         assert root[joint.first] != root[joint.second]
         root[root == root[joint.second]] = root[joint.first]
@@ -54,14 +54,10 @@ def test_joints_join_neighbours_at_their_shared_face(grid):
 @pytest.mark.parametrize(
     ("grid", "size"), [("coarse", 15), ("fine", 32), ("coarse rolling", 15), ("fine rolling", 32)]
 )
-def test_independent_coordinates_are_as_many_as_columns_and_rows(grid, size):
-    assert terrain_modes(VARIANTS[grid]).size == size
-
-
-@pytest.mark.parametrize("grid", VARIANTS)
-def test_shapes_keep_neighbours_at_one_height(grid):
+def test_shapes_are_as_many_as_columns_and_rows_and_keep_neighbours_at_one_height(grid, size):
     terrain = VARIANTS[grid]
     modes = terrain_modes(terrain)
+    assert modes.size == size
     for joint in terrain_joints(terrain):
         heights = []
         for unit, sign in ((joint.first, 1.0), (joint.second, -1.0)):
@@ -78,7 +74,8 @@ def frequencies(modes):
 
 
 @pytest.mark.parametrize("grid", VARIANTS)
-def test_localized_coordinates_are_the_same_terrain(grid):
+def test_localized_coordinates_are_the_same_terrain_whatever_modes_they_are_made_of(grid):
+    """Of modes with one frequency, rounding chooses which mixture another machine or more threads find."""
     terrain = VARIANTS[grid]
     modes = terrain_modes(terrain)
     near = units_near(terrain, Case.translation().outline(0.0), 1.0)
@@ -90,13 +87,6 @@ def test_localized_coordinates_are_the_same_terrain(grid):
     mass = terrain.unit_mass * local.heave.T @ local.heave
     mass += terrain.unit_inertia[terrain.tilt_axis] * local.tilt.T @ local.tilt
     assert mass == pytest.approx(np.eye(local.size), abs=1e-9)
-
-
-@pytest.mark.parametrize("grid", VARIANTS)
-def test_localized_coordinates_do_not_depend_on_the_modes_they_are_made_of(grid):
-    """Of modes with one frequency, rounding chooses which mixture another machine or more threads find."""
-    terrain = VARIANTS[grid]
-    modes = terrain_modes(terrain)
     mixture = scipy.stats.ortho_group.rvs(modes.size, random_state=3)
     mixed = TerrainModes(
         modes.heave @ mixture,
@@ -106,10 +96,9 @@ def test_localized_coordinates_do_not_depend_on_the_modes_they_are_made_of(grid)
         mixture.T @ modes.weight,
         modes.tilt_axis,
     )
-    near = units_near(terrain, Case.translation().outline(0.0), 1.0)
-    one, other = localized(modes, near), localized(mixed, near)
+    other = localized(mixed, near)
     for name in ("heave", "tilt", "stiffness", "weight"):
-        expected = getattr(one, name)
+        expected = getattr(local, name)
         np.testing.assert_allclose(getattr(other, name), expected, atol=1e-9 * np.abs(expected).max())
 
 
@@ -180,8 +169,7 @@ def moving_load_response(terrain, formulation):
 
 @pytest.mark.slow
 def test_both_formulations_answer_a_moving_load_alike():
-    terrain = GRIDS["coarse"]
-    reduced, full = (moving_load_response(terrain, one) for one in ("reduced", "constrained"))
+    reduced, full = (moving_load_response(COARSE, one) for one in ("reduced", "constrained"))
     assert reduced.shape == full.shape == (301, 50)
     assert np.abs(full).max() > 1e-3  # it does move
     assert np.abs(reduced - full).max() < 1e-3 * np.abs(full).max()
@@ -193,12 +181,8 @@ def test_both_formulations_carry_the_track_in_the_same_equilibrium():
 
     Measured: 0.8 um of 40 mm heave, 1.4 urad of tilt and 9 um of the shoes' places.
     """
-    case = Case.translation()
-    states = {}
-    for one in ("reduced", "constrained"):
-        history = simulate(case.with_(terrain_formulation=one), 2e-3).dataset.isel(time=0)
-        states[one] = history
-    reduced, full = states["reduced"], states["constrained"]
+    cases = (Case.translation().with_(terrain_formulation=one) for one in ("reduced", "constrained"))
+    reduced, full = (simulate(case, 2e-3).dataset.isel(time=0) for case in cases)
     tilt = float(np.abs(full.unit_tilt).max())
     assert 1e-3 < tilt < 1e-2
     assert reduced.unit_heave.values == pytest.approx(full.unit_heave.values, abs=1e-5)

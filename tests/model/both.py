@@ -1,4 +1,4 @@
-"""A case in both formulations, at any state."""
+"""A case in both formulations, at any state, and matrices that Exudyn assembles."""
 
 from contextlib import contextmanager
 from typing import NamedTuple
@@ -22,6 +22,21 @@ class Equations(NamedTuple):
     mass: np.ndarray
     directions: np.ndarray
     gaps: np.ndarray
+
+
+class Matrices(NamedTuple):
+    """Mass, stiffness and damping (coordinates, coordinates) and the constraints' Jacobian.
+
+    `position` and `velocity` are derivatives of the equations (equations, coordinates) by coordinates and
+    rates; `dummy` tells the equations that only say that a multiplier is zero.
+    """
+
+    mass: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    dummy: np.ndarray
 
 
 def random_state(case, rest, seed):
@@ -97,6 +112,22 @@ def static_solver(mbs):
         solver.FinalizeSolver(mbs, settings)
 
 
+def linearized(mbs):
+    """Matrices at a system's initial state."""
+    blocks = []
+    with static_solver(mbs) as (solver, _):
+        n = solver.GetODE2size()
+        solver.ComputeMassMatrix(mbs)
+        mass = np.array(solver.GetSystemMassMatrix())[:n, :n]
+        for by_position, by_rate in ((1.0, 0.0), (0.0, 1.0)):
+            solver.ComputeJacobianODE2RHS(mbs, -by_position, -by_rate, 0.0)
+            solver.ComputeJacobianAE(mbs, by_position, by_rate, 0.0)
+            blocks.append(np.array(solver.GetSystemJacobian()))
+    at_position, at_rate = blocks
+    dummy = np.any(at_position[n:, n:] != 0.0, axis=1)
+    return Matrices(mass, at_position[:n, :n], at_rate[:n, :n], at_position[n:, :n], at_rate[n:, :n], dummy)
+
+
 def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=NO_DERIVATIVES):
     """Residual of the compiled equations, at zero accelerations and multipliers unless they are given."""
     state = np.stack((q, q_t, np.zeros_like(q) if q_tt is None else q_tt))
@@ -134,3 +165,16 @@ def compiled_matrix(system, q, q_t, weights):
         n = len(rows)
         dense[np.ix_(rows, rows)] += values[fronts.place[k] : fronts.place[k + 1]].reshape(n, n)
     return dense
+
+
+def matrix_errors(system, q, q_t, by_acceleration=9e5):
+    """Errors of Newton's matrix against central differences of the residual, of what is on the diagonal."""
+    n, weights = len(q), (1.0, 900.0, by_acceleration, False, 1e-3)
+    matrix = compiled_matrix(system, q, q_t, weights)[:n, :n]
+    found = np.empty_like(matrix)
+    for k, e in enumerate(1e-8 * np.eye(n)):
+        above = residual_of(system, q + e, q_t + weights[1] * e, weights[2] * e)
+        below = residual_of(system, q - e, q_t - weights[1] * e, -weights[2] * e)
+        found[:, k] = (above - below)[:n] / 2e-8
+    diagonal = np.abs(np.diag(found))
+    return np.abs(matrix - found) / np.sqrt(np.outer(diagonal, diagonal))

@@ -14,18 +14,28 @@ from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_l
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.balance import shoe_imbalance, track_imbalance
-from tests.model.both import compiled_matrix, residual_of
+from tests.model.both import matrix_errors
 
 pytestmark = pytest.mark.simulation
 
 FREE = Drive.translation().with_(on=())
+JERK = Drive.translation().with_(speed=StepProfile(times=(0.0, 0.05), values=(0.0, 0.2)))
+"""Into full slip within 0.3 s."""
+SAND, ROCK = BekkerSoil.lete_sand(), RockFloor.hard_floor()
+BOTH_LAWS = pytest.mark.parametrize("law", [SAND, ROCK], ids=["sand", "rock"])
 
 
-def three_shoes(law, grade=0.0, side_slope=0.0, drive=None):
-    base = Case.translation()
-    terrain = base.terrain.with_(grade=grade, side_slope=side_slope)
-    case = base.with_(track=base.track.with_(shoe_count=3), loads=LoadCycle.propel(3), terrain=terrain)
-    return case.with_(drive=drive or case.drive).on_cells(law)
+def three_shoes(law, relief=None, base=None, drive=FREE, **slope):
+    """Three shoes on cells; the middle one is flexible where the base's are."""
+    base = base or Case.translation()
+    case = base.with_(
+        track=base.track.with_(shoe_count=3),
+        loads=LoadCycle.propel(3),
+        terrain=base.terrain.with_(**slope),
+        drive=drive,
+        flexible=base.flexible and base.flexible.with_(shoes=(2,)),
+    )
+    return case.on_cells(law, relief)
 
 
 def weight(case):
@@ -34,15 +44,12 @@ def weight(case):
 
 @pytest.fixture(scope="module")
 def dragged():
-    drive = Drive.translation()
-    case = three_shoes(
-        BekkerSoil.lete_sand(), drive=drive.with_(speed=StepProfile(times=(0.0, 0.05), values=(0.0, 0.2)))
-    )
+    case = three_shoes(SAND, drive=JERK)
     return simulate(case.with_(solver=case.solver.with_(residual=1e-3)), 0.3, False)
 
 
-def test_shoes_start_at_rest_and_the_ground_carries_them(dragged):
-    case = three_shoes(BekkerSoil.lete_sand(), drive=FREE)
+def test_shoes_start_at_rest_and_the_ground_carries_them():
+    case = three_shoes(SAND)
     start = simulate(case, 4e-3, False)
     assert np.abs(start.acceleration.isel(time=0)).max() < 1e-3  # m/s2
     carried = (start.normal_force + start.friction_force).isel(time=0).sum("contact").values
@@ -57,15 +64,9 @@ def test_what_acts_on_dragged_shoes_is_the_rate_of_their_momentum(dragged):
     assert np.abs(track_imbalance(dragged).force).max() < 0.1
 
 
-def jerked():
-    """Three shoes, dragged into full slip within 0.3 s."""
-    speed = StepProfile(times=(0.0, 0.05), values=(0.0, 0.2))
-    return three_shoes(BekkerSoil.lete_sand(), drive=Drive.translation().with_(speed=speed))
-
-
 @pytest.mark.parametrize(
     ("case", "duration", "mean"),
-    [(jerked(), 0.3, 1.1), (longer(16).on_cells(BekkerSoil.lete_sand()), 4.0, 1.3)],
+    [(three_shoes(SAND, drive=JERK), 0.3, 1.1), (longer(16).on_cells(SAND), 4.0, 1.3)],
     ids=["jerked", "16 shoes in the papers' drive"],
 )
 def test_newton_takes_one_or_two_iterations_on_sand(case, duration, mean, monkeypatch):
@@ -106,12 +107,11 @@ def stress_by_region(case):
 @pytest.mark.slow
 def test_a_stone_under_a_corner_tilts_a_dragged_shoe_and_bends_it():
     base = Case.stress("coarse")
-    track, flexible = base.track.with_(shoe_count=3), base.flexible_shoes().with_(shoes=(2,))
-    case = base.with_(track=track, loads=LoadCycle.propel(3), flexible=flexible, drive=FREE)
+    case = three_shoes(ROCK, base=base)
     x, y = case.shoe_reference[1, :2] + (0.0, 0.5 * case.shoe.width - 0.3)
     stone = Heights(parts=(Stone(x=x, y=y, height=0.08, width=0.2, flank=0.2),))
-    level, _ = stress_by_region(case.on_cells(RockFloor.hard_floor()))
-    lifted, run = stress_by_region(case.on_cells(RockFloor.hard_floor(), stone))
+    level, _ = stress_by_region(case)
+    lifted, run = stress_by_region(three_shoes(ROCK, stone, base))
     assert np.abs(run.acceleration.isel(time=0)).max() < 3e-3  # m/s2
     assert 0.02 < float(np.abs(run.angles.isel(time=0)).max()) < 0.08 / case.shoe.width
     for region in ("wings", "lugs"):
@@ -127,7 +127,7 @@ def test_a_stone_under_a_corner_tilts_a_dragged_shoe_and_bends_it():
     ],
     ids=lambda part: part["model"],
 )
-@pytest.mark.parametrize("law", [BekkerSoil.lete_sand(), RockFloor.hard_floor()], ids=["sand", "rock"])
+@BOTH_LAWS
 def test_a_dragged_track_finds_its_rest_on_uneven_ground(law, part):
     case = Case.translation().on_cells(law, Heights(parts=(part,))).with_(drive=FREE)
     start = simulate(case, 4e-3, False)
@@ -139,9 +139,9 @@ def test_a_dragged_track_finds_its_rest_on_uneven_ground(law, part):
 
 
 @pytest.mark.parametrize("grade", [0.0, 0.1])
-@pytest.mark.parametrize("law", [BekkerSoil.lete_sand(), RockFloor.hard_floor()], ids=["sand", "rock"])
+@BOTH_LAWS
 def test_shoes_on_a_slope_below_friction_stay_where_they_are(law, grade):
-    case = three_shoes(law, grade, side_slope=0.1, drive=FREE)
+    case = three_shoes(law, grade=grade, side_slope=0.1)
     run = simulate(case, 2.0, False)
     ground = (run.normal_force + run.friction_force).sum("contact").values
     assert ground[-1] == pytest.approx(-weight(case) * case.terrain.down, abs=1e-5 * weight(case))
@@ -151,33 +151,22 @@ def test_shoes_on_a_slope_below_friction_stay_where_they_are(law, grade):
 
 @pytest.mark.parametrize("base", [Case.translation(), Case.stress("coarse")], ids=["rigid", "flexible"])
 def test_newtons_matrix_is_the_derivative_of_the_residual(base):
-    system = compiled_system(base.on_cells(BekkerSoil.lete_sand()))
+    system = compiled_system(base.on_cells(SAND))
     q = static_equilibrium(system.case)
     system.set_initial(q)
     # deeper than ever before and slipping, away from the kinks of the law
     shoes = q[: 6 * system.layout.shoes].reshape(-1, 6)
     shoes[:, 2] -= 2e-3
     shoes[:, 0] += 3e-3
-    q_t, weights = np.zeros(len(q)), (1.0, 900.0, 0.0, False, 1e-3)
-    matrix = compiled_matrix(system, q, q_t, weights)[: len(q), : len(q)]
-    found = np.empty_like(matrix)
-    for k, e in enumerate(1e-8 * np.eye(len(q))):
-        above = residual_of(system, q + e, q_t + weights[1] * e, 0.0 * e)
-        below = residual_of(system, q - e, q_t - weights[1] * e, 0.0 * e)
-        found[:, k] = (above - below)[: len(q)] / 2e-8
-    scale = np.sqrt(np.outer(np.abs(np.diag(found)), np.abs(np.diag(found))))
-    assert (np.abs(matrix - found) / scale).max() < 0.02
+    assert matrix_errors(system, q, np.zeros(len(q)), by_acceleration=0.0).max() < 0.02
 
 
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 @pytest.mark.parametrize(
     "case",
     [
-        pytest.param(
-            three_shoes(RockFloor.hard_floor().with_(friction=0.05), side_slope=0.1, drive=FREE),
-            marks=pytest.mark.slow,
-        ),
-        three_shoes(BekkerSoil.lete_sand().with_(cohesion=0.0, friction_angle=0.0), drive=FREE),
+        pytest.param(three_shoes(ROCK.with_(friction=0.05), side_slope=0.1), marks=pytest.mark.slow),
+        three_shoes(SAND.with_(cohesion=0.0, friction_angle=0.0)),
     ],
     ids=["rock that is too steep", "sand without strength"],
 )
@@ -189,14 +178,14 @@ def test_ground_that_cannot_hold_the_shoes_is_named(case):
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_a_floor_without_friction_is_refused_and_one_with_next_to_none_carries():
     with pytest.raises(ParameterError, match=r"^friction: must be greater than 0, got 0\.0$"):
-        RockFloor.hard_floor().with_(friction=0.0)
-    case = three_shoes(RockFloor.hard_floor().with_(friction=1e-6), drive=FREE)
+        ROCK.with_(friction=0.0)
+    case = three_shoes(ROCK.with_(friction=1e-6))
     start = simulate(case, 4e-3, False)
     assert np.abs(start.acceleration.isel(time=0)).max() < 1e-3  # m/s2
 
 
 def test_modal_loads_of_histories_are_those_of_the_equations():
-    case = Case.stress("coarse").on_cells(BekkerSoil.lete_sand())
+    case = Case.stress("coarse").on_cells(SAND)
     run = simulate(case, 4e-3, False)
     loads, units = loads_by_kind(run, 13), unit_loads(case)
     inertia = loads[INERTIA][[0]].toarray()[0, units.families[INERTIA]]
@@ -217,9 +206,7 @@ def test_modal_loads_of_histories_are_those_of_the_equations():
 def test_peak_stress_does_not_feel_the_cells(relief):
     """Of a flexible shoe at rest; 0.1 % apart on level sand, 0.9 % on rough."""
     base, peaks = Case.stress("coarse"), []
-    track, flexible = base.track.with_(shoe_count=3), base.flexible_shoes().with_(shoes=(2,))
-    case = base.with_(track=track, loads=LoadCycle.propel(3), flexible=flexible)
-    case = case.on_cells(BekkerSoil.lete_sand(), relief)
+    case = three_shoes(SAND, relief, base, drive=base.drive)
     for cell in (0.1, 0.05):
         run = simulate(case.with_({"terrain.cell": cell}), 4e-3, False)
         peaks.append(recover_stresses(run, [0.0], peak=False).hot_spots[2]["value"].iloc[0])
@@ -227,34 +214,34 @@ def test_peak_stress_does_not_feel_the_cells(relief):
     assert peaks[1] == pytest.approx(peaks[0], rel=0.02)
 
 
+def assert_alike(compiled, engine, allowed):
+    """Variables are the same within these absolute differences, as long as Exudyn's run lasts.
+
+    Exudyn's outlines are clipped on the cells where a step begins, and not where it is predicted to end.
+    """
+    for name, most in allowed.items():
+        own = compiled.dataset[name].isel(time=slice(engine.time.size))
+        np.testing.assert_allclose(engine.dataset[name], own, rtol=0.0, atol=most, err_msg=name)
+
+
 def test_exudyns_bodies_move_alike_on_cells(dragged):
     run = simulate(dragged.case.with_(formulation="engine"), 0.1, False)
-    # outlines are clipped on the cells where a step begins, and not where it is predicted to end
     allowed = {"position": 1e-5, "joint_force": 300.0, "normal_force": 300.0, "friction_force": 300.0}
-    for name, difference in allowed.items():
-        compiled = dragged.dataset[name].isel(time=slice(run.time.size))
-        np.testing.assert_allclose(run.dataset[name], compiled, rtol=0.0, atol=difference, err_msg=name)
+    assert_alike(dragged, run, allowed)
 
 
 def test_exudyns_bodies_do_not_roll():
     with pytest.raises(ParameterError, match=r"formulation 'engine', .* do not go with undercarriage"):
-        Case.rolled().on_cells(BekkerSoil.lete_sand()).with_(formulation="engine")
+        Case.rolled().on_cells(SAND).with_(formulation="engine")
 
 
 def test_exudyns_floating_frame_moves_alike_on_cells():
-    base = Case.stress("coarse")
-    flexible = base.flexible.with_(shoes=(2,))
-    case = base.with_(track=base.track.with_(shoe_count=3), loads=LoadCycle.propel(3), flexible=flexible)
-    speed = StepProfile(times=(0.0, 0.05), values=(0.0, 0.2))
-    case = case.with_(drive=Drive.translation().with_(speed=speed), solver=case.solver.with_(residual=1e-3))
-    case = case.on_cells(BekkerSoil.lete_sand())
+    case = three_shoes(SAND, base=Case.stress("coarse"), drive=JERK)
+    case = case.with_({"solver.residual": 1e-3})
     compiled, engine = (
         simulate(case.with_(formulation=kind), 0.05, False) for kind in ("compiled", "engine")
     )
-    # outlines are clipped on the cells where a step begins, and not where it is predicted to end
     allowed = {"position": 1e-6, "modal_coordinate": 2e-7, "joint_force": 40.0, "normal_force": 50.0}
     allowed |= {"friction_force": 40.0, "node_force": 10.0}
-    for name, difference in allowed.items():
-        pair = engine.dataset[name], compiled.dataset[name]
-        np.testing.assert_allclose(*pair, rtol=0.0, atol=difference, err_msg=name)
+    assert_alike(compiled, engine, allowed)
     assert float(np.abs(compiled.modal_coordinate).max()) > 1e-4

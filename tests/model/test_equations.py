@@ -1,6 +1,7 @@
 """Compiled equations against those of Exudyn's items, and against their own derivatives."""
 
 import sys
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from tests.model.both import by_engine, compiled, compiled_matrix, gaps_of, random_state, residual_of
+from tests.model.both import by_engine, compiled, gaps_of, matrix_errors, random_state, residual_of
 from tests.rolled import small_flexible_case
 
 pytestmark = pytest.mark.simulation
@@ -28,37 +29,39 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="module", params=CASES)
-def both(request):
-    """Both formulations' equations at a random state, and that state."""
-    case = CASES[request.param]
-    q, q_t = random_state(case, static_equilibrium(case), seed=11)
-    return case, q, q_t, by_engine(case, q, q_t), compiled(case, q, q_t)
+@cache
+def rested(name):
+    return static_equilibrium(CASES[name])
 
 
-@pytest.fixture(scope="module", params=CASES)
-def unbent(request):
-    """The same where the shoes are not bent, though they are about to be."""
-    case = CASES[request.param]
-    q, q_t = random_state(case, static_equilibrium(case), seed=12)
-    if case.flexible is not None:
-        q[compiled_system(case).layout.coordinate_count - compiled_modes(case) :] = 0.0
-    return case, q, q_t, by_engine(case, q, q_t), compiled(case, q, q_t)
-
-
-def compiled_modes(case):
-    """Number of all modal coordinates."""
+@cache
+def both_at(name, is_bent):
+    """Both formulations' equations at a random state, and that state; unbent shoes are about to be bent."""
+    case = CASES[name]
+    q, q_t = random_state(case, rested(name), seed=11)
     layout = compiled_system(case).layout
-    return len(layout.flexible_shoes) * layout.modes
+    if not is_bent:
+        q[len(q) - len(layout.flexible_shoes) * layout.modes :] = 0.0
+    return case, q, q_t, by_engine(case, q, q_t), compiled(case, q, q_t)
 
 
-def test_mass_matrices_agree(both):
+@pytest.fixture(params=CASES)
+def both(request):
+    return both_at(request.param, is_bent=True)
+
+
+@pytest.fixture(params=CASES)
+def unbent(request):
+    """The same where no flexible shoe is bent."""
+    return both_at(request.param, is_bent=CASES[request.param].flexible is None)
+
+
+def test_mass_matrices_forces_and_gaps_agree(both):
     *_, engine, own = both
-    np.testing.assert_allclose(own.mass, engine.mass, rtol=0.0, atol=1e-9 * np.abs(engine.mass).max())
-
-
-def test_gaps_of_the_constraints_agree(both):
-    *_, engine, own = both
+    for name in ("mass", "forces"):
+        expected = getattr(engine, name)
+        most = 1e-9 * np.abs(expected).max()
+        np.testing.assert_allclose(getattr(own, name), expected, rtol=0.0, atol=most, err_msg=name)
     np.testing.assert_allclose(own.gaps, engine.gaps, rtol=0.0, atol=1e-12)
 
 
@@ -82,15 +85,8 @@ def test_directions_are_the_gradients_of_the_gaps(both):
 
 def test_exudyns_directions_are_not_where_a_pins_lug_has_turned():
     """The forces of a joint on a bent body turn with the wrong tangent: by as much as the lug has turned."""
-    q, q_t = random_state(FLEXIBLE, static_equilibrium(FLEXIBLE), seed=11)
-    engine, own = by_engine(FLEXIBLE, q, q_t), compiled(FLEXIBLE, q, q_t)
+    *_, engine, own = both_at("flexible", is_bent=True)
     assert np.abs(own.directions - engine.directions).max() > 1e-7
-
-
-def test_forces_agree(both):
-    *_, engine, own = both
-    scale = np.abs(engine.forces).max()
-    np.testing.assert_allclose(own.forces, engine.forces, rtol=0.0, atol=1e-9 * scale)
 
 
 def test_accelerations_agree(unbent):
@@ -127,19 +123,10 @@ def test_a_short_run_is_the_same_in_both_formulations(name):
 @pytest.mark.parametrize("name", CASES)
 def test_newtons_matrix_is_the_derivative_of_the_residual(name):
     """At rest and with light loads, where what it leaves out (turning forces, moving outlines) is small."""
-    case = CASES[name]
-    system, q = compiled_system(case), static_equilibrium(case)
+    case, q = CASES[name], rested(name)
     q_t = np.zeros(len(q))
     q_t[: 6 * case.track.shoe_count : 6] = 0.02
-    weights = (1.0, 900.0, 9e5, False, 1e-3)
-    matrix = compiled_matrix(system, q, q_t, weights)[: len(q), : len(q)]
-    found = np.empty_like(matrix)
-    for k, e in enumerate(1e-8 * np.eye(len(q))):
-        above = residual_of(system, q + e, q_t + weights[1] * e, weights[2] * e)
-        below = residual_of(system, q - e, q_t - weights[1] * e, -weights[2] * e)
-        found[:, k] = (above - below)[: len(q)] / 2e-8
-    scale = np.sqrt(np.outer(np.abs(np.diag(found)), np.abs(np.diag(found))))
-    assert (np.abs(matrix - found) / scale).max() < 0.02
+    assert matrix_errors(compiled_system(case), q, q_t).max() < 0.02
 
 
 def arrays_of(values):
