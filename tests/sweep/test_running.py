@@ -110,9 +110,10 @@ def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tm
     assert run.table["reason"].tolist() == ["RuntimeError: it sank", ""]
     assert any(line.endswith("failed: RuntimeError: it sank") for line in told)
     # it stays so until it is asked for
-    for retry, status in ((False, "failed"), (True, "done")):
+    for retry, status, reason in ((False, "failed", "RuntimeError: it sank"), (True, "done", "")):
         again = run_sweep(small_sweep(), tmp_path, retry=retry, **how)
         assert again.table["status"].tolist() == [status, "done"]
+        assert again.table["reason"][0] == reason
 
 
 def test_what_is_refused_leaves_no_folder(tmp_path):
