@@ -1,8 +1,7 @@
 """Shoes on cells, moved by hand or by loads."""
 
-import math
-
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.ground.cells.ground import CellGround
@@ -19,12 +18,7 @@ DOWN = np.array([0.0, 0.0, -LOAD, 0.0, 0.0, 0.0])
 
 def turn(vector):
     """Rotation by a vector, rad."""
-    angle = np.linalg.norm(vector)
-    if angle == 0.0:
-        return np.eye(3)
-    k = np.asarray(vector) / angle
-    S = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
-    return np.eye(3) + math.sin(angle) * S + (1 - math.cos(angle)) * S @ S
+    return Rotation.from_rotvec(vector).as_matrix()
 
 
 def frame(r, R=None, v=(0, 0, 0), omega=(0, 0, 0)):

@@ -9,9 +9,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from exudyn_crawler.case.parameters.heights import Heights, MeasuredGrid, Ramp, Ridge, Roughness, Stone, Waves
 from exudyn_crawler.errors import CrawlerError, ParameterError
-from tests.ground.cells.driving import LOAD, ROCK, Driven, Shoe, ground, turn
+from tests.ground.cells.driving import LOAD, ROCK, Driven, Shoe, ground
 
 X, Y = (axis.ravel() for axis in np.meshgrid(np.linspace(-3, 3, 41), np.linspace(-2, 2, 33), indexing="ij"))
+GRID = 0.05 * np.sin(np.arange(5))[:, None] + 0.02 * np.arange(4)
+GRID_X, GRID_Y = 10.25 + 0.5 * np.arange(5), 20.25 + 0.5 * np.arange(4)
 ASCII = "ncols 5\nnrows 4\nxllcorner 10\nyllcorner 20\ncellsize 0.5\nNODATA_value -9999\n"
 
 
@@ -72,12 +74,11 @@ def test_roughness_has_its_spectrum_along_any_line():
 
 
 def test_grids_of_all_formats_hold_the_same_heights(tmp_path):
-    z = 0.05 * np.sin(np.arange(5))[:, None] + 0.02 * np.arange(4)
-    rows = "\n".join(" ".join(f"{one:.17g}" for one in row) for row in z.T[::-1])
+    rows = "\n".join(" ".join(f"{one:.17g}" for one in row) for row in GRID.T[::-1])
     (tmp_path / "a.asc").write_text(ASCII + rows, encoding="ascii")
-    np.save(tmp_path / "a.npy", z)
-    x, y = 10.25 + 0.5 * np.arange(5), 20.25 + 0.5 * np.arange(4)
-    xarray.Dataset({"z": (("y", "x"), z.T)}, {"x": x, "y": y}).to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+    np.save(tmp_path / "a.npy", GRID)
+    dataset = xarray.Dataset({"z": (("y", "x"), GRID.T)}, {"x": GRID_X, "y": GRID_Y})
+    dataset.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
     plain = MeasuredGrid(file=tmp_path / "a.asc", smoothing=0.0)
     others = (
         MeasuredGrid(file=tmp_path / "a.npy", spacing=0.5, origin=(10.25, 20.25), smoothing=0.0),
@@ -86,7 +87,7 @@ def test_grids_of_all_formats_hold_the_same_heights(tmp_path):
     at = np.meshgrid(np.linspace(10.25, 12.25, 30), np.linspace(20.25, 21.75, 20))
     for other in others:
         assert_allclose(other.sample(*at), plain.sample(*at), atol=1e-12)
-    assert_allclose(plain.sample(x[:, None] + 0 * y, y + 0 * x[:, None])[..., 0], z, atol=1e-14)
+    assert_allclose(plain.sample(*np.meshgrid(GRID_X, GRID_Y))[..., 0], GRID.T, atol=1e-14)
     assert np.isnan(plain.sample(np.array([10.2]), np.array([21.0]))).all()
 
 
@@ -94,19 +95,20 @@ def test_grids_of_all_formats_hold_the_same_heights(tmp_path):
 @pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
 def test_a_geotiff_holds_the_same_heights(tmp_path):
     rasterio = pytest.importorskip("rasterio")
-    z = 0.05 * np.sin(np.arange(5))[:, None] + 0.02 * np.arange(4)
     move = rasterio.transform.from_origin(10.0, 22.0, 0.5, 0.5)
     kind = {"driver": "GTiff", "count": 1, "dtype": "float64", "nodata": -9999.0, "crs": "EPSG:32612"}
-    with rasterio.open(tmp_path / "a.tif", "w", width=5, height=4, transform=move, **kind) as file:
-        file.write(z.T[::-1], 1)
-    tiff = MeasuredGrid(file=tmp_path / "a.tif", smoothing=0.0)
-    x, y = 10.25 + 0.5 * np.arange(5), 20.25 + 0.5 * np.arange(4)
-    assert_allclose(tiff.sample(x[:, None] + 0 * y, y + 0 * x[:, None])[..., 0], z, atol=1e-14)
-    z[1, 2] = -9999.0
-    with rasterio.open(tmp_path / "b.tif", "w", width=5, height=4, transform=move, **kind) as file:
-        file.write(z.T[::-1], 1)
+
+    def written(name, z):
+        with rasterio.open(tmp_path / name, "w", width=5, height=4, transform=move, **kind) as file:
+            file.write(z.T[::-1], 1)
+        return MeasuredGrid(file=tmp_path / name, smoothing=0.0)
+
+    sampled = written("a.tif", GRID).sample(*np.meshgrid(GRID_X, GRID_Y))[..., 0]
+    assert_allclose(sampled, GRID.T, atol=1e-14)
+    holed = GRID.copy()
+    holed[1, 2] = -9999.0
     with pytest.raises(ParameterError, match=r"missing at 1 places, the first at x = 10\.75 m, y = 21\.25 m"):
-        MeasuredGrid(file=tmp_path / "b.tif")
+        written("b.tif", holed)
 
 
 def test_a_step_is_smoothed_to_a_gaussians_integral(tmp_path):
@@ -216,4 +218,4 @@ def test_a_shoe_driven_over_a_ridge_is_lifted_without_a_blow():
         peak = max(peak, shoe.ground.shoes.wrench[0, 2])
     assert shoe.r[2] > 0.02
     assert peak < 3.0 * LOAD
-    assert abs(turn([0, 0, 0])[0, 0] - shoe.R[1, 1]) < 1e-6
+    assert abs(1.0 - shoe.R[1, 1]) < 1e-6

@@ -30,11 +30,8 @@ def test_clipped_areas_and_centroids_are_those_of_the_outline():
 
 def test_a_shoe_that_is_nowhere_meets_no_ground():
     cells = ground(SAND)
-    for place, R in (
-        ([np.nan, 0.0, 0.0], np.eye(3)),
-        ([0.0, 1e300, 0.0], np.eye(3)),
-        (np.zeros(3), -np.eye(3)),
-    ):
+    level = np.eye(3)
+    for place, R in (([np.nan, 0.0, 0.0], level), ([0.0, 1e300, 0.0], level), (np.zeros(3), -level)):
         cells.cover(frame(place, R), frame([0.0, 0.0, 0.0]))
         assert cells.shoes.counts[0] == 0
         assert not cells.press(frame(place, R)).any()
@@ -51,8 +48,8 @@ def test_tangents_are_the_differences_of_the_wrench(law, rough, step):
     random = np.random.default_rng(2)
     heights = Heights(roughness=Roughness(spectrum=256e-6 * (rough / 0.009) ** 2, seed=2))
     shoe, errors = Shoe(law, [3.0, 3.0, -2.0 * rough], turn([0, 0, 0.3]), heights=heights), []
-    for k in range(20):
-        turning = k < 10
+    for trial in range(20):
+        turning = trial < 10
         r = shoe.r + np.r_[random.normal(0, 0.01, 2), random.normal(0, 0.4 * rough)]
         R = turn(random.normal(0, 0.2 * rough, 3)) @ shoe.R
         v, w = random.normal(0, 0.1, 3), random.normal(0, 0.1, 3) * turning
@@ -63,21 +60,16 @@ def test_tangents_are_the_differences_of_the_wrench(law, rough, step):
             if n < 2:
                 by[n] = shoe.tangent
         assert_allclose(shoe.tangent, 2.0 * by[0] + 3.0 * by[1], rtol=1e-9, atol=1e-9 * np.abs(by).max())
-
-        def change(x, y, r=r, R=R, v=v, w=w):
-            ends = [
-                shoe.press(r + s * x[:3], turn(s * x[3:]) @ R, v + s * y[:3], w + s * y[3:])
-                for s in (1.0, -1.0)
-            ]
-            return 0.5 * (ends[0] - ends[1])
-
-        none, one = np.zeros(6), np.eye(6)
-        by_place = np.array([change(step * e, none) / step for e in one]).T
-        by_velocity = np.array([change(none, 1e-5 * e) / 1e-5 for e in one]).T
+        by_place, by_velocity = np.zeros((2, 6, 6))
+        for k, e in enumerate(np.eye(6)):
+            pair = [shoe.press(r + x[:3], turn(x[3:]) @ R, v, w) for x in (step * e, -step * e)]
+            by_place[:, k] = (pair[0] - pair[1]) / (2.0 * step)
+            pair = [shoe.press(r, R, v + x[:3], w + x[3:]) for x in (1e-5 * e, -1e-5 * e)]
+            by_velocity[:, k] = (pair[0] - pair[1]) / 2e-5
         assert_allclose(by[1], by_velocity, rtol=0, atol=1e-6 * np.abs(by_velocity).max())
         errors.append(np.abs(by[0] - by_place).max() / np.abs(by_place).max())
         shoe.press(r, R, v, w)
-        if k % 3 == 2:
+        if trial % 3 == 2:
             shoe.accept(r, R)
         else:
             shoe.ground.commit()
@@ -100,27 +92,29 @@ def test_a_cell_that_a_shoe_has_left_is_sheared_anew_and_sand_keeps_its_rut():
         assert (half == 0.0) == (law is not ROCK)
 
 
+def shares(shoe):
+    """Shares of the load on either side of the middle."""
+    y = shoe.points[:, 1]
+    return [shoe.force[beside, 2].sum() / LOAD for beside in (y < 0, y > 0)]
+
+
 def test_supports_carry_their_shares():
     """Two ridges under a stiff shoe: by the lever."""
     ridges = [Ridge(x=2.0, y=y, heading=0.0, height=0.3, width=0.0, flank=0.25) for y in (1.85, 4.15)]
     shoe = Shoe(ROCK, [2.0, 3.0, 0.3], heights=Heights(parts=tuple(ridges)))
     shoe.settle([0, 0, -LOAD, -0.4 * LOAD, 0, 0], steps=10)
-    y = shoe.points[:, 1]
-    shares = [shoe.force[y < 0, 2].sum() / LOAD, shoe.force[y > 0, 2].sum() / LOAD]
-    assert_allclose(
-        shares, [0.5 - 0.4 / 2.3, 0.5 + 0.4 / 2.3], atol=2e-3
-    )  # the ridges' tops are two cells wide
+    # the ridges' tops are two cells wide
+    assert_allclose(shares(shoe), [0.5 - 0.4 / 2.3, 0.5 + 0.4 / 2.3], atol=2e-3)
 
 
 def test_banks_of_a_bridged_rut_carry_as_a_beam_on_springs_does():
     rut = Ridge(x=2.0, y=3.0, heading=0.0, height=-0.3, width=1.6, flank=0.2)
     shoe = Shoe(ROCK, [2.0, 3.0, 0.0], heights=Heights(parts=(rut,)))
     shoe.settle([0, 0, -LOAD, -0.2 * LOAD, 0, 0], steps=10)
-    y, (a, b) = shoe.points[:, 1], (0.5 * rut.width + rut.flank, 0.5 * WIDTH)
+    a, b = 0.5 * rut.width + rut.flank, 0.5 * WIDTH
     even, lean = 0.5 / (b - a), 0.2 * 1.5 / (b**3 - a**3)  # pressure: even + lean y
     wanted = [even * (b - a) + sign * lean * (b * b - a * a) / 2.0 for sign in (-1.0, 1.0)]
-    shares = [shoe.force[y < 0, 2].sum() / LOAD, shoe.force[y > 0, 2].sum() / LOAD]
-    assert_allclose(shares, wanted, atol=1e-3)
+    assert_allclose(shares(shoe), wanted, atol=1e-3)
 
 
 def test_a_pass_beside_a_rut_meets_old_and_fresh_ground():
@@ -177,15 +171,9 @@ def bending(y, forces, cuts):
 
 
 def test_halving_the_cells_changes_little():
-    found = []
+    found, rough = [], ROUGH.with_({"roughness.spectrum": 64e-6})
     for cell in (0.1, 0.05):
-        shoe = Shoe(
-            SAND,
-            [2.0, 3.5, 0.06],
-            turn([0, 0, 0.3]),
-            heights=ROUGH.with_({"roughness.spectrum": 64e-6}),
-            cell=cell,
-        )
+        shoe = Shoe(SAND, [2.0, 3.5, 0.06], turn([0, 0, 0.3]), heights=rough, cell=cell)
         shoe.settle([2e4, 0, -LOAD, -0.35 * LOAD, 0.05 * LOAD, 0])
         sunk, tilt, peak = -shoe.r[2], shoe.R[2, 1], shoe.traction.max()
         for _ in range(50):

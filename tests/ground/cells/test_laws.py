@@ -35,9 +35,8 @@ def pressure_after(law, depths):
 
 @LAWS
 def test_plate_sinks_unloads_and_reloads_by_the_closed_form(law):
-    depths = 1e-3 * np.concatenate(
-        [np.linspace(a, b, 50) for a, b in ((0, 40), (40, 10), (10, 60), (60, 45))]
-    )
+    turns = ((0, 40), (40, 10), (10, 60), (60, 45))
+    depths = 1e-3 * np.concatenate([np.linspace(a, b, 50) for a, b in turns])
     shoe = Shoe(law, [1.53, 3.02, 0.01], turn([0, 0, 0.2]))
     pressure = np.array([shoe.move([1.53, 3.02, -z])[2] / AREA for z in depths])
     assert_allclose(pressure, pressure_after(law, depths), rtol=1e-9, atol=1e-6)
@@ -86,12 +85,7 @@ def test_sand_sinks_as_published():
     # soft end of oil sand: the papers' sinkage; its strength is between what is known of it
     low, high = BekkerSoil.oil_sand_low(), BekkerSoil.oil_sand_high()
     assert low.sinkage(191e3, 0.65) == pytest.approx(0.066, abs=5e-4)
-    assert (low.cohesion, high.cohesion, low.friction_angle, high.friction_angle) == (
-        2.6e3,
-        5.9e3,
-        30.0,
-        40.0,
-    )
+    assert [(law.cohesion, law.friction_angle) for law in (low, high)] == [(2.6e3, 30.0), (5.9e3, 40.0)]
 
 
 @pytest.mark.parametrize("law", [SAND, ROCK], ids=["sand", "rock"])
@@ -123,22 +117,26 @@ def test_second_pass_is_stiffer_and_a_heavier_one_is_back_on_the_first_curve(law
     assert -shoe.r[2] == pytest.approx((1.5 * p / k) ** (1 / n), rel=1e-6)
 
 
+def sheared_sand(slips):
+    """Shear along slips at 20 mm of sinkage, and the soil's strength there, Pa."""
+    p, shear = SAND.drive(np.full_like(slips, 0.02), slips)
+    return shear, p[0] * (math.tan(math.radians(31.1)) + 1.3e3 / (p[0] + 1e3))
+
+
 @pytest.mark.parametrize("steps", [3, 300])
 def test_shear_follows_janosi_for_steps_of_any_size(steps):
     slips = np.linspace(0.0, 0.06, steps + 1)
-    p, shear = SAND.drive(np.full_like(slips, 0.02), slips)
-    strength = p[0] * (math.tan(math.radians(31.1)) + 1.3e3 / (p[0] + 1e3))
+    shear, strength = sheared_sand(slips)
     assert_allclose(shear, strength * (1.0 - np.exp(-slips / 0.012)), rtol=1e-9, atol=1e-6)
 
 
 def test_shear_turns_back_elastically_and_rock_sticks_before_it_slides():
     back = np.linspace(0.02, 0.0199, 5)
     slips = np.concatenate((np.linspace(0.0, 0.02, 100), back))
-    p, shear = SAND.drive(np.full_like(slips, 0.02), slips)
-    strength = p[0] * (math.tan(math.radians(31.1)) + 1.3e3 / (p[0] + 1e3))
+    shear, strength = sheared_sand(slips)
     assert_allclose(shear[-5:], shear[-5] - strength / 0.012 * (0.02 - back), rtol=1e-9)
     slips = np.linspace(0.0, 3e-3, 31)
-    p, shear = ROCK.drive(np.full_like(slips, 2e-4), slips)
+    _, shear = ROCK.drive(np.full_like(slips, 2e-4), slips)
     assert_allclose(shear, 0.6 * 2e5 * np.minimum(slips / 1e-3, 1.0), rtol=1e-9, atol=1e-6)
 
 
