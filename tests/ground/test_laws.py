@@ -6,14 +6,7 @@ import pytest
 
 from exudyn_crawler import PairContact
 from exudyn_crawler.ground.contact import pair_law
-from exudyn_crawler.ground.laws import (
-    Coulomb,
-    Impact,
-    friction_per_slip,
-    friction_torque,
-    impact_force,
-    step,
-)
+from exudyn_crawler.ground.laws import Coulomb, Impact, friction_per_slip, friction_torque, impact_force, step
 
 K, E, C, D = 1.0e8, 2.0, 1.0e4, 1.0e-4
 MU_S, MU_D, V_ST, V_D = 0.4, 0.3, 0.01, 0.1
@@ -38,20 +31,13 @@ def test_papers_law_has_the_values_used_here():
     assert pair_law(PairContact.oil_sand(sharing="area"), 2.0).whole_area == 2.0
 
 
-@pytest.mark.parametrize("x", [-3.0, 1.0, 1.0 + 1e-9, 1.3, 2.0, 2.9, 3.0, 7.0])
+@pytest.mark.parametrize("x", [-3.0, 1.0, 1.0 + 1e-9, 1.0 + 1e-5, 1.3, 2.0, 2.9, 3.0 - 1e-5, 3.0, 7.0])
 @pytest.mark.parametrize(("h0", "h1"), [(0.0, 1.0), (-1.0, 1.0), (5.0, 2.0)])
 def test_step_is_the_cubic_of_adams(x, h0, h1):
     assert step(x, 1.0, h0, 3.0, h1) == pytest.approx(adams_step(x, 1.0, h0, 3.0, h1), rel=TIGHT)
 
 
-def test_step_passes_the_middle_halfway_and_ends_flat():
-    assert step(2.0, 1.0, 4.0, 3.0, 8.0) == 6.0
-    for end, inward in ((1.0, 1e-5), (3.0, -1e-5)):
-        slope = (step(end + inward, 1.0, 0.0, 3.0, 1.0) - step(end, 1.0, 0.0, 3.0, 1.0)) / inward
-        assert 0.0 < abs(slope) < 1e-4  # 1.5e-5: the curvature times the distance
-
-
-@pytest.mark.parametrize("depth", [1e-6, 3e-5, 5e-5, 1e-4, 2e-4, 0.01, 0.0657, 0.1])
+@pytest.mark.parametrize("depth", [1e-9, 1e-6, 3e-5, 5e-5, 1e-4, 2e-4, 0.01, 0.0657, 0.1])
 @pytest.mark.parametrize("rate", [-0.05, 0.0, 0.02, 0.5])
 @pytest.mark.parametrize("exponent", [2.0, 1.5])
 def test_impact_force_is_spring_and_ramped_damper(depth, rate, exponent):
@@ -69,18 +55,11 @@ def test_impact_force_never_pulls_and_ends_at_the_surface():
     assert impact_force(SPRING, 1e-4, -0.05) == 0.0
 
 
-def test_damping_grows_from_nothing_at_the_surface_to_all_of_it():
-    def damping(depth):
-        return impact_force(SPRING, depth, 1.0) - impact_force(SPRING, depth, 0.0)
-
-    assert damping(1e-9) == pytest.approx(3.0 * C * (1e-9 / D) ** 2, rel=1e-4)
-    assert damping(0.5 * D) == pytest.approx(0.5 * C, rel=1e-12)
-    assert damping(D) == pytest.approx(C, rel=1e-12)
-    assert damping(0.05) == pytest.approx(C, rel=1e-9)
-
-
 @pytest.mark.parametrize(
-    "v", [0.0, 1e-9, 1e-6, 1e-4, 0.002, 0.005, 0.0099, 0.01, 0.0101, 0.02, 0.03, 0.055, 0.0999, 0.1, 0.5, 2.0]
+    "v",
+    [0.0, 1e-9, 1e-6, 1e-4, 0.002, 0.005, 0.008, 0.0099, 0.0101, 0.015, 0.02, 0.03, 0.055, 0.0999, 0.5, 2.0]
+    # both sides of where its pieces meet
+    + [speed * (1.0 + e) for speed in (V_ST, V_D) for e in (-1e-9, 0.0, 1e-9)],
 )
 def test_friction_curve_is_that_of_adams(v):
     if v < V_ST:
@@ -96,21 +75,6 @@ def test_friction_curve_is_that_of_adams(v):
 
 def friction_coefficient(v):
     return friction_per_slip(LAW, v) * v
-
-
-def test_friction_has_its_hump_at_the_stiction_speed():
-    assert friction_coefficient(V_ST) == pytest.approx(MU_S, rel=TIGHT)
-    assert friction_coefficient(0.8 * V_ST) < MU_S
-    assert MU_D < friction_coefficient(1.5 * V_ST) < MU_S
-    assert friction_coefficient(0.5 * (V_ST + V_D)) == pytest.approx(0.35, rel=TIGHT)
-
-
-@pytest.mark.parametrize("speed", [V_ST, V_D])
-def test_friction_is_continuous_where_its_pieces_meet(speed):
-    below, above = (friction_coefficient(speed * (1.0 + e)) for e in (-1e-9, 1e-9))
-    assert below == pytest.approx(above, abs=1e-12)
-    ratios = [friction_per_slip(LAW, speed * (1.0 + e)) * speed for e in (-1e-9, 1e-9)]
-    assert ratios[0] == pytest.approx(ratios[1], rel=3e-9)
 
 
 def test_friction_per_slip_is_finite_at_rest():

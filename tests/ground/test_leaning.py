@@ -51,17 +51,6 @@ def moved(corners, u):
 
 
 @pytest.mark.parametrize("place", CORNERS.values(), ids=CORNERS)
-def test_the_area_vector_is_the_change_of_volume(place):
-    corners, h = rectangle(**place), 1e-6
-    part, _ = clipped(corners)
-    found = [
-        (clipped(moved(corners, -h * u))[0].volume - clipped(moved(corners, h * u))[0].volume) / (2.0 * h)
-        for u in np.eye(3)
-    ]
-    assert (part.side_x, part.side_y, part.area) == pytest.approx(found, rel=1e-6, abs=1e-8)
-
-
-@pytest.mark.parametrize("place", CORNERS.values(), ids=CORNERS)
 def test_the_gradient_of_an_overlap_is_that_of_central_differences(place):
     corners, h = rectangle(**place), 1e-6
     part, polygon = clipped(corners)
@@ -69,13 +58,10 @@ def test_the_gradient_of_an_overlap_is_that_of_central_differences(place):
     slope = np.linalg.solve([along_x[:2], along_y[:2]], [along_x[2], along_y[2]])
     gradient = np.zeros((GRADIENT, 3))
     write_gradient(polygon, part.cut, part, HALF, HALF, slope[0], slope[1], gradient)
-    expected = np.column_stack(
-        [
-            (values(clipped(moved(corners, h * u))[0]) - values(clipped(moved(corners, -h * u))[0]))
-            / (2.0 * h)
-            for u in np.eye(3)
-        ]
-    )
+    ends = [[values(clipped(moved(corners, s * u))[0]) for s in (h, -h)] for u in np.eye(3)]
+    expected = np.array([(ahead - behind) / (2.0 * h) for ahead, behind in ends]).T
+    # the area vector is what volume changes by
+    assert (part.side_x, part.side_y, part.area) == pytest.approx(-expected[1], rel=1e-6, abs=1e-8)
     # widths of polygons with slanted ends change by more than the side, which is left out
     kept = slice(0, 9) if place.get("yaw", 0.0) == 0.0 else slice(0, 7)
     assert gradient[:9][kept] == pytest.approx(expected[kept], rel=1e-6, abs=1e-7)
@@ -153,12 +139,10 @@ def test_tangents_at_edges_are_those_of_central_differences(law, place):
     _, _, by_rate = pair.touch(place, RATES, (0.0, 1.0))
     assert len(results)
     for c, u in enumerate(1e-6 * np.eye(6)[:3]):
-        ahead, behind = (pair.touch(place + s * u, RATES)[1] for s in (1.0, -1.0))
-        expected = (ahead - behind) / 2e-6
-        assert by_place[:, :, c] == pytest.approx(expected, abs=1e-3 * np.abs(expected).max() + 1.0)
-        ahead, behind = (pair.touch(place, RATES + s * u)[1] for s in (1.0, -1.0))
-        expected = (ahead - behind) / 2e-6
-        assert by_rate[:, :, c] == pytest.approx(expected, abs=1e-3 * np.abs(expected).max() + 1.0)
+        for found, change in ((by_place, (u, 0.0)), (by_rate, (0.0, u))):
+            ahead, behind = (pair.touch(place + s * change[0], RATES + s * change[1])[1] for s in (1.0, -1.0))
+            expected = (ahead - behind) / 2e-6
+            assert found[:, :, c] == pytest.approx(expected, abs=1e-3 * np.abs(expected).max() + 1.0)
 
 
 def test_a_normal_at_an_edge_leans_by_depth_over_width():
@@ -178,27 +162,21 @@ def test_the_penetration_of_a_strip_is_no_more_than_its_width():
         assert results[0, RESULT["penetration"]] == pytest.approx(expected, rel=1e-9)
 
 
-def test_each_finger_alone_over_a_unit_has_a_whole_law():
-    depth, reach = 0.06, 0.09
-    pair = pair_of(LAWS["face, centroid"])
-    results, _, _ = pair.touch(at(7.0 + 0.344 - reach, 3.0, depth), np.zeros(6))
+def test_each_finger_alone_over_a_unit_has_a_whole_law_and_further_in_a_shoe_is_one_volume():
+    reach, none = 0.09, np.zeros(6)
+    results, _, _ = pair_of(LAWS["face, centroid"]).touch(at(7.0 + 0.344 - reach, 3.0), none)
     assert results[:, RESULT["finger"]].tolist() == [1, 2, 3]
     forces = results[:, RESULT["normal_force"]][:, 2]
     # the unit rolls at 3 mrad/s below them, against 10 kN s/m of damping
     assert forces == pytest.approx(forces[0], abs=1e4 * 3e-3 * Shoe.kinematics().width)
-    whole, _, _ = pair_of(LAWS["face, centroid"], Shoe.ph4100c()).touch(
-        at(7.0 + 0.315 - reach, 3.0, depth), np.zeros(6)
-    )
+    without_fingers = pair_of(LAWS["face, centroid"], Shoe.ph4100c())
+    whole, _, _ = without_fingers.touch(at(7.0 + 0.315 - reach, 3.0), none)
     assert whole[:, RESULT["finger"]].tolist() == [0]
     assert forces[0] == pytest.approx(whole[0, RESULT["normal_force"]][2], rel=0.02)
-    assert results[:, RESULT["area"]] == pytest.approx(
-        reach * np.diff(Shoe.kinematics().fingers)[:, 0], rel=1e-3
-    )
-
-
-def test_further_in_a_shoe_is_one_volume():
-    results, _, _ = pair_of(LAWS["area, closest"]).touch(at(7.0, 3.0), np.zeros(6))
-    assert results[:, RESULT["finger"]].tolist() == [0]
+    widths = np.diff(Shoe.kinematics().fingers)[:, 0]
+    assert results[:, RESULT["area"]] == pytest.approx(reach * widths, rel=1e-3)
+    further_in, _, _ = pair_of(LAWS["area, closest"]).touch(at(7.0, 3.0), none)
+    assert further_in[:, RESULT["finger"]].tolist() == [0]
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -206,10 +184,8 @@ def test_leaving_a_unit_is_continuous(law):
     pair = pair_of(LAWS[law])
 
     def greatest_jump(count):
-        force = [
-            pair.touch(at(x, 3.0, yaw=0.02), np.zeros(6))[1][:, :3].sum(axis=0)
-            for x in np.linspace(6.6, 7.45, count)
-        ]
+        places = (at(x, 3.0, yaw=0.02) for x in np.linspace(6.6, 7.45, count))
+        force = [pair.touch(place, np.zeros(6))[1][:, :3].sum(axis=0) for place in places]
         return np.abs(np.diff(force, axis=0)).max()
 
     # where the forces are continuous, half the step makes half the jump

@@ -40,57 +40,50 @@ def quadrature(corners, half_x=HALF, half_y=HALF, cells=1500):
     return cell * within.sum(), *(np.sum((k * d)[within]) / volume for k in (x, y, d))
 
 
-def test_a_shoe_within_a_unit_overlaps_with_all_of_its_underside():
-    area, xi, eta, depth, width = clipped(rectangle(0.4, -1.1))
-    assert area == pytest.approx(LENGTH * WIDTH, rel=1e-12)
-    assert (xi, eta, depth) == pytest.approx((0.4, -1.1, 0.06), rel=1e-12)
-    assert width == pytest.approx(LENGTH, rel=1e-12)
-
-
-def test_a_straddling_shoe_overlaps_with_its_part_inside():
-    area, xi, eta, depth, width = clipped(rectangle(HALF + 0.1, 0.0))
-    inside = 0.5 * LENGTH - 0.1
-    assert area == pytest.approx(inside * WIDTH, rel=1e-12)
-    assert (xi, depth, width) == pytest.approx((HALF - 0.5 * inside, 0.06, inside), rel=1e-12)
-    assert eta == pytest.approx(0.0, abs=1e-14)
-
-
-def test_a_corner_only_overlaps_with_its_rectangle():
-    area, xi, eta, _, width = clipped(rectangle(HALF + 0.2, -HALF - 1.0))
-    a, b = 0.5 * LENGTH - 0.2, 0.5 * WIDTH - 1.0
-    assert area == pytest.approx(a * b, rel=1e-12)
-    assert (xi, eta, width) == pytest.approx((HALF - a / 2, -HALF + b / 2, a), rel=1e-12)
-
-
-def test_a_yawed_corner_overlaps_with_a_triangle():
+INSIDE = 0.5 * LENGTH - 0.1
+A, B = 0.5 * LENGTH - 0.2, 0.5 * WIDTH - 1.0
+WEDGE = 2.0 / 3.0 * LENGTH
+CLOSED_FORMS = {
+    "whole": (rectangle(0.4, -1.1), (LENGTH * WIDTH, 0.4, -1.1, 0.06, LENGTH), 1e-12),
+    "straddling": (
+        rectangle(HALF + 0.1, 0.0),
+        (INSIDE * WIDTH, HALF - 0.5 * INSIDE, 0.0, 0.06, INSIDE),
+        1e-12,
+    ),
+    "corner": (rectangle(HALF + 0.2, -HALF - 1.0), (A * B, HALF - 0.5 * A, -HALF + 0.5 * B, 0.06, A), 1e-12),
     # a square on its tip that reaches 0.2 m over the edge from outside
-    side = 1.0
-    x = HALF + side / math.sqrt(2.0) - 0.2
-    area, xi, eta, _, width = clipped(rectangle(x, 0.3, yaw=math.pi / 4, length=side, width=side))
-    assert area == pytest.approx(0.2**2, rel=1e-9)
-    assert xi == pytest.approx(HALF - 0.2 / 3.0, rel=1e-9)
-    assert eta == pytest.approx(0.3, rel=1e-9)
-    assert width == pytest.approx(0.2, rel=1e-9)
+    "triangle": (
+        rectangle(HALF + math.sqrt(0.5) - 0.2, 0.3, yaw=math.pi / 4, length=1.0, width=1.0),
+        (0.2**2, HALF - 0.2 / 3.0, 0.3, 0.06, 0.2),
+        1e-9,
+    ),
+    # depth falls from 0.04 at the rear to -0.02 at the front: two thirds are in the ground; its mean, with
+    # itself for weights, is that at the centroid of a triangle
+    "wedge": (
+        rectangle(0.0, 0.0, depth=0.01, slope_x=-0.06 / LENGTH),
+        (WEDGE * WIDTH, -0.5 * LENGTH + WEDGE / 3.0, 0.0, 2.0 / 3.0 * 0.04, WEDGE),
+        1e-12,
+    ),
+}
 
 
-def test_a_shoe_tilted_out_of_the_ground_overlaps_with_a_wedge():
-    # depth falls from 0.04 at the rear to -0.02 at the front: two thirds are in the ground
-    slope = -0.06 / LENGTH
-    area, xi, _, depth, _ = clipped(rectangle(0.0, 0.0, depth=0.01, slope_x=slope))
-    wedge = 2.0 / 3.0 * LENGTH
-    assert area == pytest.approx(wedge * WIDTH, rel=1e-12)
-    assert xi == pytest.approx(-0.5 * LENGTH + wedge / 3.0, rel=1e-12)
-    assert depth == pytest.approx(2.0 / 3.0 * 0.04, rel=1e-12)  # at the centroid of a triangle
+@pytest.mark.parametrize(("corners", "expected", "rel"), CLOSED_FORMS.values(), ids=CLOSED_FORMS)
+def test_area_centroid_depth_and_width_are_those_of_the_closed_form(corners, expected, rel):
+    assert clipped(corners) == pytest.approx(expected, rel=rel, abs=1e-14)
 
 
-@pytest.mark.parametrize("place", [(HALF + LENGTH, 0.0, 0.06), (0.0, 6.0, 0.06), (0.0, 0.0, -0.001)])
-def test_apart_there_is_no_overlap(place):
-    x, y, depth = place
-    assert clipped(rectangle(x, y, depth=depth)) == (0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-def test_an_underside_that_looks_up_overlaps_with_nothing():
-    assert clipped(rectangle(0.4, -1.1)[::-1]) == (0.0, 0.0, 0.0, 0.0, 0.0)
+@pytest.mark.parametrize(
+    "corners",
+    [
+        rectangle(HALF + LENGTH, 0.0),
+        rectangle(0.0, 6.0),
+        rectangle(0.0, 0.0, depth=-0.001),
+        rectangle(0.4, -1.1)[::-1],
+    ],
+    ids=["beside", "beside across", "above", "looking up"],
+)
+def test_apart_there_is_no_overlap(corners):
+    assert clipped(corners) == (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
