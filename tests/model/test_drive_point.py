@@ -57,10 +57,8 @@ def test_the_force_on_a_node_keeps_the_momentum_of_the_track(pulled):
     mass = np.full(13, PULLED.shoe.mass)
     mass[-1] = floating_shoe(PULLED).reduced.mass
     rate = (mass[:, None] * pulled.acceleration).sum("shoe").sel(axis="x").values
-    friction = pulled.friction_force.sel(axis="x").sum("contact") + pulled.normal_force.sel(axis="x").sum(
-        "contact"
-    )
-    force = (friction + pulled.drive_force).values
+    ground = (pulled.friction_force + pulled.normal_force).sel(axis="x").sum("contact")
+    force = (ground + pulled.drive_force).values
     assert np.abs(pulled.drive_force).max() > 1e5
     # the mesh's COM lies 1 mm beside its frame's origin, the frame pitches at up to 10 rad/s2
     assert np.abs(rate - force).max() < 1e-4 * np.abs(pulled.drive_force.values).max()

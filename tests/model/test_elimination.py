@@ -6,14 +6,16 @@ import pytest
 from exudyn_crawler.model.elimination import eliminate, fronts_of, marks, solve
 
 
-def chain(links, closed):
-    """Bodies of six on a common ground of seven, and links of five between neighbours: groups, couplings."""
+def chain(links):
+    """Bodies of six on a common ground of seven, and links of five between neighbours: groups, couplings.
+
+    Eight links close the chain.
+    """
     bodies = [list(range(6 * s, 6 * s + 6)) for s in range(8)]
     ground = list(range(48, 55))
     joints = [list(range(55 + 5 * k, 60 + 5 * k)) for k in range(links)]
     couplings = [[*body, *ground] for body in bodies]
     couplings += [[*joint, *bodies[(k + end) % 8]] for k, joint in enumerate(joints) for end in (0, 1)]
-    assert closed == (links == len(bodies))
     return [*bodies, *joints, ground], couplings
 
 
@@ -47,14 +49,13 @@ def assert_solved(dense, fronts, values):
     np.testing.assert_allclose(x, np.linalg.solve(dense, right), rtol=1e-8, atol=1e-8)
 
 
-@pytest.mark.parametrize(("links", "closed"), [(7, False), (8, True)])
-def test_solution_is_that_of_the_dense_equations(links, closed):
-    dense, fronts, values = equations(*chain(links, closed))
-    assert_solved(dense, fronts, values)
+@pytest.mark.parametrize("links", [7, 8], ids=["open", "closed"])
+def test_solution_is_that_of_the_dense_equations(links):
+    assert_solved(*equations(*chain(links)))
 
 
 def test_what_is_coupled_without_a_term_is_left_out():
-    dense, fronts, values = equations(*chain(8, closed=True), idle=(0, 3, 4))
+    dense, fronts, values = equations(*chain(8), idle=(0, 3, 4))
     # a body without ground has terms of its own by its links alone, here by its mass
     for shoe in (0, 3, 4):
         for place in range(6 * shoe, 6 * shoe + 6):
@@ -64,22 +65,18 @@ def test_what_is_coupled_without_a_term_is_left_out():
     assert_solved(dense, fronts, values)
 
 
-def test_a_front_of_an_open_chain_meets_its_neighbour_and_the_ground_alone():
-    _, fronts, _ = equations(*chain(7, closed=False))
-    # a link is left with the next one and the ground
+def test_a_front_of_a_chain_meets_its_neighbour_the_ground_and_where_it_closes_the_last_link():
+    _, fronts, _ = equations(*chain(7))
     assert [len(fronts.rows(k)) for k in range(8, 14)] == [5 + 5 + 7] * 6
     assert fronts.own[-1] == 7
     assert fronts.parent[-1] == -1
-
-
-def test_a_closed_chain_is_more_data_and_no_other_code():
-    _, fronts, _ = equations(*chain(8, closed=True))
     # what is left of a link meets the last one too, until it is its turn
+    _, fronts, _ = equations(*chain(8))
     assert [len(fronts.rows(k)) for k in range(8, 14)] == [5 + 5 + 5 + 7] * 6
 
 
 def test_singular_equations_are_told():
-    _, fronts, values = equations(*chain(7, closed=False))
+    _, fronts, values = equations(*chain(7))
     values[:] = 0.0
     with pytest.raises(np.linalg.LinAlgError):
         eliminate(fronts, values)

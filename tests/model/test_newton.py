@@ -27,13 +27,12 @@ def swinging(step):
             numberOfODE2Coordinates=1,
         )
     )
-    mass, spring = exu.MatrixContainer(), exu.MatrixContainer()
-    mass.SetWithDenseMatrix(np.eye(1))
-    spring.SetWithDenseMatrix(100.0 * np.eye(1))
+    mass, spring = (exu.MatrixContainer(one * np.eye(1)) for one in (1.0, 100.0))
     mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=mass, stiffnessMatrix=spring))
     mbs.Assemble()
-    settings = solver_settings(Case.translation().solver.with_(step=0.01, residual=1e-9))
-    set_times(settings, Case.translation().solver.with_(step=0.01), 0.0, 0.4)
+    parameters = Case.translation().solver.with_(step=0.01, residual=1e-9)
+    settings = solver_settings(parameters)
+    set_times(settings, parameters, 0.0, 0.4)
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
     solver = exu.MainSolverImplicitSecondOrder()
     solver.SetUserFunctionNewton(mbs, step)
@@ -85,9 +84,17 @@ def test_exudyn_starts_a_step_that_failed_from_the_algorithmic_acceleration_of_i
     assert greatest_error(by_exudyn) > 1.5 * greatest_error(by_exudyn, fails=False)
 
 
+def at_start(case, rest, duration):
+    """System at rest (coordinates), and settings of a run from there (s)."""
+    system = compiled_system(case)
+    system.set_initial(rest)
+    settings = solver_settings(case.solver)
+    set_times(settings, case.solver, 0.0, duration)
+    return system, settings
+
+
 def test_a_step_that_fails_is_halved_and_the_run_goes_on(monkeypatch):
-    case = Case.translation()
-    system, calls = compiled_system(case), []
+    case, calls, times = Case.translation(), [], []
     solve_step = newton.step
 
     def failing(*arguments):
@@ -95,11 +102,8 @@ def test_a_step_that_fails_is_halved_and_the_run_goes_on(monkeypatch):
         found = solve_step(*arguments)
         return (False, *found[1:]) if len(calls) == 20 else found
 
-    times = []
-    system.set_initial(static_equilibrium(case))
+    system, settings = at_start(case, static_equilibrium(case), 0.1)
     system.after_step(lambda time: times.append(time) or True)
-    settings = solver_settings(case.solver)
-    set_times(settings, case.solver, 0.0, 0.1)
     monkeypatch.setattr(newton, "step", failing)
     system.solve(settings)
     steps = np.diff(times)
@@ -109,10 +113,7 @@ def test_a_step_that_fails_is_halved_and_the_run_goes_on(monkeypatch):
 
 def test_multipliers_are_those_of_the_last_step_that_succeeded(monkeypatch):
     case = Case.translation()
-    system = compiled_system(case)
-    system.set_initial(static_equilibrium(case))
-    settings = solver_settings(case.solver)
-    set_times(settings, case.solver, 0.0, 0.01)
+    system, settings = at_start(case, static_equilibrium(case), 0.01)
     system.solve(settings)
     kept = system.state()
     monkeypatch.setattr(newton, "step", lambda *_: (False, 1, 1, 1.0))
@@ -120,19 +121,14 @@ def test_multipliers_are_those_of_the_last_step_that_succeeded(monkeypatch):
     system.set_state(kept)
     with pytest.raises(NewtonError):
         system.solve(settings)
-    names = ("multipliers", "coordinates")
-    for name in names:
-        np.testing.assert_array_equal(
-            system.layout.part(system.state(), name), system.layout.part(kept, name), err_msg=name
-        )
+    for name in ("multipliers", "coordinates"):
+        found, expected = (system.layout.part(one, name) for one in (system.state(), kept))
+        np.testing.assert_array_equal(found, expected, err_msg=name)
 
 
 def run_from(rest, case, duration):
     """Shoes and multipliers at the end of a run (s) from coordinates at rest."""
-    system = compiled_system(case)
-    system.set_initial(rest)
-    settings = solver_settings(case.solver)
-    set_times(settings, case.solver, 0.0, duration)
+    system, settings = at_start(case, rest, duration)
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
     system.solve(settings)
     return [system.layout.part(system.state(), name) for name in ("shoes", "multipliers")]

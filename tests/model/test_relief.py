@@ -16,8 +16,6 @@ from studies.balance import shoe_imbalance
 from studies.sliding import check_sliding
 
 SHOES = 4
-
-
 HILLS = Heights(parts=(Waves(height=0.2, length=8.0),))
 
 

@@ -12,14 +12,20 @@ from meshes import shoe_mesh
 
 CASE = Case.stress("coarse")
 MESH = shoe_mesh("coarse")
+OFF_ITS_COM = MESH.nodes + np.array([0.0, 0.0, 0.1])
 
 
-def of_mesh(folder, nodes=MESH.nodes, leave_out=""):
-    """The stress study's case with a changed mesh as a file."""
+def of_mesh(folder, mesh):
+    """The stress study's case with another mesh as a file."""
     path = folder / "shoe.msh"
-    surfaces = {name: faces for name, faces in MESH.surfaces.items() if name != leave_out}
-    write_mesh(path, Mesh(nodes, MESH.elements, surfaces))
+    write_mesh(path, mesh)
     return CASE.with_(flexible=CASE.flexible_shoes().with_(mesh=str(path)))
+
+
+def changed(nodes=MESH.nodes, leave_out=""):
+    """The mesh with other nodes or without a surface."""
+    surfaces = {name: faces for name, faces in MESH.surfaces.items() if name != leave_out}
+    return Mesh(nodes, MESH.elements, surfaces)
 
 
 @pytest.mark.parametrize(
@@ -35,32 +41,28 @@ def of_mesh(folder, nodes=MESH.nodes, leave_out=""):
 )
 def test_a_mesh_of_other_size_is_refused(tmp_path, stretch, told):
     with pytest.raises(ValueError, match=told):
-        check_shoe(of_mesh(tmp_path, MESH.nodes * stretch))
+        check_shoe(of_mesh(tmp_path, changed(MESH.nodes * stretch)))
+
+
+def linear():
+    """The mesh without the nodes in the middle of edges."""
+    used, numbers = np.unique(MESH.elements[:, :4], return_inverse=True)
+    surfaces = {name: np.searchsorted(used, faces[:, :3]) for name, faces in MESH.surfaces.items()}
+    return Mesh(MESH.nodes[used], numbers.reshape(-1, 4), surfaces)
 
 
 @pytest.mark.parametrize(
-    ("surface", "told"),
+    ("mesh", "told"),
     [
-        ("underside", "must have the surface 'underside'"),
-        ("top", "'whole top', which follows from 'top'"),
+        (changed(leave_out="underside"), "must have the surface 'underside'"),
+        (changed(leave_out="top"), "'whole top', which follows from 'top'"),
+        (linear(), r"must have tetrahedra with 10 nodes, .* \(gmsh -order 2\)"),
     ],
+    ids=["no underside", "no top", "linear"],
 )
-def test_a_mesh_without_a_surface_is_refused_before_anything_is_written(tmp_path, surface, told):
-    case = of_mesh(tmp_path, leave_out=surface)
+def test_a_mesh_that_does_not_do_is_refused_before_anything_is_written(tmp_path, mesh, told):
     with pytest.raises(ValueError, match=told):
-        run_case(CaseFile(case=case, duration=0.01), tmp_path / "run")
-    assert not (tmp_path / "run").exists()
-
-
-def test_linear_tetrahedra_are_refused_before_anything_is_written(tmp_path):
-    path = tmp_path / "linear.msh"
-    surfaces = {name: faces[:, :3] for name, faces in MESH.surfaces.items()}
-    used, numbers = np.unique(MESH.elements[:, :4], return_inverse=True)
-    surfaces = {name: np.searchsorted(used, faces) for name, faces in surfaces.items()}
-    write_mesh(path, Mesh(MESH.nodes[used], numbers.reshape(-1, 4), surfaces))
-    case = CASE.with_(flexible=CASE.flexible_shoes().with_(mesh=str(path)))
-    with pytest.raises(ValueError, match=r"must have tetrahedra with 10 nodes, .* \(gmsh -order 2\)"):
-        run_case(CaseFile(case=case, duration=0.01), tmp_path / "run")
+        run_case(CaseFile(case=of_mesh(tmp_path, mesh), duration=0.01), tmp_path / "run")
     assert not (tmp_path / "run").exists()
 
 
@@ -82,7 +84,7 @@ def test_a_shoe_as_its_mesh_has_it():
 
 
 def test_a_shoe_of_a_stretched_mesh_fits_it(tmp_path):
-    case = of_mesh(tmp_path, MESH.nodes * [1.0, 1.02, 1.0])
+    case = of_mesh(tmp_path, changed(MESH.nodes * [1.0, 1.02, 1.0]))
     wider = case.with_(shoe=Shoe.from_mesh(case.flexible.mesh))
     check_shoe(wider)
     assert wider.shoe.width == pytest.approx(1.02 * CASE.shoe.width, rel=1e-6)
@@ -98,9 +100,8 @@ def test_a_shoe_of_a_stretched_mesh_fits_it(tmp_path):
     ],
 )
 def test_a_mesh_in_another_unit_is_told_before_its_origin(size, told):
-    nodes = size * (MESH.nodes + np.array([0.0, 0.0, 0.1]))
     with pytest.raises(ValueError, match=f"^the mesh must be in m and no larger .*{re.escape(told)}$"):
-        Shoe.from_mesh(Mesh(nodes, MESH.elements, MESH.surfaces))
+        Shoe.from_mesh(changed(size * OFF_ITS_COM))
 
 
 @pytest.mark.parametrize(
@@ -112,9 +113,9 @@ def test_a_mesh_in_another_unit_is_told_before_its_origin(size, told):
 )
 def test_a_mesh_without_a_surface_gives_no_shoe(tmp_path, lacking, told):
     with pytest.raises(ValueError, match=told):
-        Shoe.from_mesh(of_mesh(tmp_path, leave_out=lacking).flexible.mesh)
+        Shoe.from_mesh(of_mesh(tmp_path, changed(leave_out=lacking)).flexible.mesh)
 
 
 def test_a_mesh_whose_origin_is_not_its_com_gives_no_shoe():
     with pytest.raises(ValueError, match=r"mesh must have its origin at its COM within 0\.01 m"):
-        Shoe.from_mesh(Mesh(MESH.nodes + np.array([0.0, 0.0, 0.1]), MESH.elements, MESH.surfaces))
+        Shoe.from_mesh(changed(OFF_ITS_COM))

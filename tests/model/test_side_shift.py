@@ -22,7 +22,7 @@ LEANING = LoadCycle(
     )
 )
 
-FEW = FlexibleShoes.ph4100c("coarse").with_(shoes=(2,), fixed_modes=2, recovered_modes=4)
+FEW = FlexibleShoes.ph4100c("coarse").with_(shoes=(2,), fixed_modes=2)
 
 
 def leaning(base, **changes):
@@ -102,15 +102,13 @@ def test_pressure_that_grows_to_a_side_has_its_resultant_there():
 
 def test_modal_loads_follow_the_shift(flexible):
     """Those of the shifted load are those of its two parts, as the run has them."""
-    units, case = unit_loads(flexible.case), flexible.case
-    loads = modal_loads(flexible, 2)
-    even = flexible.__class__(case=case.with_(loads=LoadCycle.constant([LOAD] * 3)), dataset=flexible.dataset)
-    difference = loads - modal_loads(even, 2)
-    weights = units.whole.weights("whole top")
-    right, left = side_weights(weights, units.whole.nodes)
-    places = [one @ units.whole.nodes / one.sum() for one in (right, left)]
+    whole, loads = unit_loads(flexible.case).whole, modal_loads(flexible, 2)
+    case = flexible.case.with_(loads=LoadCycle.constant([LOAD] * 3))
+    difference = loads - modal_loads(flexible.__class__(case=case, dataset=flexible.dataset), 2)
+    right, left = side_weights(whole.weights("whole top"), whole.nodes)
+    places = [one @ whole.nodes / one.sum() for one in (right, left)]
     reach = 0.5 * (places[1] - places[0])[1]
     force = rotation_matrices(flexible.angles.sel(shoe=2).values)[-1].T @ np.array([0.0, 0.0, -LOAD])
-    wanted = 0.5 * SHIFT / reach * force @ (units.whole.mean_rows(left) - units.whole.mean_rows(right))
+    wanted = 0.5 * SHIFT / reach * force @ (whole.mean_rows(left) - whole.mean_rows(right))
     assert np.abs(difference[0]).max() < 1e-9 * np.abs(loads[0]).max()
     assert difference[-1] == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())

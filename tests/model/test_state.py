@@ -24,22 +24,14 @@ LAYOUT = StateLayout(
 COUNT = 18 + 4 + 10
 
 
-def parts_of(layout):
-    """Different numbers in every part."""
-    names = ["time", "multipliers", "contact"]
-    names += [f"{part}{rate}" for part in ("shoes", "terrain", "modes") for rate in RATES]
-    rng = np.random.default_rng(3)
-    return {name: rng.random(layout.part(np.zeros(layout.size), name).shape) for name in names}
-
-
-def test_a_row_has_room_for_everything():
+def test_what_is_put_into_a_row_is_found_by_name():
     assert LAYOUT.coordinate_count == COUNT
     assert LAYOUT.equation_count == COUNT + 13
     assert LAYOUT.size == 1 + 3 * COUNT + 13 + 18
-
-
-def test_what_is_put_into_a_row_is_found_by_name():
-    parts = parts_of(LAYOUT)
+    names = ["time", "multipliers", "contact"]
+    names += [f"{part}{rate}" for part in ("shoes", "terrain", "modes") for rate in RATES]
+    rng = np.random.default_rng(3)
+    parts = {name: rng.random(LAYOUT.part(np.zeros(LAYOUT.size), name).shape) for name in names}
     row = row_of(LAYOUT, parts)
     for name, values in parts.items():
         assert np.array_equal(LAYOUT.part(row, name), values)

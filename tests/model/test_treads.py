@@ -32,11 +32,8 @@ def test_past_the_end_of_a_rail_the_force_points_from_its_edge_to_the_axis():
     assert met.force[0] * away[1] == pytest.approx(met.force[1] * away[0])
 
 
-def test_none_without_depth():
+def test_none_without_depth_and_damping_does_not_pull():
     assert force((0.0, 0.6201)).force == (0.0, 0.0)
-
-
-def test_damping_does_not_pull():
     assert force((0.0, 0.6195), rates=(0.0, 5.0)).force == (0.0, 0.0)
 
 
