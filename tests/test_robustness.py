@@ -25,11 +25,6 @@ SHORT = 'base = "translation"\nduration = 0.05\n[outputs]\nfigures = false\n'
 VALID = case_text(CaseFile(case=Case.turning()))
 
 
-def command(*arguments, cwd, **options):
-    line = [sys.executable, "-m", "exudyn_crawler", *map(str, arguments)]
-    return subprocess.run(line, capture_output=True, text=True, cwd=cwd, timeout=300, check=False, **options)
-
-
 def kill_when(ready, line, cwd, patience=60.0):
     """Start a process and kill it as soon as it has come so far."""
     with subprocess.Popen(line, cwd=cwd) as run:
@@ -141,19 +136,19 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, cal
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
+def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path, call):
     (tmp_path / "case.toml").write_text(SHORT.replace("0.05", "20.0"))
     line = [sys.executable, "-m", "exudyn_crawler", "run", "case.toml", "--out", "out"]
     log = tmp_path / "out" / "run.log"
     kill_when(lambda: log.exists() and "simulate: begins" in log.read_text(), line, tmp_path)
     assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "running"
     (tmp_path / "case.toml").write_text(SHORT)
-    other = command("run", "case.toml", "--out", "out", cwd=tmp_path)
-    assert other.returncode == 2
-    assert "is the case of another run" in other.stderr
-    done = command("run", "case.toml", "--out", "out", "--overwrite", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "error" not in done.stderr  # a first run on a machine tells of compiling there
+    code, _, err = call("run", "case.toml", "--out", "out")
+    assert code == 2
+    assert "is the case of another run" in err
+    code, _, err = call("run", "case.toml", "--out", "out", "--overwrite")
+    assert code == 0, err
+    assert "error" not in err  # a first run on a machine tells of compiling there
     assert History.load(tmp_path / "out" / "history.nc").duration == pytest.approx(0.05, rel=1e-9)
 
 

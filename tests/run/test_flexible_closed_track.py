@@ -6,25 +6,20 @@ import pytest
 from exudyn_crawler import Case, Duty, FatigueMaterial, FlexibleShoes, StepProfile, recover_stresses, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.checks.roller_path import PRESSURE, plane_modulus, roller_path
-from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.loads.actions import actions
 from exudyn_crawler.results.loads.exports import roller_loads, shoe_loads
-from exudyn_crawler.results.loads.load_map import coordinates, unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem.elasticity import Material
 from studies.balance import energy_balance, shoe_actions, shoe_imbalance
-from tests.model.both import residual_of
-from tests.states import row_of
+from tests.modal_loads import kinds_of_gear_on_modes
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
 FLEXIBLE = UNDER_ROLLER, ON_IDLER, ON_TUMBLER = 8, 15, 35
-GEAR = {"roller", "idler", "carrier", "tooth", "guide"}
 
 
 def flexible_case(shoes, **values):
@@ -96,25 +91,11 @@ def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
     The frame stands aside, so that flanges push; the chain is worn, so that pins are off their bores.
     """
     case = flexible_case(FLEXIBLE).with_({"closed_track.pitch_growth": 0.005})
-    system, q = compiled_system(case), static_equilibrium(case)
-    layout, still = system.layout, np.zeros_like(q)
-    q[-11] += 0.012  # y of frame and tumbler
-    q[-5] += 0.012
-    history = system_history(system, row_of(layout, {"coordinates": q})[None])
+    q = static_equilibrium(case)
+    q[[-11, -5]] += 0.012  # y of frame and tumbler
     lifted = q.copy()
     lifted[[-10, -4]] += 20.0
-    residual = residual_of(system, q, still) - residual_of(system, lifted, still)
-    first = system.tables.flexible[0]
-    modal = residual[first : first + 3 * layout.modes].reshape(3, -1)
-    units, kinds = unit_loads(case), set()
-    for shoe, found in zip(layout.flexible_shoes, modal, strict=True):
-        frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
-        gear = [one for one in actions(history, shoe) if one.kind in GEAR]
-        loads = sum(coordinates(units, one, frames) @ units.work for one in gear)
-        expected = -(loads @ units.integrated.inside)[0]
-        np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(modal).max())
-        kinds |= {one.kind for one in gear}
-    assert kinds == {"roller", "idler", "tooth", "guide"}
+    assert kinds_of_gear_on_modes(case, q, lifted) == {"roller", "idler", "tooth", "guide"}
 
 
 def test_shares_of_hot_spots_name_tooth_idler_and_rollers_and_are_complete(bent):

@@ -162,33 +162,26 @@ def calls_then_signal(monkeypatch, place, number):
 
 
 @pytest.mark.parametrize(
-    ("formulation", "place"),
+    ("changes", "place", "least", "most"),
     [
-        ("compiled", "exudyn_crawler.model.compiled_system:predict"),
-        ("compiled", "exudyn_crawler.model.newton:step"),
-        ("compiled", "exudyn_crawler.run.solve.stages:Recorder.store"),
-        ("engine", "exudyn_crawler.run.solve.stages:Recorder.store"),
+        ({}, "model.compiled_system:predict", 0.011, 0.03),
+        ({}, "model.newton:step", 0.011, 0.03),
+        ({}, "run.solve.stages:Recorder.store", 0.011, 0.03),
+        ({"formulation": "engine"}, "run.solve.stages:Recorder.store", 0.011, 0.03),
+        # between stages
+        ({"solver.checkpoint_interval": 0.01}, "run.solve.stages:Recorder.end_stage", 0.1, 0.11),
     ],
 )
-def test_an_interrupt_ends_the_run_after_its_step_and_keeps_the_history(
-    monkeypatch, interrupt, formulation, place
+def test_an_interrupt_ends_the_run_after_its_step_or_stage_and_keeps_the_history(
+    monkeypatch, interrupt, changes, place, least, most
 ):
-    case = Case.translation().with_(formulation=formulation)
-    calls_then_signal(monkeypatch, place, interrupt)
-    with pytest.raises(SimulationStopped, match="interrupted") as stop:
-        simulate(case, 0.1)
-    assert 0.01 < stop.value.time < 0.03
-    assert stop.value.history.duration == pytest.approx(stop.value.time, abs=1e-12)
-    assert signal.getsignal(interrupt) is signal.default_int_handler
-
-
-def test_an_interrupt_between_stages_keeps_the_stages(monkeypatch, interrupt):
-    case = Case.translation().with_({"solver.checkpoint_interval": 0.01})
-    calls_then_signal(monkeypatch, "exudyn_crawler.run.solve.stages:Recorder.end_stage", interrupt)
+    case = Case.translation().with_(changes)
+    calls_then_signal(monkeypatch, f"exudyn_crawler.{place}", interrupt)
     with pytest.raises(SimulationStopped, match="interrupted") as stop:
         simulate(case, 0.2)
-    assert 0.1 <= stop.value.time < 0.11
+    assert least <= stop.value.time < most
     assert stop.value.history.duration == pytest.approx(stop.value.time, abs=1e-12)
+    assert signal.getsignal(interrupt) is signal.default_int_handler
 
 
 def test_an_interrupt_that_is_ignored_ends_nothing(monkeypatch):

@@ -91,9 +91,17 @@ def test_a_run_that_was_stopped_is_finished_by_the_same_call(staged, tmp_path, m
         run_case(STAGED, tmp_path)
 
 
-def test_what_follows_the_simulation_does_not_simulate_again(staged, tmp_path, monkeypatch):
+def test_what_follows_the_simulation_does_not_simulate_again_and_refuses_an_altered_history(
+    staged, tmp_path, monkeypatch
+):
     stopped_at("exudyn_crawler.case_run.write_outputs", monkeypatch, lambda: run_case(STAGED, tmp_path))
     not_again(monkeypatch)
+    history = tmp_path / "history.nc"
+    content = history.read_bytes()
+    history.write_bytes(content[:2000])
+    with pytest.raises(ValueError, match=r"history\.nc does not hold a history: "):
+        run_case(STAGED, tmp_path)
+    history.write_bytes(content)
     run_case(STAGED, tmp_path)
     assert_same(tmp_path, staged)
 
@@ -141,14 +149,6 @@ def test_overwriting_that_was_stopped_goes_on(staged, tmp_path, monkeypatch):
     not_again(monkeypatch)
     run_case(STAGED, tmp_path, overwrite=True)
     assert_same(tmp_path, staged)
-
-
-def test_an_altered_history_of_a_stopped_run_is_refused_by_name(tmp_path, monkeypatch):
-    stopped_at("exudyn_crawler.views.tables.write_table", monkeypatch, lambda: run_case(STAGED, tmp_path))
-    content = (tmp_path / "history.nc").read_bytes()
-    (tmp_path / "history.nc").write_bytes(content[:2000])
-    with pytest.raises(ValueError, match=r"history\.nc does not hold a history: "):
-        run_case(STAGED, tmp_path)
 
 
 @pytest.fixture

@@ -50,10 +50,8 @@ def test_picture_has_a_curve_a_top_plate_for_both_lives():
 
 @pytest.mark.slow
 def test_reduced_sweep_has_lives_and_stresses(tmp_path):
-    whole = passing_case()
-    quick = whole.case.with_(
-        drive=whole.case.drive.with_(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.1)))
-    )
+    speed = StepProfile(times=(0.0, 0.1), values=(0.0, 0.1))
+    quick = passing_case().case.with_({"drive.speed": speed})
     sweep = plate_sweep({0.042: shoe_path("coarse")}, (2e7,), CaseFile(case=quick, duration=0.6))
     run = run_sweep(sweep, tmp_path, workers=1, progress=False)
     assert run.table["status"].tolist() == ["done"]

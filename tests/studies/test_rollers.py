@@ -19,8 +19,13 @@ from studies.rollers import (
 )
 
 
-def test_pass_begins_behind_the_flexible_shoes_and_ends_beyond_them():
-    whole = study_cases("coarse")["pass"]
+@pytest.fixture(scope="module")
+def coarse():
+    return study_cases("coarse")
+
+
+def test_pass_begins_behind_the_flexible_shoes_and_ends_beyond_them(coarse):
+    whole = coarse["pass"]
     case, frame = whole.case, whole.case.undercarriage
     places = case.track.first_com[0] + (np.array(FLEXIBLE) - 1) * case.track.pitch
     rails = case.shoe.rails
@@ -30,10 +35,9 @@ def test_pass_begins_behind_the_flexible_shoes_and_ends_beyond_them():
 
 
 @pytest.mark.parametrize(("name", "lower"), [*zip(OVERHANG, (0.0, 0.025), strict=True)])
-def test_machine_passes_and_digs_over_shoes_whose_rails_overhang(name, lower):
-    cases = {own: one for own, one in study_cases("coarse").items() if own.split(" ", 1)[1:] == [name]}
-    assert list(cases) == [f"pass {name}"]
-    ready, case = study_cases("coarse")["pass"].case, cases[f"pass {name}"].case
+def test_machine_passes_and_digs_over_shoes_whose_rails_overhang(name, lower, coarse):
+    assert [own for own in coarse if own.split(" ", 1)[1:] == [name]] == [f"pass {name}"]
+    ready, case = coarse["pass"].case, coarse[f"pass {name}"].case
     assert case.shoe.rails.height == pytest.approx(ready.shoe.rails.height - lower, abs=1e-6)
     assert 0.9 < case.shoe.mass / ready.shoe.mass < 0.95
     check_shoe(case)
@@ -41,7 +45,7 @@ def test_machine_passes_and_digs_over_shoes_whose_rails_overhang(name, lower):
     middles = case.track.first_com[0] + (np.array(FLEXIBLE) - 1) * case.track.pitch
     above = []
     for part in STANDS:
-        frame = study_cases("coarse")[f"loading {name} {part}"].case.undercarriage
+        frame = coarse[f"loading {name} {part}"].case.undercarriage
         rollers = frame.start + np.array(frame.rollers)
         low, high = middles[0] - 0.5 * case.track.pitch, middles[-1] + 0.5 * case.track.pitch
         above.append((rollers > low) & (rollers < high))
@@ -49,8 +53,8 @@ def test_machine_passes_and_digs_over_shoes_whose_rails_overhang(name, lower):
     assert np.sum(above, axis=1).min() >= 2
 
 
-def test_machine_digs_above_the_flexible_shoes():
-    case = study_cases("coarse")["loading"].case
+def test_machine_digs_above_the_flexible_shoes(coarse):
+    case = coarse["loading"].case
     middle = case.track.first_com[0] + (np.mean(FLEXIBLE) - 1) * case.track.pitch
     assert case.undercarriage.start == pytest.approx(middle, abs=0.1)
     assert case.machine.phases[0].end == 0.0

@@ -33,10 +33,9 @@ def sliding_case(friction, shoes=13, **track):
 
 def with_steady_drive(case):
     """At the speed from 1 s on, in steps that damp nothing."""
-    return case.with_(
-        drive=case.drive.with_(speed=case.drive.speed.with_(times=(0.0, 1.0), values=(0.0, SPEED))),
-        solver=case.solver.with_(step=5e-4, output_interval=1e-2, residual=1e-3),
-    )
+    speed = {"drive.speed.times": (0.0, 1.0), "drive.speed.values": (0.0, SPEED)}
+    steps = {"solver.step": 5e-4, "solver.output_interval": 1e-2, "solver.residual": 1e-3}
+    return case.with_(speed | steps)
 
 
 def in_plane(dataset):
@@ -113,8 +112,7 @@ def row_of(case, q, q_t, q_tt):
 def test_a_run_from_steady_sliding_stays_there():
     case = with_steady_drive(sliding_case(0.3))
     state = steady_sliding(case, SPEED)
-    still = np.zeros_like(state.q)
-    row = row_of(case, state.q, state.q_t, still)
+    row = row_of(case, state.q, state.q_t, np.zeros_like(state.q))
     run = integrated_from(case, row, 0.02).dataset
     assert run.joint_force.sel(axis="x")[-1].values == pytest.approx(state.tension, rel=1e-4)
     assert np.abs(run.velocity.sel(axis="z").values).max() < 1e-4
@@ -187,16 +185,11 @@ def test_a_flexible_shoe_has_the_modes_of_a_rigid_one_and_its_own(sharing, grows
     Growth and frequency differ by 0.2 % and 0.01 % at 8 Hz where the units under a shoe share one law; by
     0.7 % and 0.4 % at 12 Hz where each has its own, so that the ground is stiffer and nothing grows.
     """
-    case = Case.stress("coarse")
-    case = case.with_(contact=case.contact.with_(sharing=sharing))
-    flexible = case.with_(flexible=case.flexible.with_(shoes=(13,)))
-    soft, rigid = (sliding_modes(one, SPEED) for one in (flexible, case.with_(flexible=None)))
+    case = Case.stress("coarse").with_({"contact.sharing": sharing, "flexible.shoes": (13,)})
+    soft, rigid = (sliding_modes(one, SPEED) for one in (case, case.with_(flexible=None)))
     growth, frequency = least_stable_swing(rigid)
     assert (growth > 0.5) == grows
-    assert least_stable_swing(soft) == (
-        pytest.approx(growth, rel=0.02),
-        pytest.approx(frequency, rel=0.01),
-    )
+    assert least_stable_swing(soft) == (pytest.approx(growth, rel=0.02), pytest.approx(frequency, rel=0.01))
     assert soft.sizes["mode"] > rigid.sizes["mode"] + 20
     assert float(soft.frequency.max()) > 170.0
 
@@ -220,7 +213,7 @@ def rubbed():
 
 
 def test_the_table_names_the_least_stable_modes_first(rubbed):
-    _, modes = rubbed
+    modes = rubbed[1]
     table = mode_table(modes, 4)
     assert list(table["mode"]) == [1, 2, 3, 4]
     assert table["growth rate, 1/s"].is_monotonic_decreasing

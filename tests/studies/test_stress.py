@@ -12,7 +12,7 @@ from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
-from exudyn_crawler.views.outputs import write_outputs
+from exudyn_crawler.views.outputs import WRITERS, write_outputs
 from fem import write_mesh
 from meshes import shoe_mesh
 from studies.stress import (
@@ -26,24 +26,24 @@ from studies.stress import (
 
 pytestmark = pytest.mark.simulation
 
-PULL = Drive(speed=StepProfile(times=(0.0, 0.5, 0.7), values=(0.0, 0.1, 0.1)))
+PULL = StepProfile(times=(0.0, 0.5, 0.7), values=(0.0, 0.1, 0.1))
 """Soon at full speed, so that a short run has the papers' pull."""
 DURATION = 0.7
 
 
 def short_case():
     """Two flexible shoes, pulled for 0.6 s and let go."""
-    case = Case.stress("coarse")
-    return case.with_(
-        drive=PULL.with_(on=((0.0, 0.6),)),
-        flexible=case.flexible.with_(shoes=(7, 13)),
-    )
+    drive = Drive(speed=PULL, on=((0.0, 0.6),))
+    return Case.stress("coarse").with_({"flexible.shoes": (7, 13)}, drive=drive)
 
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
     out = tmp_path_factory.mktemp("stress")
-    run, table = stress_study(out, short_case(), duration=DURATION, progress=False)
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        for output in ("page", "pictures"):
+            monkeypatch.delitem(WRITERS, output)
+        run, table = stress_study(out, short_case(), duration=DURATION, progress=False)
     return run.folder, run.history, run.stresses, table
 
 
@@ -63,14 +63,9 @@ def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"stress.nc", "track.pvd", "track_parts", *(f"fields_shoe_{n}.vtu" for n in (7, 13))}
     write(Outputs(tables=False, figure_format="svg", paraview=False, page=False))
-    names = {path.name for path in tmp_path.iterdir()}
-    assert not [name for name in names if name.endswith(".csv")]
-    assert {name for name in names if name.endswith(".png")} == {
-        "stress_000.2000s.png",
-        "stress_000.5000s.png",
-    }
-    assert [name for name in names if name.startswith("flexible_")]
-    assert all(name.endswith(".svg") for name in names if name.startswith("flexible_"))
+    assert not list(tmp_path.glob("*.csv"))
+    assert {path.name for path in tmp_path.glob("*.png")} == {f"stress_000.{n}000s.png" for n in (2, 5)}
+    assert {path.suffix for path in tmp_path.glob("flexible_*")} == {".svg"}
 
 
 def test_modal_frequencies_of_the_shoe_are_the_papers(study):
@@ -123,16 +118,15 @@ def test_fields_agree_with_the_modal_history(study):
     assert (data.least_von_mises <= data.peak_von_mises).all()
     first = data.isel(frame=0)
     assert first.frame_von_mises.values == pytest.approx(shapes.von_mises(q[0])[0], rel=1e-5)
-    assert first.frame_displacement.values == pytest.approx(
-        shapes.displacement(q[0])[0], abs=1e-5 * np.abs(first.frame_displacement).max().item()
-    )
+    moved = first.frame_displacement.values
+    assert moved == pytest.approx(shapes.displacement(q[0])[0], abs=1e-5 * float(np.abs(moved).max()))
 
 
 def test_everything_is_written_and_read_back(study):
     out, history, results, table = study
-    names = {path.name for path in out.iterdir()}
-    assert {"history.nc", "stress.nc", "loads.csv", "highest_stresses.csv"} <= names
-    assert {"hot_spots_shoe_7.csv", "hot_spots_shoe_13.csv", "flexible_highest_von_Mises_stress.png"} <= names
+    names, spots = {path.name for path in out.iterdir()}, {f"hot_spots_shoe_{shoe}.csv" for shoe in (7, 13)}
+    assert {"history.nc", "stress.nc", "loads.csv", "highest_stresses.csv"} | spots <= names
+    assert "flexible_highest_von_Mises_stress.png" in names
     assert "checkpoints" not in names
     fields = meshio.read(out / "fields_shoe_13.vtu").point_data
     assert fields["greatest von Mises"] == pytest.approx(results.dataset.peak_von_mises.sel(shoe=13).values)
@@ -168,25 +162,9 @@ def test_phases_end_where_the_drive_goes_off(study):
     assert (summary["propel"] > 0.0).all()
 
 
-def test_results_are_not_overwritten_unasked(study):
-    with pytest.raises(FileExistsError, match="holds results already"):
-        stress_study(study[0].parent, short_case(), duration=DURATION, progress=False)
-
-
 def test_a_track_of_rigid_shoes_is_refused():
     with pytest.raises(ValueError, match="flexible must be given"):
         stress_study(case=Case.translation())
-
-
-def test_a_mesh_that_does_not_meet_the_pins_is_refused_before_the_run(tmp_path):
-    mesh = shoe_mesh("coarse")
-    moved = type(mesh)(mesh.nodes + np.array([0.02, 0.0, 0.0]), mesh.elements, mesh.surfaces)
-    path = tmp_path / "moved.msh"
-    write_mesh(path, moved)
-    case = short_case()
-    case = case.with_(flexible=case.flexible.with_(mesh=str(path)))
-    with pytest.raises(ValueError, match=r"must meet the track's pins within 0.001 m"):
-        stress_study(tmp_path / "out", case, duration=0.1)
 
 
 def test_a_mesh_without_bores_is_refused(tmp_path):
@@ -194,9 +172,8 @@ def test_a_mesh_without_bores_is_refused(tmp_path):
     kept = {name: faces for name, faces in mesh.surfaces.items() if name != "bore rear left"}
     path = tmp_path / "fewer.msh"
     write_mesh(path, type(mesh)(mesh.nodes, mesh.elements, kept))
-    case = short_case()
     with pytest.raises(ValueError, match="must have the surface 'bore rear left'"):
-        stress_study(case=case.with_(flexible=case.flexible.with_(mesh=str(path))), duration=0.1)
+        stress_study(case=short_case().with_({"flexible.mesh": str(path)}), duration=0.1)
 
 
 @pytest.mark.slow
@@ -205,15 +182,9 @@ def test_quiet_steps_lose_nothing_of_slow_loading():
     case = Case.stress("coarse")
     dig, swing = case.loads.phases[1:3]
     phases = (dig.with_(end=0.0), swing.with_(end=swing.end - dig.end))
-    case = case.with_(
-        loads=case.loads.with_(phases=phases),
-        drive=case.drive.with_(on=()),
-        flexible=case.flexible.with_(shoes=(7,)),
-    )
-    slow = case.with_(solver=case.solver.with_(quiet_step=case.solver.step))
+    case = case.with_({"loads.phases": phases, "drive.on": (), "flexible.shoes": (7,)})
     peaks = []
-    for one in (case, slow):
+    for one in (case, case.with_({"solver.quiet_step": case.solver.step})):
         run, _ = stress_study(case=one, duration=2.0, progress=False)
-        result = run.stresses.dataset.highest_von_mises
-        peaks.append(float(result.sel(shoe=7)[-1]))
+        peaks.append(float(run.stresses.dataset.highest_von_mises.sel(shoe=7)[-1]))
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)

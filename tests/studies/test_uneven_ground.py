@@ -1,8 +1,6 @@
 """Spheres on units that follow a relief: the track follows it, too."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -32,21 +30,13 @@ INNER = slice(2, 12)
 
 
 @pytest.fixture(scope="module")
-def step() -> History:
-    return study(None, ["step"], duration=1.0)["step"].history
+def runs() -> dict[str, History]:
+    """A second on every ground."""
+    return {ground: run.history for ground, run in study(None, duration=1.0).items()}
 
 
-@pytest.fixture(scope="module")
-def ramp() -> History:
-    return study(None, ["ramp"], duration=1.0)["ramp"].history
-
-
-@pytest.fixture(scope="module")
-def rough() -> History:
-    return study(None, ["rough"], duration=1.0)["rough"].history
-
-
-def test_shoes_stand_higher_beyond_a_step(step):
+def test_shoes_stand_higher_beyond_a_step(runs):
+    step = runs["step"]
     x, z = (step.position.sel(axis=axis, shoe=INNER) for axis in "xz")
     clear = 0.5 * (GENERAL.track.pitch + GENERAL.shoe.length)  # neither on the step nor linked to who is
     before = float(z.where(x < STEP_PLACE - clear).mean())
@@ -65,7 +55,8 @@ def test_a_step_down_mirrors_a_step_up():
         assert z[9:12].mean() - z[1:5].mean() == pytest.approx(change, abs=0.004)
 
 
-def test_slope_of_a_ramp_is_in_the_pitch(ramp):
+def test_slope_of_a_ramp_is_in_the_pitch(runs):
+    ramp = runs["ramp"]
     slope = RAMP_HEIGHT / (RAMP_END - RAMP_START)
     pitch = ramp.angles.sel(axis="y", shoe=INNER).mean()
     # nose up is a negative rotation about y; the strip sags less below its ends
@@ -75,7 +66,8 @@ def test_slope_of_a_ramp_is_in_the_pitch(ramp):
     assert line[0] == pytest.approx(slope, rel=0.03)
 
 
-def test_shoes_follow_rough_ground(rough):
+def test_shoes_follow_rough_ground(runs):
+    rough = runs["rough"]
     ground = rough.case.terrain.surface(rough.position.sel(axis="x").values[-1])
     z = rough.position.sel(axis="z").values[-1]
     assert ground.std() > 0.005
@@ -84,8 +76,8 @@ def test_shoes_follow_rough_ground(rough):
 
 
 @pytest.mark.parametrize("ground", ["step", "ramp", "rough"])
-def test_ground_carries_the_weight(ground, request):
-    history = request.getfixturevalue(ground)
+def test_ground_carries_the_weight(ground, runs):
+    history = runs[ground]
     weight = GENERAL.track.shoe_count * GENERAL.mean_load
     carried = (history.normal_force + history.friction_force).sel(axis="z").sum("contact")
     start = history.dataset.isel(time=0)
@@ -111,22 +103,12 @@ def test_ground_without_rest_is_named():
 
 
 @pytest.mark.slow
-def test_study_runs_as_a_script(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "studies",
-        "uneven",
-        "step",
-        "--duration",
-        "0.05",
-        "--out",
-        tmp_path / "a",
-    ]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+def test_the_command_leaves_a_folder_and_does_not_overwrite_it(call, tmp_path):
+    words = ("studies", "uneven", "step", "--duration", 0.05, "--out", "a")
+    code, _, err = call(*words)
+    assert code == 0, err
     names = {path.name for path in (tmp_path / "a" / "step").iterdir()}
     assert {"history.nc", "case.toml", "ground.png"} <= names
-    again = subprocess.run(command, capture_output=True, text=True)
-    assert again.returncode == 2
-    assert "holds results already" in again.stderr
+    code, _, err = call(*words)
+    assert code == 2
+    assert "holds results already" in err
