@@ -12,25 +12,23 @@ from exudyn_crawler.ground.terrain import UnitCoordinates
 
 SHOES = 13
 SIX = 6 * SHOES
+PAIR = Case.translation()
 CASES = {
-    "pair": Case.translation(),
-    "pair by area": Case.translation().with_(
-        contact=PairContact.oil_sand(sharing="area"), terrain=Terrain.stress()
-    ),
-    "spheres": Case.translation().with_(contact=SphereContact.oil_sand()),
+    "pair": PAIR,
+    "pair by area": PAIR.with_(contact=PairContact.oil_sand(sharing="area"), terrain=Terrain.stress()),
+    "spheres": PAIR.with_(contact=SphereContact.oil_sand()),
 }
 
 
-@pytest.fixture(
-    scope="module",
-    params=[
-        ("pair", "reduced"),
-        ("pair", "constrained"),
-        ("pair by area", "reduced"),
-        ("spheres", "constrained"),
-    ],
-    ids=" in ".join,
-)
+VARIANTS = [
+    ("pair", "reduced"),
+    ("pair", "constrained"),
+    ("pair by area", "reduced"),
+    ("spheres", "constrained"),
+]
+
+
+@pytest.fixture(scope="module", params=VARIANTS, ids=" in ".join)
 def contact(request):
     name, formulation = request.param
     return ground_contact(CASES[name].with_(terrain_formulation=formulation))

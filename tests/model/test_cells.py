@@ -197,10 +197,7 @@ def test_modal_loads_of_histories_are_those_of_the_equations():
 
 @pytest.mark.parametrize(
     "relief",
-    [
-        pytest.param(Heights(), marks=pytest.mark.slow),
-        Heights(roughness=Roughness(spectrum=64e-6, seed=3)),
-    ],
+    [pytest.param(Heights(), marks=pytest.mark.slow), Heights(roughness=Roughness(spectrum=64e-6, seed=3))],
     ids=["level", "rough"],
 )
 def test_peak_stress_does_not_feel_the_cells(relief):
