@@ -6,6 +6,7 @@ import re
 import shlex
 import tomllib
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -23,12 +24,8 @@ from exudyn_crawler import Terrain, cli
 from studies.commands import app as studies
 
 ROOT = Path(__file__).parents[2]
-PAGES = sorted(
-    [
-        *ROOT.glob("*.md"),
-        *(page for part in ("docs", "meshes", "benchmarks") for page in (ROOT / part).rglob("*.md")),
-    ]
-)
+PARTS = ("docs", "meshes", "benchmarks")
+PAGES = sorted([*ROOT.glob("*.md"), *(page for part in PARTS for page in (ROOT / part).rglob("*.md"))])
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 LONG = {"tutorial.md", "own_shoe_mesh.md", "own_load_cycle.md", "reading_results.md"}
 """Pages whose examples are whole runs or meshes: a quarter of a minute and more."""
@@ -47,6 +44,16 @@ def tokens_of(page: Path) -> list[Token]:
     return MarkdownIt("commonmark").enable("table").parse(page.read_text(encoding="utf-8"))
 
 
+def fences_of(page: Path) -> list[Token]:
+    return [token for token in tokens_of(page) if token.type == "fence"]
+
+
+def programs_of(page: Path) -> list[Token]:
+    """Blocks of Python that are no sessions at its prompt."""
+    fences = fences_of(page)
+    return [one for one in fences if one.info == "python" and not one.content.startswith(">>>")]
+
+
 def links_of(page: Path) -> Iterator[str]:
     for token in tokens_of(page):
         for child in token.children or []:
@@ -58,9 +65,7 @@ def links_of(page: Path) -> Iterator[str]:
 def anchors_of(page: Path) -> set[str]:
     """Anchors of a page's headings, as GitHub names them."""
     tokens = tokens_of(page)
-    headings = [
-        tokens[index + 1].content for index, token in enumerate(tokens) if token.type == "heading_open"
-    ]
+    headings = [text.content for one, text in pairwise(tokens) if one.type == "heading_open"]
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
@@ -73,29 +78,23 @@ def anchors_of(page: Path) -> set[str]:
 def test_examples_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     matplotlib.use("Agg")
-    document = Document.parse(
-        str(page), PythonCodeBlockParser(), CodeBlockParser("toml", run_toml), SkipParser()
-    )
-    for example in document:
+    parsers = PythonCodeBlockParser(), CodeBlockParser("toml", run_toml), SkipParser()
+    for example in Document.parse(str(page), *parsers):
         example.evaluate()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_every_block_is_of_a_language_that_is_known_here(page):
-    fences = [token for token in tokens_of(page) if token.type == "fence"]
-    assert {fence.info for fence in fences} <= LANGUAGES
-    for fence in fences:
-        if fence.info == "python" and not fence.content.startswith(">>>"):
-            compile(fence.content, f"{page}:{fence.map[0] + 1}", "exec")
+    assert {fence.info for fence in fences_of(page)} <= LANGUAGES
+    for fence in programs_of(page):
+        compile(fence.content, f"{page}:{fence.map[0] + 1}", "exec")
 
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_commands_in_blocks_and_text_have_their_options(page):
     """All commands of the program and of make are known, with the options and values that they are given."""
     text = page.read_text(encoding="utf-8")
-    blocks = "".join(
-        token.content for token in tokens_of(page) if token.type == "fence" and token.info == "sh"
-    )
+    blocks = "".join(fence.content for fence in fences_of(page) if fence.info == "sh")
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     assert set(re.findall(r"^make ([a-z-]+)", blocks, re.MULTILINE)) <= targets
     for program, app in (("exudyn-crawler", cli.app), ("python -m studies", studies)):
@@ -118,9 +117,7 @@ def public_names_by_module(nodes):
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_examples_take_public_names_from_the_package(page):
-    fences = [token for token in tokens_of(page) if token.type == "fence" and token.info == "python"]
-    blocks = [fence.content for fence in fences if not fence.content.startswith(">>>")]
-    nodes = [node for block in blocks for node in ast.walk(ast.parse(block))]
+    nodes = [node for fence in programs_of(page) for node in ast.walk(ast.parse(fence.content))]
     imported = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
     imported |= {node.module for node in nodes if isinstance(node, ast.ImportFrom)}
     ours = {name for name in imported if name.split(".")[0] in ("fem", "meshes", "studies")}
@@ -161,12 +158,8 @@ def test_every_page_is_in_the_site():
 def test_messages_of_the_troubleshooting_page_are_those_of_the_code():
     sources = (ROOT / "exudyn_crawler", ROOT / "fem")
     code = [ast.parse(path.read_text(encoding="utf-8")) for one in sources for path in one.rglob("*.py")]
-    told = {
-        node.value
-        for tree in code
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    }
+    constants = [node.value for tree in code for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    told = {one for one in constants if isinstance(one, str)}
     rows = re.findall(r"^\| (.*?) \|", (ROOT / "docs/troubleshooting.md").read_text(), re.MULTILINE)
     quoted = [message for row in rows for message in re.findall(r'"([^"]+)"', row)]
     assert len(quoted) > 10
