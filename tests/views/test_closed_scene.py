@@ -28,14 +28,14 @@ def closed():
     links = np.zeros((2, shoes, 3))
     links[0, :, 0] = 1e6 + 1e3 * np.arange(shoes)
     links[1, :, 0] = 2e6
-    per_shoe, frame = ("time", "shoe", "axis"), start.frame
+    per_shoe, along = ("time", "shoe", "axis"), ("time", "axis")
     data = xr.Dataset(
         {
             "position": (per_shoe, np.tile(start.shoes[:, :3], (2, 1, 1))),
             "angles": (per_shoe, np.tile(start.shoes[:, 3:], (2, 1, 1))),
-            "side_frame_position": (("time", "axis"), np.tile(frame, (2, 1))),
-            "side_frame_angles": (("time", "axis"), np.zeros((2, 3))),
-            "tumbler_position": (("time", "axis"), np.tile(start.tumbler[:3], (2, 1))),
+            "side_frame_position": (along, np.tile(start.frame, (2, 1))),
+            "side_frame_angles": (along, np.zeros((2, 3))),
+            "tumbler_position": (along, np.tile(start.tumbler[:3], (2, 1))),
             "tumbler_angle": ("time", [0.0, ANGLE]),
             "take_up": ("time", [start.take_up, start.take_up + MOVED]),
             "wheel_force": (("time", "wheel", "axis"), np.zeros((2, 12, 3))),
@@ -119,7 +119,7 @@ def test_forces_act_along_their_lines(closed):
     assert np.isnan(teeth).all()
 
 
-def test_tension_by_links_and_by_places_that_they_come_through(closed):
+def test_tension_of_a_closed_chain_by_links_and_by_places_that_they_come_through(closed):
     along = tension_along_chain(closed)
     assert along.least.values == pytest.approx(1e6 + 1e3 * np.arange(38))
     assert along.greatest.values == pytest.approx(2e6)
@@ -130,8 +130,5 @@ def test_tension_by_links_and_by_places_that_they_come_through(closed):
     assert parts[2] == "lower run"
     assert parts[parts != "lower run"][0] == "idler"
     assert len(chain_figure(closed).axes) == 4
-
-
-def test_tension_along_an_open_chain_is_refused():
     with pytest.raises(ValueError, match="needs a closed track"):
         tension_along_chain(History(Case.rolled(), xr.Dataset()))

@@ -9,24 +9,15 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from exudyn_crawler.views.scenes.pictures import draw_arrows, paint
-from exudyn_crawler.views.scenes.scene import (
-    Arrows,
-    Colouring,
-    Placement,
-    Solid,
-    View,
-    box,
-)
+from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Solid, View, box
 
 ABOVE = View.seen_from(azimuth=-90.0, elevation=90.0)
 """x to the right, y up."""
-STRESS = Colouring("stress", np.zeros((1, 1, 4)), 0.0, 1.0, "YlOrRd")
 
 
 def surface(points, triangles, values):
-    return Solid(
-        "surface", points, (triangles,), "white", colourings=(replace(STRESS, values=values[None, None]),)
-    )
+    stress = Colouring("stress", values[None, None], 0.0, 1.0, "YlOrRd")
+    return Solid("surface", points, (triangles,), "white", colourings=(stress,))
 
 
 WEDGE = surface(

@@ -92,16 +92,13 @@ def test_stress_figures_draw_the_flexible_shoes_and_their_pins(flexible_run):
     assert highest["shoe 13 in MPa"]["shoe 13"] == pytest.approx(expected)
 
 
-def test_rolled_runs_offer_their_rollers_and_frame(rolled):
+def test_rolled_runs_offer_their_rollers_and_frame_dragged_ones_do_not(rolled, translation):
     found = history_series(rolled)
     assert found["roller force"].values["item"].values.tolist() == ["roller 1", "roller 2", "roller 3"]
     turned = found["angle of the side frame"]
     expected = np.degrees(rolled.side_frame_angles.sel(axis="y").values)
     assert (turned.unit, turned.values.axis.values.tolist()) == ("deg", ["roll", "pitch"])
     assert turned.values.sel(axis="pitch").values[:, 0] == pytest.approx(expected)
-
-
-def test_dragged_runs_have_none_of_it(translation):
     assert not {one.group for one in history_series(translation).values()} & {"rollers", "side frame"}
 
 
@@ -121,27 +118,24 @@ def test_figures_draw_forces_on_both_sides_and_the_motion_of_the_frame(rolled):
     assert frame["pull of the drive in kN"]["side frame"] == pytest.approx(1e-3 * rolled.drive_pull.values)
 
 
-def bands(ax):
-    """Begin and end of every band of a panel, s."""
+def assert_banded(ax, expected=BANDS, names=NAMES):
+    """A panel has bands with these begins and ends, and these names above."""
     boxes = [patch.get_bbox() for patch in ax.patches]
-    return [(box.x0, box.x1) for box in boxes]
+    assert [pytest.approx((box.x0, box.x1)) for box in boxes] == expected
+    assert [text.get_text() for text in ax.texts] == names
 
 
-def names(ax):
-    return [text.get_text() for text in ax.texts]
-
-
-def assert_banded(figure):
-    for ax in figure.axes:
-        assert [pytest.approx(one) for one in bands(ax)] == BANDS
+def assert_all_banded(figure):
+    """All panels over time have the bands, the first one their names."""
+    for number, ax in enumerate(figure.axes):
+        assert_banded(ax, names=[] if number else NAMES)
         assert ax.get_xlim() == pytest.approx((-0.006, 0.126))
-    assert [names(ax) for ax in figure.axes] == [NAMES, *[[]] * (len(figure.axes) - 1)]
 
 
 def test_every_figure_over_time_has_a_band_a_phase_with_its_name(phased):
     figures = run_figures(phased, (1, 13))
     for figure in figures.values():
-        assert_banded(figure)
+        assert_all_banded(figure)
     first = figures["velocity"].axes[0]
     colours = [to_hex(patch.get_facecolor()) for patch in first.patches]
     assert colours == [PHASE_BANDS[0], PHASE_BANDS[1]] * 2
@@ -155,10 +149,7 @@ def test_every_figure_over_time_has_a_band_a_phase_with_its_name(phased):
 
 def test_a_run_of_one_phase_has_no_bands(translation, flexible_run):
     history, stress, _ = flexible_run
-    figures = [
-        *run_figures(translation, (1,)).values(),
-        *stress_figures(history, stress).values(),
-    ]
+    figures = [*run_figures(translation, (1,)).values(), *stress_figures(history, stress).values()]
     assert not any(ax.patches or ax.texts for figure in figures for ax in figure.axes)
 
 
@@ -166,8 +157,7 @@ def test_curves_of_stresses_have_those_of_the_cycle(phased, flexible_run):
     history, stress, _ = flexible_run
     bent = History(history.case.with_(loads=phased.case.loads), history.dataset)
     for figure in stress_figures(bent, stress).values():
-        assert [pytest.approx(one) for one in bands(figure.axes[0])] == [(0.0, 0.04), (0.04, 0.06)]
-        assert names(figure.axes[0]) == NAMES[:2]
+        assert_banded(figure.axes[0], [(0.0, 0.04), (0.04, 0.06)], NAMES[:2])
 
 
 def test_a_rolled_run_has_the_phases_of_its_machine(rolled):
@@ -175,21 +165,18 @@ def test_a_rolled_run_has_the_phases_of_its_machine(rolled):
     phases = [MachinePhase(name=name, end=end, **nothing) for name, end in (("roll", 0.1), ("dig", 0.3))]
     digging = History(rolled.case.with_(machine=MachineCycle(phases=tuple(phases))), rolled.dataset)
     for figure in run_figures(digging, (4,)).values():
-        assert [pytest.approx(one) for one in bands(figure.axes[0])] == [(0.0, 0.1), (0.1, 0.2)]
-        assert names(figure.axes[0]) == ["roll", "dig"]
+        assert_banded(figure.axes[0], [(0.0, 0.1), (0.1, 0.2)], ["roll", "dig"])
     assert not any(ax.patches for figure in run_figures(rolled, (4,)).values() for ax in figure.axes)
 
 
 def test_two_runs_have_the_bands_that_both_have(phased, translation):
     again = History(phased.case.with_(name="again"), phased.dataset.sel(time=slice(0.0, 0.1)))
     assert common_phases(phased, again) == common_phases(phased)
-    assert_banded(comparison_figures({"one": phased, "other": again}, {})["velocity"])
+    assert_all_banded(comparison_figures({"one": phased, "other": again}, {})["velocity"])
     assert common_phases(phased, translation) == []
     different = comparison_figures({"one": phased, "other": translation}, {})["velocity"]
     assert not any(ax.patches for ax in different.axes)
 
 
 def test_curves_of_an_animation_have_them_too(phased):
-    speeds = TrackPicture(phased, 10.0).figure.axes[2]
-    assert [pytest.approx(one) for one in bands(speeds)] == BANDS
-    assert names(speeds) == NAMES
+    assert_banded(TrackPicture(phased, 10.0).figure.axes[2])

@@ -6,13 +6,7 @@ import pytest
 from exudyn_crawler import History, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.views.scenes.gear import wheel_solids
-from exudyn_crawler.views.scenes.pictures import (
-    MARGIN,
-    ground_figure,
-    plan_solids,
-    side_scene,
-    windows,
-)
+from exudyn_crawler.views.scenes.pictures import MARGIN, ground_figure, plan_solids, side_scene, windows
 from exudyn_crawler.views.scenes.scene import SIDES
 from exudyn_crawler.views.scenes.shoes import LONGEST_OF_SHOE, shoe_force_scale
 from exudyn_crawler.views.scenes.track import (
@@ -100,20 +94,16 @@ def test_magnified_ground_lifts_the_shoes_with_it(translation):
     assert drawn[5.0][1] == pytest.approx(5.0 * drawn[1.0][1], abs=1e-12)
 
 
-def test_forces_are_where_the_history_has_them(translation):
+def test_forces_are_where_the_history_has_them_none_on_a_lifted_shoe(translation):
     _, [(_, arrows)] = side(translation, force_scale=1e-6)
-    centers, forces = (one[0] for one in shoe_forces(last(translation).dataset))
+    now = last(translation).dataset
+    centers, forces = (one[0] for one in shoe_forces(now))
     assert arrows[:, 1] == pytest.approx(centers)
     assert 1e-6 * forces == pytest.approx(arrows[:, 1] - arrows[:, 0])
     weight = 13 * (386.4e3 + translation.case.shoe.mass * 9.81)
     assert forces[:, 2].sum() == pytest.approx(weight, rel=0.05)
-
-
-def test_a_shoe_without_contact_gets_no_arrow(translation):
-    now = last(translation).dataset
     lifted = now.assign(area=now.area.where(now.contact_shoe != 7, 0.0))
     _, [(_, arrows)] = side(translation, force_scale=1e-6, now=History(translation.case, lifted))
-    centers = shoe_forces(now)[0][0]
     assert arrows[:, 1] == pytest.approx(centers[translation.case.track.shoes != 7])
 
 
@@ -172,16 +162,19 @@ def test_a_ground_figure_shows_what_every_shoe_carries(step):
 def test_rollers_stand_where_the_frame_has_them_and_press_where_the_history_says(rolled):
     now = last(rolled)
     surfaces, arrows = side(rolled, force_scale=1e-6)
-    hubs = axes_of_rollers(rolled, now)
+    hubs, radius = axes_of_rollers(rolled, now), rolled.case.undercarriage.radius
     assert treads(surfaces["rollers"]).mean(axis=1)[:, [0, 2]] == pytest.approx(hubs[:, [0, 2]], abs=1e-4)
-    assert hubs[:, 2].max() + rolled.case.undercarriage.radius < windows(rolled)[1][3]
+    assert hubs[:, 2].max() + radius < windows(rolled)[1][3]
     total = rolled.roller_force.isel(time=-1).sum("rail").transpose("roller", "axis").values
     pressing_there = arrows[1][1]
     assert pytest.approx(1e-6 * total) == pressing_there[:, 1] - pressing_there[:, 0]
     # right below the axes but for the tilt of shoes and of frame
     places = pressing_there[:, 1, [0, 2]]
-    radius = rolled.case.undercarriage.radius
     assert np.hypot(*(places - hubs[:, [0, 2]]).T) == pytest.approx(radius, abs=2e-3)
+    # from above, treads are on their rails
+    seen = treads(by_name(plan_solids(now, (0.0, 1.0)))["rollers"])
+    assert seen[..., 0] == pytest.approx(np.repeat(hubs[:, :1], 2, axis=1), abs=1e-4)
+    assert seen[..., 1] - hubs[:, 1:2] == pytest.approx(np.tile(rolled.case.shoe.rails.middles, (3, 1)))
 
 
 def test_rollers_roll_without_slip(rolled):
@@ -211,14 +204,6 @@ def test_rollers_keep_their_depth_in_rails_where_the_ground_is_magnified(rolled)
     assert heights[7.0] == pytest.approx(heights[1.0], abs=0.04)
 
 
-def test_treads_are_seen_from_above_on_their_rails(rolled):
-    now = last(rolled)
-    seen = treads(by_name(plan_solids(now, (0.0, 1.0)))["rollers"])
-    hubs = axes_of_rollers(rolled, now)
-    assert seen[..., 0] == pytest.approx(np.repeat(hubs[:, :1], 2, axis=1), abs=1e-4)
-    assert seen[..., 1] - hubs[:, 1:2] == pytest.approx(np.tile(rolled.case.shoe.rails.middles, (3, 1)))
-
-
 def test_a_tread_is_a_closed_surface_with_the_volume_of_its_disc(rolled):
     frame = rolled.case.undercarriage
     tread, _ = wheel_solids(last(rolled))
@@ -232,9 +217,8 @@ def test_a_tread_is_a_closed_surface_with_the_volume_of_its_disc(rolled):
 
 def test_what_acts_on_a_shoe_is_ground_and_rollers(rolled):
     now = rolled.dataset.isel(time=[-1])
-    contact = (
-        (now.normal_force + now.friction_force).isel(contact=now.contact_shoe.values == 5).sum("contact")
-    )
+    own = now.isel(contact=now.contact_shoe.values == 5)
+    contact = (own.normal_force + own.friction_force).sum("contact")
     pressed = rolled.rail_force.isel(time=[-1]).sel(shoe=5)
     places, forces = forces_on(now, 5)
     assert np.isfinite(places).all()
