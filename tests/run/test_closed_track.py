@@ -171,10 +171,8 @@ def test_a_driven_m113_has_the_torque_of_its_tension_and_hangs_as_a_catenary_on_
 
 
 def test_travel_a_radian_is_that_of_the_pitches(rig):
-    first, *_, last = crossings(rig)
-    count = len(crossings(rig)) - 1
-    angle = rig.tumbler_angle.values
-    travel = count * rig.case.track.pitch / (angle[last] - angle[first])
+    rows, angle = crossings(rig), rig.tumbler_angle.values
+    travel = (len(rows) - 1) * rig.case.track.pitch / (angle[rows[-1]] - angle[rows[0]])
     teeth = rig.case.closed_track.tumbler.teeth
     assert travel == pytest.approx(teeth * rig.case.track.pitch / (2.0 * math.pi), rel=2e-3)
 

@@ -67,7 +67,10 @@ def test_stiff_shoe_gives_the_forces_of_a_rigid_one(shoe):
     assert apart.sel(axis="y") < 1e-3 * most
 
 
-def test_all_that_acts_on_flexible_shoes_balances(bent):
+def test_all_that_acts_on_flexible_shoes_balances_and_work_of_the_torque_goes_into_modes_too(bent):
+    balance = energy_balance(bent)
+    assert np.abs(balance.imbalance.values).max() < 1e-2 * balance.drive.values.max()
+    assert {"elastic", "modal_damping"} <= set(balance.data_vars)
     pressed = np.abs(balanced_forces(bent)).max(("time", "axis")).sel(shoe=[*FLEXIBLE])
     for shoe, kind in ((UNDER_ROLLER, "roller"), (ON_IDLER, "idler"), (ON_TUMBLER, "tooth")):
         assert pressed.sel(shoe=shoe, source=kind) > 1e5
@@ -118,12 +121,6 @@ def test_life_counts_cycles_of_the_loop_with_their_causes(bent):
     assert {"pins", "ground", "rollers", "idler", "tooth"} <= set().union(*shares)
     for one in shares:
         assert sum(one.values()) == pytest.approx(1.0, abs=1e-6)
-
-
-def test_work_of_the_torque_goes_into_modes_too(bent):
-    balance = energy_balance(bent)
-    assert np.abs(balance.imbalance.values).max() < 1e-2 * balance.drive.values.max()
-    assert {"elastic", "modal_damping"} <= set(balance.data_vars)
 
 
 def test_a_flexible_shoe_goes_over_the_tumbler():

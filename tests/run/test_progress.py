@@ -7,20 +7,11 @@ import pytest
 
 from exudyn_crawler import Case, CaseFile
 from exudyn_crawler.run.folder import progress
-from exudyn_crawler.run.folder.progress import (
-    RECOVER,
-    SIMULATE,
-    WRITE,
-    heartbeat,
-    progress_bar,
-    rule_of_thumb,
-    times_line,
-)
 from tests.rolled import small_flexible_case
 
 
 def run(duration=1.0, start=0.0, steps=5, **options):
-    with progress_bar("haul", duration, **options) as tell:
+    with progress.progress_bar("haul", duration, **options) as tell:
         for step in range(steps + 1):
             tell(start + (duration - start) * step / steps)
 
@@ -43,7 +34,7 @@ def test_a_resumed_run_is_as_fast_as_it_is_now(monkeypatch, capsys):
     monkeypatch.setattr(progress, "LINE_EVERY", 0.0)
     clocks = iter([0.0, 1.0, 30.0, 33.0])
     monkeypatch.setattr(progress.clock, "perf_counter", lambda: next(clocks))
-    with progress_bar("haul", 100.0) as tell:
+    with progress.progress_bar("haul", 100.0) as tell:
         for time in (89.0, 90.0, 91.0):
             tell(time)
     assert capsys.readouterr().err.splitlines()[2] == "haul: 91 of 100 s, 3 s wall per s, about 27 s left"
@@ -66,7 +57,7 @@ def test_a_bar_has_numbers_only(capsys, monkeypatch):
 def test_a_heart_beats_until_the_end(monkeypatch, capsys, fails):
     monkeypatch.setattr(progress, "LINE_EVERY", 0.02)
     try:
-        with heartbeat("drawing"):
+        with progress.heartbeat("drawing"):
             clock.sleep(0.2)
             if fails:
                 raise ArithmeticError
@@ -81,7 +72,7 @@ def test_a_heart_beats_until_the_end(monkeypatch, capsys, fails):
 def test_a_log_has_the_progress_of_all_parts(monkeypatch, caplog, capsys):
     """Also where nothing is shown, as on a worker of a sweep."""
     monkeypatch.setattr(progress, "LINE_EVERY", 0.02)
-    with caplog.at_level(logging.INFO, "exudyn_crawler"), heartbeat("drawing", 60.0, show=False):
+    with caplog.at_level(logging.INFO, "exudyn_crawler"), progress.heartbeat("drawing", 60.0, show=False):
         clock.sleep(0.1)
     assert set(caplog.messages) == {"drawing: 0 s so far of about 60 s"}
     monkeypatch.setattr(progress, "LINE_EVERY", 0.0)
@@ -92,7 +83,7 @@ def test_a_log_has_the_progress_of_all_parts(monkeypatch, caplog, capsys):
 
 
 def test_a_terminal_has_a_bar_of_what_is_expected(capsys):
-    with heartbeat("drawing", 60.0, show=True):
+    with progress.heartbeat("drawing", 60.0, show=True):
         clock.sleep(0.3)
     shown = capsys.readouterr().err
     assert "drawing" in shown
@@ -100,12 +91,12 @@ def test_a_terminal_has_a_bar_of_what_is_expected(capsys):
 
 
 def test_parts_that_stay_on_a_machine_are_told_apart():
-    line = times_line(rule_of_thumb(CaseFile(case=small_flexible_case(), duration=1.0)))
+    line = progress.times_line(progress.rule_of_thumb(CaseFile(case=small_flexible_case(), duration=1.0)))
     every, once = line.split(", once on a machine about ")
     assert every.startswith("time: about ")
-    for part in (SIMULATE, RECOVER, WRITE):
+    for part in (progress.SIMULATE, progress.RECOVER, progress.WRITE):
         assert f"{part} " in every
     assert "(reduce the flexible shoe 8.3 s, compile the equations 50 s" in once
     assert once.endswith(" more, by a rule of thumb")
     rigid = CaseFile(case=Case.translation().with_({"formulation": "engine"}), duration=1.0)
-    assert "once" not in times_line(rule_of_thumb(rigid))
+    assert "once" not in progress.times_line(progress.rule_of_thumb(rigid))

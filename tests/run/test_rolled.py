@@ -43,7 +43,9 @@ def test_frame_and_shoes_are_in_balance_at_every_stored_instant(name, request):
     assert np.abs(shoe_imbalance(history)["force"]).max() < 3e-6 * weight(history)
 
 
-def test_rigid_shoes_and_track_are_in_balance(rolled):
+def test_rigid_shoes_and_track_are_in_balance_and_rollers_carry_the_frame_from_the_start(rolled):
+    carried = -rolled.roller_force.values[0, ..., 2].sum()
+    assert carried == pytest.approx(weight(rolled), rel=1e-3)
     for off in (shoe_imbalance(rolled), track_imbalance(rolled, (12.0, 9.3, 0.0))):
         assert np.abs(off["force"]).max() < 2e-6 * weight(rolled)
         assert np.abs(off["moment"]).max() < 2e-6 * weight(rolled)
@@ -56,11 +58,6 @@ def test_work_of_the_drive_goes_into_resistance_friction_damping_and_energy(roll
     assert np.abs(balance["imbalance"]).max() < 0.01 * float(end["drive"])
     for taken in ("rolling_resistance", "tread_damping"):
         assert float(end[taken]) > 0.0, taken
-
-
-def test_rollers_carry_the_frame_from_the_start(rolled):
-    carried = -rolled.roller_force.values[0, ..., 2].sum()
-    assert carried == pytest.approx(weight(rolled), rel=1e-3)
 
 
 def test_the_machine_starts_at_rest():
@@ -91,6 +88,10 @@ def test_loads_of_a_shoe_are_those_of_its_rails(rolled, bent):
         assert ((x > rails.rear - 1e-6) & (x < rails.front + 1e-6)).all()
         np.testing.assert_allclose(np.abs(y), rails.left, atol=0.05)
         assert (found["force"].values[..., 2][pressed] < 0.0).all()
+    # those of an instant have the rollers, too
+    loads = shoe_loads(bent, 5, 0.04)
+    assert (loads.table["kind"] == "roller").sum() >= 2
+    assert np.abs(loads.residual).max() < 1e-3 * weight(bent)
 
 
 def test_machine_presses_and_tilts_the_frame():
@@ -123,12 +124,6 @@ def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
     lifted = q.copy()
     lifted[-4] += 0.1
     assert kinds_of_gear_on_modes(case, q, lifted) == {"roller"}
-
-
-def test_loads_of_an_instant_have_the_rollers(bent):
-    loads = shoe_loads(bent, 5, 0.04)
-    assert (loads.table["kind"] == "roller").sum() >= 2
-    assert np.abs(loads.residual).max() < 1e-3 * weight(bent)
 
 
 def beams(case, k, weight_of_shoe):

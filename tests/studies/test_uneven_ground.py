@@ -9,17 +9,9 @@ from exudyn_crawler import Case, History
 from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies import grounds
 from studies.balance import shoe_imbalance
 from studies.comparison import time_mean
-from studies.grounds import (
-    RAMP_END,
-    RAMP_HEIGHT,
-    RAMP_START,
-    STEP_HEIGHT,
-    STEP_LENGTH,
-    STEP_PLACE,
-    uneven_case,
-)
 from studies.uneven_ground import study
 
 pytestmark = pytest.mark.simulation
@@ -39,15 +31,15 @@ def test_shoes_stand_higher_beyond_a_step(runs):
     step = runs["step"]
     x, z = (step.position.sel(axis=axis, shoe=INNER) for axis in "xz")
     clear = 0.5 * (GENERAL.track.pitch + GENERAL.shoe.length)  # neither on the step nor linked to who is
-    before = float(z.where(x < STEP_PLACE - clear).mean())
-    beyond = float(z.where(x > STEP_PLACE + STEP_LENGTH + clear).mean())
+    before = float(z.where(x < grounds.STEP_PLACE - clear).mean())
+    beyond = float(z.where(x > grounds.STEP_PLACE + grounds.STEP_LENGTH + clear).mean())
     # the units below both carry the same load and sag alike, to the millimetres by which they differ
     # towards the ends of the strip
-    assert beyond - before == pytest.approx(STEP_HEIGHT, abs=0.003)
+    assert beyond - before == pytest.approx(grounds.STEP_HEIGHT, abs=0.003)
 
 
 def test_a_step_down_mirrors_a_step_up():
-    up = uneven_case("step")
+    up = grounds.uneven_case("step")
     found = [static_equilibrium(case) for case in (up.with_({"terrain.relief.scale": -1.0}), up)]
     heights = [q[2 : 6 * 13 : 6] for q in found]
     # shoes 2 to 5 and 10 to 12, less those beside the ones on the step
@@ -57,7 +49,7 @@ def test_a_step_down_mirrors_a_step_up():
 
 def test_slope_of_a_ramp_is_in_the_pitch(runs):
     ramp = runs["ramp"]
-    slope = RAMP_HEIGHT / (RAMP_END - RAMP_START)
+    slope = grounds.RAMP_HEIGHT / (grounds.RAMP_END - grounds.RAMP_START)
     pitch = ramp.angles.sel(axis="y", shoe=INNER).mean()
     # nose up is a negative rotation about y; the strip sags less below its ends
     assert float(-pitch) == pytest.approx(math.atan(slope), rel=0.05)
@@ -91,13 +83,13 @@ def test_ground_carries_the_weight(ground, runs):
 
 def test_unknown_ground_is_refused():
     with pytest.raises(ValueError, match=r"ground must be of \['step', 'ramp', 'rough'\], got 'moon'"):
-        uneven_case("moon")
+        grounds.uneven_case("moon")
 
 
 @pytest.mark.slow
 def test_ground_without_rest_is_named():
     """Down a steep ramp the track slides onto its held front shoe: at rest there is no friction."""
-    case = uneven_case("ramp").with_({"name": "steep", "terrain.relief.scale": -1.7})
+    case = grounds.uneven_case("ramp").with_({"name": "steep", "terrain.relief.scale": -1.7})
     with pytest.raises(EquilibriumError, match=r"case 'steep' .* uneven ground.* shoe"):
         static_equilibrium(case)
 
