@@ -6,6 +6,10 @@ import numpy as np
 from skfem import Basis, ElementTetP2, MeshTet
 
 import fem
+from meshes import STEEL
+
+DOWN = np.array([0.0, 0.0, -386.4e3])
+"""N, the machine on a shoe."""
 
 
 def box_mesh(
@@ -29,8 +33,39 @@ def box_mesh(
     return fem.Mesh(points, elements, {})
 
 
+def tube(inner: float, outer: float, angle: float, graded: bool = False):
+    """Map a box of unit sides to a sector of a tube: x to radius, y to angle, z kept.
+
+    A graded tube has its elements' sizes grow with the radius.
+    """
+
+    def mapping(p: np.ndarray) -> np.ndarray:
+        r = inner * (outer / inner) ** p[:, 0] if graded else inner + (outer - inner) * p[:, 0]
+        return np.column_stack([r * np.cos(angle * p[:, 1]), r * np.sin(angle * p[:, 1]), p[:, 2]])
+
+    return mapping
+
+
+def beam_body(elements: int) -> fem.ElasticBody:
+    """Steel beam of 0.6 x 0.1 x 0.1 m, with its ends as named surfaces."""
+    mesh = box_mesh((elements, 1, 1), (0.6, 0.1, 0.1))
+    ends = {
+        name: mesh.boundary[np.isclose(mesh.nodes[mesh.boundary][:, :, 0], x).all(axis=1)]
+        for name, x in (("left", 0.0), ("right", 0.6))
+    }
+    return fem.ElasticBody(mesh.with_surfaces(ends), STEEL)
+
+
 def beam_interfaces(body: fem.ElasticBody, spider: str = "rigid") -> list[fem.Interface]:
     return [
         fem.Interface(name, (x, 0.05, 0.05), body.mesh.nodes_of(name), spider)
         for name, x in (("left", 0.0), ("right", 0.6))
     ]
+
+
+def static_stress(
+    partition: fem.Partition, forces: np.ndarray | None, centers: np.ndarray | None = None
+) -> np.ndarray:
+    """Stress (n, 6) of the full model under nodal forces (n, 3) and loads (i, 6) on its joint centres."""
+    columns = [loads if loads is None else loads.reshape(-1, 1) for loads in (forces, centers)]
+    return partition.body.stress(partition.static_response(*columns).reshape(-1, 3, 1))[:, :, 0]

@@ -1,12 +1,15 @@
 """Bodies that several tests share: a cube, a beam and the coarse shoe, with their reductions."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import fem
-import meshes
-from meshes import STEEL, joint_interfaces
-from tests.fem.bodies import beam_interfaces, box_mesh
+from exudyn_crawler.model.reductions import VARIABLE
+from meshes import STEEL, joint_interfaces, shoe_mesh
+from tests.fem.bodies import DOWN, beam_body, beam_interfaces, box_mesh
 
 
 @pytest.fixture
@@ -16,18 +19,18 @@ def cube() -> fem.Mesh:
 
 @pytest.fixture(scope="session")
 def beam() -> fem.ElasticBody:
-    """Steel beam of 0.6 x 0.1 x 0.1 m, with its ends as named surfaces."""
-    mesh = box_mesh((6, 1, 1), (0.6, 0.1, 0.1))
-    ends = {
-        name: mesh.boundary[np.isclose(mesh.nodes[mesh.boundary][:, :, 0], x).all(axis=1)]
-        for name, x in (("left", 0.0), ("right", 0.6))
-    }
-    return fem.ElasticBody(fem.Mesh(mesh.nodes, mesh.elements, ends), STEEL)
+    return beam_body(6)
 
 
 @pytest.fixture(scope="session")
-def small(beam: fem.ElasticBody) -> fem.ReducedBody:
-    return fem.craig_bampton(beam, beam_interfaces(beam), 20)
+def held(beam: fem.ElasticBody) -> dict[str, fem.Partition]:
+    """The beam held by its ends, by kind of spider."""
+    return {spider: fem.Partition(beam, beam_interfaces(beam, spider)) for spider in ("rigid", "averaging")}
+
+
+@pytest.fixture(scope="session")
+def small(beam: fem.ElasticBody, held: dict[str, fem.Partition]) -> fem.ReducedBody:
+    return fem.craig_bampton(beam, held["rigid"].interfaces, 20, partition=held["rigid"])
 
 
 @pytest.fixture(scope="session")
@@ -38,7 +41,7 @@ def history(small: fem.ReducedBody) -> np.ndarray:
 
 @pytest.fixture(scope="session")
 def shoe() -> fem.ElasticBody:
-    return fem.ElasticBody(meshes.shoe_mesh("coarse"), STEEL)
+    return fem.ElasticBody(shoe_mesh("coarse"), STEEL)
 
 
 @pytest.fixture(scope="session")
@@ -47,5 +50,13 @@ def partition(shoe: fem.ElasticBody) -> fem.Partition:
 
 
 @pytest.fixture(scope="session")
-def reduced(shoe: fem.ElasticBody, partition: fem.Partition) -> fem.ReducedBody:
-    return fem.craig_bampton(shoe, partition.interfaces, 76, partition=partition)
+def enriched(shoe: fem.ElasticBody) -> fem.ReducedBody:
+    """With a mode for the machine's load; made once for all processes of a run of the tests."""
+    folder, loads = Path(os.environ[VARIABLE]) / "fem", {"machine": shoe.surface_load("top", DOWN)}
+    return fem.cached_craig_bampton(folder, shoe, joint_interfaces(shoe.mesh), 76, loads).body
+
+
+@pytest.fixture(scope="session")
+def reduced(enriched: fem.ReducedBody) -> fem.ReducedBody:
+    """Without it: inside the other, which costs less than to reduce once more."""
+    return fem.nested_reduction(enriched, 76).body

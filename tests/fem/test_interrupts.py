@@ -15,7 +15,7 @@ class Thing:
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_within_a_callback_is_remembered(monkeypatch, number):
+def test_an_interrupt_within_a_callback_is_remembered(number):
     before = signal.signal(number, signal.default_int_handler)
     try:
         with interrupts_remembered() as ask:
@@ -31,13 +31,10 @@ def test_an_interrupt_within_a_callback_is_remembered(monkeypatch, number):
         signal.signal(number, before)
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_delayed_interrupts_are_remembered_too():
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        with interrupts_remembered() as ask:
-            with pytest.raises(KeyboardInterrupt), interrupts_wait():
-                os.kill(os.getpid(), signal.SIGINT)
-            with pytest.raises(KeyboardInterrupt):
-                ask()
-    finally:
-        signal.signal(signal.SIGINT, before)
+    with interrupts_remembered() as ask:
+        with pytest.raises(KeyboardInterrupt), interrupts_wait():
+            os.kill(os.getpid(), signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            ask()

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import skfem
-from scipy.integrate import quad
 from scipy.sparse.linalg import splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity, linear_stress
 
@@ -25,14 +24,10 @@ CORE = 690e6
 
 
 def test_numbers_of_a_roller_by_hand():
-    """p0 = sqrt(q E* / (pi R)), a = 2 q / (pi p0), and the pressure's integral is the load."""
+    """p0 = sqrt(q E* / (pi R)), and the pressure's integral pi p0 a / 2 is the load."""
     contact = line_contact(LOAD, RADIUS, PLANE)
     assert contact.pressure == pytest.approx(528.1e6, rel=1e-3)
     assert contact.half_width == pytest.approx(2.0 * LOAD / np.pi / contact.pressure)
-    total, _ = quad(
-        lambda x: np.sqrt(1.0 - (x / contact.half_width) ** 2), *contact.half_width * np.r_[-1, 1]
-    )
-    assert contact.pressure * total == pytest.approx(LOAD, rel=1e-6)
 
 
 def test_stress_below_has_johnsons_extremes():
@@ -89,9 +84,8 @@ def pressed_strip(load: float) -> tuple[float, float, np.ndarray, np.ndarray]:
     active = x < expected.half_width
     for _ in range(30):
         n = int(active.sum())
-        system = np.block(
-            [[down[np.ix_(active, active)], -np.ones((n, 1))], [np.ones((1, n)), np.zeros((1, 1))]]
-        )
+        balance = np.ones((n, 1))
+        system = np.block([[down[np.ix_(active, active)], -balance], [balance.T, np.zeros((1, 1))]])
         solution = np.linalg.solve(system, np.append(-gap[active], 0.5 * load))
         forces = np.zeros(len(x))
         forces[active] = solution[:n]
@@ -125,9 +119,8 @@ def test_a_pressed_strip_of_finite_elements_has_hertz_pressure_and_shear():
     assert half_width == pytest.approx(expected.half_width, rel=0.02)
     closed = stress_below(0.025, depth / expected.half_width, POISSON)
     near = depth < 2.0 * expected.half_width
-    np.testing.assert_allclose(
-        shear[near] / expected.pressure, 0.5 * (closed[near, 0] - closed[near, 2]), atol=0.02 * 0.3
-    )
+    below = 0.5 * (closed[near, 0] - closed[near, 2])
+    np.testing.assert_allclose(shear[near] / expected.pressure, below, atol=0.02 * 0.3)
     assert depth[shear.argmax()] / expected.half_width == pytest.approx(0.786, abs=0.05)
 
 
@@ -137,9 +130,8 @@ def test_edges_of_an_uneven_contact():
     assert greatest_line_load(force, 0.0, width) == pytest.approx(q)
     assert greatest_line_load(force, force * width / 6.0, width) == pytest.approx(2.0 * q)
     # all on one of two strips at the Gauss points
-    assert greatest_line_load(force, -force * width / np.sqrt(12.0), width) == pytest.approx(
-        3.155 * q, rel=1e-3
-    )
+    at_points = greatest_line_load(force, -force * width / np.sqrt(12.0), width)
+    assert at_points == pytest.approx(3.155 * q, rel=1e-3)
     arms = np.linspace(0.0, 0.45, 50) * width
     assert (np.diff(greatest_line_load(np.full(50, force), force * arms, width)) > 0.0).all()
     assert greatest_line_load(0.0, 0.0, width) == 0.0
@@ -179,16 +171,13 @@ def test_stress_of_the_structure_is_superposed():
     # tension within the surface adds to the pressure's shear, compression relieves
     assert beside((100.0, 100.0, 0.0)).to_yield < alone.to_yield < beside((-100.0, -100.0, 0.0)).to_yield
     # residual stress takes up what comes and goes with the roller, as far as it alone shakes down
-    assert beside((60.0, 80.0, 0.0), (-40.0, 50.0, 0.0)).to_shakedown == pytest.approx(
-        alone.to_shakedown, rel=5e-3
-    )
+    taken_up = beside((60.0, 80.0, 0.0), (-40.0, 50.0, 0.0))
+    assert taken_up.to_shakedown == pytest.approx(alone.to_shakedown, rel=5e-3)
     assert beside((400.0, 0.0, 0.0), (-400.0, 0.0, 0.0)).to_shakedown < 0.8 * alone.to_shakedown
     # without a roller a range of stress shakes down up to twice the yield strength
-    none = LineContact(1.0, 1e-3)
-    ranges = path_stress(none, CORE, POISSON, np.array([(CORE, 0.0, 0.0), (-CORE, 0.0, 0.0)]))
-    assert ranges.to_shakedown == pytest.approx(1.0, rel=5e-3)
-    assert path_stress(none, CORE, POISSON, np.array([(CORE, 0.0, 0.0)])).to_shakedown == pytest.approx(
-        2.0, rel=5e-3
-    )
+    for least, times in ((-CORE, 1.0), (0.0, 2.0)):
+        stresses = np.array([(CORE, 0.0, 0.0), (least, 0.0, 0.0)])
+        found = path_stress(LineContact(1.0, 1e-3), CORE, POISSON, stresses)
+        assert found.to_shakedown == pytest.approx(times, rel=5e-3)
     assert 0.0 in PLACES
     assert DEPTHS[0] == 0.0

@@ -13,9 +13,12 @@ def underside(shoe: fem.ElasticBody) -> FlatRectangle:
     return found
 
 
-def resultants(forces: np.ndarray, mesh: fem.Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Sum (t, 3) of nodal forces (t, n, 3) and of their products with the places (t, 3, 3)."""
-    return forces.sum(axis=1), np.einsum("tnc,nd->tdc", forces, mesh.nodes)
+def assert_resultants(mesh: fem.Mesh, weights, loads: np.ndarray, forces: np.ndarray, at: np.ndarray) -> None:
+    """Nodal forces, weights (n, p) of loads (t, p, 3), are one force (t, 3) each at a place (t, 3)."""
+    nodal = np.einsum("np,tpc->tnc", weights.toarray(), loads)
+    np.testing.assert_allclose(nodal.sum(axis=1), forces, atol=1e-12)
+    moments = np.einsum("tnc,nd->tdc", nodal, mesh.nodes)
+    np.testing.assert_allclose(moments, at[:, :, None] * forces[:, None], atol=1e-9)
 
 
 def test_rails_are_found_by_their_surface(shoe: fem.ElasticBody) -> None:
@@ -41,21 +44,16 @@ def test_a_grids_tractions_have_the_resultants_of_a_rectangle(underside: FlatRec
     assert grid.weights.sum() == pytest.approx(np.prod(underside.high - underside.low))
     forces = rng.standard_normal((6, 3))
     corners = np.sort(rng.uniform(underside.low, underside.high, (2, 6, 2)), axis=0)
-    tractions = grid.coordinates(forces, *corners)
-    nodal = np.einsum("np,tpc->tnc", grid.weights.toarray(), tractions)
-    total, moments = resultants(nodal, underside.mesh)
-    np.testing.assert_allclose(total, forces, atol=1e-12)
     middles = np.column_stack((corners.mean(axis=0), np.full(6, underside.height)))
-    np.testing.assert_allclose(moments, middles[:, :, None] * forces[:, None], atol=1e-8)
+    assert_resultants(underside.mesh, grid.weights, grid.coordinates(forces, *corners), forces, middles)
 
 
 def test_what_has_no_width_on_the_grid_is_a_line_on_its_edge(underside: FlatRectangle) -> None:
     grid = PressureGrid(underside, (3, 4))
-    low = np.array([[underside.high[0] + 0.001, -0.5]])
-    tractions = grid.coordinates(np.ones((1, 3)), low, low + np.array([0.01, 0.3]))
-    total, moments = resultants(np.einsum("np,tpc->tnc", grid.weights.toarray(), tractions), underside.mesh)
-    np.testing.assert_allclose(total, 1.0)
-    np.testing.assert_allclose(moments[0, 0], underside.high[0])
+    low, force = np.array([[underside.high[0] + 0.001, -0.5]]), np.ones((1, 3))
+    tractions = grid.coordinates(force, low, low + np.array([0.01, 0.3]))
+    on_edge = np.array([[underside.high[0], -0.35, underside.height]])
+    assert_resultants(underside.mesh, grid.weights, tractions, force, on_edge)
     assert grid.coordinates(np.empty((0, 3)), low[:0], low[:0]).shape == (0, 12, 3)
 
 
@@ -67,12 +65,9 @@ def test_stations_carry_forces_between_them_with_their_moment(shoe: fem.ElasticB
     forces = np.random.default_rng(3).standard_normal((11, 3))
     middle = 0.5 * (rail.low[1] + rail.high[1])
     places = np.column_stack((x, np.full(11, middle), np.full(11, rail.height)))
-    at_stations = np.einsum("ns,tsc->tnc", stations.weights.toarray(), stations.coordinates(forces, x))
-    at_x = np.einsum("nt,tc->tnc", stations.weights_at(x).toarray(), forces)
-    for nodal in (at_stations, at_x):
-        total, moments = resultants(nodal, shoe.mesh)
-        np.testing.assert_allclose(total, forces, atol=1e-12)
-        np.testing.assert_allclose(moments, places[:, :, None] * forces[:, None], atol=1e-9)
+    assert_resultants(shoe.mesh, stations.weights, stations.coordinates(forces, x), forces, places)
+    at_x = np.eye(11)[:, :, None] * forces
+    assert_resultants(shoe.mesh, stations.weights_at(x), at_x, forces, places)
 
 
 def test_bad_places(shoe: fem.ElasticBody, underside: FlatRectangle) -> None:

@@ -6,14 +6,17 @@ import pytest
 import fem
 from fem.blocks import Fold, StressBlock
 from fem.mesh import Floats, Integers
-from fem.rank import TIME_BLOCK
+from fem.rank import NODE_BLOCK, TIME_BLOCK
 from fem.stress import DEVIATOR
 
 TOLERANCE = 1e-3
 
 
 class WholeStress(Fold[tuple[Floats, Floats]]):
-    """Components (n, c, t) of all nodes and times, and their bounds (n, t)."""
+    """Components (n, c, t) of all nodes and times, and their bounds (n, t).
+
+    Blocks come as a count of cycles needs them: the whole history of some nodes before the next ones.
+    """
 
     def __init__(self, components: Floats | None) -> None:
         self.components = components
@@ -23,14 +26,21 @@ class WholeStress(Fold[tuple[Floats, Floats]]):
         count = 6 if self.components is None else len(self.components)
         self.stress = np.full((len(nodes), count, times), np.nan)
         self.bound = np.full((len(nodes), times), np.nan)
+        self.known = np.zeros(len(nodes), dtype=int)
 
     def add(self, block: StressBlock) -> None:
-        """Fill in a block."""
+        """Fill in a block of the next times, while other nodes have all of theirs or none."""
+        assert (self.known[block.nodes] == block.times.start).all()
+        assert set(np.delete(self.known, block.nodes)) <= {0, self.stress.shape[2]}
+        assert block.stress.shape[2] <= TIME_BLOCK
+        assert len(block.stress) <= NODE_BLOCK
+        self.known[block.nodes] = block.times.stop
         self.stress[block.nodes, :, block.times] = block.stress
         self.bound[block.nodes, block.times] = block.bound[:, None]
 
     def finish(self) -> tuple[Floats, Floats]:
         """Give both."""
+        assert (self.known == self.stress.shape[2]).all()
         return self.stress, self.bound
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import fem
-from fem.recovery import shares
 from fem.stress import CRITERIA, evaluate
 
 
@@ -23,9 +22,14 @@ def test_peaks_against_brute_force(
         np.testing.assert_allclose(peaks.values, expected, rtol=1e-9)
 
 
-def test_shares_add_up(small: fem.ReducedBody, history: np.ndarray) -> None:
-    parts = shares(small.stress_modes, history[5], 17)
-    assert parts.sum() == pytest.approx(small.von_mises(history[5], np.array([17]))[0, 0])
+def test_a_peak_splits_into_the_shares_of_its_modes(small: fem.ReducedBody, history: np.ndarray) -> None:
+    whole = small.von_mises(history[5], np.array([17]))[0, 0]
+    parts = fem.shares(small.stress_modes, history[5], 17)
+    assert parts.shape == (26,)
+    assert parts.sum() == pytest.approx(whole, rel=1e-9)
+    # a mode's share is how the whole grows with it
+    more = small.von_mises(history[5] * (1.0 + 1e-6 * np.eye(26)), np.array([17]))[:, 0]
+    np.testing.assert_allclose((more - whole) / 1e-6, parts, atol=1e-4 * np.abs(parts).max())
 
 
 def test_unknown_criterion(small: fem.ReducedBody, history: np.ndarray) -> None:

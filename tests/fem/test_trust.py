@@ -8,7 +8,7 @@ import fem
 from fem.stress import von_mises
 from fem.trust import MESH_LIMIT, judged, mesh_error, resolution, resolution_over
 from meshes import STEEL
-from tests.fem.bodies import box_mesh
+from tests.fem.bodies import box_mesh, tube
 
 INNER, OUTER = 0.05, 0.1
 """m, radii of a thick-walled cylinder."""
@@ -16,13 +16,7 @@ INNER, OUTER = 0.05, 0.1
 
 def cylinder(counts: tuple[int, int, int]) -> fem.Mesh:
     """Quarter of a cylinder of elements along the radius, the arc and the axis."""
-
-    def bend(points: np.ndarray) -> np.ndarray:
-        radius = INNER + (OUTER - INNER) * points[:, 0]
-        angle = 0.5 * np.pi * points[:, 1]
-        return np.column_stack((radius * np.cos(angle), radius * np.sin(angle), 0.02 * points[:, 2]))
-
-    return box_mesh(counts, (1.0, 1.0, 1.0), bend)
+    return box_mesh(counts, (1.0, 1.0, 0.02), tube(INNER, OUTER, 0.5 * np.pi))
 
 
 def projected(mesh: fem.Mesh) -> np.ndarray:
@@ -112,8 +106,8 @@ def test_a_mesh_made_too_coarse_is_caught() -> None:
 def test_a_coarse_shoe_is_caught(shoe: fem.ElasticBody, partition: fem.Partition) -> None:
     """Peaks under a pull on its rear pins lie a sixth and more below a fine mesh's (`docs/fem.md`)."""
     pull = {f"rear {side}": [-1.3e6, 0.0, 0.0] for side in ("right", "left")}
-    u = partition.static_response(center_loads=fem.center_loads(partition.interfaces, pull))
-    u = u.reshape(-1, 3, 1)
+    loads = fem.center_loads(partition.interfaces, pull)
+    u = partition.static_response(center_loads=loads).reshape(-1, 3, 1)
     shapes = fem.Shapes(shoe.mesh, STEEL, partition.interfaces, u, shoe.stress(u))
     away = shapes.nodes_away_from_spiders
     table = judged(fem.hot_spots(shapes, [0.0], np.ones((1, 1)), 5, nodes=away), truncation=0.0)
