@@ -10,6 +10,7 @@ import meshes
 from exudyn_crawler import Shoe
 from meshes import STEEL, ShoeDimensions
 from meshes.build_shoe import main, straighten_distorted
+from tests.meshes.test_shoe import assert_bores_at_pins
 
 THICKER = 0.010
 
@@ -43,11 +44,7 @@ def test_a_shoe_of_netgen_has_surfaces_bores_and_underside_where_the_ready_one_h
     for name in ready.surfaces:
         area, ready_area = (body.surface_weights(name).sum() for body in both)
         assert area == pytest.approx(ready_area, rel=0.05 if name.startswith("bore") else 1e-3)
-    for name, center in meshes.JOINT_CENTERS.items():
-        bore = mesh.nodes[mesh.nodes_of(f"bore {name}")]
-        distance = np.hypot(bore[:, 0] - center[0], bore[:, 2] - center[2])
-        assert np.median(distance) == pytest.approx(ShoeDimensions.bore_radius, abs=1e-6)
-        assert (bore[:, 1].min() + bore[:, 1].max()) / 2 == pytest.approx(center[1], abs=1e-6)
+    assert_bores_at_pins(mesh)
 
 
 @pytest.mark.slow
@@ -80,22 +77,25 @@ def test_overhang_core_and_wear_take_the_steel_that_they_say() -> None:
     assert ready.volume - mesh.volume == pytest.approx(worn + below + pockets, rel=0.03)
 
 
-def test_bad_dimensions_and_sizes_are_refused_before_netgen_is_asked_for() -> None:
-    with pytest.raises(ValueError, match=r"top_thickness must be a positive length in m, got -0\.05"):
-        ShoeDimensions(top_thickness=-0.05)
-    with pytest.raises(ValueError, match=r"top_thickness must be at most 10 m, got 50\.0"):
-        ShoeDimensions(top_thickness=50.0)
-    with pytest.raises(ValueError, match=r"top_thickness must be less than the 0\.3555 m .*, got 5\.0"):
-        ShoeDimensions(top_thickness=5.0)
-    for name, value, words in (
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("top_thickness", -0.05, r"a positive length in m, got -0\.05"),
+        ("top_thickness", 50.0, r"at most 10 m, got 50\.0"),
+        ("top_thickness", 5.0, r"less than the 0\.3555 m .*, got 5\.0"),
         ("rail_overhang", 0.14, "at most 0.132 m"),
         ("rail_overhang", -0.01, "positive or zero"),
         ("wear", 0.03, "less than 0.03 m"),
         ("core_wall", 0.084, "less than 0.084 m"),
-        ("core_roof", 0.4, r"less than 0.39 m"),
-    ):
-        with pytest.raises(ValueError, match=f"{name} must be {words}"):
-            ShoeDimensions(**{name: value})
+        ("core_roof", 0.4, "less than 0.39 m"),
+    ],
+)
+def test_bad_dimensions_are_refused(name, value, words) -> None:
+    with pytest.raises(ValueError, match=f"{name} must be {words}"):
+        ShoeDimensions(**{name: value})
+
+
+def test_bad_sizes_are_refused_before_netgen_is_asked_for() -> None:
     with pytest.raises(ValueError, match=r"size must be one of .*, got 'huge'"):
         meshes.mesh_shoe(size="huge")
 
