@@ -2,7 +2,15 @@
 
 import shutil
 
+import numpy as np
+
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+def in_plot(what, plot):
+    """Script that gives the value of an expression of a plot's data and layout."""
+    parts = f"const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
+    return f"() => {{ {parts} return {what}; }}"
 
 
 class Reader:
@@ -34,14 +42,17 @@ class Reader:
 
     def shown(self, what, plot="#plot-0 .figure"):
         """Value of an expression of the plot's data and layout."""
-        return self.page.evaluate(
-            f"() => {{ const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
-            f" return {what}; }}"
-        )
+        return self.page.evaluate(in_plot(what, plot))
 
     def wait(self, what, plot="#plot-0 .figure"):
         """Wait until an expression of the plot's data and layout holds."""
-        self.page.wait_for_function(
-            f"() => {{ const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
-            f" return {what}; }}"
-        )
+        self.page.wait_for_function(in_plot(what, plot))
+
+    def drawn(self, plot, number=0):
+        """Colours of a body that is drawn; what is not known has none."""
+        colours = f"Array.from(data[{number}].intensity, (one) => Number.isNaN(one) ? null : one)"
+        return np.array(self.shown(colours, plot), dtype=float)
+
+    def places(self, plot, number):
+        """Corners (n, 3) of a body that is drawn."""
+        return np.transpose(self.shown(f"['x', 'y', 'z'].map((a) => Array.from(data[{number}][a]))", plot))

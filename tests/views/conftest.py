@@ -1,11 +1,14 @@
 """Folders as studies leave them, for the tests of the report."""
 
+import json
+
 import numpy as np
 import pytest
 
 from exudyn_crawler import History
 from exudyn_crawler.results.stress.hot_spots import hot_spot_table
 from exudyn_crawler.results.stress.recovery import recover_stresses
+from exudyn_crawler.views.pages.report import write_report
 from exudyn_crawler.views.scenes.shoes import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table, reported_values
@@ -27,9 +30,15 @@ def stress_folder(flexible_run, tmp_path_factory):
     # within, without verdict and outside; the rest was not computed
     computed = [value * (1.0 if row % 3 else 10.0) for row, value in enumerate(reported["value"])]
     write_table(comparison_table(reported, [*computed[:-1], np.nan]), folder / "comparison.csv")
-    write_stress_pictures(stress, history, folder)
-    (folder / "run.json").write_text('{"wall time": "<1 s"}')
+    assert write_stress_pictures(stress, history, folder) == sorted(folder.glob("*.png"))
+    record = {"wall time": "<1 s", "status": "done", "finished": "2026-03-01T10:20:30+00:00"}
+    (folder / "run.json").write_text(json.dumps(record | {"wall_time_s": 81.4}))
     return folder
+
+
+@pytest.fixture(scope="session")
+def stress_report(stress_folder, tmp_path_factory):
+    return write_report(stress_folder, tmp_path_factory.mktemp("page") / "report.html")
 
 
 @pytest.fixture(scope="session")

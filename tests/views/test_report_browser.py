@@ -12,16 +12,16 @@ from exudyn_crawler.views.scenes.gear import wheel_solids
 from exudyn_crawler.views.scenes.shoes import STRESS, TRUST
 from fem.trust import VERDICTS
 from tests.views.browser import Reader
+from tests.views.test_figures import BANDS
 
 
 @pytest.fixture(scope="module")
-def reader(browser, stress_folder, tmp_path_factory):
-    path = write_report(stress_folder, tmp_path_factory.mktemp("page") / "report.html")
-    reader = Reader(browser, path)
+def reader(browser, stress_report):
+    reader = Reader(browser, stress_report)
     yield reader
     # after all that the tests did to the page
     assert reader.errors == []
-    assert reader.requests == [path.as_uri()]
+    assert reader.requests == [stress_report.as_uri()]
 
 
 def test_the_page_opens_without_errors_or_requests(reader):
@@ -40,10 +40,8 @@ def test_quantities_axes_and_shoes_can_be_picked(reader, flexible_run):
     plot.locator(".items").get_by_text("none").click()
     assert reader.shown("data.length") == 0
     plot.locator('.items input[value="shoe 12"]').check()
-    assert reader.shown("data.map((trace) => [trace.name, trace.yaxis])") == [
-        ["shoe 12", "y"],
-        ["shoe 12", "y2"],
-    ]
+    curves = reader.shown("data.map((trace) => [trace.name, trace.yaxis])")
+    assert curves == [["shoe 12", "y"], ["shoe 12", "y2"]]
     assert reader.shown("layout.yaxis2.title.text").startswith("z displacement")
     position = history.position.sel(shoe=12, axis="z")
     drawn = reader.shown("Array.from(data[1].y)")
@@ -51,9 +49,8 @@ def test_quantities_axes_and_shoes_can_be_picked(reader, flexible_run):
     plot.locator(".items").get_by_text("all").click()
     assert reader.shown("data.length") == 26
     plot.get_by_label("quantity").select_option(label="spherical joint reaction in kN")
-    assert reader.shown("data.map((trace) => trace.name)")[:5] == [
-        f"link {n}-{n + 1}" for n in (1, 4, 7, 9, 12)
-    ]
+    links = [f"link {n}-{n + 1}" for n in (1, 4, 7, 9, 12)]
+    assert reader.shown("data.map((trace) => trace.name)")[:5] == links
     # an axis that was left out stays so for the next quantity of shoes
     plot.locator(".axes input[value=y]").uncheck()
     plot.get_by_label("quantity").select_option(label="acceleration in m/s²")
@@ -91,15 +88,13 @@ def test_phases_stand_behind_the_curves(browser, phased, translation, tmp_path):
         history.save(folder / "history.nc")
     reader = Reader(browser, write_report(tmp_path))
     bands = reader.shown("layout.shapes.map(({ x0, x1, layer }) => [x0, x1, layer])")
-    expected = [(0.0, 0.04), (0.04, 0.08), (0.08, 0.084), (0.084, 0.12)]
-    assert [pytest.approx(band[:2]) for band in bands] == [list(one) for one in expected]
+    assert [pytest.approx(band[:2]) for band in bands] == list(map(list, BANDS))
     assert {band[2] for band in bands} == {"below"}
     written = "[...document.querySelectorAll('#plot-0 .annotation-text')].map((one) => one.textContent)"
     names = ["propel <b>", "first $dig", "let the machine settle", "swing & back"]
     assert reader.shown(written) == [*names[:2], names[3]]
-    reader.page.evaluate(
-        "Plotly.relayout(document.querySelector('#plot-0 .figure'), { 'xaxis.range': [0.076, 0.09] })"
-    )
+    plot = "document.querySelector('#plot-0 .figure')"
+    reader.page.evaluate(f"Plotly.relayout({plot}, {{ 'xaxis.range': [0.076, 0.09] }})")
     zoomed = json.dumps(names[1:], separators=(",", ":"))
     reader.page.wait_for_function(f"() => JSON.stringify({written}) === '{zoomed}'")
     reader.page.locator("#plot-0").get_by_label("case").select_option("translation")
@@ -133,22 +128,18 @@ def test_the_whole_track_moves(reader, flexible_run):
     count = reader.page.evaluate("report.views.track.scene.titles.length")
     for number in (0, count - 1):
         reader.page.locator("#track-time").fill(str(number))
-        drawn = np.array(reader.shown("['x', 'y', 'z'].map((a) => Array.from(data[1][a]))", view))
         now = history.dataset.isel(time=0 if number == 0 else -1).sel(shoe=[7, 13])
         # the pitch is small, and the middle of a box is near the COM
-        places = drawn.reshape(3, 2, 8).mean(axis=2).T
+        places = reader.places(view, 1).reshape(2, 8, 3).mean(axis=1)
         assert places == pytest.approx(now.position.values + middle, abs=5e-3)
     reader.page.locator("#track-time").fill(str(count - 3))
     reader.page.locator("#track-play").click()
-    reader.page.wait_for_function(
-        f"() => report.views.track.now() === {count - 1} && !report.views.track.playing"
-    )
+    ended = f"report.views.track.now() === {count - 1} && !report.views.track.playing"
+    reader.page.wait_for_function(f"() => {ended}")
     reader.page.locator("#track-forces").uncheck()
     assert reader.shown("data.length", view) == 3
     reader.page.locator("[data-camera=above]").click()
-    reader.page.wait_for_function(
-        "() => document.querySelector('#track-view').layout.scene.camera.up.y === 1"
-    )
+    reader.wait("layout.scene.camera.up.y === 1", view)
 
 
 def test_rollers_stand_where_the_frame_has_them(reader, rolled):
@@ -193,16 +184,13 @@ def test_the_time_of_the_shoes_can_be_chosen(reader, flexible_run):
         assert reader.page.locator("#shoe-time-shown").text_content() == titles[number]
         for place, shoe in enumerate((7, 13)):
             expected = stress.frame_von_mises.sel(shoe=shoe, frame=frame).values / 1e6
-            drawn = reader.shown(f"Array.from(data[{place}].intensity)", view)
-            assert drawn == pytest.approx(expected[used], abs=0.51 * step)
+            assert reader.drawn(view, place) == pytest.approx(expected[used], abs=0.51 * step)
             assert reader.shown(f"data[{place}].name", view) == f"shoe {shoe}: {expected.max():.1f} MPa"
         reader.page.wait_for_timeout(1000)
         pictures.append(reader.page.locator("#shoe-view").screenshot())
     assert pictures[0] != pictures[1]
-    assert (
-        reader.shown("[data[0].cmax, data[1].cmax]", view)
-        == [reader.page.evaluate("report.views.shoe.scene.solids[0].colourings[0].high")] * 2
-    )
+    high = reader.page.evaluate("report.views.shoe.scene.solids[0].colourings[0].high")
+    assert reader.shown("[data[0].cmax, data[1].cmax]", view) == [high] * 2
 
 
 def show_shoes(reader):
@@ -219,9 +207,7 @@ def test_shoes_stand_where_the_history_has_them_and_bend_as_asked(reader, flexib
     places = {}
     for factor in (0, 100):
         reader.page.locator("#shoe-bend").fill(str(factor))
-        places[factor] = np.array(
-            reader.shown("['x', 'y', 'z'].map((a) => Array.from(data[1][a]))", "#shoe-view")
-        ).T
+        places[factor] = reader.places("#shoe-view", 1)
     now = history.dataset.isel(time=-1).sel(shoe=13)
     local = stress.node_position.values[used]
     # the pitch is small: the axes are turned by less than 0.05 rad
@@ -249,8 +235,7 @@ def test_shoes_can_be_coloured_by_how_far_to_trust_them(reader, flexible_run):
         assert 0.0 < np.isfinite(judged).mean() < 0.9
         faces = judged[corners]
         seen = np.isfinite(faces).any(axis=1)
-        drawn = f"Array.from(data[{place}].intensity, (one) => Number.isNaN(one) ? null : one)"
-        found = np.array(reader.shown(drawn, view), dtype=float)
+        found = reader.drawn(view, place)
         assert found[seen] == pytest.approx(np.nanmax(faces[seen], axis=1))
         assert set(found[~seen]) <= {len(VERDICTS), np.nan}
     first = f"shoe 13, node {used[0]}: "
@@ -277,7 +262,6 @@ def test_pictures_and_rows_can_be_chosen(reader):
     assert all(rows.nth(k).is_visible() for k in range(rows.count()))
 
 
-@pytest.mark.slow
 @pytest.mark.slow
 def test_cases_can_be_compared(browser, rigid_folders, tmp_path):
     reader = Reader(browser, write_report(rigid_folders[0], tmp_path / "report.html"))

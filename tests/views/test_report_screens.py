@@ -5,7 +5,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from exudyn_crawler.views.pages.report import write_report
 from tests.views.browser import Reader
 
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
@@ -42,15 +41,20 @@ def seen(reader, place, bodies):
     return np.array(reader.page.evaluate(SEEN, [place, bodies]))
 
 
+def assert_on_screen(extent, width):
+    """What is seen is on the screen as a whole, and not lost on it."""
+    assert np.abs(extent).max() < 1.0
+    assert extent[1] - extent[0] > width
+
+
 def overlap(one, other):
     across = min(one["right"], other["right"]) - max(one["left"], other["left"])
     return across > 0.5 and min(one["bottom"], other["bottom"]) - max(one["top"], other["top"]) > 0.5
 
 
 @pytest.fixture(scope="module")
-def phone(browser, stress_folder, tmp_path_factory):
-    path = write_report(stress_folder, tmp_path_factory.mktemp("phone") / "report.html")
-    reader = Reader(browser, path, **PHONE)
+def phone(browser, stress_report):
+    reader = Reader(browser, stress_report, **PHONE)
     assert reader.page.evaluate("matchMedia('(hover: none)').matches")
     yield reader
     assert reader.errors == []
@@ -68,13 +72,8 @@ def test_a_narrow_screen_needs_no_scrolling_sideways(phone):
 def test_a_narrow_screen_shows_all_of_the_track(phone):
     for camera in ("aslant", "above", "side"):
         phone.page.locator(f"[data-camera={camera}]").click()
-        extent = seen(phone, "#track-view", "shoes")
-        # all shoes are on the screen, and not lost on it
-        assert np.abs(extent).max() < 1.0
-        assert extent[1] - extent[0] > 1.2
-    extent = seen(phone, "#shoe-view", "shoe")
-    assert np.abs(extent).max() < 1.0
-    assert extent[1] - extent[0] > 1.0
+        assert_on_screen(seen(phone, "#track-view", "shoes"), 1.2)
+    assert_on_screen(seen(phone, "#shoe-view", "shoe"), 1.0)
 
 
 def test_nothing_on_a_narrow_screen_lies_over_the_other(phone):
@@ -113,9 +112,9 @@ def test_colour_bars_of_a_narrow_screen_are_as_wide_as_it(phone):
 
 
 @pytest.mark.slow
-def test_views_step_back_as_a_screen_becomes_narrow(browser, stress_folder, tmp_path):
+def test_views_step_back_as_a_screen_becomes_narrow(browser, stress_report):
     """The axes, which hold all that is drawn, and their labels have room at any width."""
-    reader = Reader(browser, write_report(stress_folder, tmp_path / "report.html"))
+    reader = Reader(browser, stress_report)
     for width in (1400, 390, 800):
         reader.page.set_viewport_size({"width": width, "height": 900})
         for place in ("#track-view", "#shoe-view"):

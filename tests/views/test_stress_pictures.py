@@ -27,23 +27,27 @@ from tests.views.test_track_scene import axes_of_rollers
 
 @pytest.fixture(scope="module")
 def run(flexible_run):
-    history, stress, _ = flexible_run
-    return history, stress
+    return flexible_run[:2]
 
 
-def test_every_chosen_time_gets_a_picture(run, tmp_path):
+def files_at(series, time):
+    """Paths of what ParaView shows at a time, by name, as a series lists them."""
+    entries = [entry.attrib for entry in ElementTree.parse(series).iter("DataSet")]
+    return {one["name"]: series.parent / one["file"] for one in entries if float(one["timestep"]) == time}
+
+
+def test_every_chosen_time_gets_a_picture(run, stress_folder):
     history, stress = run
-    written = write_stress_pictures(stress, history, tmp_path)
-    assert [picture_time(path) for path in written] == pytest.approx(stress.frame.values)
-    assert written == sorted(tmp_path.iterdir())
-    images = [np.asarray(Image.open(path).convert("RGB")).astype(int) for path in written]
+    pictures = sorted(stress_folder.glob("*.png"))
+    assert [picture_time(path) for path in pictures] == pytest.approx(stress.frame.values)
+    images = [np.asarray(Image.open(path).convert("RGB")).astype(int) for path in pictures]
     # red is where stress is, blue are the arrows; at t = 0 the shoes carry less than under way
     red = [(image[..., 0] - image[..., 2] > 120).mean() for image in images]
     blue = [(image[..., 2] - image[..., 0] > 100).mean() for image in images]
     assert min(blue) > 2e-4
     assert red[1] > 1.1 * red[0]
     with pytest.raises(FileExistsError, match=picture_name(0.0)):
-        write_stress_pictures(stress, history, tmp_path)
+        write_stress_pictures(stress, history, stress_folder)
 
 
 def test_all_pictures_share_one_scale_and_say_the_highest_stress(run):
@@ -115,11 +119,10 @@ def test_rollers_near_the_shoes_are_where_the_history_has_them(bent, bent_stress
 
 def test_paraview_reads_the_track_back_in_place(run, tmp_path):
     history, stress = run
-    series = ElementTree.parse(write_paraview(stress, history, tmp_path)).getroot()
-    entries = [entry.attrib for entry in series.iter("DataSet")]
-    times = sorted({float(entry["timestep"]) for entry in entries})
+    series = write_paraview(stress, history, tmp_path)
+    times = sorted({float(one.attrib["timestep"]) for one in ElementTree.parse(series).iter("DataSet")})
     assert times == pytest.approx(stress.frame.values)
-    last = {e["name"]: tmp_path / e["file"] for e in entries if float(e["timestep"]) == times[-1]}
+    last = files_at(series, times[-1])
     assert set(last) == {"shoe 7", "shoe 13", "rigid shoes", "terrain", "contacts"}
 
     now = history.dataset.sel(time=times[-1], method="nearest")
@@ -172,13 +175,8 @@ def test_stresses_of_another_mesh_are_refused(run, tmp_path):
 
 
 def test_paraview_has_frame_rollers_and_treads(bent, bent_stress, tmp_path):
-    series = ElementTree.parse(write_paraview(bent_stress, bent, tmp_path)).getroot()
     last = float(bent_stress.frame[-1])
-    files = {
-        entry.attrib["name"]: tmp_path / entry.attrib["file"]
-        for entry in series.iter("DataSet")
-        if float(entry.attrib["timestep"]) == last
-    }
+    files = files_at(write_paraview(bent_stress, bent, tmp_path), last)
     assert {"side frame", "rollers", "treads"} <= set(files)
     now = bent.dataset.sel(time=[last], method="nearest")
     rollers, hubs = meshio.read(files["rollers"]), axes_of_rollers(bent, now)
