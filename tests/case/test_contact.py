@@ -37,60 +37,33 @@ def test_each_model_is_had_where_it_is_the_case_s():
         Case.translation().sphere_contact()
 
 
-def test_unknown_model_is_refused():
-    with pytest.raises(
-        ParameterError, match=r"^contact\.model: must be 'pair' or 'spheres' or 'cells', got 'hertz'$"
-    ):
-        CASE.with_(contact=SPHERES.model_dump() | {"model": "hertz"})
+LIGHT = Phase(name="propel", end=1, loads=[386.4e3] * 13)
+HEAVY = Phase(name="swing", end=9, loads=[*[386.4e3] * 6, 732e3, *[386.4e3] * 6])
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"spheres_x": 1}, "spheres_x"),
-        ({"spheres_y": 0}, "spheres_y"),
-        ({"radius": -0.1}, "radius"),
-        ({"damping": -1.0}, "damping"),
-        ({"friction": -0.1}, "friction"),
-        ({"friction_speed": 0.0}, "friction_speed"),
-        ({"radius": math.inf}, "radius"),
+        ({"contact.spheres_x": 1}, "spheres_x"),
+        ({"contact.spheres_y": 0}, "spheres_y"),
+        ({"contact.radius": -0.1}, "radius"),
+        ({"contact.radius": math.inf}, "radius"),
+        ({"contact.damping": -1.0}, "damping"),
+        ({"contact.friction": -0.1}, "friction"),
+        ({"contact.friction_speed": 0.0}, "friction_speed"),
+        ({"contact.radius": 0.06}, r"radius must exceed the settled penetration .* 0\.0657.* m, got 0\.06"),
+        (
+            {"contact.radius": 0.1, "loads": LoadCycle(phases=(LIGHT, HEAVY))},
+            r"settled penetration of the most loaded shoe, 0\.1183 m, got 0\.1",
+        ),
+        ({"contact.radius": 2.0}, r"quarter of a unit's side, 1\.75 m, got 2"),
+        ({"loads": LoadCycle.constant(-1e6)}, "loads must press the shoes down"),
+        (
+            {"flexible": FlexibleShoes.ph4100c("coarse")},
+            r"flexible must be None with contact\.model 'spheres'",
+        ),
     ],
 )
-def test_bad_spheres_are_refused(changes, message):
+def test_spheres_that_would_sink_through_or_do_not_go_with_the_case_are_refused(changes, message):
     with pytest.raises(ParameterError, match=message):
-        SPHERES.with_(**changes)
-
-
-def test_spheres_that_would_sink_through_are_refused():
-    spheres = SPHERES.with_(radius=0.06)
-    with pytest.raises(
-        ParameterError, match=r"radius must exceed the settled penetration .* 0\.0657.* m, got 0\.06"
-    ):
-        CASE.with_(contact=spheres)
-
-
-def test_growing_load_that_would_sink_a_sphere_through_is_refused():
-    spheres = SPHERES.with_(radius=0.1)
-    case = CASE.with_(contact=spheres)
-    light, heavy = [386.4e3] * 13, [*[386.4e3] * 6, 732e3, *[386.4e3] * 6]
-    loads = LoadCycle(
-        phases=(Phase(name="propel", end=1, loads=light), Phase(name="swing", end=9, loads=heavy))
-    )
-    message = r"settled penetration of the most loaded shoe, 0\.1183 m, got 0\.1"
-    with pytest.raises(ParameterError, match=message):
-        case.with_(loads=loads)
-
-
-def test_loads_that_lift_the_track_are_refused():
-    with pytest.raises(ParameterError, match="loads must press the shoes down"):
-        CASE.with_(loads=LoadCycle.constant([-1e6] * 13))
-
-
-def test_spheres_too_large_for_the_units_are_refused():
-    with pytest.raises(ParameterError, match=r"quarter of a unit's side, 1\.75 m, got 2"):
-        CASE.with_(contact=SPHERES.with_(radius=2.0))
-
-
-def test_flexible_shoes_are_refused():
-    with pytest.raises(ParameterError, match=r"flexible must be None with contact\.model 'spheres'"):
-        CASE.with_(flexible=FlexibleShoes.ph4100c("coarse"))
+        CASE.with_(changes)

@@ -5,29 +5,21 @@ import math
 import numpy as np
 import pytest
 
-from exudyn_crawler import Drive, LoadCycle, Phase, StepProfile
+from exudyn_crawler import Case, Drive, LoadCycle, Phase, StepProfile
 
 EARLY = np.linspace(0.0, 5.0, 21)
 LATE = np.linspace(5.0, 12.0, 15)
 
 
-def test_speed_is_the_papers_polynomial_and_then_constant():
+def test_speed_travel_and_acceleration_are_the_papers_polynomials_and_then_constant():
     speed = Drive.translation().speed
     assert speed.value(EARLY) == pytest.approx(0.012 * EARLY**2 - 0.0016 * EARLY**3, rel=1e-12)
     assert speed.value(LATE) == pytest.approx(np.full(15, 0.1), rel=1e-12)
-
-
-def test_travel_is_the_integral_of_the_polynomial():
-    travel = Drive.translation().speed.integral
-    assert travel(EARLY) == pytest.approx(0.004 * EARLY**3 - 0.0004 * EARLY**4, rel=1e-12)
-    assert travel(LATE) == pytest.approx(0.25 + 0.1 * (LATE - 5.0), rel=1e-12)
-
-
-def test_acceleration_is_the_derivative_of_the_polynomial():
-    rate = Drive.translation().speed.rate
-    assert rate(EARLY) == pytest.approx(0.024 * EARLY - 0.0048 * EARLY**2, rel=1e-12, abs=1e-15)
-    assert rate(2.5) == pytest.approx(0.03, rel=1e-12)  # K-chapter eq. 29
-    assert rate(LATE) == pytest.approx(np.zeros(15), abs=1e-15)
+    assert speed.integral(EARLY) == pytest.approx(0.004 * EARLY**3 - 0.0004 * EARLY**4, rel=1e-12)
+    assert speed.integral(LATE) == pytest.approx(0.25 + 0.1 * (LATE - 5.0), rel=1e-12)
+    assert speed.rate(EARLY) == pytest.approx(0.024 * EARLY - 0.0048 * EARLY**2, rel=1e-12, abs=1e-15)
+    assert speed.rate(2.5) == pytest.approx(0.03, rel=1e-12)  # K-chapter eq. 29
+    assert speed.rate(LATE) == pytest.approx(np.zeros(15), abs=1e-15)
 
 
 def test_turn_rate_is_the_papers_polynomial_in_degrees():
@@ -73,3 +65,9 @@ def test_loads_follow_steps_between_the_ends_of_phases():
     )
     quarter = 386.4e3 + (500e3 - 386.4e3) * 0.25**2 * 2.5
     assert cycle.of_shoes[1].value(15.0 + 7.5 / 4) == pytest.approx(quarter, rel=1e-12)
+
+
+def test_the_track_travels_only_while_driven():
+    speed = StepProfile(times=(0.0, 0.05, 0.1, 0.15, 0.2), values=(0.0, 0.01, 0.0, 0.0, 0.02))
+    case = Case.translation().with_(drive=Drive(speed=speed, on=((0.0, 0.05),)))
+    assert case.outline(0.2)[0, 0] - case.outline(0.0)[0, 0] == pytest.approx(0.05 * 0.01 / 2)

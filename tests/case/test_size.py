@@ -6,7 +6,6 @@ import pytest
 
 from exudyn_crawler import Case, CaseFile, SphereContact, simulate
 from exudyn_crawler.case.case_file import check_size, machine_memory
-from studies.stress import with_modes
 
 STRAIGHT = Case.translation()
 
@@ -44,11 +43,3 @@ def test_what_machines_hold_is_not_refused():
     assert machine_memory() > 1e8
     check_size(Case.stress(), 3600.0)
     check_size(ground(50, 20), 10.0)
-
-
-@pytest.mark.parametrize("choice", ["1-9999999999", "1-" + "9" * 5000, "95", "3,1-95"])
-def test_modes_that_are_not_there_are_refused_before_they_are_listed(choice):
-    flexible = Case.stress().flexible_shoes()
-    with pytest.raises(ValueError, match=r"modes must be in 1\.\.94, got (9+|95)$"):
-        with_modes(flexible, choice)
-    assert with_modes(flexible, "1-094").modes == tuple(range(1, 95))
