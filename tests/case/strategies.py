@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from exudyn_crawler import Case, CaseFile, SphereContact, StepProfile
 from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.parameters.base import Parameters
-from exudyn_crawler.case.parameters.fields import allows_none, models_of, named_values
+from exudyn_crawler.case.parameters.fields import allows_none, key_paths, models_of, named_values
 from exudyn_crawler.errors import ParameterError
 from meshes import SHOE_SIZES
 
@@ -40,23 +40,16 @@ def changed_value(value, annotation):
     if isinstance(value, str):
         return TEXT
     if isinstance(value, tuple):
-        parts = [changed_value(one, None) for one in value]
-        whole = st.tuples(*parts)
+        whole = st.tuples(*(changed_value(one, None) for one in value))
+        numbers = all(isinstance(one, int | float) for one in value) and len(value) > 1
         # rising numbers stay so
-        return whole.map(lambda one: tuple(sorted(set(one)))) if _rising(value) else whole
+        rising = numbers and list(value) == sorted(set(value))
+        return whole.map(lambda one: tuple(sorted(set(one)))) if rising else whole
     if isinstance(value, Parameters):
         others = [kind for kind in models_of(annotation) if kind is not type(value)]
         made = [make() for kind in others for make in named_values(kind).values()]
         return st.sampled_from([value, *made]).flatmap(changed)
     raise AssertionError(f"no strategy for {value!r}")
-
-
-def _rising(values):
-    return (
-        all(isinstance(one, int | float) for one in values)
-        and len(values) > 1
-        and list(values) == sorted(set(values))
-    )
 
 
 @st.composite
@@ -91,14 +84,7 @@ def case_files(draw):
         return CaseFile(case=case, duration=1e-6)
 
 
-def _names(model):
-    for name, field in model.model_fields.items():
-        yield name
-        for part in models_of(field.annotation):
-            yield from _names(part)
-
-
-NAMES = sorted({*_names(CaseFile), "base", "wrong"} - {"case"})
+NAMES = sorted({name for path in key_paths(CaseFile) for name in path.split(".")} | {"base", "wrong"})
 PLAIN = (
     st.none().map(lambda _none: "none")
     | st.booleans()

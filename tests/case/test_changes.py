@@ -49,39 +49,41 @@ def test_items_of_a_list_of_the_file_are_changed(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("key", "meant"),
+    [
+        ("terrain.spring_stifness", "terrain.spring_stiffness"),
+        ("spring_stifness", "terrain.spring_stiffness"),
+        ("terrain.spring.stiffness", "terrain.spring_stiffness"),
+        ("terain.spring_stiffness", "terrain.spring_stiffness"),
+        ("terrain.origin.x", "terrain.origin"),
+        ("case.terrain.origin[1]", "terrain.origin"),
+        ("loads.phases[0].ende", "loads.phases.end"),
+        ("loads.phase[0].end", "loads.phases.end"),
+        ("load.phases[0].end", "loads.phases.end"),
+        ("loads.phases[0].loads[1].x", "loads.phases.loads"),
+    ],
+)
+def test_an_unknown_key_is_answered_with_the_one_that_was_meant(path, key, meant):
+    told = re.escape(f"{path}: {key}: unknown key; did you mean {meant}?")
+    with pytest.raises(CaseFileError, match=f"^{told}"):
+        read_case(path, [f"{key}=1"])
+
+
+@pytest.mark.parametrize(
     ("change", "told"),
     [
-        ("terrain.spring_stifness=1", "terrain.spring_stifness: unknown key; did you mean"),
-        ("spring_stifness=1", "spring_stifness: unknown key; did you mean terrain.spring_stiffness?"),
         ("spring_stiffness=soft", "terrain.spring_stiffness: must be a number in N/m, or such as '1 MN/m'"),
         ("terrain.spring_stiffness=-1", "terrain.spring_stiffness: must be greater than"),
         ("density=7000", "density: which one is meant? terrain.density, flexible.density"),
-        (
-            "terrain.spring.stiffness=1",
-            "terrain.spring.stiffness: unknown key; did you mean terrain.spring_stiffness?",
-        ),
-        (
-            "terain.spring_stiffness=1",
-            "terain.spring_stiffness: unknown key; did you mean terrain.spring_stiffness?",
-        ),
-        ("terrain.origin.x=1", "terrain.origin.x: unknown key; did you mean terrain.origin?"),
         ("base.x=1", "base.x: unknown key"),
         ("terrain.spring_stiffness", "a change must be like terrain.spring_stiffness=1e7 or loads"),
-        ("loads.phases[0].ende=1", "loads.phases[0].ende: unknown key; did you mean loads.phases.end?"),
-        ("loads.phase[0].end=1", "loads.phase[0].end: unknown key; did you mean loads.phases.end?"),
-        ("load.phases[0].end=1", "load.phases[0].end: unknown key; did you mean loads.phases.end?"),
         ("loads.phases[0].loads[13]=1", "loads.phases[0].loads[13]: loads.phases[0].loads has 13 items"),
         ("loads.phases[-1].end=1", "a change must be like terrain.spring_stiffness=1e7 or loads.phases[0]"),
         ("loads.phases[1].end=1", "loads.phases[1].end: loads.phases has 1 items, counted from 0, no [1]"),
         ("terrain.columns[1]=1", "terrain.columns[1]: there is no list terrain.columns to change an item of"),
         ("terrain[1]=1", "terrain[1]: there is no list terrain to change an item of"),
         ("loads.phases[0][1]=1", "loads.phases[0][1]: there is no list loads.phases[0] to change an item of"),
-        (
-            "loads.phases[0].loads[1].x=1",
-            "loads.phases[0].loads[1].x: unknown key; did you mean loads.phases.loads?",
-        ),
         ("terrain.origin[1]=far", "terrain.origin[1]: must be a number in m, or such as '1 mm', got 'far'"),
-        ("case.terrain.origin[1]=1", "case.terrain.origin[1]: unknown key; did you mean terrain.origin?"),
         ("name=a\nb = 1", "name: must be printable"),
     ],
 )

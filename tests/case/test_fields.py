@@ -4,17 +4,8 @@ import pytest
 
 from exudyn_crawler import Case, CaseFile, LoadCycle, PairContact, SphereContact, Terrain
 from exudyn_crawler.case import CellContact
-from exudyn_crawler.case.parameters.fields import (
-    entry_at,
-    is_table,
-    key_paths,
-    models_of,
-    parse_path,
-    path_text,
-    walk,
-    with_change,
-    with_value,
-)
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.fields import entry_at, parse_path, walk, with_value
 from exudyn_crawler.errors import ParameterError
 
 CONTENT = {"loads": {"phases": [{"end": 0.0}, {"end": 5.0}]}, "name": "a"}
@@ -30,7 +21,7 @@ CONTENT = {"loads": {"phases": [{"end": 0.0}, {"end": 5.0}]}, "name": "a"}
 )
 def test_a_path_is_names_and_numbers(text, path):
     assert parse_path(text) == path
-    assert path_text(path) == text
+    assert fields.path_text(path) == text
 
 
 @pytest.mark.parametrize("text", ["", "a..b", "a b", "loads.phases[-1]", "[2]", "a.[1]", "a\n"])
@@ -40,7 +31,7 @@ def test_what_is_no_path_is_refused(text):
 
 
 def test_changes_are_copies_and_reach_all_items():
-    changed = with_change(CONTENT, parse_path("loads.phases[*].end"), lambda end: end + 1.0)
+    changed = fields.with_change(CONTENT, parse_path("loads.phases[*].end"), lambda end: end + 1.0)
     assert [phase["end"] for phase in changed["loads"]["phases"]] == [1.0, 6.0]
     assert CONTENT["loads"]["phases"][0]["end"] == 0.0
     assert with_value(CONTENT, ("terrain", "grade"), 0.1)["terrain"] == {"grade": 0.1}
@@ -114,15 +105,14 @@ def test_each_table_comes_before_its_values_and_those_before_its_tables():
     drive = paths.index("drive")
     assert paths[drive : drive + 4] == ["drive", "drive.speed", "drive.turn_rate", "drive.on"]
     loads = paths.index("loads")
-    assert paths[loads + 1 : loads + 5] == [
-        f"loads.phases[0]{end}" for end in ("", ".name", ".end", ".loads")
-    ]
-    tables = [entry.path for entry in walk(WHOLE) if is_table(entry.value) and len(entry.place) == 1]
+    phase = [f"loads.phases[0]{end}" for end in ("", ".name", ".end", ".loads")]
+    assert paths[loads + 1 : loads + 5] == phase
+    tables = [entry.path for entry in walk(WHOLE) if fields.is_table(entry.value) and len(entry.place) == 1]
     parts = ["shoe", "track", "terrain", "contact", "drive", "loads", "flexible", "solver", "outputs"]
     assert tables == parts
 
 
-def test_every_value_is_met_with_its_field():
+def test_every_value_is_met_with_its_field_in_a_part_by_itself_too():
     found = {entry.path: entry for entry in walk(WHOLE)}
     assert found["loads.phases[1].loads"].value == WHOLE.case.loads.phases[1].loads
     assert found["terrain.spring_stiffness"].unit == "N/m"
@@ -130,19 +120,13 @@ def test_every_value_is_met_with_its_field():
     assert found["contact"].meaning == "how shoes and terrain touch: model pair, spheres or cells"
     assert found["drive.speed"].value == WHOLE.case.drive.speed
     assert all(entry.meaning for entry in found.values())
-
-
-def test_a_part_is_walked_by_itself():
-    assert [entry.path for entry in walk(Terrain.stress(), ("ground",))][:2] == [
-        "ground.grade",
-        "ground.side_slope",
-    ]
+    part = [entry.path for entry in walk(Terrain.stress(), ("ground",))]
+    assert part[:2] == ["ground.grade", "ground.side_slope"]
 
 
 def test_key_paths_are_those_of_every_class_that_a_field_may_hold():
-    paths = list(key_paths(Case))
+    paths = list(fields.key_paths(Case))
     assert len(set(paths)) == len(paths)
-    assert {"contact.model", "contact.sharing", "contact.radius", "drive.on", "loads.phases.end"} <= set(
-        paths
-    )
-    assert models_of(Case.model_fields["contact"].annotation) == (PairContact, SphereContact, CellContact)
+    assert {"contact.model", "contact.sharing", "contact.radius", "drive.on", "loads.phases.end"} <= {*paths}
+    contact = Case.model_fields["contact"].annotation
+    assert fields.models_of(contact) == (PairContact, SphereContact, CellContact)

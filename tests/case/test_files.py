@@ -151,9 +151,8 @@ def test_keys_of_the_other_model_are_unknown(refused):
     spheres = 'base = "translation"\n[contact]\nmodel = "spheres"\nbase = "oil_sand"\n'
     (fault,) = refused(f"{spheres}sharing = 'area'\n")
     assert fault.startswith("contact.sharing: unknown key; allowed are model, spheres_x, ")
-    assert refused(f"{spheres}raduis = 0.2\n") == [
-        "contact.raduis: unknown key; did you mean contact.radius?"
-    ]
+    (fault,) = refused(f"{spheres}raduis = 0.2\n")
+    assert fault == "contact.raduis: unknown key; did you mean contact.radius?"
 
 
 def test_none_takes_a_value_away(read):
@@ -164,9 +163,8 @@ def test_a_mesh_is_sought_beside_the_file(read, refused, tmp_path):
     (tmp_path / "own.msh.gz").write_bytes(shoe_path("coarse").read_bytes())
     text = 'base = "translation"\n[flexible]\nbase = "ph4100c"\nmesh = "{}"\n'
     assert read(text.format("own.msh.gz")).case.flexible.mesh == str(tmp_path / "own.msh.gz")
-    assert refused(text.format("lost.msh")) == [
-        "flexible.mesh: neither one of coarse, study, fine nor a file: 'lost.msh'"
-    ]
+    (fault,) = refused(text.format("lost.msh"))
+    assert fault == "flexible.mesh: neither one of coarse, study, fine nor a file: 'lost.msh'"
 
 
 def test_named_values_are_the_constructors_that_need_nothing():
@@ -176,11 +174,9 @@ def test_named_values_are_the_constructors_that_need_nothing():
     assert named_values(Terrain)["stress"]() == Terrain.stress()
 
 
-CELLS = {f"terrain.{path}" for path in key_paths(CellTerrain)} | {
-    f"contact.{path}" for path in key_paths(CellContact)
-}
+CELLS = {*key_paths(CellTerrain, "terrain."), *key_paths(CellContact, "contact.")}
 """Paths of a ground of cells."""
-OF_SPHERES = {f"contact.{path}" for path in set(key_paths(SphereContact)) - set(key_paths(PairContact))}
+OF_SPHERES = {*key_paths(SphereContact, "contact.")} - {*key_paths(PairContact, "contact.")}
 
 
 @pytest.mark.parametrize("path", ["terrain.width", "contact.law.k_phi", "terrain.relief.roughness.seed"])
@@ -192,9 +188,8 @@ def test_a_misspelt_key_of_cells_is_named_with_the_one_that_was_meant(refused, p
         "contact": 'model = "cells"\n',
         "contact.law": 'model = "bekker"\n',
     }
-    tables = dict.fromkeys([*text, table])
-    lines = [f"[{one}]\n{text.get(one, '')}{f'{name}s = 1' if one == table else ''}\n" for one in tables]
-    faults = refused('base = "turning"\n' + "".join(lines))
+    text[table] = text.get(table, "") + f"{name}s = 1\n"
+    faults = refused('base = "turning"\n' + "".join(f"[{one}]\n{lines}" for one, lines in text.items()))
     wanted = f"{name}s: unknown key; did you mean {'' if 'law' in table else f'{table}.'}{name}?"
     assert any(one.startswith(table) and wanted in one for one in faults)
 
@@ -244,26 +239,13 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("[outputs]\nshoes = [1, 14]", "outputs.shoes must be in 1..13, got [14]"),
         ("[outputs]\npicture_times = [0, 20]", "outputs.picture_times must lie in 0..10 s, got [0.0, 20.0]"),
         ("[outputs]\npicture_times = [2, 1]", "outputs.picture_times: must be different and rise, got (2.0,"),
-        (
-            "[outputs]\npicture_times = [-1, 1]",
-            "outputs.picture_times[0]: must be greater than or equal",
-        ),
+        ("[outputs]\npicture_times = [-1, 1]", "outputs.picture_times[0]: must be greater than or equal"),
         ("[outputs]\npicture_times = []", "outputs.picture_times: must have at least 1 item"),
-        (
-            '[contact]\nmodel = "hertz"',
-            "contact.model: must be 'pair' or 'spheres' or 'cells', got 'hertz'",
-        ),
+        ('[contact]\nmodel = "hertz"', "contact.model: must be 'pair' or 'spheres' or 'cells', got 'hertz'"),
         ("[contact]\nmodel = [1]", "contact.model: must be 'pair' or 'spheres' or 'cells', got [1]"),
-        (
-            'contact = "spheres"',
-            "contact: must be a table, got 'spheres'",
-        ),
+        ('contact = "spheres"', "contact: must be a table, got 'spheres'"),
         ("[drive]\non = [[0, 15, 20]]", "drive.on[0]: "),
         ("[drive]\non = [[5, 15]]", "drive: speed must be zero where the drive goes on, at 5 s, got 0.1 m/s"),
-        (
-            "[contact]\ndynamic_friction = 0.5",
-            "contact: dynamic_friction must not exceed static_friction = 0.4, got 0.5",
-        ),
         (
             "[drive]\nspeed = {times = [0, 1, 1], values = [0, 1, 2]}",
             "drive.speed: times must increase, got (0.0, 1.0, 1.0)",
@@ -281,19 +263,17 @@ def test_all_faults_are_told_at_once(refused):
 
 
 def test_of_many_errors_the_first_are_named_and_all_counted(refused):
-    faults = refused('base = "translation"\n' + "".join(f"key{k} = 1\n" for k in range(100_000)))
+    faults = refused('base = "translation"\n' + "".join(f"key{k} = 1\n" for k in range(10_000)))
     assert [fault.partition(":")[0] for fault in faults[:100]] == [f"key{k}" for k in range(100)]
-    assert faults[100:] == ["99900 more errors"]
+    assert faults[100:] == ["9900 more errors"]
 
 
 def test_a_wrong_base_is_answered_with_those_there_are(refused):
     assert refused('base = "turn"\n')[0].startswith("base: no 'turn'; did you mean 'turning'? allowed are '")
-    assert refused('base = "turning"\n[terrain]\nbase = 3\n')[0].startswith(
-        "terrain.base: no 3; allowed are '"
-    )
-    assert refused('base = "turning"\n[solver]\nbase = "a"\n') == [
-        "solver.base: no 'a'; allowed are no names at all"
-    ]
+    (told,) = refused('base = "turning"\n[terrain]\nbase = 3\n')
+    assert told.startswith("terrain.base: no 3; allowed are '")
+    (told,) = refused('base = "turning"\n[solver]\nbase = "a"\n')
+    assert told == "solver.base: no 'a'; allowed are no names at all"
 
 
 def test_what_a_file_without_base_lacks_is_named(refused):

@@ -3,7 +3,6 @@
 import copy
 import math
 import pickle
-import re
 import tomllib
 import traceback
 
@@ -174,16 +173,9 @@ def test_cases_are_copied_and_sent_as_they_are():
     assert copy.deepcopy(case) == case
 
 
-@pytest.mark.parametrize(
-    ("duration", "told"),
-    [
-        ("a", "duration must be a number in s, got 'a'"),
-        (None, "duration must be a number in s, got None"),
-        (-1.0, "duration must be positive and finite, got -1.0 s"),
-    ],
-)
-def test_a_duration_that_is_none_is_refused_before_anything_runs(duration, told):
-    with pytest.raises(ValueError, match=f"^{re.escape(told)}$"):
+@pytest.mark.parametrize("duration", ["a", None])
+def test_a_duration_that_is_none_is_refused_before_anything_runs(duration):
+    with pytest.raises(ValueError, match=f"^duration must be a number in s, got {duration!r}$"):
         simulate(Case.translation(), duration)
 
 
@@ -202,22 +194,16 @@ def test_an_empty_path_is_no_folder(name, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("a\0b", "must be printable, got 'a\\x00b'"),
-        ("two\nlines", "must be printable, got 'two\\nlines'"),
-    ],
-)
-def test_names_that_no_table_can_show_are_refused(name, told):
-    refusal(lambda: Case.translation().with_(name=name), f"name: {told}")
+@pytest.mark.parametrize("name", ["a\0b", "two\nlines"])
+def test_names_that_no_table_can_show_are_refused(name):
     for make in (
+        lambda: Case.translation().with_(name=name),
         lambda: Phase(name=name, end=0.0, loads=(4e5,)),
         lambda: DutyRun(name=name, folder="run", share=0.1),
         lambda: Vary(key="gravity", name=name, values=(9.8,)),
         lambda: Answer(quantity="joint_force", name=name),
     ):
-        refusal(make, f"name: {told}")
+        refusal(make, f"name: must be printable, got {name!r}")
 
 
 def test_parameters_cannot_be_changed_in_place():
@@ -236,7 +222,7 @@ def test_the_stress_studys_shoes_weigh_what_its_table_says():
     refusal(lambda: shoe.of_mass(0.0), "mass")
 
 
-CONTACT, SHOE, STRAIGHT = PairContact.oil_sand(), Shoe.kinematics(), Case.translation()
+PAIR, SHOE, CASE = PairContact.oil_sand(), Shoe.kinematics(), Case.translation()
 PROFILE = StepProfile(times=(0.0, 5.0, 6.0), values=(0.0, 1.0, 2.0))
 MOVING = StepProfile(times=(0.0, 1.0), values=(0.2, 0.3))
 
@@ -249,17 +235,13 @@ def phases(*ends, names=("a", "b"), loads=((1.0, 2.0), (3.0, 4.0))):
     ("base", "changes", "told"),
     [
         (
-            CONTACT,
+            PAIR,
             {"dynamic_friction": 0.41},
             "dynamic_friction must not exceed static_friction = 0.4, got 0.41",
         ),
-        (CONTACT, {"friction_speed": 0.01}, "friction_speed must exceed stiction_speed = 0.01, got 0.01"),
-        (CONTACT, {"friction_speed": 0.005}, "friction_speed must exceed stiction_speed = 0.01, got 0.005"),
-        (
-            SHOE,
-            {"inertia": (1.0, 1.0, 3.0, 0, 0, 0)},
-            "inertia: must be ... principal moments [1.0, 1.0, 3.0]",
-        ),
+        (PAIR, {"friction_speed": 0.01}, "friction_speed must exceed stiction_speed = 0.01, got 0.01"),
+        (PAIR, {"friction_speed": 0.005}, "friction_speed must exceed stiction_speed = 0.01, got 0.005"),
+        (SHOE, {"inertia": (1, 1, 3, 0, 0, 0)}, "inertia: must be ... principal moments [1.0, 1.0, 3.0]"),
         (SHOE, {"inertia": (1.0, 1.0, 1.0, 2.0, 0, 0)}, "inertia: must be"),
         (Track.ph4100c(), {"pin_ahead": 0.7}, "pin_ahead must be less than the pitch 0.655742, got 0.7"),
         (Solver(step=1e-3), {"minimum_step": 2e-3}, "minimum_step must not exceed step = 0.001, got 0.002"),
@@ -272,38 +254,14 @@ def phases(*ends, names=("a", "b"), loads=((1.0, 2.0), (3.0, 4.0))):
         (Drive.turning(), {"speed": MOVING}, "speed must start from zero at t = 0, got 0.2 at 0.0 s"),
         (Drive.turning(), {"turn_rate": MOVING}, "turn_rate must start from zero at t = 0, got 0.2 at 0.0 s"),
         (Drive.to_rest(), {"on": ((15.0, 0.0),)}, "on must be times from 0 s that increase"),
-        (
-            STRAIGHT,
-            {"loads": LoadCycle.propel(12)},
-            "loads must name every shoe ... (13) or be a number, got loads for 12",
-        ),
-        (
-            STRAIGHT,
-            {"loads": LoadCycle.propel(14)},
-            "loads must name every shoe ... (13) or be a number, got loads for 14",
-        ),
-        (
-            STRAIGHT,
-            {"shoe.length": 0.7},
-            "shoe.length must not exceed the track's pitch 0.655742, got 0.7",
-        ),
-        (
-            STRAIGHT,
-            {"terrain.columns": 2},
-            "terrain must carry the track ... at t = 0 s ... 0..14 m",
-        ),
-        (
-            STRAIGHT,
-            {"terrain": Terrain.stress()},
-            "contact.normal must be 'face' on units of 1 x 1 m, smaller than",
-        ),
+        (CASE, {"loads": LoadCycle.propel(12)}, "loads must name every shoe ... (13) ... got loads for 12"),
+        (CASE, {"loads": LoadCycle.propel(14)}, "loads must name every shoe ... (13) ... got loads for 14"),
+        (CASE, {"shoe.length": 0.7}, "shoe.length must not exceed the track's pitch 0.655742, got 0.7"),
+        (CASE, {"terrain.columns": 2}, "terrain must carry the track ... at t = 0 s ... 0..14 m"),
+        (CASE, {"terrain": Terrain.stress()}, "contact.normal must be 'face' on units of 1 x 1 m, smaller"),
         (SHOE, {"finger_length": 0.0}, "finger_length must be positive where finger_sides are given"),
         (SHOE, {"finger_length": 0.7}, "finger_length must be less than the length 0.655742 m, got 0.7"),
-        (
-            SHOE,
-            {"finger_sides": (-1.0, 0.5, 0.4, 1.0)},
-            "finger_sides must be two a finger, grow from right to left",
-        ),
+        (SHOE, {"finger_sides": (-1, 0.5, 0.4, 1)}, "sides must be two a finger, grow from right to left"),
         (SHOE, {"finger_sides": (-1.0, 0.5, 1.0)}, "finger_sides must be two a finger"),
         (SHOE, {"finger_sides": (-1.0, 1.8)}, "stay within the underside from -1.7525 to 1.7525 m"),
     ],
@@ -313,7 +271,7 @@ def test_values_that_do_not_go_together_are_refused(base, changes, told):
 
 
 def test_friction_may_be_alike_at_any_speed():
-    assert CONTACT.with_(dynamic_friction=0.4).dynamic_friction == 0.4
+    assert PAIR.with_(dynamic_friction=0.4).dynamic_friction == 0.4
 
 
 @pytest.mark.parametrize(
@@ -366,20 +324,15 @@ def test_a_drive_off_the_terrain_is_refused_before_anything_runs():
         simulate(case, 6.0)
 
 
-def test_a_unit_and_its_place_are_those_of_the_papers():
-    terrain = Terrain.kinematics()
-    assert terrain.unit_count == 50
-    assert terrain.unit_mass == pytest.approx(1.568e5, rel=1e-12)
+def test_units_and_their_places_are_those_of_the_papers():
+    coarse, fine = Terrain.kinematics(), Terrain.stress()
+    assert (coarse.unit_count, fine.unit_count) == (50, 247)
+    assert coarse.unit_mass == pytest.approx(1.568e5, rel=1e-12)
     for unit, place in {1: (3.5, 3.5), 7: (10.5, 10.5), 12: (17.5, 10.5), 50: (66.5, 31.5)}.items():
-        assert terrain.centers[unit - 1].tolist() == [*place, -1.0]
-
-
-def test_the_fine_grid_is_that_of_the_stress_paper():
-    terrain = Terrain.stress()
-    assert terrain.unit_count == 247
-    assert np.diff(terrain.bounds).ravel().tolist() == pytest.approx([19.0, 13.0])
-    assert terrain.unit_mass == pytest.approx(1600.0, rel=1e-12)
-    assert terrain.heave_stiffness == pytest.approx(20e6, rel=1e-12)  # E A / L
+        assert coarse.centers[unit - 1].tolist() == [*place, -1.0]
+    assert np.diff(fine.bounds).ravel().tolist() == pytest.approx([19.0, 13.0])
+    assert fine.unit_mass == pytest.approx(1600.0, rel=1e-12)
+    assert fine.heave_stiffness == pytest.approx(20e6, rel=1e-12)  # E A / L
 
 
 def test_springs_at_the_gauss_points_resist_pitch_like_an_even_support():
@@ -410,22 +363,18 @@ def test_the_load_is_an_even_share_of_the_machine_and_sinks_a_shoe_by_the_papers
 
 
 @pytest.mark.simulation
-def test_a_shoe_has_the_mass_and_inertia_of_a_solid():
-    shoe = Shoe.ph4100c()
-    assert shoe.mass == pytest.approx(0.5966 * 7847.25, rel=1e-4)
-    meshed = fem.ElasticBody(shoe_mesh("study"), fem.Material(200e9, 0.3, 7847.25))
-    scaled = meshed.inertia * shoe.mass / meshed.mass
-    assert np.diag(shoe.inertia_tensor) == pytest.approx(np.diag(scaled), rel=1e-3)
-    assert np.abs(meshed.center_of_mass).max() < 2e-3  # m, in axes whose origin is the papers' COM
-
-
-def test_a_shoes_underside_and_top_are_those_of_the_mesh():
+def test_a_shoe_has_mass_inertia_underside_and_top_of_the_solid():
     shoe, mesh = Shoe.ph4100c(), shoe_mesh("study")
+    solid = fem.ElasticBody(mesh, fem.Material(200e9, 0.3, 7847.25))
+    assert shoe.mass == pytest.approx(0.5966 * 7847.25, rel=1e-4)
+    scaled = solid.inertia * shoe.mass / solid.mass
+    assert np.diag(shoe.inertia_tensor) == pytest.approx(np.diag(scaled), rel=1e-3)
+    assert np.abs(solid.center_of_mass).max() < 2e-3  # m, in axes whose origin is the papers' COM
     under = mesh.nodes[mesh.nodes_of("underside")]
     low, high = under.min(axis=0), under.max(axis=0)
     assert shoe.footprint[[0, 2, 4]] == pytest.approx(low, abs=1e-9)
     assert shoe.footprint[[1, 3]] == pytest.approx(high[:2], abs=1e-9)
-    top = fem.ElasticBody(mesh, fem.Material(200e9, 0.3, 7847.25)).surface_weights("top")
+    top = solid.surface_weights("top")
     assert shoe.load_point[2] == pytest.approx(top @ mesh.nodes[:, 2] / top.sum(), abs=1e-4)
 
 

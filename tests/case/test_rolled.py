@@ -17,17 +17,12 @@ ROLLED = Case.rolled()
 FRAME = Undercarriage.ph4100c()
 
 
-def test_propel_is_named():
+def test_machine_is_plausible_and_rollers_carry_half_of_it_without_its_shoes():
     assert (Case.translation().is_rolled, ROLLED.is_rolled) == (False, True)
-
-
-def test_machine_is_plausible():
     assert list(implausible(ROLLED, 10.0)) == []
-
-
-def test_rollers_carry_half_the_machine_without_its_shoes():
     assert FRAME.mass == pytest.approx(630_185, abs=1.0)
     assert ROLLED.shoe.rails == Rails.ph4100c()
+    assert small_case().loads.shoe_count == SHOES
 
 
 def test_case_file_gives_the_case_again(tmp_path):
@@ -64,18 +59,16 @@ def test_undercarriages_that_are_none_are_refused(change, said):
         ({"loads": LoadCycle.propel(24)}, "loads must be zero"),
         ({"undercarriage": FRAME.with_(tread_width=0.3)}, "tread_width must not exceed the rails' width"),
         ({"undercarriage": FRAME.with_(start=12.0)}, "track must be long enough for the drive: at t = 0 s"),
+        (
+            {"shoe.rails.rear": 0.1, "undercarriage.radius": 0.2},
+            "must leave a gap from shoe to shoe that rollers cross",
+        ),
+        ({"shoe.rails.left": -0.1}, "left must be beyond right = -0.24 by the width 0.22, got -0.1"),
     ],
 )
 def test_cases_that_do_not_go_with_a_frame_are_refused(change, said):
     with pytest.raises(ParameterError, match=re.escape(said)):
-        ROLLED.with_(**change)
-
-
-def test_gap_that_swallows_a_roller_is_refused():
-    rails = Rails.ph4100c().with_(rear=0.1)
-    shoe, frame = ROLLED.shoe.with_(rails=rails), FRAME.with_(radius=0.2)
-    with pytest.raises(ParameterError, match="must leave a gap from shoe to shoe that rollers cross"):
-        ROLLED.with_(shoe=shoe, undercarriage=frame)
+        ROLLED.with_(change)
 
 
 def test_track_shorter_than_the_drive_is_refused():
@@ -83,13 +76,6 @@ def test_track_shorter_than_the_drive_is_refused():
     case.check_support(1.0)
     with pytest.raises(ValueError, match=r"the front roller is at x = .* more shoes"):
         case.check_support(20.0)
-
-
-def test_rails_must_be_two_beside_each_other():
-    with pytest.raises(
-        ParameterError, match=r"left must be beyond right = -0\.24 by the width 0\.22, got -0\.1"
-    ):
-        Rails.ph4100c().with_(left=-0.1)
 
 
 def test_rails_of_the_mesh_are_those_of_the_rigid_shoe():
@@ -119,7 +105,3 @@ def test_shares_of_a_force_on_a_rail_have_its_force_and_moment():
     for row, (x, y) in zip(weights, places, strict=True):
         assert row.sum() == pytest.approx(1.0)
         assert tuple(row @ mesh.nodes[:, :2]) == pytest.approx((x, y), abs=1e-9)
-
-
-def test_loads_name_every_shoe():
-    assert small_case().loads.shoe_count == SHOES
