@@ -8,12 +8,6 @@ import pytest
 from exudyn_crawler.files import clear_partial_files, whole_file, writable_folder
 
 
-def fail_halfway(path, overwrite=False):
-    with whole_file(path, overwrite) as temporary:
-        temporary.write_text("half")
-        raise RuntimeError("halfway")
-
-
 def test_a_file_takes_its_place_when_the_block_ends(tmp_path):
     path = tmp_path / "table.csv"
     with whole_file(path) as temporary:
@@ -25,19 +19,20 @@ def test_a_file_takes_its_place_when_the_block_ends(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_file_that_fails_halfway_leaves_nothing(tmp_path):
-    with pytest.raises(RuntimeError, match="halfway"):
-        fail_halfway(tmp_path / "table.csv")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_overwriting_that_fails_halfway_keeps_the_old_file(tmp_path):
+@pytest.mark.parametrize("old", [None, "old"])
+def test_a_file_that_fails_halfway_leaves_nothing_but_the_old_one(tmp_path, old):
     path = tmp_path / "table.csv"
-    path.write_text("old")
+    if old:
+        path.write_text(old)
+
+    def fail_halfway():
+        with whole_file(path, overwrite=bool(old)) as temporary:
+            temporary.write_text("half")
+            raise RuntimeError("halfway")
+
     with pytest.raises(RuntimeError, match="halfway"):
-        fail_halfway(path, overwrite=True)
-    assert path.read_text() == "old"
-    assert list(tmp_path.iterdir()) == [path]
+        fail_halfway()
+    assert {one.name: one.read_text() for one in tmp_path.iterdir()} == ({"table.csv": old} if old else {})
 
 
 def test_an_existing_file_is_refused_before_the_block(tmp_path):
@@ -77,18 +72,14 @@ def test_a_file_has_the_rights_of_any_new_one(tmp_path, mask):
     assert (tmp_path / "table.csv").stat().st_mode & 0o777 == 0o666 & ~mask
 
 
-def test_a_folder_is_made_with_its_parents(tmp_path):
-    path = tmp_path / "a" / "b"
+def test_a_folder_is_made_with_its_parents_and_not_below_a_file(tmp_path):
+    path, file = tmp_path / "a" / "b", tmp_path / "file"
     assert writable_folder(path) == path
     assert list(path.iterdir()) == []
-
-
-def test_a_file_is_no_folder(tmp_path):
-    file = tmp_path / "file"
     file.touch()
-    for path in (file, file / "below"):
-        with pytest.raises(NotADirectoryError, match=f"output folder {path} is not a folder"):
-            writable_folder(path)
+    for wrong in (file, file / "below"):
+        with pytest.raises(NotADirectoryError, match=f"output folder {wrong} is not a folder"):
+            writable_folder(wrong)
 
 
 def test_a_folder_without_rights_is_refused(tmp_path, monkeypatch):

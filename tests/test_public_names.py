@@ -13,19 +13,21 @@ from exudyn_crawler.results.life.life import LifeResults
 from exudyn_crawler.results.stress.recovery import StressResults
 
 
+def run_script(script):
+    line = [sys.executable, "-c", script]
+    return subprocess.run(line, capture_output=True, text=True, check=False)
+
+
 @pytest.mark.parametrize("name", exudyn_crawler.__all__)
 def test_every_public_name_is_there_and_told(name):
     assert inspect.getdoc(getattr(exudyn_crawler, name))
 
 
-def test_names_are_in_order_and_others_are_refused():
+def test_names_are_in_order_no_module_hides_one_and_others_are_refused():
     assert exudyn_crawler.__all__ == sorted(exudyn_crawler.__all__)
     assert len(exudyn_crawler.__all__) <= 30
     with pytest.raises(AttributeError, match="has no attribute 'gravity'"):
         _ = exudyn_crawler.gravity
-
-
-def test_no_module_hides_a_public_name():
     for name in exudyn_crawler.__all__:
         public = getattr(exudyn_crawler, name)
         importlib.import_module(public.__module__)
@@ -40,7 +42,7 @@ def test_importing_the_package_loads_nothing_heavy():
         "heavy &= set(sys.modules)\n"
         "sys.exit(str(heavy) if heavy else 0)"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    done = run_script(script)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -54,12 +56,7 @@ def test_completion_shows_the_public_names_and_no_helpers():
 def test_a_stranger_of_a_neighbours_name_is_refused_by_its_place(tmp_path, name):
     (tmp_path / name).mkdir()
     (tmp_path / name / "__init__.py").touch()
-    done = subprocess.run(
-        [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import exudyn_crawler"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_script(f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import exudyn_crawler")
     assert done.returncode == 1
     last = done.stderr.splitlines()[-1]
     assert last.startswith(f"ImportError: the package {name!r} must be that in ")
