@@ -7,7 +7,6 @@ import subprocess
 import sys
 import tomllib
 import zipfile
-from contextlib import contextmanager
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -23,37 +22,12 @@ from exudyn_crawler.results.checks.cases import read_check
 from studies.commands import app as studies
 
 STUDIES = (
-    "kinematics",
-    "forces",
-    "stress",
-    "uneven",
-    "rollers",
-    "closed",
-    "grounds",
-    "shovel-life",
-    "plate-sweep",
-    "sliding-modes",
-    "verify",
+    *("kinematics", "forces", "stress", "uneven", "rollers", "closed", "grounds", "shovel-life"),
+    *("plate-sweep", "sliding-modes", "verify"),
 )
 COMMANDS = (
-    "demo",
-    "scatter",
-    "schema",
-    "fmu",
-    "check",
-    "init",
-    "run",
-    "info",
-    "report",
-    "animate",
-    "node-stress",
-    "pin-forces",
-    "shoe-loads",
-    "compare",
-    "ground",
-    "life",
-    "spread",
-    "sweep",
+    *("demo", "scatter", "schema", "fmu", "check", "init", "run", "info", "report", "animate", "node-stress"),
+    *("pin-forces", "shoe-loads", "compare", "ground", "life", "spread", "sweep"),
 )
 
 
@@ -65,21 +39,36 @@ def short(tmp_path):
     return path
 
 
-@contextmanager
-def film(path):
-    """What a film holds: first what it is, then its pictures."""
-    frames = imageio_ffmpeg.read_frames(str(path))
-    try:
-        yield frames
-    finally:
-        frames.close()
-
-
 def assert_one_line(told, *words):
     assert told.startswith("error: ")
     assert told.count("\n") == 1
     for word in words:
         assert word in told
+
+
+@pytest.fixture
+def refused(call):
+    """Call what has to end with exit code 2 and one line of errors: that line."""
+
+    def refused(*arguments):
+        code, _, err = call(*arguments)
+        assert code == 2
+        assert_one_line(err)
+        return err
+
+    return refused
+
+
+@pytest.fixture
+def told(call):
+    """Call what has to succeed without an error or a warning: its output."""
+
+    def told(*arguments):
+        code, out, err = call(*arguments)
+        assert (code, err) == (0, "")
+        return out
+
+    return told
 
 
 def test_the_installed_command_is_this_one():
@@ -89,9 +78,8 @@ def test_the_installed_command_is_this_one():
 
 
 @pytest.mark.parametrize("words", [(one,) for one in COMMANDS] + [("studies", one) for one in STUDIES])
-def test_help_shows_an_example(call, words):
-    code, out, err = call(*words, "--help")
-    assert (code, err) == (0, "")
+def test_help_shows_an_example(told, words):
+    out = told(*words, "--help")
     program = "exudyn-crawler" if len(words) == 1 else "python -m"
     assert f"Example: {program} {' '.join(words)}" in out
     assert "--debug" in out
@@ -109,7 +97,7 @@ def test_every_command_is_among_those_tested(call, app, words, commands):
 
 @pytest.mark.simulation
 @pytest.mark.slow
-def test_the_handbooks_check_file_is_checked(call, tmp_path):
+def test_the_handbooks_check_file_is_checked(told, refused, tmp_path):
     """As it stands it is read; with the coarse ready shoe, without the ready cases, its own one is solved."""
     text = (Path(__file__).parents[1] / "docs" / "check-cases.md").read_text(encoding="utf-8")
     block = text.partition("```toml\n")[2].partition("```")[0]
@@ -120,38 +108,30 @@ def test_the_handbooks_check_file_is_checked(call, tmp_path):
     content = tomllib.loads(block) | {"mesh": "coarse", "levels": []}
     del content["dimensions"]
     (tmp_path / name).write_text(tomlkit.dumps(content))
-    code, out, err = call("check", name, "--out", "checked", "--no-pictures")
-    assert (code, err) == (0, "")
+    out = told("check", name, "--out", "checked", "--no-pictures")
     assert "two stones" in out
     assert "section moments" in out
     peaks = pd.read_csv(tmp_path / "checked" / "peaks.csv")
     assert set(peaks["case"]) == {"two stones"}
     assert peaks["von Mises in MPa"].max() > 50.0
     assert (pd.read_csv(tmp_path / "checked" / "hertz.csv")["force in kN"] == 574.0).all()
-    code, _, err = call("check", name, "--out", "checked", "--no-pictures")
-    assert code != 0
-    assert_one_line(err, "exists")
+    assert "exists" in refused("check", name, "--out", "checked", "--no-pictures")
     content["cases"][0]["ground"]["stiffness"] = "soft"
     (tmp_path / name).write_text(tomlkit.dumps(content))
-    code, _, err = call("check", name, "--out", "other")
-    assert code != 0
-    assert_one_line(err, name, "cases[0].ground.stiffness")
+    assert_one_line(refused("check", name, "--out", "other"), name, "cases[0].ground.stiffness")
 
 
-def test_a_law_of_the_ground_is_drawn_from_its_file(call, tmp_path):
+def test_a_law_of_the_ground_is_drawn_from_its_file(told, refused, tmp_path):
     (tmp_path / "sand.toml").write_text('model = "bekker"\nbase = "lete_sand"\ncohesion = 2e3\n')
-    code, out, _ = call("ground", "sand.toml")
-    assert (code, (tmp_path / "sand.png").stat().st_size > 10_000) == (0, True)
-    assert "sand.png" in out
+    assert "sand.png" in told("ground", "sand.toml")
+    assert (tmp_path / "sand.png").stat().st_size > 10_000
     for text, words in (
         ('model = "clay"', ("law.toml", "model", "bekker, rock", "'clay'")),
         ('model = "rock"\nbase = "hard_floor"\nfriction = -1.0', ("law.toml", "friction", "-1")),
         ('model = "bekker"\nbase = "hard_floor"', ("law.toml", "base", "'oil_sand_low'")),
     ):
         (tmp_path / "law.toml").write_text(text)
-        code, _, err = call("ground", "law.toml")
-        assert code != 0
-        assert_one_line(err, *words)
+        assert_one_line(refused("ground", "law.toml"), *words)
 
 
 ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso", "dask", "distributed"}
@@ -190,10 +170,9 @@ def test_help_a_case_and_a_refusal_load_nothing_heavy(arguments, heavy):
     assert done.returncode == 0, done.stderr
 
 
-def test_versions_are_told(call):
-    code, out, err = call("--version")
-    assert (code, err) == (0, "")
-    assert out.startswith(f"exudyn-crawler {importlib.metadata.version('exudyn-crawler')}, exudyn 1.")
+def test_versions_are_told(told):
+    version = importlib.metadata.version("exudyn-crawler")
+    assert told("--version").startswith(f"exudyn-crawler {version}, exudyn 1.")
 
 
 EARLY = """
@@ -224,23 +203,16 @@ def test_an_interrupt_while_words_are_read_is_told_in_a_line(call, monkeypatch):
     assert call("info", "stress") == (130, "", "error: interrupted; run the same command again to continue\n")
 
 
-def test_a_reader_who_has_had_enough_is_no_error():
+def test_a_reader_of_the_package_as_a_command_who_has_had_enough_is_no_error():
     line = f"{sys.executable} -m exudyn_crawler info stress | head -1"
     done = subprocess.run(line, shell=True, capture_output=True, text=True, check=True)
     assert done.stdout.startswith("stress: 0 of ")
     assert done.stderr == ""
 
 
-def test_the_package_is_the_command_too():
-    line = [sys.executable, "-m", "exudyn_crawler", "--version"]
-    done = subprocess.run(line, capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("exudyn-crawler ")
-
-
-def test_info_marks_what_differs_from_the_base(call, tmp_path):
+def test_info_marks_what_differs_from_the_base(told, tmp_path):
     (tmp_path / "own.toml").write_text('base = "turning"\n[contact]\nstatic_friction = 0.55\n')
-    code, out, _ = call("info", "own.toml")
-    assert code == 0
+    out = told("info", "own.toml")
     assert "1 of " in out
     assert "values differ from the case 'turning'" in out
     row = next(line for line in out.splitlines() if "contact.static_friction" in line)
@@ -249,77 +221,64 @@ def test_info_marks_what_differs_from_the_base(call, tmp_path):
 
 
 @pytest.mark.simulation
-def test_stress_and_pin_forces_are_asked_of_a_run(call, flexible_run, tmp_path):
+def test_stress_and_pin_forces_are_asked_of_a_run(told, refused, flexible_run, tmp_path):
     (tmp_path / "run").mkdir()
     flexible_run[0].save(tmp_path / "run" / "history.nc")
-    code, out, err = call("node-stress", "run", "--shoe", "13", "--near", "0.2", "-0.3", "0.1")
-    assert (code, err) == (0, "")
+    out = told("node-stress", "run", "--shoe", "13", "--near", "0.2", "-0.3", "0.1")
     assert "m from the place asked for" in out
     assert "greatest von Mises stress" in out
     (written,) = (tmp_path / "run").glob("stress_shoe_13_node_*.csv")
     assert pd.read_csv(written)["von Mises in MPa"].gt(0.0).all()
-    code, _, err = call("node-stress", "run", "--shoe", "5", "--node", "1")
-    assert code == 2
-    assert_one_line(err, "shoe must be a flexible one of the history, of [7, 13], got 5")
-    assert call("pin-forces", "run/history.nc", "--shoe", "7")[0] == 0
+    err = refused("node-stress", "run", "--shoe", "5", "--node", "1")
+    assert "shoe must be a flexible one of the history, of [7, 13], got 5" in err
+    told("pin-forces", "run/history.nc", "--shoe", "7")
     assert len(pd.read_csv(tmp_path / "run" / "pin_forces_shoe_7.csv").columns) == 25
-    code, _, err = call("pin-forces", "run", "--shoe", "7")
-    assert code == 2
-    assert_one_line(err, "pin_forces_shoe_7.csv exists", "--overwrite")
-    code, out, _ = call("shoe-loads", "run", "--shoe", "13", "--program", "abaqus")
-    assert code == 0
+    assert_one_line(
+        refused("pin-forces", "run", "--shoe", "7"), "pin_forces_shoe_7.csv exists", "--overwrite"
+    )
+    out = told("shoe-loads", "run", "--shoe", "13", "--program", "abaqus")
     (deck,) = (tmp_path / "run").glob("loads_shoe_13_0.*s_abaqus.inp")
     assert str(deck.relative_to(tmp_path)) in out
     assert "*RIGID BODY, TIE NSET=FRONT_RIGHT" in deck.read_text()
     (table,) = (tmp_path / "run").glob("loads_shoe_13_0.*s.csv")
     assert pd.read_csv(table)["kind"].iloc[-1] == "sum"
-    assert call("shoe-loads", "run", "--shoe", "5", "--time", "0.03")[0] == 0
-    code, _, err = call("shoe-loads", "run", "--shoe", "5")
-    assert code == 2
-    assert_one_line(err, "time must be given for shoe 5")
-    assert "shoe must be in 1..13, got 14" in call("shoe-loads", "run", "--shoe", "14")[2]
+    told("shoe-loads", "run", "--shoe", "5", "--time", "0.03")
+    assert "time must be given for shoe 5" in refused("shoe-loads", "run", "--shoe", "5")
+    assert "shoe must be in 1..13, got 14" in refused("shoe-loads", "run", "--shoe", "14")
 
 
 @pytest.mark.simulation
-def test_two_runs_are_compared(call, translation, turning, tmp_path):
+def test_two_runs_are_compared(told, refused, translation, turning, tmp_path):
     for name, history in (("straight", translation), ("turning", turning)):
         (tmp_path / name).mkdir()
         history.save(tmp_path / name / "history.nc")
-    code, out, err = call("compare", "straight", "turning")
-    assert (code, err) == (0, "")
+    out = told("compare", "straight", "turning")
     assert "A is straight, B is turning" in out
     assert "drive.turn_rate" in out
     assert (tmp_path / "straight_turning.html").is_file()
     table = pd.read_csv(tmp_path / "straight_turning.csv")
     assert "angular_velocity" in set(table["quantity"])
-    code, out, _ = call("compare", "straight", "straight", "--out", "same.html")
-    assert code == 0
+    out = told("compare", "straight", "straight", "--out", "same.html")
     assert "Nothing differs in the cases." in out
     assert "Nothing that both runs have differs in the results" in out
     assert "quantity" not in out
     (tmp_path / "turning" / "stress.nc").write_bytes(b"\x89HDF\r\n\x1a\n broken")
-    code, _, err = call("compare", "straight", "turning", "--overwrite")
-    assert (code, len(err.splitlines())) == (2, 1)
-    assert f"{Path('turning', 'stress.nc')} cannot be read" in err
-    code, _, err = call("compare", "straight", "nowhere")
-    assert code == 2
-    assert_one_line(err, "no folder nowhere")
+    broken = refused("compare", "straight", "turning", "--overwrite")
+    assert f"{Path('turning', 'stress.nc')} cannot be read" in broken
+    assert "no folder nowhere" in refused("compare", "straight", "nowhere")
 
 
-def test_a_study_of_several_runs_names_them(call, tmp_path):
+def test_a_study_of_several_runs_names_them(refused, tmp_path):
     for name in ("straight", "turning"):
         (tmp_path / "study" / name).mkdir(parents=True)
         (tmp_path / "study" / name / "history.nc").touch()
-    code, _, err = call("animate", "study")
-    assert code == 2
-    assert_one_line(err, "no history at study/history.nc; name one of study/straight, study/turning")
+    names = "no history at study/history.nc; name one of study/straight, study/turning"
+    assert names in refused("animate", "study")
 
 
 @pytest.mark.simulation
-def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
-    code, out, err = call("init", "soft")
-    assert (code, err) == (0, "")
-    assert "exudyn-crawler run soft.toml" in out
+def test_a_case_is_written_changed_run_and_shown(call, told, tmp_path):
+    assert "exudyn-crawler run soft.toml" in told("init", "soft")
     path = tmp_path / "soft.toml"
     wanted = CaseFile(case=Case.translation().with_(name="soft"), duration=10.0)
     # as read by people: digits that are rounding alone are not written
@@ -327,7 +286,7 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
     text = path.read_text().replace("duration = 10.0", "duration = 0.02")
     path.write_text(text.replace('spring_stiffness = "20 MN/m"', 'spring_stiffness = "10 MN/m"'))
 
-    code, out, err = call("run", "soft.toml")
+    code, out, err = call("run", "soft.toml", "--no-page")
     # a machine that needs more than ten seconds says how far it is
     assert (code, [line for line in err.splitlines() if not line.startswith("soft: ")]) == (0, [])
     assert "results/soft" in out
@@ -335,8 +294,7 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
     assert history.case.terrain.heave_stiffness == 20e6
     assert history.duration == pytest.approx(0.02, rel=1e-9)
 
-    code, out, err = call("info", "results/soft/case.toml")
-    assert (code, err) == (0, "")
+    out = told("info", "results/soft/case.toml")
     for words in ("terrain.spring_stiffness", "10 MN/m", "stiffness of each spring", "simulated time"):
         assert words in out
 
@@ -344,44 +302,34 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
 @pytest.mark.parametrize(
     ("study", "duration"),
     [
-        ("kinematics", 10.0),
-        ("forces", 10.0),
-        ("stress", 40.0),
-        ("uneven", 10.0),
-        ("rollers", 10.0),
-        ("demo", 3.5),
-        ("closed", 10.0),
-        ("shovel", 10.0),
-        ("grounds", 10.0),
+        *[("kinematics", 10.0), ("forces", 10.0), ("stress", 40.0), ("uneven", 10.0), ("rollers", 10.0)],
+        *[("demo", 3.5), ("closed", 10.0), ("shovel", 10.0), ("grounds", 10.0)],
     ],
 )
-def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):
-    assert call("init", "own", "--study", study)[0] == 0
+def test_every_study_has_a_case_to_start_from(told, refused, tmp_path, study, duration):
+    told("init", "own", "--study", study)
     found = read_case(tmp_path / "own.toml")
     assert (found.case.name, found.duration) == ("own", duration)
     assert (found.case.flexible is not None) == (study in ("stress", "demo"))
     assert found.case.terrain.is_even == (study != "uneven")
-    assert call("info", study)[0] == 0
-    code, _, err = call("init", "own", "--study", study)
-    assert code == 2
-    assert_one_line(err, "own.toml exists")
+    told("info", study)
+    assert "own.toml exists" in refused("init", "own", "--study", study)
     # the name of a study alone means its case
-    assert call("init", study)[0] == 0
+    told("init", study)
     assert read_case(tmp_path / f"{study}.toml") == found.with_({"name": study})
 
 
 @pytest.mark.simulation
-def test_a_run_takes_a_history_that_fits_and_no_other(call, short, tmp_path):
-    assert call("run", short, "--out", "first")[0] == 0
-    code, out, _ = call("run", short, "--out", "second", "--reuse", "first")
+def test_a_run_takes_a_history_that_fits_and_no_other(call, refused, short, tmp_path):
+    assert call("run", short, "--out", "first", "--no-page")[0] == 0
+    code, out, _ = call("run", short, "--out", "second", "--reuse", "first", "--no-page")
     assert code == 0
     assert "reusing the history in first" in out
     first, second = (History.load(tmp_path / name / "history.nc") for name in ("first", "second"))
     assert first.dataset.identical(second.dataset)
     short.write_text(short.read_text() + "[contact]\nstiffness = 2e8\n")
-    code, _, err = call("run", short, "--out", "third", "--reuse", "first")
-    assert code == 2
-    assert_one_line(err, "contact.stiffness is 100 MN/m^exponent, not 200 MN/m^exponent")
+    err = refused("run", short, "--out", "third", "--reuse", "first")
+    assert "contact.stiffness is 100 MN/m^exponent, not 200 MN/m^exponent" in err
     assert not (tmp_path / "third").exists()
 
 
@@ -429,10 +377,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["studies", "kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
         (["studies", "kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
         (["studies", "kinematics", "--case", "sideways"], "'sideways'"),
-        (
-            ["studies", "forces", "--reuse", "nowhere", "--duration", "0.01"],
-            "no history at nowhere/history.nc",
-        ),
+        (["studies", "forces", "--reuse", "nowhere", "--duration", "1"], "no history at nowhere/history.nc"),
         (["studies", "stress", "--mesh", "lost"], "no mesh file lost"),
         (["studies", "stress", "--modes", "loud"], "modes must be like"),
         (["studies", "stress", "--cycle", "nowhere.toml"], "no load cycle nowhere.toml"),
@@ -445,10 +390,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["report", "nowhere"], "no folder nowhere"),
         (["animate", "nowhere.nc"], "no history at nowhere.nc"),
         (["init"], "Missing argument 'NAME'"),
-        (
-            ["init", "own", "--study", "opera"],
-            "study must be of ['closed', 'demo', 'forces', ",
-        ),
+        (["init", "own", "--study", "opera"], "study must be of ['closed', 'demo', 'forces', "),
         (["init", "nowhere/case"], "nowhere/case.toml"),
         (["run", "a.toml", "--out", ""], "no value may be empty, got ['run', 'a.toml', '--out', '']"),
         (["studies", "stress", "--out="], "no value may be empty, got ['stress', '--out=']"),
@@ -457,10 +399,8 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["run", "a.toml", "--fast"], "No such option"),
     ],
 )
-def test_bad_input_is_one_line_and_exit_code_2(call, tmp_path, arguments, words):
-    code, _, err = call(*arguments)
-    assert code == 2
-    assert_one_line(err, words)
+def test_bad_input_is_one_line_and_exit_code_2(refused, tmp_path, arguments, words):
+    assert words in refused(*arguments)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -475,35 +415,20 @@ def test_a_bad_case_file_is_a_line_a_fault(call, tmp_path):
     assert not (tmp_path / "results").exists()
 
 
-@pytest.mark.parametrize("content", [b"a = ", b"\xff\xfe", b"a = " + b"[" * 100_000])
-def test_a_load_cycle_that_is_no_toml_is_named(call, tmp_path, content):
-    (tmp_path / "cycle.toml").write_bytes(content)
-    code, _, err = call("studies", "stress", "--cycle", "cycle.toml")
-    assert code == 2
-    assert_one_line(err, "cycle.toml: not TOML: ")
-    assert not (tmp_path / "results").exists()
-
-
 @pytest.mark.simulation
-def test_overwriting_a_run_removes_the_report_of_the_earlier_one(call, short, tmp_path):
-    assert call("run", short, "--out", "out")[0] == 0
+def test_overwriting_a_run_removes_report_and_films_of_the_earlier_one(call, short, tmp_path):
+    out = tmp_path / "out"
+    assert call("run", short, "--out", "out", "--set", "animation=true")[0] == 0
+    assert imageio_ffmpeg.count_frames_and_secs(str(out / "track.mp4"))[0] > 0
     assert call("animate", "out", "--out", "out/track.gif")[0] == 0
-    (tmp_path / "out" / "notes.html").write_text("mine")
-    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    (out / "notes.html").write_text("mine")
+    record = json.loads((out / "run.json").read_text())
     assert record["status"] == "done"
-    assert {"report.html", "track.gif", "history.nc"} <= set(record["files"])
+    assert {"report.html", "track.gif", "track.mp4", "history.nc"} <= set(record["files"])
     assert call("run", short, "--out", "out", "--overwrite", "--no-page")[0] == 0
-    left = {path.name for path in (tmp_path / "out").iterdir()}
-    assert not {"report.html", "track.gif"} & left
+    left = {path.name for path in out.iterdir()}
+    assert not {"report.html", "track.gif", "track.mp4"} & left
     assert {"notes.html", "history.nc"} <= left
-
-
-@pytest.mark.simulation
-def test_a_run_is_animated_where_its_case_says_so(call, short, tmp_path):
-    short.write_text(short.read_text() + "animation = true\n")
-    assert call("run", short, "--out", "out")[0] == 0
-    with film(tmp_path / "out" / "track.mp4") as frames:
-        assert next(frames)["size"][0] > 100
 
 
 def test_a_traceback_is_for_debugging(call):
@@ -549,44 +474,48 @@ def test_what_no_machine_has_is_told_in_one_line_before_a_run(call, tmp_path):
     assert "gravity" in out
 
 
-def test_info_says_what_rigid_and_flexible_shoes_weigh(call, tmp_path):
+def test_info_says_what_rigid_and_flexible_shoes_weigh(told, tmp_path):
     (tmp_path / "own.toml").write_text('base = "stress"\n[flexible]\nmesh = "coarse"\n')
-    code, out, err = call("info", "own.toml")
-    assert (code, err) == (0, "")
-    assert "rigid ones weigh 4489.63 kg each, flexible ones 4503.32 kg (+0.3 %)" in " ".join(out.split())
+    out = " ".join(told("info", "own.toml").split())
+    assert "rigid ones weigh 4489.63 kg each, flexible ones 4503.32 kg (+0.3 %)" in out
 
 
-def test_a_value_can_be_set_on_the_command_line(call, short):
-    code, out, err = call("info", short, "--set", "terrain.spring_stiffness=1e7", "--set", "sharing=area")
-    assert (code, err) == (0, "")
-    told = " ".join(out.split())
-    assert "terrain.spring_stiffness │ 10 MN/m" in told
-    assert "contact.sharing │ area" in told
-    code, _, err = call("run", short, "--set", "terrain.spring_stifness=1e7")
-    assert code == 2
-    assert_one_line(err, "unknown key; did you mean terrain.spring_stiffness?")
-    code, _, err = call("info", "kinematics", "--set", "duration=1")
-    assert code == 2
-    assert_one_line(err, "--set must go with a case file")
+def test_a_value_can_be_set_on_the_command_line(told, refused, short):
+    out = told("info", short, "--set", "terrain.spring_stiffness=1e7", "--set", "sharing=area")
+    assert "terrain.spring_stiffness │ 10 MN/m" in " ".join(out.split())
+    assert "contact.sharing │ area" in " ".join(out.split())
+    err = refused("run", short, "--set", "terrain.spring_stifness=1e7")
+    assert "unknown key; did you mean terrain.spring_stiffness?" in err
+    assert "--set must go with a case file" in refused("info", "kinematics", "--set", "duration=1")
+
+
+SWEEP = """
+[case]
+base = "translation"
+duration = 0.02
+[[answers]]
+quantity = "joint_force"
+[[vary]]
+key = "terrain.spring_stiffness"
+low = 1e7
+high = 3e7
+count = 3
+"""
+"""Sweep file of three short runs."""
 
 
 @pytest.fixture
 def soils(tmp_path):
-    """Sweep file of three short runs."""
     path = tmp_path / "soils.toml"
-    path.write_text(
-        '[case]\nbase = "translation"\nduration = 0.02\n[[answers]]\nquantity = "joint_force"\n'
-        '[[vary]]\nkey = "terrain.spring_stiffness"\nlow = 1e7\nhigh = 3e7\ncount = 3\n'
-    )
+    path.write_text(SWEEP)
     return path
 
 
-def test_a_dry_run_of_a_sweep_shows_its_runs_and_leaves_nothing(call, soils, tmp_path):
-    code, told, _ = call("sweep", soils.name, "--dry-run", "--workers", 2)
-    assert code == 0
-    assert "3 runs; spring_stiffness" in told
-    assert "MN/m" in told
-    assert "3 runs: 0 done, 3 to run\n3 runs of about " in told
+def test_a_dry_run_of_a_sweep_shows_its_runs_and_leaves_nothing(told, soils, tmp_path):
+    out = told("sweep", soils.name, "--dry-run", "--workers", 2)
+    assert "3 runs; spring_stiffness" in out
+    assert "MN/m" in out
+    assert "3 runs: 0 done, 3 to run\n3 runs of about " in out
     assert {path.name for path in tmp_path.iterdir()} == {"soils.toml"}
 
 
@@ -597,41 +526,23 @@ def test_a_dry_run_of_a_sweep_shows_its_runs_and_leaves_nothing(call, soils, tmp
         (("low = 1e7", "low = 10"), (), "is it in MN/m? It has to be in N/m"),
         (("joint_force", "pin_force"), (), "needs flexible shoes, the case has none"),
         (("count = 3", "runs = 3"), (), "vary[0].runs: unknown key"),
-        (
-            ("", ""),
-            ("--scheduler", "none.json"),
-            "scheduler must be one that answers, got none.json",
-        ),
-        (
-            ("", ""),
-            ("--scheduler", "a.json", "--workers", "2"),
-            "--workers must be left out with",
-        ),
+        (("", ""), ("--scheduler", "none.json"), "scheduler must be one that answers, got none.json"),
+        (("", ""), ("--scheduler", "a.json", "--workers", "2"), "--workers must be left out with"),
     ],
 )
-def test_what_is_wrong_with_a_sweep_is_told_in_a_line(call, soils, change, options, words):
-    soils.write_text(soils.read_text().replace(*change))
-    code, _, told = call("sweep", soils.name, *options)
-    assert code == 2
-    assert_one_line(told, words)
+def test_what_is_wrong_with_a_sweep_is_told_in_a_line(refused, soils, change, options, words):
+    soils.write_text(SWEEP.replace(*change))
+    assert words in refused("sweep", soils.name, *options)
 
 
-def test_sweeps_without_what_they_need_say_how_to_get_it(call, soils, monkeypatch):
-    monkeypatch.setattr(commands, "find_spec", lambda name: None)
-    code, _, told = call("sweep", soils.name)
-    assert code == 2
-    assert_one_line(told, "pip install 'exudyn-crawler[sweep]'")
-
-
-def test_a_unit_of_co_simulation_is_written_where_what_it_needs_is_there(call, monkeypatch):
-    assert call("init", "mine", "--study", "demo")[0] == 0
-    code, out, _ = call("fmu", "mine.toml")
-    assert (code, out.split(":")[0]) == (0, "mine.fmu")
+def test_a_unit_of_co_simulation_is_written_once(told, refused):
+    told("init", "mine", "--study", "demo")
+    assert told("fmu", "mine.toml").startswith("mine.fmu:")
     assert zipfile.is_zipfile("mine.fmu")
-    code, _, err = call("fmu", "mine.toml")
-    assert code == 2
-    assert "mine.fmu" in err
+    assert "mine.fmu" in refused("fmu", "mine.toml")
+
+
+@pytest.mark.parametrize("command", ["sweep", "fmu"])
+def test_commands_without_what_they_need_say_how_to_get_it(refused, soils, monkeypatch, command):
     monkeypatch.setattr(commands, "find_spec", lambda name: None)
-    code, _, told = call("fmu", "mine.toml")
-    assert code == 2
-    assert_one_line(told, "pip install 'exudyn-crawler[fmu]'")
+    assert f"pip install 'exudyn-crawler[{command}]'" in refused(command, soils.name)
