@@ -1,7 +1,6 @@
 """What commands print on a terminal: no number is cut at any width, and a run ends with its answer."""
 
 import re
-import sys
 from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,14 +8,14 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 
-from exudyn_crawler import Case, cli
+from exudyn_crawler import Case
 from exudyn_crawler.cli.commands import show_answers
 from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
 from exudyn_crawler.views.tables import cell_text
-from studies.commands import app as studies
 from studies.comparison import comparison_table, reported_values
 from studies.ground import PAPERS, row
 from studies.sliding_modes import COORDINATES
+from tests.test_cli import SWEEP
 
 WIDTHS = [80, 120]
 LIFE = pd.DataFrame(
@@ -52,13 +51,9 @@ SPOTS = pd.DataFrame(
         "share of pins": [1.009, 0.991],
     }
 )
-SPREAD = pd.DataFrame(
-    [
-        {"shoe": 13, "node": 146}
-        | {f"{run} in MPa": 133.94821 for run in ("as it is", "start 2", "start 3", "area")}
-        | {f"{part} in %": 12.345 for part in ("spread", "choice")}
-        | {"verdict": "good to 15 %"}
-    ]
+SPREAD = pd.DataFrame([{"shoe": 13, "node": 146}]).assign(
+    **{f"{run} in MPa": 133.94821 for run in ("as it is", "start 2", "start 3", "area")},
+    **{"spread in %": 12.345, "choice in %": 12.345, "verdict": "good to 15 %"},
 )
 HAND = pd.DataFrame(
     [("reaction", "N", -2.146e6, -2.1460003e6, 3.0e-9)], columns=["quantity", "unit", "hand", "engine", "off"]
@@ -75,29 +70,20 @@ CYCLES = pd.DataFrame(
 # 0.1 s of the closed tracks
 LOOP = pd.DataFrame(
     [
-        ("tension, upper run", 792.3111593, 798.7858901, 803.0139462),
-        ("teeth on a shoe", 0.0, 457.7414457, 526.4),
+        ["tension, upper run", 792.3111593, 798.7858901, 803.0139462],
+        ["teeth on a shoe", 0.0, 457.7414457, 526.4],
     ],
-    columns=["of", *(f"{size} in kN" for size in ("least", "mean", "greatest"))],
+    columns=["of", "least in kN", "mean in kN", "greatest in kN"],
 )
 TORQUE = pd.DataFrame(
     [(0.3, 86.1357474, 86.1325946, 86.1301254, 54.6769849)],
     columns=["cut ahead of the axis in m"]
     + [f"{name} in kN m" for name in ("torque", "by moments", "by work", "by means of tension")],
 )
+LOADS = {"ground on a shoe": 993.9217, "wheels on a shoe": 1196.3726, "link": 989.0346}
 PEAKS = pd.DataFrame(
-    [
-        {"case": "rolled at the closed tension"}
-        | {
-            f"{size} {of} in kN": value
-            for of, value in (
-                ("ground on a shoe", 993.9217),
-                ("wheels on a shoe", 1196.3726),
-                ("link", 989.0346),
-            )
-            for size in ("greatest", "mean")
-        }
-    ]
+    {"case": ["rolled at the closed tension"]}
+    | {f"{size} {of} in kN": value for of, value in LOADS.items() for size in ("greatest", "mean")}
 )
 TURNS = pd.DataFrame(
     [
@@ -152,14 +138,13 @@ def swept(name, value):
     return SimpleNamespace(table=table, sweep=SAMPLE, folder=Path("results") / name)
 
 
-TAKEN = {
-    "pull beyond rolling in kN": 93.734,
-    "taken by pressure in kN": 13.131,
-    "taken by shear in kN": 83.257,
-}
-POWERS = pd.DataFrame([{"ground": "oil sand, soft end, springs back, undamped", "way in m": 2.75} | TAKEN])
+POWERS = pd.DataFrame([{"ground": "oil sand, soft end, springs back, undamped", "way in m": 2.75}]).assign(
+    **{"pull beyond rolling in kN": 93.734, "taken by pressure in kN": 13.131, "taken by shear in kN": 83.257}
+)
 VALUES = pd.DataFrame({"value": [133.94821e6]})
 STRESSES = SimpleNamespace(hot_spots={13: VALUES}, dataset=None)
+HISTORY = SimpleNamespace(case=Case.translation(), duration=10.0)
+CHECK = SimpleNamespace(name="ready", hours=25_000.0, material=SimpleNamespace(name="A36"))
 RUN = SimpleNamespace(recovered=lambda: STRESSES, history=None)
 FAKES = {
     "studies kinematics": {"studies.kinematics.study": result({}, compared("kinematics"))},
@@ -194,34 +179,19 @@ FAKES = {
         "exudyn_crawler.views.pages.life.life_lines": result(["90 % of the shoes see no crack"]),
     },
     "check shoe.toml": {
-        "exudyn_crawler.life_run.check_cases": result(
-            SimpleNamespace(
-                worst_cycles=CYCLES,
-                check=SimpleNamespace(name="ready", hours=25_000.0, material=SimpleNamespace(name="A36")),
-            )
-        )
+        "exudyn_crawler.life_run.check_cases": result(SimpleNamespace(worst_cycles=CYCLES, check=CHECK))
     },
-    "scatter sample.toml": {
-        "exudyn_crawler.sweep.running.run_sweep": result(swept("sample", 1.2345678e6)),
-    },
+    "scatter sample.toml": {"exudyn_crawler.sweep.running.run_sweep": result(swept("sample", 1.2345678e6))},
     "spread .": {"exudyn_crawler.spread_run.spread": result(SimpleNamespace(by_shoe=lambda: SPREAD))},
     "run case.toml": {
-        "exudyn_crawler.case_run.run_case": result(
-            SimpleNamespace(
-                history=SimpleNamespace(case=Case.translation(), duration=10.0), stresses=STRESSES
-            )
-        ),
+        "exudyn_crawler.case_run.run_case": result(SimpleNamespace(history=HISTORY, stresses=STRESSES)),
         "exudyn_crawler.results.history.summary.key_results": result(RESULTS),
         "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
     },
-    "run case.toml --no-page": {},
     "sweep sweep.toml --dry-run": {},
-    "sweep sweep.toml": {
-        "exudyn_crawler.sweep.running.run_sweep": result(swept("sweep", 7e5)),
-    },
+    "sweep sweep.toml": {"exudyn_crawler.sweep.running.run_sweep": result(swept("sweep", 7e5))},
 }
 """Commands that print a table, and what takes the place of their work."""
-PAGE = Path("results/case/report.html")
 FAKES["run case.toml --no-page"] = FAKES["run case.toml"]
 NUMBERS = {
     "studies closed": ["803", "54.68", "1196", "116.3"],
@@ -245,29 +215,23 @@ NUMBERS = {
 
 
 @pytest.fixture
-def terminal(monkeypatch, capsys, tmp_path):
-    """Call the command in a terminal of some width: lines of output, without their colours."""
-    monkeypatch.chdir(tmp_path)
+def terminal(monkeypatch, call, tmp_path):
+    """Call a command, of which the work is faked, in a terminal of some width: lines of its output."""
     (tmp_path / "case.toml").write_text('base = "translation"\n')
-    (tmp_path / "sweep.toml").write_text(
-        '[case]\nbase = "translation"\nduration = 0.02\n[[answers]]\nquantity = "joint_force"\n'
-        '[[vary]]\nkey = "terrain.spring_stiffness"\nlow = 1e7\nhigh = 3e7\ncount = 3\n'
-    )
-    sample = (tmp_path / "sweep.toml").read_text().replace("count = 3\n", "")
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    sample = SWEEP.replace("count = 3\n", "")
     (tmp_path / "sample.toml").write_text(f'design = "sobol"\nruns = 16\n{sample}')
 
-    def call(words, width):
+    def lines(words, width):
+        for name, fake in FAKES.get(words, {}).items():
+            monkeypatch.setattr(name, fake)
         for name, value in {"COLUMNS": width, "TTY_COMPATIBLE": 1, "NO_COLOR": 1}.items():
             monkeypatch.setenv(name, str(value))
-        program, *rest = words.split() if words.startswith("studies ") else ("exudyn-crawler", *words.split())
-        monkeypatch.setattr(sys, "argv", [program, *rest])
-        with pytest.raises(SystemExit) as end:
-            cli.call(studies if program == "studies" else cli.app)
-        told = capsys.readouterr()
-        assert (end.value.code, told.err) == (0, "")
-        return re.sub(r"\x1b\[[0-9;]*m", "", told.out).splitlines()
+        code, out, err = call(*words.split())
+        assert (code, err) == (0, "")
+        return re.sub(r"\x1b\[[0-9;]*m", "", out).splitlines()
 
-    return call
+    return lines
 
 
 def check_tables(lines, width, numbers):
@@ -283,42 +247,33 @@ def check_tables(lines, width, numbers):
 
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("words", FAKES)
-def test_no_number_is_cut_in_any_table(terminal, monkeypatch, words, width):
-    for name, fake in FAKES[words].items():
-        monkeypatch.setattr(name, fake)
+def test_no_number_is_cut_in_any_table(terminal, words, width):
     check_tables(terminal(words, width), width, NUMBERS.get(words, ()))
 
 
 @pytest.mark.parametrize(
     ("words", "columns", "file"),
     [
-        (
-            "studies kinematics",
-            "quantity statistic unit paper computed within",
-            "results/kinematics/comparison.csv",
-        ),
-        ("life duty.toml", "region life least most verdict", "results/duty/shortest_lives.csv"),
+        ("studies kinematics", "quantity statistic unit paper computed within", "kinematics/comparison.csv"),
+        ("life duty.toml", "region life least most verdict", "duty/shortest_lives.csv"),
     ],
 )
-def test_where_not_all_columns_fit_a_line_says_where_they_are(terminal, monkeypatch, words, columns, file):
-    for name, fake in FAKES[words].items():
-        monkeypatch.setattr(name, fake)
+def test_where_not_all_columns_fit_a_line_says_where_they_are(terminal, words, columns, file):
     lines = terminal(words, 80)
-    assert f"all columns: {file}" in lines
+    assert f"all columns: results/{file}" in lines
     heads = [line for line in lines if line.startswith("┃")]
     assert all(name in " ".join(heads) for name in columns.split())
 
 
-def test_a_run_names_its_page_or_how_to_make_it(terminal, monkeypatch):
-    for name, fake in FAKES["run case.toml"].items():
-        monkeypatch.setattr(name, fake)
-    assert terminal("run case.toml", 80)[-1] == f"{PAGE}: open it in a browser"
+def test_a_run_names_its_page_or_how_to_make_it(terminal):
+    assert terminal("run case.toml", 80)[-1] == "results/case/report.html: open it in a browser"
     assert terminal("run case.toml --no-page", 80)[-1].endswith("exudyn-crawler report results/case")
 
 
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.simulation
-def test_two_runs_are_compared_in_any_terminal(terminal, translation, turning, tmp_path, width):
+def test_two_runs_are_compared_in_any_terminal(terminal, monkeypatch, translation, turning, tmp_path, width):
+    monkeypatch.setattr("exudyn_crawler.views.pages.runs.write_comparison", result(None))
     for name, history in (("straight", translation), ("turning", turning)):
         (tmp_path / name).mkdir()
         history.save(tmp_path / name / "history.nc")
