@@ -39,11 +39,10 @@ def test_items_of_lists_are_changed_by_the_names_that_faults_have(path):
     assert read_case(path, ["phases[*].side_shift=0.1"]).case.loads.phases[0].side_shift == 0.1
 
 
-def test_items_of_a_list_of_the_file_are_changed(tmp_path):
-    path = tmp_path / "case.toml"
-    path.write_text('base = "translation"\n[outputs]\nshoes = [1, 2]\n[loads]\nfile = "cycle.toml"\n')
+def test_items_of_a_list_of_the_file_are_changed(read, tmp_path):
     (tmp_path / "cycle.toml").write_text('[[phases]]\nname = "a"\nend = 0\nloads = 4e5\n')
-    found = read_case(path, ["outputs.shoes[1]=7", "loads.phases[0].loads[0]=1e5"])
+    text = 'base = "translation"\n[outputs]\nshoes = [1, 2]\n[loads]\nfile = "cycle.toml"\n'
+    found = read(text, ["outputs.shoes[1]=7", "loads.phases[0].loads[0]=1e5"])
     assert found.outputs.shoes == (1, 7)
     assert found.case.loads.phases[0].loads == (1e5, *[4e5] * 12)
 

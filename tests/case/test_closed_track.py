@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, StepProfile, read_case
+from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, StepProfile
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.undercarriage import Pose
 from exudyn_crawler.case.ph4100c import MACHINE_MASS
-from exudyn_crawler.errors import CaseFileError, ParameterError
+from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 
 RATES = {"speed": 0.3, "turn_rate": 0.05}
@@ -126,14 +126,11 @@ def test_what_does_not_go_with_a_closed_track_is_refused(changes, message):
         Case.closed().with_(changes)
 
 
-def test_case_file_with_base_closed(tmp_path):
-    path = tmp_path / "closed.toml"
-    path.write_text('base = "closed"\nduration = 1.0\n[closed_track]\nsupport = "posts"\n', encoding="utf-8")
-    found = read_case(path).case
+def test_case_file_with_base_closed(read, refused):
+    found = read('base = "closed"\nduration = 1.0\n[closed_track]\nsupport = "posts"\n').case
     assert found == Case.closed().with_({"closed_track.support": "posts"})
-    path.write_text('base = "closed"\n[closed_track.tumbler]\nteeth = 12\n', encoding="utf-8")
-    with pytest.raises(CaseFileError, match="lies within the chain about the others"):
-        read_case(path)
+    (fault,) = refused('base = "closed"\n[closed_track.tumbler]\nteeth = 12\n')
+    assert "lies within the chain about the others" in fault
 
 
 def test_travel_of_the_chain_is_that_of_its_pitches():

@@ -21,37 +21,11 @@ from exudyn_crawler import (
 from exudyn_crawler.case import CellContact, CellTerrain, Outputs
 from exudyn_crawler.case.case_file import case_text
 from exudyn_crawler.case.parameters.fields import case_rows, key_paths, named_values, number_text
-from exudyn_crawler.errors import CaseFileError, ParameterError
+from exudyn_crawler.errors import ParameterError
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed
 
 SAME_FOLDER = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-
-
-@pytest.fixture
-def read(tmp_path):
-    """Case file of a text."""
-
-    def read(text):
-        path = tmp_path / "case.toml"
-        path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return read_case(path)
-
-    return read
-
-
-@pytest.fixture
-def refused(read, tmp_path):
-    """Faults that a text is refused for, without the file's name."""
-
-    def refused(text):
-        with pytest.raises(CaseFileError) as caught:
-            read(text)
-        lines = str(caught.value).splitlines()
-        assert lines == [f"{tmp_path / 'case.toml'}: {fault}" for fault in caught.value.errors]
-        return caught.value.errors
-
-    return refused
 
 
 @pytest.mark.simulation

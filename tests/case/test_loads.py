@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import LoadCycle, read_case
+from exudyn_crawler import LoadCycle
 from exudyn_crawler.errors import CaseFileError
 
 
@@ -63,27 +63,21 @@ def test_one_number_loads_every_shoe_alike(tmp_path):
         LoadCycle.from_toml(path)
 
 
-def test_one_number_stands_for_the_loads_of_a_case_file(tmp_path):
-    path = tmp_path / "case.toml"
-    path.write_text('base = "stress"\nflexible = "none"\nloads = 4e5\n[track]\nshoe_count = 3\n')
-    assert read_case(path).case.loads == LoadCycle.constant([4e5] * 3)
-    assert read_case(path, ["loads=3e5"]).case.loads == LoadCycle.constant([3e5] * 3)
+def test_one_number_stands_for_the_loads_of_a_case_file(read):
+    text = 'base = "stress"\nflexible = "none"\nloads = 4e5\n[track]\nshoe_count = 3\n'
+    assert read(text).case.loads == LoadCycle.constant([4e5] * 3)
+    assert read(text, ["loads=3e5"]).case.loads == LoadCycle.constant([3e5] * 3)
     with pytest.raises(CaseFileError, match="loads: "):
-        read_case(path, ["loads=true"])
+        read(text, ["loads=true"])
 
 
-def test_a_case_file_names_a_cycle_beside_it(tmp_path):
+def test_a_case_file_names_a_cycle_beside_it(read, tmp_path):
     (tmp_path / "loads").mkdir()
     (tmp_path / "loads" / "cycle.toml").write_text(EVEN + DIG)
-    path = tmp_path / "case.toml"
-    path.write_text('base = "translation"\n[track]\nshoe_count = 3\n[loads]\nfile = "loads/cycle.toml"\n')
-    loads = read_case(path).case.loads
+    text = 'base = "translation"\n[track]\nshoe_count = 3\n'
+    loads = read(f'{text}[loads]\nfile = "loads/cycle.toml"\n').case.loads
     assert loads == LoadCycle.from_toml(tmp_path / "loads" / "cycle.toml", 3)
-    in_case = path.read_text().partition("[loads]")[0] + "".join(
-        phase.replace("[[phases]]", "[[loads.phases]]") for phase in (EVEN, DIG)
-    )
-    path.write_text(in_case)
-    assert read_case(path).case.loads == loads
+    assert read(text + (EVEN + DIG).replace("[[phases]]", "[[loads.phases]]")).case.loads == loads
 
 
 @pytest.mark.parametrize(
@@ -99,13 +93,11 @@ def test_a_case_file_names_a_cycle_beside_it(tmp_path):
         ('file = "short.toml"', r"^\S*short\.toml: phases\[0\]\.loads: must be a list, got True"),
     ],
 )
-def test_cycles_that_cannot_be_are_refused_with_the_case(tmp_path, table, told):
+def test_cycles_that_cannot_be_are_refused_with_the_case(read, tmp_path, table, told):
     (tmp_path / "broken.toml").write_text("[[phases")
     (tmp_path / "empty.toml").write_text("# nothing yet\n")
     (tmp_path / "odd.toml").write_text("speed = 1\n" + EVEN)
     (tmp_path / "lacking.toml").write_text('[[phases]]\nname = "a"\nend = 1\n')
     (tmp_path / "short.toml").write_text(EVEN.replace("4e5", "true"))
-    path = tmp_path / "case.toml"
-    path.write_text(f'base = "translation"\n[loads]\n{table}\n')
     with pytest.raises(CaseFileError, match=told):
-        read_case(path)
+        read(f'base = "translation"\n[loads]\n{table}\n')

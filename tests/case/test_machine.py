@@ -11,45 +11,39 @@ from exudyn_crawler.errors import ParameterError
 FRAME = Undercarriage.ph4100c()
 DOWN = np.array([0.0, 0.0, -1.0])
 NOTHING = (0.0, 0.0, 0.0)
+SHOVEL, PAYLOAD = ph4100c.SHOVEL, 9e4
+WHOLE = SHOVEL["mass"] + PAYLOAD
+LEVER = (SHOVEL["front"] + PAYLOAD) * 15.0 + SHOVEL["upper"] * SHOVEL["upper_place"][0]
+"""kg m, by hand: payload and front at 15 m to the one side, the upper structure 2.5 m to the other."""
 
 
-def resultant(cycle, k):
+def pose(swing, payload=PAYLOAD):
+    return Pose(f"at {swing:g}", 1.0, swing, 15.0, 5.0, payload)
+
+
+def resultant(swing, side=1.0):
     """Vertical force on the frame (N, downward) with its weight, and x and y where it acts, m."""
-    phase = cycle.phases[k]
+    (phase,) = MachineCycle.shovel(poses=[pose(swing)], side=side).phases
     weight = FRAME.mass * ph4100c.GRAVITY * DOWN
     force, moment = np.array(phase.force) + weight, np.array(phase.moment) + np.cross(FRAME.com, weight)
     return -force[2], moment[1] / -force[2], -moment[0] / -force[2]
 
 
-def poses(*swings, payload=0.0):
-    return [Pose(f"at {s:g}", 1.0 + k, s, 15.0, 5.0, payload) for k, s in enumerate(swings)]
-
-
-def test_both_tracks_carry_the_whole():
-    for pose in (poses(0.7, payload=9e4), poses(np.pi / 2, payload=9e4)):
-        left, right = (MachineCycle.shovel(poses=pose, side=side) for side in (1.0, -1.0))
-        carried = resultant(left, 0)[0] + resultant(right, 0)[0]
-        assert carried == pytest.approx((ph4100c.SHOVEL["mass"] + 9e4) * ph4100c.GRAVITY)
+@pytest.mark.parametrize("swing", [0.7, np.pi / 2])
+def test_both_tracks_carry_the_whole(swing):
+    carried = resultant(swing)[0] + resultant(swing, side=-1.0)[0]
+    assert carried == pytest.approx(WHOLE * ph4100c.GRAVITY)
 
 
 def test_shares_are_those_of_statics():
-    """Levers by hand: payload and front at 15 m to the left, the upper structure 2.5 m to the right."""
-    shovel, payload = ph4100c.SHOVEL, 9e4
-    left = resultant(MachineCycle.shovel(poses=poses(np.pi / 2, payload=payload)), 0)[0]
-    whole = (shovel["mass"] + payload) * ph4100c.GRAVITY
-    lever = (
-        (shovel["front"] + payload) * 15.0 + shovel["upper"] * shovel["upper_place"][0]
-    ) * ph4100c.GRAVITY
-    assert left == pytest.approx(0.5 * whole + lever / ph4100c.TRACK_DISTANCE)
+    share = 0.5 * WHOLE + LEVER / ph4100c.TRACK_DISTANCE
+    assert resultant(np.pi / 2)[0] == pytest.approx(share * ph4100c.GRAVITY)
 
 
 def test_straight_ahead_the_weight_moves_ahead_and_the_tracks_share_alike():
-    shovel, payload = ph4100c.SHOVEL, 9e4
-    carried, x, y = resultant(MachineCycle.shovel(poses=poses(0.0, payload=payload)), 0)
-    masses = shovel["mass"] + payload
-    lever = (shovel["front"] + payload) * 15.0 + shovel["upper"] * shovel["upper_place"][0]
-    assert carried == pytest.approx(0.5 * masses * ph4100c.GRAVITY)
-    assert x == pytest.approx(lever / masses)
+    carried, x, y = resultant(0.0)
+    assert carried == pytest.approx(0.5 * WHOLE * ph4100c.GRAVITY)
+    assert x == pytest.approx(LEVER / WHOLE)
     assert y == pytest.approx(0.0, abs=1e-9)
 
 
@@ -74,9 +68,9 @@ def test_wrench_is_joined_by_steps():
 
 def test_machine_that_tips_over_a_track_and_times_that_do_not_increase_are_refused():
     with pytest.raises(ValueError, match="the machine tips sideways at the end of"):
-        MachineCycle.shovel(poses=poses(np.pi / 2, payload=1e6))
+        MachineCycle.shovel(poses=[pose(np.pi / 2, payload=1e6)])
     with pytest.raises(ParameterError, match="the phases' ends must increase"):
-        MachineCycle.shovel(poses=[*poses(0.0), *poses(0.1)])
+        MachineCycle.shovel(poses=[pose(0.0, payload=0.0), pose(0.1, payload=0.0)])
 
 
 @pytest.mark.parametrize(

@@ -43,13 +43,10 @@ def test_a_profile_is_constant_outside_its_times():
     assert profile.value([1.5, 3.0]).tolist() == pytest.approx([4.0, 2.0], rel=1e-12)
     assert profile.integral(0.0) == pytest.approx(-3.0, rel=1e-12)
     assert profile.integral(5.0) == pytest.approx(4.0 + 4.0 - 1.0, rel=1e-12)
-
-
-def test_a_constant_profile_never_changes():
-    profile = StepProfile.constant(7.5)
-    assert profile.value([-1.0, 0.0, 100.0]).tolist() == [7.5, 7.5, 7.5]
-    assert float(profile.rate(3.0)) == 0.0
-    assert profile.integral(4.0) == pytest.approx(30.0, rel=1e-12)
+    constant = StepProfile.constant(7.5)
+    assert constant.value([-1.0, 0.0, 100.0]).tolist() == [7.5, 7.5, 7.5]
+    assert float(constant.rate(3.0)) == 0.0
+    assert constant.integral(4.0) == pytest.approx(30.0, rel=1e-12)
 
 
 def test_loads_follow_steps_between_the_ends_of_phases():

@@ -25,12 +25,11 @@ def test_machine_is_plausible_and_rollers_carry_half_of_it_without_its_shoes():
     assert small_case().loads.shoe_count == SHOES
 
 
-def test_case_file_gives_the_case_again(tmp_path):
+def test_case_file_gives_the_case_again(read, tmp_path):
     whole = CaseFile(case=ROLLED, duration=3.0)
     assert read_case(write_case(whole, tmp_path / "case.toml")) == whole
-    short = tmp_path / "short.toml"
-    short.write_text('base = "rolled"\nduration = 3.0\n[undercarriage]\nbase = "ph4100c"\nradius = 0.38\n')
-    assert read_case(short).case.undercarriage.radius == 0.38
+    short = 'base = "rolled"\nduration = 3.0\n[undercarriage]\nbase = "ph4100c"\nradius = 0.38\n'
+    assert read(short).case.undercarriage.radius == 0.38
 
 
 @pytest.mark.parametrize(

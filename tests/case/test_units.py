@@ -31,22 +31,22 @@ def test_a_text_with_a_unit_is_the_number_in_the_fields_own(text, unit, value):
     assert number_of(text, unit) == value
 
 
-def test_every_kind_of_number_in_a_file_may_have_a_unit(tmp_path):
-    (tmp_path / "case.toml").write_text(
+def test_every_kind_of_number_in_a_file_may_have_a_unit(read):
+    text = (
         'base = "translation"\nduration = "500 ms"\nloads = "450 kN"\n'
         '[terrain]\nspring_stiffness = "18 MN/m"\norigin = ["5044 mm", 3.2901]\n'
         '[contact]\nstiffness = "80 N/mm2"\n'
         '[drive]\nspeed = {times = [0, "5 s"], values = [0, "0.36 km/h"]}\n'
     )
     changes = ["drive.speed.times[1]=6000 ms", "terrain.grade=1 %", "terrain.origin[1]=329.01 cm"]
-    found = read_case(tmp_path / "case.toml", changes)
+    found = read(text, changes)
     case = found.case
     assert (found.duration, case.terrain.spring_stiffness, case.terrain.grade) == (0.5, 18e6, 0.01)
     assert case.loads.phases[0].loads == (450e3,) * 13
     assert (case.contact.stiffness, case.terrain.origin) == (80e6, (5.044, 3.2901))
     assert (case.drive.speed.times, case.drive.speed.values) == ((0.0, 6.0), (0.0, 0.1))
     with pytest.raises(CaseFileError, match=r"a number in N/m, or such as '1 MN/m', got '18 MPa'$"):
-        read_case(tmp_path / "case.toml", ["terrain.spring_stiffness=18 MPa"])
+        read(text, ["terrain.spring_stiffness=18 MPa"])
 
 
 @pytest.mark.parametrize("case", [Case.turning(), Case.stress(), Case.rolled()])
