@@ -11,6 +11,7 @@ from exudyn_crawler.case import SIDES
 from exudyn_crawler.ground import rotations, terrain
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
+from exudyn_crawler.model.joints import ROWS
 from exudyn_crawler.model.state import IDLERS, MOTOR, RATES, SIDE_FRAME, TUMBLERS, VERSION, pin_name
 from exudyn_crawler.results.history import History, catalogue, files
 
@@ -112,19 +113,18 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rear, front = np.moveaxis(frames[:, case.links - 1], 2, 0)
     y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
     level = np.stack((np.cos(angles[..., 2]), np.sin(angles[..., 2]), np.zeros(angles.shape[:2])), axis=-1)
-    about_x, about_z = np.cross(x1, y0), np.cross(z1, y0)
-    force, torque = np.full((2, len(states.rows), len(joints), len(SIDES), 3), np.nan)
-    for link, side in np.ndindex(force.shape[1:3]):
-        name = pin_name(SIDES[side], int(joints[link]))
-        if layout.has(name):
-            reaction = states.part(name)
-            force[:, link, side] = reaction[:, :3]
-            if case.is_closed:
-                ahead, across = level[:, link], y0[:, link]
-                axes = np.stack((ahead, across, np.cross(ahead, across)), axis=1)
-                force[:, link, side] = np.einsum("tr,trc->tc", reaction[:, :3], axes)
-            turning = reaction[:, 3, None] * about_x[:, link]
-            torque[:, link, side] = turning + reaction[:, -1, None] * about_z[:, link]
+    names = [[pin_name(side, int(link)) for side in SIDES] for link in joints]
+    has = np.array([[layout.has(name) for name in both] for both in names])
+    first = np.array([layout.first_multiplier(name) for name in np.array(names)[has]])
+    # of all joints there are: (times, joints, ROWS), each of a link
+    reaction, link = states.part("multipliers")[:, first[:, None] + np.arange(ROWS)], np.nonzero(has)[0]
+    force, torque = np.full((2, len(reaction), *has.shape, 3), np.nan)
+    force[:, has] = reaction[..., :3]
+    if case.is_closed:
+        axes = level, y0, np.cross(level, y0)
+        force[:, has] = sum(reaction[..., r, None] * axes[r][:, link] for r in range(3))
+    about = np.cross(x1, y0), np.cross(z1, y0)
+    torque[:, has] = sum(reaction[..., 3 + r, None] * about[r][:, link] for r in range(2))
     return force, torque
 
 
