@@ -100,8 +100,10 @@ def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -
     }
 
 
-def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Force and torque of every joint on its rear shoe: arrays (times, links, sides, 3), NaN for no joint.
+def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Force and torque of every joint on its rear shoe: arrays (times, links, sides, 3), zero for no joint.
+
+    The last one says where there is a joint, (links, sides).
 
     A joint's equations are ``p_front - p_rear = 0`` and, with the axes of the rear shoe marked 0 and of
     the front one 1, ``y0 . x1 = 0`` and ``y0 . z1 = 0``: the multipliers of the first are the force on
@@ -118,32 +120,32 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     first = np.array([layout.first_multiplier(name) for name in np.array(names)[has]])
     # of all joints there are: (times, joints, ROWS), each of a link
     reaction, link = states.part("multipliers")[:, first[:, None] + np.arange(ROWS)], np.nonzero(has)[0]
-    force, torque = np.full((2, len(reaction), *has.shape, 3), np.nan)
+    force, torque = np.zeros((2, len(reaction), *has.shape, 3))
     force[:, has] = reaction[..., :3]
     if case.is_closed:
         axes = level, y0, np.cross(level, y0)
         force[:, has] = sum(reaction[..., r, None] * axes[r][:, link] for r in range(3))
     about = np.cross(x1, y0), np.cross(z1, y0)
     torque[:, has] = sum(reaction[..., 3 + r, None] * about[r][:, link] for r in range(2))
-    return force, torque
+    return force, torque, has
 
 
 def _reactions(states: _States, motion: Arrays) -> Arrays:
     """Forces and torques of links and drive; of a track with flexible shoes those of each pin, too."""
     layout, point, angles = states.system.layout, states.system.point, motion["angles"]
-    force, torque = _pins(states, angles)
+    force, torque, has = _pins(states, angles)
     # the front shoe is the last of the flexible ones, if it is one of them
     modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(angles), 0))
     named = {
-        "joint_force": np.nansum(force, axis=2),
-        "joint_torque": np.nansum(torque, axis=2),
+        "joint_force": force.sum(axis=2),
+        "joint_torque": torque.sum(axis=2),
         "drive_force": -states.part("drive")[:, 0] * (not states.system.case.is_rolled),
         "drive_point": motion["position"][:, -1] + point.arm(angles[:, -1], modal),
         "drive_torque": -states.part("turn")[:, 0] if layout.has("turn") else np.zeros(len(angles)),
     }
     if layout.flexible_shoes:
         # a rigid link has one joint, whose reaction is no pin's
-        single = np.isnan(force[0, :, -1, 0])
+        single = ~has.all(axis=1)
         force[:, single] = torque[:, single] = np.nan
         named |= {
             "modal_coordinate": states.part("modes"),
