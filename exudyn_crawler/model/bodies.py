@@ -157,7 +157,8 @@ def _bend(
     """
     m, w, rows = modes.stiffness.shape[0], motion.omega, PAIR_ROWS
     # integrals of p_a Psi_ck, and of the modes' velocities times Psi_ck
-    levers, speeds = np.zeros((9, m)), np.zeros((6, m))
+    sums = np.zeros((15, m))
+    levers, speeds = sums[:9], sums[9:]
     _add_products(modes.products, state, levers.reshape(-1), speeds.reshape(-1))
     for n in range(9):
         for k in range(m):

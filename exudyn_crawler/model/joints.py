@@ -114,11 +114,17 @@ def _by_rotation(end: End, moment: Vector) -> Vector:
 
 
 @solving_within
-def _add_work(shapes: FloatArray, action: Vector, sign: float, out: FloatArray) -> None:
-    """Add the work of a force or moment (the body's frame) along shapes (3, m), times a sign."""
+def _write_work(shapes: FloatArray, force: Vector, sign: float, out: FloatArray) -> None:
+    """Write the work of a force (the body's frame) along shapes (3, m), times a sign, behind six others."""
     for m in range(shapes.shape[1]):
-        work = action[0] * shapes[0, m] + action[1] * shapes[1, m] + action[2] * shapes[2, m]
-        out[m] += sign * work
+        out[6 + m] = sign * (force[0] * shapes[0, m] + force[1] * shapes[1, m] + force[2] * shapes[2, m])
+
+
+@solving_within
+def _add_work(shapes: FloatArray, moment: Vector, sign: float, out: FloatArray) -> None:
+    """Add that of a moment, the same."""
+    for m in range(shapes.shape[1]):
+        out[6 + m] += sign * (moment[0] * shapes[0, m] + moment[1] * shapes[1, m] + moment[2] * shapes[2, m])
 
 
 @solving_inside
@@ -142,12 +148,9 @@ def direction(
         out[3 + c] = sign * turning[c]
     if markers.modes[k] == 0:
         return
-    modal = out[6:]
-    modal.fill(0.0)
-    if dot(force, force) != 0.0:
-        _add_work(markers.displacement[k], turned_back(at.R, force), sign, modal)
+    _write_work(markers.displacement[k], turned_back(at.R, force), sign, out)
     if dot(moment, moment) != 0.0:
-        _add_work(markers.rotation[k], _by_rotation(end, turned_back(at.R, moment)), sign, modal)
+        _add_work(markers.rotation[k], _by_rotation(end, turned_back(at.R, moment)), sign, out)
 
 
 @solving_inside
