@@ -1,5 +1,6 @@
 """Sparse direct solution of symmetric positive definite systems: PARDISO or SuperLU."""
 
+import os
 import weakref
 from collections.abc import Callable
 from functools import cache
@@ -23,6 +24,8 @@ def _pardiso() -> Any:
         import pypardiso
     except ImportError:
         return None
+    # each of its solvers searches the whole installation for the library, half a second, unless it is named
+    os.environ.setdefault("PYPARDISO_MKL_RT", pypardiso.ps.libmkl._name)
     return pypardiso
 
 
