@@ -76,7 +76,7 @@ check: $(INSTALLED) lint  ## lint and the tests that run no simulation, within a
 	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow and not simulation" -n 2
 
 test: $(INSTALLED)  ## the tests, less the slow ones, on two processes
-	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadscope
+	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadscope --no-loadscope-reorder
 
 test-slow: $(INSTALLED)  ## the studies at full length against the papers; once before a release
 	$(BIN)/python -m pytest -m slow
