@@ -51,7 +51,7 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what simulates or takes as long by its fixtures; its modules go first, so that processes end alike."""
+    """Mark what simulates or takes as long by its fixtures; its modules go first: processes end alike."""
     for item in items:
         if RUNS & set(getattr(item, "fixturenames", ())):
             item.add_marker("simulation")
