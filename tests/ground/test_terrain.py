@@ -111,7 +111,7 @@ def terrain_alone(terrain, formulation):
     if formulation == "constrained":
         nodes = add_units(mbs, case)
     else:
-        nodes = add_terrain_modes(mbs, parts_of(case).tables.terrain, case.gravity_vector())
+        nodes = add_terrain_modes(mbs, parts_of(case).tables, case.gravity_vector())
     return container, mbs, nodes, terrain_coordinates(case)
 
 
