@@ -11,7 +11,6 @@ from exudyn_crawler.case import SIDES
 from exudyn_crawler.ground import rotations, terrain
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
-from exudyn_crawler.model.joints import ROWS
 from exudyn_crawler.model.state import IDLERS, MOTOR, RATES, SIDE_FRAME, TUMBLERS, VERSION, pin_name
 from exudyn_crawler.results.history import History, catalogue, files
 
@@ -117,9 +116,11 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     level = np.stack((np.cos(angles[..., 2]), np.sin(angles[..., 2]), np.zeros(angles.shape[:2])), axis=-1)
     names = [[pin_name(side, int(link)) for side in SIDES] for link in joints]
     has = np.array([[layout.has(name) for name in both] for both in names])
-    first = np.array([layout.first_multiplier(name) for name in np.array(names)[has]])
-    # of all joints there are: (times, joints, ROWS), each of a link
-    reaction, link = states.part("multipliers")[:, first[:, None] + np.arange(ROWS)], np.nonzero(has)[0]
+    present = np.array(names)[has]
+    first = np.array([layout.first_multiplier(name) for name in present])
+    # of all joints there are: (times, joints, equations of one), each of a link
+    own = first[:, None] + np.arange(dict(layout.multipliers)[present[0]])
+    reaction, link = states.part("multipliers")[:, own], np.nonzero(has)[0]
     force, torque = np.zeros((2, len(reaction), *has.shape, 3))
     force[:, has] = reaction[..., :3]
     if case.is_closed:
