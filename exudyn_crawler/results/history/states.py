@@ -113,19 +113,21 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     joints, frames = case.joints, rotations.rotation_matrices(angles)
     rear, front = np.moveaxis(frames[:, case.links - 1], 2, 0)
     y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
-    level = np.stack((np.cos(angles[..., 2]), np.sin(angles[..., 2]), np.zeros(angles.shape[:2])), axis=-1)
     names = [[pin_name(side, int(link)) for side in SIDES] for link in joints]
     has = np.array([[layout.has(name) for name in both] for both in names])
     present = np.array(names)[has]
     first = np.array([layout.first_multiplier(name) for name in present])
     # of all joints there are: (times, joints, equations of one), each of a link
-    own = first[:, None] + np.arange(dict(layout.multipliers)[present[0]])
-    reaction, link = states.part("multipliers")[:, own], np.nonzero(has)[0]
+    columns = first[:, None] + np.arange(dict(layout.multipliers)[present[0]])
+    reaction, link = states.part("multipliers")[:, columns], np.nonzero(has)[0]
     force, torque = np.zeros((2, len(reaction), *has.shape, 3))
-    force[:, has] = reaction[..., :3]
     if case.is_closed:
+        yaw = angles[..., 2]
+        level = np.stack((np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)), axis=-1)
         axes = level, y0, np.cross(level, y0)
         force[:, has] = sum(reaction[..., r, None] * axes[r][:, link] for r in range(3))
+    else:
+        force[:, has] = reaction[..., :3]
     about = np.cross(x1, y0), np.cross(z1, y0)
     torque[:, has] = sum(reaction[..., 3 + r, None] * about[r][:, link] for r in range(2))
     return force, torque, has
