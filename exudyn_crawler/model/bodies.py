@@ -13,13 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground import rotations
-from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, basis, cross, dot, turned, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Ints1
 from exudyn_crawler.ground.rotations import Attitude, Weights
 from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
-
-PAIR_ROWS = ((6, 0, 1), (2, 7, 3), (4, 5, 8))
-"""Row of integrals over axes a and c; first come those of two axes, which are all that spinning asks for."""
 
 
 class Bodies(NamedTuple):
@@ -41,8 +38,8 @@ class Modes(NamedTuple):
     stiffness: Floats1  # (m,): 1/s2
     damping: Floats1  # (m,): 1/s
     shapes: Floats2  # (3, m): integral of the mode shapes
-    places: Floats2  # (9, m): of x_a Psi_ck over `PAIR_ROWS` of (a, c) and k
-    products: Floats2  # (m, 9 m): of Psi_aj Psi_ck over j and (`PAIR_ROWS` of (a, c), k)
+    places: Floats2  # (9, m): of x_a Psi_ck over (a, c) and k
+    products: Floats2  # (m, 9 m): of Psi_aj Psi_ck over j and (a, c, k)
 
 
 def second_moment(mass: float, inertia: FloatArray, center: FloatArray) -> FloatArray:
@@ -102,43 +99,19 @@ def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
     return Motion(w, turning, turned_back(at.R, upward))
 
 
-@solving_within
-def _add_products(products: FloatArray, state: FloatArray, levers: FloatArray, speeds: FloatArray) -> None:
-    """Add the products (m, 9 m) of the modes times their coordinates, and the first 6 m times their rates.
+@solving_inside
+def _sums(row: FloatArray, still: FloatArray, z: FloatArray) -> tuple[float, float, float, float]:
+    """Sums of a row (m,) times modal coordinates, rates and accelerations (3, m); of another by the first.
 
-    Three modes at a time: the sums are read and written a third as often.
+    They grow at once: each has to wait for its last term.
     """
-    by_threes = products.shape[0] - products.shape[0] % 3
-    for j in range(0, by_threes, 3):
-        one, two, three = products[j], products[j + 1], products[j + 2]
-        z, z_t = state[0, 6 + j : 9 + j], state[1, 6 + j : 9 + j]
-        for i in range(speeds.shape[0]):
-            speeds[i] = speeds[i] + z_t[0] * one[i] + z_t[1] * two[i] + z_t[2] * three[i]
-        for i in range(levers.shape[0]):
-            levers[i] = levers[i] + z[0] * one[i] + z[1] * two[i] + z[2] * three[i]
-    for j in range(by_threes, products.shape[0]):
-        for i in range(speeds.shape[0]):
-            speeds[i] += state[1, 6 + j] * products[j, i]
-        for i in range(levers.shape[0]):
-            levers[i] += state[0, 6 + j] * products[j, i]
-
-
-@solving_within
-def _add_modal_forces(
-    modes: Modes, state: FloatArray, motion: Motion, bent: tuple[FloatArray, FloatArray], residual: FloatArray
-) -> None:
-    """Add inertia and elastic forces along the modes; `bent` are as of `_bend`."""
-    (levers, speeds), w, rows = bent, motion.omega, PAIR_ROWS
-    for k in range(modes.stiffness.shape[0]):
-        modal = state[2, 6 + k] + modes.stiffness[k] * state[0, 6 + k] + modes.damping[k] * state[1, 6 + k]
-        for a in range(3):
-            modal += modes.shapes[a, k] * motion.acceleration[a]
-            for c in range(3):
-                modal += levers[rows[a][c], k] * motion.turning[c][a]
-            # 2 Psi_k . (omega x Psi z'), of which this is the part of component a of Psi z'
-            b, c = (a + 1) % 3, (a + 2) % 3
-            modal += 2.0 * (speeds[rows[a][b], k] * w[c] - speeds[rows[a][c], k] * w[b])
-        residual[6 + k] += modal
+    place = rate = second = other = 0.0
+    for k in range(row.shape[0]):
+        place += row[k] * z[0, k]
+        rate += row[k] * z[1, k]
+        second += row[k] * z[2, k]
+        other += still[k] * z[0, k]
+    return place, rate, second, other
 
 
 @solving_allocating
@@ -155,30 +128,37 @@ def _bend(
     `tensor` (3, 3) gathers ``integral p_a f_c`` of inertia forces f. Gives the force of the modes' motion, N,
     in the body's axes.
     """
-    m, w, rows = modes.stiffness.shape[0], motion.omega, PAIR_ROWS
-    # integrals of p_a Psi_ck, and of the modes' velocities times Psi_ck
-    sums = np.zeros((15, m))
-    levers, speeds = sums[:9], sums[9:]
-    _add_products(modes.products, state, levers.reshape(-1), speeds.reshape(-1))
-    for n in range(9):
-        for k in range(m):
-            levers[n, k] += modes.places[n, k]
-    _add_modal_forces(modes, state, motion, (levers, speeds), residual)
-    force = (0.0, 0.0, 0.0)
+    m, z, force = modes.stiffness.shape[0], state[:3, 6:].copy(), (0.0, 0.0, 0.0)
+    # over (a, c) and k: integrals of p_a Psi_ck, here without x_a, and of those of velocities Psi z' with Psi
+    sums, forces = np.dot(z[:2], modes.products), residual[6:]
     for k in range(m):
-        z, z_t, z_tt = state[0, 6 + k], state[1, 6 + k], state[2, 6 + k]
-        shape = (modes.shapes[0, k], modes.shapes[1, k], modes.shapes[2, k])
-        force = along(along(force, z_tt, shape), 2.0 * z_t, cross(w, shape))
-        for a in range(3):
-            inertia.first[a] += shape[a] * z
-            lever = (levers[rows[a][0], k], levers[rows[a][1], k], levers[rows[a][2], k])
-            swirl = cross(w, lever)
-            for c in range(3):
-                inertia.second[a, c] += lever[c] * z + modes.places[rows[c][a], k] * z
-                tensor[a, c] += lever[c] * z_tt + 2.0 * swirl[c] * z_t
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            inertia.turning[a, k] = levers[rows[b][c], k] - levers[rows[c][b], k]
+        forces[k] += z[2, k] + modes.stiffness[k] * z[0, k] + modes.damping[k] * z[1, k]
+    for a in range(3):
+        shape, acceleration, swirl = modes.shapes[a], motion.acceleration[a], cross(motion.omega, basis(a))
+        for k in range(m):
+            forces[k] += shape[k] * acceleration
+        place, rate, second, _ = _sums(shape, shape, z)
+        inertia.first[a] += place
+        force = along(along(force, second, basis(a)), 2.0 * rate, swirl)
+        for c in range(3):
+            n = 3 * a + c
+            lever, speed, still = sums[0, n * m : n * m + m], sums[1, n * m : n * m + m], modes.places[n]
+            # of the turning frame, and 2 omega x Psi z'
+            turning, spin = motion.turning[c][a], 2.0 * swirl[c]
+            for k in range(m):
+                lever[k] += still[k]
+                forces[k] += lever[k] * turning + speed[k] * spin
+            place, rate, second, other = _sums(lever, still, z)
+            inertia.second[a, c] += place
+            inertia.second[c, a] += other
+            tensor[a, c] += second
+            around = cross(motion.omega, basis(c))
+            for d in range(3):
+                tensor[a, d] += 2.0 * rate * around[d]
+    for a in range(3):
+        b, c = (a + 1) % 3 * 3 + (a + 2) % 3, (a + 2) % 3 * 3 + (a + 1) % 3
+        for k in range(m):
+            inertia.turning[a, k] = sums[0, b * m + k] - sums[0, c * m + k]
     return force
 
 

@@ -15,7 +15,7 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
 from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
 from exudyn_crawler.model import elimination, shoe_mesh
-from exudyn_crawler.model.bodies import PAIR_ROWS, Bodies, Modes, second_moment
+from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
 from exudyn_crawler.model.forces import cells, loads, teeth, units
 from exudyn_crawler.model.forces.wheels import ROLLED, Wheels
@@ -38,18 +38,15 @@ def _flexible_modes(case: Case, floating: FloatingShoe) -> tuple[Modes, np.ndarr
     count = shapes.shape[2]
     heavy_places = mass @ places
     heavy = np.stack([mass @ shapes[:, c] for c in range(3)], axis=1)
-    by_place = np.einsum("na,nck->akc", places, heavy).transpose(0, 2, 1).reshape(9, count)
-    products = np.einsum("naj,nck->jakc", shapes, heavy, optimize=True)
-    products = products.transpose(0, 1, 3, 2).reshape(count, 9, count)
-    order = np.argsort(np.ravel(PAIR_ROWS))
+    products = np.einsum("naj,nck->jack", shapes, heavy, optimize=True)
     omega = 2.0 * np.pi * floating.reduced.frequencies
     ratio = case.flexible_shoes().damping.value(floating.reduced.frequencies)
     modes = Modes(
         stiffness=omega**2,
         damping=2.0 * ratio * omega,
         shapes=np.ascontiguousarray(heavy.sum(axis=0)),
-        places=by_place[order],
-        products=products[:, order].reshape(count, 9 * count),
+        places=np.einsum("na,nck->ack", places, heavy).reshape(9, count),
+        products=products.reshape(count, 9 * count),
     )
     return modes, heavy_places.sum(axis=0), places.T @ heavy_places
 
@@ -316,8 +313,8 @@ def _with_fronts(tables: Tables, shoes: int, links: Sequence[int]) -> Tables:
 
     Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers.
 
-    `links` names the link of every pin. Of a closed chain every second one of those that are left goes in
-    turn, so that what touches one part of the loop is not carried round the whole of it.
+    `links` names the link of every pin. Of a closed chain those with two pins go first, then every second one
+    of those that are left in turn, so that what touches one part of the loop is not carried round all of it.
     """
     bodies, joints, m = tables.bodies, tables.joints, len(tables.modes.stiffness)
     size = tables.terrain.heave.shape[1]
@@ -352,7 +349,7 @@ def _with_fronts(tables: Tables, shoes: int, links: Sequence[int]) -> Tables:
     couplings += [[*shoe, others[0]] for shoe in coordinates[: len(tables.pull.markers)]]
     order = sorted(chain)
     if len(tables.closed.motors):
-        order.sort(key=lambda link: link & -link)
+        order.sort(key=lambda link: (len(chain[link]) == ROWS, link & -link))
     groups = [*coordinates[:shoes], *(chain[link] for link in order), [*terrain, *frames, *others]]
     fronts = elimination.fronts_of(groups, couplings)
     places = [{unknown: k for k, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.own))]

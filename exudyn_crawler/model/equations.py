@@ -46,13 +46,14 @@ def _add_pin(
     bodies: Bodies, b: int, jacobian: FloatArray, multipliers: FloatArray, residual: FloatArray
 ) -> None:
     """Add the forces of a pin, whose Jacobian is (ROWS, 6 + m), on one of its bodies."""
-    first, modal = bodies.coordinate[b], bodies.modal[b] - 6
-    for c in range(jacobian.shape[1] if modal >= -6 else 6):
-        at = first + c if c < 6 else modal + c
-        force = residual[at]
-        for r in range(ROWS):
-            force += multipliers[r] * jacobian[r, c]
-        residual[at] = force
+    first, modal = bodies.coordinate[b], bodies.modal[b]
+    last = jacobian.shape[1] if modal >= 0 else 6
+    for start, end, to in ((0, 6, first), (6, last, modal - 6)):
+        for c in range(start, end):
+            force = residual[to + c]
+            for r in range(ROWS):
+                force += multipliers[r] * jacobian[r, c]
+            residual[to + c] = force
 
 
 @solving_within

@@ -113,18 +113,10 @@ def _by_rotation(end: End, moment: Vector) -> Vector:
     return along(along(moment, -c, once), d, cross(t, once))
 
 
-@solving_within
-def _write_work(shapes: FloatArray, force: Vector, sign: float, out: FloatArray) -> None:
-    """Write the work of a force (the body's frame) along shapes (3, m), times a sign, behind six others."""
-    for m in range(shapes.shape[1]):
-        out[6 + m] = sign * (force[0] * shapes[0, m] + force[1] * shapes[1, m] + force[2] * shapes[2, m])
-
-
-@solving_within
-def _add_work(shapes: FloatArray, moment: Vector, sign: float, out: FloatArray) -> None:
-    """Add that of a moment, the same."""
-    for m in range(shapes.shape[1]):
-        out[6 + m] += sign * (moment[0] * shapes[0, m] + moment[1] * shapes[1, m] + moment[2] * shapes[2, m])
+@solving_inside
+def _work(shapes: FloatArray, force: Vector, k: int) -> float:
+    """Work of a force (the body's frame) along mode k of shapes (3, m)."""
+    return force[0] * shapes[0, k] + force[1] * shapes[1, k] + force[2] * shapes[2, k]
 
 
 @solving_inside
@@ -148,9 +140,13 @@ def direction(
         out[3 + c] = sign * turning[c]
     if markers.modes[k] == 0:
         return
-    _write_work(markers.displacement[k], turned_back(at.R, force), sign, out)
+    own, shapes = turned_back(at.R, force), markers.displacement[k]
+    for m in range(shapes.shape[1]):
+        out[6 + m] = sign * _work(shapes, own, m)
     if dot(moment, moment) != 0.0:
-        _add_work(markers.rotation[k], _by_rotation(end, turned_back(at.R, moment)), sign, out)
+        own, shapes = _by_rotation(end, turned_back(at.R, moment)), markers.rotation[k]
+        for m in range(shapes.shape[1]):
+            out[6 + m] += sign * _work(shapes, own, m)
 
 
 @solving_inside

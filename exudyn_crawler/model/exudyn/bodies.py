@@ -6,7 +6,6 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.terrain import terrain_joints
-from exudyn_crawler.model.bodies import PAIR_ROWS
 from exudyn_crawler.model.engine import RigidBodyInertia, add_coordinates, exu, generic_node, items, sparse
 from exudyn_crawler.model.exudyn.euler_parameters import UNTURNED
 from exudyn_crawler.model.tables import Tables
@@ -89,7 +88,7 @@ def _elasticity(tables: Tables) -> dict[str, object]:
     turned = np.cross(points.rotation[:, None], CORNERS[None, :, :, None], axis=2)
     cross = np.cross(np.eye(3)[:, None], np.eye(3))
     # x_a Psi_ck over (0, a, c, k), then Psi_aj Psi_ck over (j, a, c, k)
-    pairs = np.concatenate((modes.places[None], modes.products.reshape(m, 9, m)))[:, np.array(PAIR_ROWS)]
+    pairs = np.concatenate((modes.places[None], modes.products.reshape(m, 9, m))).reshape(1 + m, 3, 3, m)
     once = -np.einsum("rac,jack->jrk", cross, pairs)
     twice = np.einsum("jaak,rs->jrks", pairs, np.eye(3)) - np.einsum("jsrk->jrks", pairs)
     return {
