@@ -13,27 +13,22 @@ import pytest
 import xarray as xr
 from hypothesis import settings
 
-from exudyn_crawler import Case, History, LoadCycle, Phase, simulate
+from exudyn_crawler import Case, Duty, History, LoadCycle, Phase, simulate
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.reductions import VARIABLE
+from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.results.life.life import LifeResults, life_of
 from tests.rolled import small_case, small_flexible_case
-from tests.stress_results import short_run, stress_results
+from tests.stress_results import WEAK, by_modes_alone, short_run, stress_results
 
 # the same examples in every run
 settings.register_profile("reproducible", derandomize=True)
 settings.load_profile("reproducible")
 
 RUNS = {
-    "translation",
-    "phased",
-    "turning",
-    "constrained",
-    "longer",
-    "flexible_run",
-    "reduced",
-    "rigid_folders",
-    "rolled",
-    "bent",
+    *("translation", "phased", "turning", "constrained", "longer", "flexible_run", "reduced"),
+    *("rigid_folders", "rolled", "bent", "over_sand", "ran"),
 }
 """Fixtures that simulate, or reduce a shoe for a run."""
 
@@ -113,6 +108,31 @@ def flexible_run() -> tuple[History, xr.Dataset, dict[int, pd.DataFrame]]:
 
 
 @pytest.fixture(scope="session")
+def history(flexible_run: tuple[History, xr.Dataset, dict[int, pd.DataFrame]]) -> History:
+    """History of that run."""
+    return flexible_run[0]
+
+
+@pytest.fixture(scope="session")
+def stress(flexible_run: tuple[History, xr.Dataset, dict[int, pd.DataFrame]]) -> xr.Dataset:
+    """Stresses of that run."""
+    return flexible_run[1]
+
+
+@pytest.fixture(scope="session")
+def modes_alone(history: History) -> History:
+    """That history, whose stresses have no static fields."""
+    return by_modes_alone(history)
+
+
+@pytest.fixture(scope="session")
+def worn(history: History) -> LifeResults:
+    """Life over that run, a tenth of all hours."""
+    run = DutyRun(name="propel", folder=".", share=0.1)
+    return life_of(Duty(runs=(run,), material=WEAK, plane_nodes=0, survivals=(0.9,)), [history])
+
+
+@pytest.fixture(scope="session")
 def rolled() -> History:
     """A fifth of a second of a side frame over rigid shoes, in which it moves by 75 mm."""
     return simulate(small_case(), 0.2, progress=False)
@@ -122,6 +142,12 @@ def rolled() -> History:
 def bent() -> History:
     """The same over two flexible shoes, shorter."""
     return simulate(small_flexible_case(), 0.06, progress=False)
+
+
+@pytest.fixture(scope="session")
+def over_sand() -> History:
+    """The side frame over rigid shoes on LETE sand, for longer."""
+    return simulate(small_case().on_cells(BekkerSoil.lete_sand()), 0.3, progress=False)
 
 
 @pytest.fixture
@@ -151,3 +177,29 @@ def call(
         return end.value.code, told.out, told.err
 
     return call
+
+
+@pytest.fixture
+def refused(call: Callable[..., tuple[object, str, str]]) -> Callable[..., str]:
+    """Call what has to end with an exit code and one line of errors: that line."""
+
+    def refused(*arguments: object, code: int = 2) -> str:
+        ended, _, err = call(*arguments)
+        assert ended == code, err
+        assert err.startswith("error: ")
+        assert err.count("\n") == 1
+        return err
+
+    return refused
+
+
+@pytest.fixture
+def told(call: Callable[..., tuple[object, str, str]]) -> Callable[..., str]:
+    """Call what has to succeed without an error or a warning: its output."""
+
+    def told(*arguments: object) -> str:
+        code, out, err = call(*arguments)
+        assert (code, err) == (0, "")
+        return out
+
+    return told

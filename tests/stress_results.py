@@ -3,8 +3,11 @@
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler import Case, Drive, History, LoadCycle, StepProfile, simulate
+from exudyn_crawler import Case, Drive, FatigueMaterial, History, LoadCycle, StepProfile, simulate
 from exudyn_crawler.results.stress.recovery import recover_stresses
+
+WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
+"""So weak that the small stresses of a short run wear it out."""
 
 
 def short_run(
@@ -18,6 +21,12 @@ def short_run(
         flexible=case.flexible_shoes().with_(shoes=shoes),
     )
     return simulate(case, duration)
+
+
+def by_modes_alone(history: History) -> History:
+    """The same history, whose stresses have no static fields."""
+    flexible = history.case.flexible_shoes().with_(static_fields=False)
+    return History(history.case.with_(flexible=flexible), history.dataset)
 
 
 def stress_results(history: History, frames: list[float]) -> tuple[xr.Dataset, dict[int, pd.DataFrame]]:

@@ -11,6 +11,7 @@ LONGEST = 80
 """Lines of a function, its docstring included."""
 ARGUMENTS = 8
 """Of a compiled function."""
+TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in rooms.modules().items()}
 
 
 def test_rooms_import_only_what_lies_below_them():
@@ -46,36 +47,29 @@ def test_every_room_stands_on_a_floor():
 
 
 def test_no_class_name_stands_twice():
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in rooms.modules().values()]
-    names = [node.name for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    names = [
+        node.name for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)
+    ]
     assert {name for name, number in Counter(names).items() if number > 1} == set()
 
 
 def test_engine_is_imported_in_one_place():
     found = []
-    for module, path in rooms.modules().items():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for module, tree in TREES.items():
+        for node in ast.walk(tree):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             found += [module for name in names if name.split(".")[0] == "exudyn"]
     assert set(found) == {"exudyn_crawler.model.engine"}
 
 
-@pytest.mark.parametrize("module", sorted(rooms.modules()))
-def test_functions_fit_a_screen(module):
-    tree = ast.parse(rooms.modules()[module].read_text(encoding="utf-8"))
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+@pytest.mark.parametrize("module", sorted(TREES))
+def test_functions_fit_a_screen_and_compiled_ones_take_few_arguments(module):
+    functions = [node for node in ast.walk(TREES[module]) if isinstance(node, ast.FunctionDef)]
     assert [one.name for one in functions if one.end_lineno - one.lineno >= LONGEST] == []
-
-
-@pytest.mark.parametrize("module", sorted(rooms.modules()))
-def test_compiled_functions_take_few_arguments(module):
-    tree = ast.parse(rooms.modules()[module].read_text(encoding="utf-8"))
+    marks = [" ".join(map(ast.unparse, one.decorator_list)) for one in functions]
     compiled = [
-        node
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef)
-        and any("compile" in (text := ast.unparse(one)) or "inlined" in text for one in node.decorator_list)
+        one for one, mark in zip(functions, marks, strict=True) if "compile" in mark or "inlined" in mark
     ]
     assert [one.name for one in compiled if len(one.args.args) > ARGUMENTS] == []
 

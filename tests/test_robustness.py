@@ -1,7 +1,9 @@
-"""What goes wrong around a run: bad files, full disks, folders that cannot be written, kills."""
+"""What goes wrong around a run: bad files and values, full disks, folders that cannot be written, kills."""
 
 import json
 import os
+import random
+import re
 import signal
 import subprocess
 import sys
@@ -11,7 +13,7 @@ import pytest
 import tomlkit
 from hypothesis import HealthCheck, example, given, settings, strategies as st
 
-from exudyn_crawler import Case, History, run_case, simulate
+from exudyn_crawler import Case, History, LoadCycle, run_case, simulate
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.case_file import Outputs, case_text
 from exudyn_crawler.errors import CaseFileError
@@ -23,6 +25,13 @@ SAME_FOLDER = settings(
 )
 SHORT = 'base = "translation"\nduration = 0.05\n[outputs]\nfigures = false\n'
 VALID = case_text(CaseFile(case=Case.turning()))
+SEED = 20160316
+NUMBERS = ("0", "-1", "1e300", "-1e300", "1e-300", "nan", "inf", "99999999999999999999")
+ODD = (*NUMBERS, "true", '""', "[]", "{}", "x")
+PROGRESS = re.compile(r"^(compiling .*|.*: \d+ s so far)\n", re.MULTILINE)
+LONGEST = 120.0
+"""s, after which a change hangs: 300 of them take about two minutes."""
+FACTORS = (0.0, 1e-6, 1e-3, 0.5, 0.9, 1.1, 2.0, 1e3, 1e6, -1.0)
 
 
 def kill_when(ready, line, cwd, patience=60.0):
@@ -122,30 +131,25 @@ def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path,
 
 
 @pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere"])
-def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, call, place):
+def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, refused, place):
     if place.startswith("/proc") and not os.path.isdir("/proc/self"):
         pytest.skip("no /proc here")
     (tmp_path / "file").touch()
     (tmp_path / "case.toml").write_text(SHORT)
     for words in (("run", "case.toml"), ("studies", "kinematics", "--duration", 0.01)):
-        code, _, err = call(*words, "--out", place)
-        assert code == 2
-        assert err.startswith(f"error: output folder {place} ")
-        assert err.count("\n") == 1
+        assert refused(*words, "--out", place).startswith(f"error: output folder {place} ")
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path, call):
+def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path, call, refused):
     (tmp_path / "case.toml").write_text(SHORT.replace("0.05", "20.0"))
     line = [sys.executable, "-m", "exudyn_crawler", "run", "case.toml", "--out", "out"]
     log = tmp_path / "out" / "run.log"
     kill_when(lambda: log.exists() and "simulate: begins" in log.read_text(), line, tmp_path)
     assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "running"
     (tmp_path / "case.toml").write_text(SHORT)
-    code, _, err = call("run", "case.toml", "--out", "out")
-    assert code == 2
-    assert "is the case of another run" in err
+    assert "is the case of another run" in refused("run", "case.toml", "--out", "out")
     code, _, err = call("run", "case.toml", "--out", "out", "--overwrite")
     assert code == 0, err
     assert "error" not in err  # a first run on a machine tells of compiling there
@@ -212,14 +216,12 @@ def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
 
 
 @pytest.mark.simulation
-def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, call, short_file):
+def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, refused, short_file):
     (tmp_path / "case.toml").write_text(SHORT)
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "history.nc").write_bytes(short_file[0][:5000])
-    code, _, err = call("run", "case.toml", "--out", "out", "--reuse", "old")
-    assert code == 2
+    err = refused("run", "case.toml", "--out", "out", "--reuse", "old")
     assert err.startswith("error: old/history.nc does not hold a history: ")
-    assert err.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
 
@@ -234,9 +236,100 @@ def test_a_mesh_that_does_not_fit_is_refused_before_anything_is_written(tmp_path
 
 
 @pytest.mark.simulation
-def test_a_case_name_is_no_path_markup_or_formula(tmp_path, call):
+def test_a_case_name_is_no_path_markup_or_formula(tmp_path, told):
     odd = Case.translation().with_(name=r"../[red]../x/[/] $\frac$")
-    run_case(CaseFile(case=odd, duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path / "out")
+    outputs = Outputs(shoes=(1,), page=False)
+    run_case(CaseFile(case=odd, duration=0.01, outputs=outputs), tmp_path / "out", progress=False)
     assert {path.name for path in tmp_path.iterdir()} == {"out"}
-    code, _, err = call("info", "out/case.toml")
-    assert (code, err) == (0, "")
+    told("info", "out/case.toml")
+
+
+def short(case, columns, rows, **outputs):
+    """Two shoes of a case on a few units for two steps: a run that takes a moment, and leaves little."""
+    size = {"track.shoe_count": 2, "terrain.columns": columns, "terrain.rows": rows}
+    case = case.with_(
+        size | {"solver.maximum_iterations": 20, "solver.minimum_step": 2e-4}, loads=LoadCycle.propel(2)
+    )
+    outputs = Outputs(figures=False, tables=False, forces=False, page=False, **outputs)
+    return CaseFile(case=case, duration=0.004, outputs=outputs)
+
+
+def tiny():
+    return short(Case.translation(), 4, 3)
+
+
+def tiny_flexible():
+    """With the stress study's parameters and a flexible front shoe of the coarse mesh."""
+    case = Case.stress("coarse").with_({"flexible.shoes": (2,), "flexible.static_fields": False})
+    return short(case, 8, 9, pictures=False, paraview=False)
+
+
+@pytest.fixture
+def nothing_hangs():
+    """What takes longer than `LONGEST` from one call on to the next fails."""
+
+    def hangs(_number, _frame):
+        raise TimeoutError(f"nothing came of it in {LONGEST:g} s")
+
+    before = signal.signal(signal.SIGALRM, hangs)
+    yield lambda: signal.setitimer(signal.ITIMER_REAL, LONGEST)
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def changed_line(line, dice):
+    """Line of a case file with its value made odd, scaled, doubled, left out or misspelt."""
+    key, equals, rest = line.partition(" = ")
+    if not equals:
+        return dice.choice((line, "", line.replace("[", "[x")))
+    value, mark, comment = rest.partition(" # ")
+    kind = dice.choice(("odd", "scaled", "scaled", "scaled", "doubled", "left out", "misspelt"))
+    if kind == "odd":
+        value = dice.choice(ODD)
+    elif kind == "scaled":
+        try:
+            value = repr(dice.choice(FACTORS) * float(value))
+        except ValueError:
+            value = dice.choice(ODD)
+    elif kind == "doubled":
+        value = f"[{value}, {value}]"
+    elif kind == "left out":
+        return ""
+    else:
+        place = dice.randrange(len(key))
+        key = key[:place] + key[place + 1 :]
+    return f"{key} = {value}{mark}{comment}"
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize(
+    ("base", "count"),
+    [
+        (tiny, 40),
+        pytest.param(tiny, 300, marks=pytest.mark.slow),
+        pytest.param(tiny_flexible, 300, marks=pytest.mark.slow),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+def test_no_change_of_a_case_ends_in_a_traceback(base, count, call, tmp_path, nothing_hangs):
+    dice = random.Random(SEED)
+    lines = case_text(base()).splitlines()
+    ends = {0: 0, 2: 0, 3: 0}
+    for number in range(count):
+        own = list(lines)
+        for _ in range(dice.choice((1, 1, 1, 2))):
+            at = dice.randrange(len(own))
+            own[at] = changed_line(own[at], dice)
+        (tmp_path / "case.toml").write_text("\n".join(own) + "\n", encoding="utf-8")
+        nothing_hangs()
+        code, _, err = call("run", "case.toml", "--out", f"run{number}")
+        told = PROGRESS.sub("", err)
+        what = f"change {number}: exit {code}, {told}, {set(own) - set(lines)}"
+        assert code in ends, what
+        ends[code] += 1
+        assert "Traceback" not in told, what
+        assert "unexpected" not in told, what
+        assert all(line.startswith(("error: ", "warning: ")) for line in told.splitlines()), what
+        assert bool(told) or code == 0, what
+    # it is not the refusals alone that were tried
+    assert min(ends[0], ends[2]) > count // 10, ends

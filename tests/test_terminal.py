@@ -18,11 +18,14 @@ from studies.sliding_modes import COORDINATES
 from tests.test_cli import SWEEP
 
 WIDTHS = [80, 120]
+PLACES = {
+    "region": ["lugs", "roller path"],
+    "node": [146, 13_772],
+    **{f"{axis} in the shoe in m": [-0.283571, 1.25] for axis in "xyz"},
+}
 LIFE = pd.DataFrame(
-    {
-        "region": ["lugs", "roller path"],
-        "node": [146, 13_772],
-        **{f"{axis} in the shoe in m": [-0.283571, 1.25] for axis in "xyz"},
+    PLACES
+    | {
         "life in h that 90 % survive": [3.009e5, 412.7],
         "life in h at least": [3.009e5, 0.04392],
         "life in h at most": [float("inf"), 4321.7],
@@ -36,13 +39,9 @@ LIFE = pd.DataFrame(
     }
 )
 SPOTS = pd.DataFrame(
-    {
-        "rank": [1, 2],
-        "region": ["lugs", "roller path"],
-        "von Mises in MPa": [133.94821, 32.24158],
-        "node": [146, 13_772],
-        "time in s": [33.526, 0.134],
-        **{f"{axis} in the shoe in m": [-0.283571, 1.25] for axis in "xyz"},
+    {"rank": [1, 2], "von Mises in MPa": [133.94821, 32.24158], "time in s": [33.526, 0.134]}
+    | PLACES
+    | {
         **{f"{axis} in the track at t = 0 in m": [13.879852, 9.942141] for axis in "xyz"},
         "jump in MPa": [15.8658, 3.43212],
         "error in MPa": [9.6184, 9.0107],
@@ -215,7 +214,7 @@ NUMBERS = {
 
 
 @pytest.fixture
-def terminal(monkeypatch, call, tmp_path):
+def terminal(monkeypatch, told, tmp_path):
     """Call a command, of which the work is faked, in a terminal of some width: lines of its output."""
     (tmp_path / "case.toml").write_text('base = "translation"\n')
     (tmp_path / "sweep.toml").write_text(SWEEP)
@@ -227,9 +226,7 @@ def terminal(monkeypatch, call, tmp_path):
             monkeypatch.setattr(name, fake)
         for name, value in {"COLUMNS": width, "TTY_COMPATIBLE": 1, "NO_COLOR": 1}.items():
             monkeypatch.setenv(name, str(value))
-        code, out, err = call(*words.split())
-        assert (code, err) == (0, "")
-        return re.sub(r"\x1b\[[0-9;]*m", "", out).splitlines()
+        return re.sub(r"\x1b\[[0-9;]*m", "", told(*words.split())).splitlines()
 
     return lines
 

@@ -22,9 +22,9 @@ def read(tmp_path):
 def refused(read, tmp_path):
     """Faults that a text is refused for, without the file's name."""
 
-    def refused(text):
+    def refused(text, changes=()):
         with pytest.raises(CaseFileError) as caught:
-            read(text)
+            read(text, changes)
         lines = str(caught.value).splitlines()
         assert lines == [f"{tmp_path / 'case.toml'}: {fault}" for fault in caught.value.errors]
         return caught.value.errors

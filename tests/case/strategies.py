@@ -61,8 +61,7 @@ def changed(draw, base):
         field = type(base).model_fields[name]
         value = getattr(base, name)
         # a mesh has to be there to be read
-        sizes = st.sampled_from(SHOE_SIZES)
-        strategy = sizes if name == "mesh" else changed_value(value, field.annotation)
+        strategy = st.sampled_from(SHOE_SIZES) if name == "mesh" else changed_value(value, field.annotation)
         if allows_none(field.annotation) and StepProfile not in models_of(field.annotation):
             strategy |= st.none()
         try:

@@ -67,8 +67,7 @@ def test_a_case_file_is_changed_by_the_paths_that_it_writes():
     case_file = CaseFile(case=Case.translation())
     changed = case_file.with_({"gravity": 1.62, "outputs.shoes": (1, 2), "duration": 1.0})
     assert (changed.case.gravity, changed.outputs.shoes, changed.duration) == (1.62, (1, 2), 1.0)
-    content = case_file.model_dump(mode="json")
-    assert with_value(content, ("case",), 1.0, CaseFile)["case"]["case"] == 1.0
+    assert with_value(case_file.model_dump(mode="json"), ("case",), 1.0, CaseFile)["case"]["case"] == 1.0
 
 
 @pytest.mark.parametrize(

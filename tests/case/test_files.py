@@ -1,27 +1,19 @@
-"""Case files: what is written is read back, what is wrong is named by its path, bases fill in the rest."""
+"""Case files: written and read back, filled in by bases, faults named by their path, and their schema."""
 
-import math
 import re
 import tomllib
+from itertools import chain
 
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
+from jsonschema import Draft202012Validator
 
-from exudyn_crawler import (
-    Case,
-    CaseFile,
-    FlexibleShoes,
-    LoadCycle,
-    PairContact,
-    SphereContact,
-    Terrain,
-    read_case,
-    write_case,
-)
-from exudyn_crawler.case import CellContact, CellTerrain, Outputs
+from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, PairContact, SphereContact, Terrain
+from exudyn_crawler.case import CellContact, CellTerrain, Outputs, read_case, write_case
 from exudyn_crawler.case.case_file import case_text
+from exudyn_crawler.case.files import case_schema
 from exudyn_crawler.case.parameters.fields import case_rows, key_paths, named_values, number_text
-from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed
 
@@ -88,6 +80,7 @@ def test_parts_have_bases_of_their_own(read):
 
 PAIR, ADAMS = PairContact.oil_sand(), PairContact.adams()
 SPHERES = SphereContact.oil_sand()
+OIL_SAND = '[contact]\nmodel = "spheres"\nbase = "oil_sand"\n'
 
 
 @pytest.mark.parametrize(
@@ -119,20 +112,6 @@ def test_what_the_base_says_of_another_model_is_forgotten(refused):
     assert 'contact.damping: missing; give it, or start from "oil_sand"' in faults
 
 
-def test_keys_of_the_other_model_are_unknown(refused):
-    (fault,) = refused('base = "translation"\n[contact]\nradius = 0.2\n')
-    assert fault.startswith("contact.radius: unknown key; allowed are model, stiffness, ")
-    spheres = 'base = "translation"\n[contact]\nmodel = "spheres"\nbase = "oil_sand"\n'
-    (fault,) = refused(f"{spheres}sharing = 'area'\n")
-    assert fault.startswith("contact.sharing: unknown key; allowed are model, spheres_x, ")
-    (fault,) = refused(f"{spheres}raduis = 0.2\n")
-    assert fault == "contact.raduis: unknown key; did you mean contact.radius?"
-
-
-def test_none_takes_a_value_away(read):
-    assert read('base = "turning"\n[drive]\nturn_rate = "none"\n').case.drive == Case.translation().drive
-
-
 def test_a_mesh_is_sought_beside_the_file(read, refused, tmp_path):
     (tmp_path / "own.msh.gz").write_bytes(shoe_path("coarse").read_bytes())
     text = 'base = "translation"\n[flexible]\nbase = "ph4100c"\nmesh = "{}"\n'
@@ -157,11 +136,7 @@ OF_SPHERES = {*key_paths(SphereContact, "contact.")} - {*key_paths(PairContact, 
 def test_a_misspelt_key_of_cells_is_named_with_the_one_that_was_meant(refused, path):
     assert path in CELLS
     table, _, name = path.rpartition(".")
-    text = {
-        "terrain": 'model = "cells"\n',
-        "contact": 'model = "cells"\n',
-        "contact.law": 'model = "bekker"\n',
-    }
+    text = dict.fromkeys(("terrain", "contact"), 'model = "cells"\n') | {"contact.law": 'model = "bekker"\n'}
     text[table] = text.get(table, "") + f"{name}s = 1\n"
     faults = refused('base = "turning"\n' + "".join(f"[{one}]\n{lines}" for one, lines in text.items()))
     wanted = f"{name}s: unknown key; did you mean {'' if 'law' in table else f'{table}.'}{name}?"
@@ -206,10 +181,7 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("[shoe]\nload_point = [1, 2]", "shoe.load_point[2]: missing, got [1, 2]"),
         ("duration = 0", "duration must be positive and finite, got 0.0 s"),
         ("duration = 1e4", "terrain must carry the track over the whole drive: at t = "),
-        (
-            "[track]\nshoe_count = 12",
-            "loads must name every shoe of the track (12) or be a number, got loads for 13",
-        ),
+        ("[track]\nshoe_count = 12", "loads must name every shoe of the track (12) or be a number, got lo"),
         ("[outputs]\nshoes = [1, 14]", "outputs.shoes must be in 1..13, got [14]"),
         ("[outputs]\npicture_times = [0, 20]", "outputs.picture_times must lie in 0..10 s, got [0.0, 20.0]"),
         ("[outputs]\npicture_times = [2, 1]", "outputs.picture_times: must be different and rise, got (2.0,"),
@@ -218,12 +190,13 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ('[contact]\nmodel = "hertz"', "contact.model: must be 'pair' or 'spheres' or 'cells', got 'hertz'"),
         ("[contact]\nmodel = [1]", "contact.model: must be 'pair' or 'spheres' or 'cells', got [1]"),
         ('contact = "spheres"', "contact: must be a table, got 'spheres'"),
+        # keys of the other model
+        ("[contact]\nradius = 0.2", "contact.radius: unknown key; allowed are model, stiffness, "),
+        (f"{OIL_SAND}sharing = 'area'", "contact.sharing: unknown key; allowed are model, spheres_x, "),
+        (f"{OIL_SAND}raduis = 0.2", "contact.raduis: unknown key; did you mean contact.radius?"),
         ("[drive]\non = [[0, 15, 20]]", "drive.on[0]: "),
         ("[drive]\non = [[5, 15]]", "drive: speed must be zero where the drive goes on, at 5 s, got 0.1 m/s"),
-        (
-            "[drive]\nspeed = {times = [0, 1, 1], values = [0, 1, 2]}",
-            "drive.speed: times must increase, got (0.0, 1.0, 1.0)",
-        ),
+        ("drive.speed = {times = [0, 1, 1], values = [0, 1, 2]}", "drive.speed: times must increase, got ("),
     ],
 )
 def test_wrong_values_are_named_by_their_path(refused, text, fault):
@@ -265,8 +238,9 @@ def test_what_is_no_toml_is_refused(refused, content):
     assert fault.startswith("not TOML: ")
 
 
-def test_marks_of_windows_editors_are_no_fault(read):
+def test_marks_of_windows_editors_are_no_fault_and_none_takes_a_value_away(read):
     assert read(b'\xef\xbb\xbfbase = "turning"\r\n').case == Case.turning()
+    assert read('base = "turning"\n[drive]\nturn_rate = "none"\n').case.drive == Case.translation().drive
 
 
 def test_a_missing_file_is_named(tmp_path):
@@ -281,15 +255,57 @@ def test_an_existing_file_is_kept_unless_asked(tmp_path):
     assert read_case(path).case == Case.turning()
 
 
-def test_durations_are_checked_when_the_file_is_made():
-    for duration in (0.0, -1.0, math.nan, math.inf):
-        with pytest.raises(ParameterError, match="duration must be positive and finite"):
-            CaseFile(case=Case.translation(), duration=duration)
-
-
 @pytest.mark.parametrize(
     ("count", "drawn"), [(13, (1, 4, 7, 10, 13)), (2, (1, 2)), (3, (1, 2, 3)), (40, (1, 11, 21, 30, 40))]
 )
 def test_five_shoes_along_the_track_are_drawn(count, drawn):
     assert Outputs().drawn_shoes(count) == drawn
     assert Outputs(shoes=(2,)).drawn_shoes(count) == (2,)
+
+
+WRITTEN = {name: make() for name, make in named_values(Case).items()}
+WRITTEN["cells"] = Case.rolled().on_cells(BekkerSoil.lete_sand())
+
+
+@pytest.fixture(scope="module")
+def schema() -> Draft202012Validator:
+    found = case_schema()
+    Draft202012Validator.check_schema(found)
+    return Draft202012Validator(found)
+
+
+def told(schema: Draft202012Validator, text: str) -> str:
+    errors = schema.iter_errors(tomllib.loads(text))
+    return " ".join(one.message for error in errors for one in chain([error], error.context))
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_every_case_that_is_written_fits(schema, name):
+    assert told(schema, case_text(CaseFile(case=WRITTEN[name]))) == ""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "base = 'translation'\n[terrain]\nspring_stiffness = '10 MN/m'",
+        "base = 'rolled'\n[contact]\nmodel = 'cells'\n[contact.law]\nmodel = 'bekker'\nbase = 'lete_sand'",
+        "base = 'stress'\nduration = 2\n[[loads.phases]]\nname = 'dig'\nend = 3\nloads = '450 kN'",
+        "flexible = 'none'",
+    ],
+)
+def test_files_that_hold_little_fit(schema, text):
+    assert told(schema, text) == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("terain = 1", "'terain' was unexpected"),
+        ("[terrain]\nspring_stifness = 1", "'spring_stifness' was unexpected"),
+        ("base = 'stres'", "'stres' is not one of"),
+        ("[shoe]\nmass = -1", "-1 is less than the minimum"),
+        ("drive = 3", "3 is not of type 'object'"),
+    ],
+)
+def test_mistakes_are_found(schema, text, words):
+    assert words in told(schema, text)

@@ -1,23 +1,11 @@
-"""Choice of flexible shoes and of their modes."""
+"""Choice of the modes of flexible shoes."""
 
 import pytest
 
-from exudyn_crawler import Case, FlexibleShoes
-from exudyn_crawler.errors import ParameterError
+from exudyn_crawler import FlexibleShoes
 from studies.stress import with_modes
 
 COARSE = FlexibleShoes.ph4100c("coarse")
-
-
-def test_bad_flexible_shoes_are_refused_by_name():
-    with pytest.raises(ParameterError, match="shoes: must be different and rise"):
-        COARSE.with_(shoes=(7, 7))
-    with pytest.raises(ParameterError, match=r"flexible.shoes must be in 1..13, got \(7, 14\)"):
-        Case.translation().with_(flexible=COARSE.with_(shoes=(7, 14)))
-    with pytest.raises(ParameterError, match="poissons_ratio"):
-        COARSE.with_(poissons_ratio=0.5)
-    with pytest.raises(ParameterError, match="'reduced'"):
-        Case.translation().with_(flexible=COARSE, terrain_formulation="constrained")
 
 
 def test_modes_are_chosen_by_kind_or_number():

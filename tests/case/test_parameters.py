@@ -5,27 +5,16 @@ import math
 import pickle
 import tomllib
 import traceback
+from itertools import product
 
 import numpy as np
 import pytest
 
 import fem
-from exudyn_crawler import (
-    Case,
-    CaseFile,
-    Drive,
-    LoadCycle,
-    PairContact,
-    Phase,
-    Shoe,
-    StepProfile,
-    Terrain,
-    Track,
-    run_case,
-    simulate,
-)
-from exudyn_crawler.case import Solver
+from exudyn_crawler import Case, CaseFile, Drive, LoadCycle, PairContact, StepProfile, run_case, simulate
+from exudyn_crawler.case import FlexibleShoes, Phase, Shoe, Solver, Terrain, Track
 from exudyn_crawler.case.parameters.base import Parameters
+from exudyn_crawler.case.parameters.fields import entry_at
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.sweep.answers import Answer
@@ -56,29 +45,12 @@ def refusal(make, *words):
     return message
 
 
-@pytest.mark.parametrize("path", POSITIVE)
-@pytest.mark.parametrize("value", [0.0, -1.0])
-def test_what_must_be_positive_is_refused_otherwise(path, value):
-    refusal(lambda: CASE.with_({path: value}), f"{path}: ", "greater than", f"got {value}")
-
-
-@pytest.mark.parametrize("path", POSITIVE + NOT_NEGATIVE)
-@pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_what_is_not_finite_is_refused(path, value):
-    refusal(lambda: CASE.with_({path: value}), f"{path}: ", "finite number", f"got {value}")
-
-
-@pytest.mark.parametrize("path", NOT_NEGATIVE)
-def test_what_must_not_be_negative_is_refused_otherwise(path):
-    refusal(lambda: CASE.with_({path: -0.5}), f"{path}: ", "greater than or equal to 0", "got -0.5")
-    if path != "contact.static_friction":  # without it the dynamic one would exceed it
-        part, _, field = path.partition(".")
-        assert getattr(getattr(CASE.with_({path: 0.0}), part), field) == 0.0
-
-
 @pytest.mark.parametrize(
     ("path", "value", "allowed"),
     [
+        *product(POSITIVE, [0.0, -1.0], ["greater than"]),
+        *product(POSITIVE + NOT_NEGATIVE, [math.nan, math.inf], ["finite number"]),
+        *product(NOT_NEGATIVE, [-0.5], ["greater than or equal to 0"]),
         ("track.shoe_count", 1, "greater than or equal to 2"),
         ("terrain.columns", 0, "greater than or equal to 1"),
         ("terrain.rows", -3, "greater than or equal to 1"),
@@ -91,6 +63,11 @@ def test_what_must_not_be_negative_is_refused_otherwise(path):
 )
 def test_what_is_out_of_its_range_is_refused(path, value, allowed):
     refusal(lambda: CASE.with_({path: value}), f"{path}: ", allowed, f"got {value!r}")
+
+
+def test_what_must_not_be_negative_may_be_zero():
+    zeros = dict.fromkeys(NOT_NEGATIVE, 0.0)
+    assert {path: entry_at(CASE.with_(zeros), (*path.split("."),)).value for path in zeros} == zeros
 
 
 def test_an_unknown_field_is_refused_and_one_that_is_nearly_right_is_named():
@@ -158,9 +135,14 @@ def test_cases_are_copied_and_sent_as_they_are():
     assert copy.deepcopy(case) == case
 
 
-@pytest.mark.parametrize("duration", ["a", None])
+@pytest.mark.parametrize("duration", ["a", None, 0.0, -1.0, math.nan, math.inf])
 def test_a_duration_that_is_none_is_refused_before_anything_runs(duration):
-    with pytest.raises(ValueError, match=f"^duration must be a number in s, got {duration!r}$"):
+    if isinstance(duration, float):
+        told = f"duration must be positive and finite, got {duration!r} s"
+        refusal(lambda: CaseFile(case=CASE, duration=duration), told)
+    else:
+        told = f"^duration must be a number in s, got {duration!r}$"
+    with pytest.raises(ValueError, match=told):
         simulate(CASE, duration)
 
 
@@ -207,23 +189,15 @@ def test_the_stress_studys_shoes_weigh_what_its_table_says():
     refusal(lambda: shoe.of_mass(0.0), "mass")
 
 
-PAIR, SHOE = PairContact.oil_sand(), Shoe.kinematics()
+PAIR, SHOE, FLEXIBLE = PairContact.oil_sand(), Shoe.kinematics(), FlexibleShoes.ph4100c("coarse")
 PROFILE = StepProfile(times=(0.0, 5.0, 6.0), values=(0.0, 1.0, 2.0))
 MOVING = StepProfile(times=(0.0, 1.0), values=(0.2, 0.3))
-
-
-def phases(*ends, names=("a", "b"), loads=((1.0, 2.0), (3.0, 4.0))):
-    return tuple(Phase(name=n, end=e, loads=load) for n, e, load in zip(names, ends, loads, strict=True))
 
 
 @pytest.mark.parametrize(
     ("base", "changes", "told"),
     [
-        (
-            PAIR,
-            {"dynamic_friction": 0.41},
-            "dynamic_friction must not exceed static_friction = 0.4, got 0.41",
-        ),
+        (PAIR, {"dynamic_friction": 0.41}, "dynamic_friction must not exceed static_friction = 0.4 ... 0.41"),
         (PAIR, {"friction_speed": 0.01}, "friction_speed must exceed stiction_speed = 0.01, got 0.01"),
         (PAIR, {"friction_speed": 0.005}, "friction_speed must exceed stiction_speed = 0.01, got 0.005"),
         (SHOE, {"inertia": (1, 1, 3, 0, 0, 0)}, "inertia: must be ... principal moments [1.0, 1.0, 3.0]"),
@@ -249,6 +223,10 @@ def phases(*ends, names=("a", "b"), loads=((1.0, 2.0), (3.0, 4.0))):
         (SHOE, {"finger_sides": (-1, 0.5, 0.4, 1)}, "sides must be two a finger, grow from right to left"),
         (SHOE, {"finger_sides": (-1.0, 0.5, 1.0)}, "finger_sides must be two a finger"),
         (SHOE, {"finger_sides": (-1.0, 1.8)}, "stay within the underside from -1.7525 to 1.7525 m"),
+        (FLEXIBLE, {"shoes": (7, 7)}, "shoes: must be different and rise"),
+        (FLEXIBLE, {"poissons_ratio": 0.5}, "poissons_ratio"),
+        (CASE, {"flexible": FLEXIBLE.with_(shoes=(7, 14))}, "flexible.shoes must be in 1..13, got (7, 14)"),
+        (CASE, {"flexible": FLEXIBLE, "terrain_formulation": "constrained"}, "'reduced'"),
     ],
 )
 def test_values_that_do_not_go_together_are_refused(base, changes, told):
@@ -260,20 +238,18 @@ def test_friction_may_be_alike_at_any_speed():
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("phases", "told"),
     [
-        (lambda: phases(15.0, 15.0), "the phases' ends must increase, got [15.0, 15.0]"),
-        (lambda: phases(15.0, 12.0), "the phases' ends must increase, got [15.0, 12.0]"),
-        (
-            lambda: phases(0.0, 1.0, loads=((1.0, 2.0), (3.0,))),
-            "every phase needs a load for every shoe, got counts {'a': 2, 'b': 1}",
-        ),
-        (lambda: phases(0.0, 1.0, names=("a", "a")), "names must differ, got ['a', 'a']"),
-        (lambda: (), "phases: must have at least 1 item"),
+        ([("a", 15, (1, 2)), ("b", 15, (3, 4))], "the phases' ends must increase, got [15.0, 15.0]"),
+        ([("a", 15, (1, 2)), ("b", 12, (3, 4))], "the phases' ends must increase, got [15.0, 12.0]"),
+        ([("a", 0, (1, 2)), ("b", 1, (3,))], "a load for every shoe, got counts {'a': 2, 'b': 1}"),
+        ([("a", 0, (1, 2)), ("a", 1, (3, 4))], "names must differ, got ['a', 'a']"),
+        ([], "phases: must have at least 1 item"),
     ],
 )
-def test_load_cycles_with_unlike_phases_are_refused(wrong, told):
-    refusal(lambda: LoadCycle(phases=wrong()), told)
+def test_load_cycles_with_unlike_phases_are_refused(phases, told):
+    made = tuple(Phase(name=name, end=end, loads=loads) for name, end, loads in phases)
+    refusal(lambda: LoadCycle(phases=made), told)
 
 
 def test_a_drive_tells_when_it_is_on():
@@ -303,9 +279,8 @@ def test_flexible_shoes_are_had_where_there_are_some():
 def test_a_drive_off_the_terrain_is_refused_before_anything_runs():
     first = Track.ph4100c().with_(first_com=(61.7, 9.2901))  # front edge at 69.884 of 70 m
     case = CASE.with_(track=first)
-    with pytest.raises(
-        ValueError, match=r"over the whole drive: at t = 3\.\d+ s .* x = .*, the terrain 0\.\.70 m"
-    ):
+    told = r"over the whole drive: at t = 3\.\d+ s .* x = .*, the terrain 0\.\.70 m"
+    with pytest.raises(ValueError, match=told):
         simulate(case, 6.0)
 
 
@@ -364,12 +339,8 @@ def test_a_shoe_has_mass_inertia_underside_and_top_of_the_solid():
 
 
 def test_the_outline_follows_the_drive():
-    straight = CASE
-    assert straight.outline(10.0) - straight.outline(0.0) == pytest.approx(
-        np.tile([0.75, 0.0], (4, 1)), abs=1e-12
-    )
-    turned = Case.turning().outline(10.0)
-    along = turned[1] - turned[0]
+    assert CASE.outline(10.0) - CASE.outline(0.0) == pytest.approx(np.tile([0.75, 0.0], (4, 1)), abs=1e-12)
+    along = np.diff(Case.turning().outline(10.0)[:2], axis=0)[0]
     assert math.degrees(math.atan2(along[1], along[0])) == pytest.approx(7.5, rel=1e-9)
 
 

@@ -12,6 +12,7 @@ from exudyn_crawler.case.parameters.fields import plausible_range, walk
 from exudyn_crawler.errors import ImplausibleWarning, ParameterError
 
 STRAIGHT = Case.translation()
+SPHERES = STRAIGHT.with_(contact=SphereContact.oil_sand())
 
 
 def two_phases(loads, **values):
@@ -33,38 +34,26 @@ def test_loads_that_fall_to_nothing_or_lean_are_plausible(loads):
     assert list(implausible(STRAIGHT.with_(loads=loads), 10.0)) == []
 
 
-@pytest.mark.parametrize("case", [STRAIGHT, Case.turning(), Case.stress()])
+@pytest.mark.parametrize("case", [STRAIGHT, Case.turning(), Case.stress(), SPHERES])
 def test_the_papers_cases_are_plausible(case):
-    spheres = STRAIGHT.with_(contact=SphereContact.oil_sand())
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warn_implausible(case, 10.0)
-        warn_implausible(spheres, 10.0)
+
+
+CONSTANT = [
+    (386.4, "13 shoes carry 5.023 kN in all; loads are in N"),
+    (0.0, "13 shoes carry nothing, so that the ground carries the shoes alone"),
+    (1e9, "13 shoes carry 13 GN in all; loads are in N"),
+    ([386e3] * 12 + [-386e3], "-386 kN at the end of 'constant' lifts shoe 13; loads press down"),
+    (-5e3, "-5 kN at the end of 'constant' lifts shoe 1; loads press down"),
+]
 
 
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        (
-            {"loads": LoadCycle.constant(386.4)},
-            "loads.phases[0].loads: 13 shoes carry 5.023 kN in all; loads are in N",
-        ),
-        (
-            {"loads": LoadCycle.constant(0.0)},
-            "loads.phases[0].loads: 13 shoes carry nothing, so that the ground carries the shoes alone",
-        ),
-        (
-            {"loads": LoadCycle.constant(1e9)},
-            "loads.phases[0].loads: 13 shoes carry 13 GN in all; loads are in N",
-        ),
-        (
-            {"loads": LoadCycle.constant([386e3] * 12 + [-386e3])},
-            "loads.phases[0].loads: -386 kN at the end of 'constant' lifts shoe 13; loads press down",
-        ),
-        (
-            {"loads": LoadCycle.constant(-5e3)},
-            "loads.phases[0].loads: -5 kN at the end of 'constant' lifts shoe 1; loads press down",
-        ),
+        *(({"loads": LoadCycle.constant(one)}, f"loads.phases[0].loads: {told}") for one, told in CONSTANT),
         (
             {"loads": two_phases((386e3, *[-1.0, 386e3] * 6))},
             "loads.phases[1].loads: -1 N at the end of 'second' lifts shoe 2; loads press down",
@@ -146,7 +135,7 @@ def test_names_are_neither_empty_nor_endless(name):
 
 
 def test_plausible_ranges_lie_within_what_is_allowed():
-    for base in (Case.stress(), STRAIGHT.with_(contact=SphereContact.oil_sand())):
+    for base in (Case.stress(), SPHERES):
         for entry in walk(base):
             plausible = plausible_range(entry.field)
             for bound in entry.field.metadata:
@@ -155,19 +144,18 @@ def test_plausible_ranges_lie_within_what_is_allowed():
                     assert plausible[1] <= getattr(bound, "le", plausible[1]), entry.path
 
 
-def ground(columns, rows, **parts):
-    return STRAIGHT.with_(terrain=STRAIGHT.terrain.with_(columns=columns, rows=rows), **parts)
+def ground(columns, rows):
+    return STRAIGHT.with_({"terrain.columns": columns, "terrain.rows": rows})
+
+
+WIDE = ground(10_000, 10_000)
 
 
 @pytest.mark.parametrize(
     ("case", "duration", "told"),
     [
-        (ground(10_000, 10_000), 10.0, "terrain: 100000000 units would take 1.28e+09 GB of memory"),
-        (
-            ground(10_000, 10_000, contact=SphereContact.oil_sand()),
-            10.0,
-            "terrain: 100000000 units would take 2e+03 GB of memory",
-        ),
+        (WIDE, 10.0, "terrain: 100000000 units would take 1.28e+09 GB of memory"),
+        (WIDE.with_(contact=SphereContact.oil_sand()), 10.0, "100000000 units would take 2e+03 GB of memory"),
         (STRAIGHT, 1e12, "duration: 1e+12 s leave 4.32e+06 TB, allowed is 1 TB"),
     ],
 )

@@ -84,13 +84,6 @@ def test_examples_run(page, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
-def test_every_block_is_of_a_language_that_is_known_here(page):
-    assert {fence.info for fence in fences_of(page)} <= LANGUAGES
-    for fence in programs_of(page):
-        compile(fence.content, f"{page}:{fence.map[0] + 1}", "exec")
-
-
-@pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_commands_in_blocks_and_text_have_their_options(page):
     """All commands of the program and of make are known, with the options and values that they are given."""
     text = page.read_text(encoding="utf-8")
@@ -116,7 +109,10 @@ def public_names_by_module(nodes):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
-def test_examples_take_public_names_from_the_package(page):
+def test_every_block_is_of_a_known_language_and_takes_public_names_from_the_package(page):
+    assert {fence.info for fence in fences_of(page)} <= LANGUAGES
+    for fence in programs_of(page):
+        compile(fence.content, f"{page}:{fence.map[0] + 1}", "exec")
     nodes = [node for fence in programs_of(page) for node in ast.walk(ast.parse(fence.content))]
     imported = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
     imported |= {node.module for node in nodes if isinstance(node, ast.ImportFrom)}

@@ -41,13 +41,9 @@ def test_a_notebook_is_kept_executed_and_small(path):
 
 
 @pytest.mark.parametrize("path", PATHS, ids=NAMES)
-def test_a_notebook_takes_public_names_from_the_package(path):
+def test_a_notebook_takes_public_names_from_the_package_and_its_links_lead_somewhere(path):
     source = "\n".join(re.sub(r"(?m)^%.*$", "", cell.source) for cell in code_of(path))
     assert not public_names_by_module(list(ast.walk(ast.parse(source))))
-
-
-@pytest.mark.parametrize("path", PATHS, ids=NAMES)
-def test_links_of_a_notebook_lead_somewhere(path):
     cells = nbformat.read(path, as_version=4).cells
     text = "\n".join(cell.source for cell in cells if cell.cell_type == "markdown")
     assert [link for link in re.findall(r"\]\(([^)]+)\)", text) if not (path.parent / link).exists()] == []

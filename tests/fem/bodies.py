@@ -10,6 +10,10 @@ from meshes import STEEL
 
 DOWN = np.array([0.0, 0.0, -386.4e3])
 """N, the machine on a shoe."""
+BACKWARD = {f"rear {side}": [-1.3e6, 0.0, 0.0] for side in ("left", "right")}
+"""N, a chain's pull on a shoe's rear pins."""
+ENDS = {"left": 0.0, "right": 0.6}
+"""m, where along the beam they are."""
 
 
 def box_mesh(
@@ -49,18 +53,14 @@ def tube(inner: float, outer: float, angle: float, graded: bool = False):
 def beam_body(elements: int) -> fem.ElasticBody:
     """Steel beam of 0.6 x 0.1 x 0.1 m, with its ends as named surfaces."""
     mesh = box_mesh((elements, 1, 1), (0.6, 0.1, 0.1))
-    ends = {
-        name: mesh.boundary[np.isclose(mesh.nodes[mesh.boundary][:, :, 0], x).all(axis=1)]
-        for name, x in (("left", 0.0), ("right", 0.6))
-    }
+    x = mesh.nodes[mesh.boundary][:, :, 0]
+    ends = {name: mesh.boundary[np.isclose(x, end).all(axis=1)] for name, end in ENDS.items()}
     return fem.ElasticBody(mesh.with_surfaces(ends), STEEL)
 
 
 def beam_interfaces(body: fem.ElasticBody, spider: str = "rigid") -> list[fem.Interface]:
-    return [
-        fem.Interface(name, (x, 0.05, 0.05), body.mesh.nodes_of(name), spider)
-        for name, x in (("left", 0.0), ("right", 0.6))
-    ]
+    nodes = body.mesh.nodes_of
+    return [fem.Interface(name, (x, 0.05, 0.05), nodes(name), spider) for name, x in ENDS.items()]
 
 
 def static_stress(

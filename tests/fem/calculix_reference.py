@@ -41,13 +41,8 @@ def roller_forces(body: fem.ElasticBody) -> np.ndarray:
 
 def sample_nodes(mesh: fem.Mesh) -> np.ndarray:
     """Corner nodes at least 0.15 m away from every pin axis, evenly taken."""
-    distance = np.min(
-        [
-            np.linalg.norm(mesh.nodes[:, [0, 2]] - np.array(center)[[0, 2]], axis=1)
-            for center in meshes.JOINT_CENTERS.values()
-        ],
-        axis=0,
-    )
+    axes = np.array(list(meshes.JOINT_CENTERS.values()))[:, None, [0, 2]]
+    distance = np.linalg.norm(mesh.nodes[:, [0, 2]] - axes, axis=2).min(axis=0)
     corners = np.unique(mesh.elements[:, :4])
     corners = corners[distance[corners] > AWAY_FROM_BORES]
     return corners[:: max(1, len(corners) // SAMPLES)]
@@ -96,18 +91,8 @@ def main() -> None:
         frequencies = frequencies_of((folder / "modes.dat").read_text())
         pull = static_stresses(folder, "pull", body, pull_forces(body))
         roller = static_stresses(folder, "roller", body, roller_forces(body))
-    REFERENCE.write_text(
-        json.dumps(
-            {
-                "mesh": mesh.digest,
-                "frequencies": frequencies,
-                "nodes": sample_nodes(mesh).tolist(),
-                "stress": pull,
-                "roller stress": roller,
-            }
-        )
-        + "\n"
-    )
+    numbers = {"mesh": mesh.digest, "frequencies": frequencies, "nodes": sample_nodes(mesh).tolist()}
+    REFERENCE.write_text(json.dumps(numbers | {"stress": pull, "roller stress": roller}) + "\n")
 
 
 if __name__ == "__main__":

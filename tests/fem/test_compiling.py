@@ -65,17 +65,12 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 """
 
 
-def run(folder: Path, before: str, ask: str) -> subprocess.CompletedProcess[str]:
+def run(folder: Path, before: str = "", ask: str = ASK) -> subprocess.CompletedProcess[str]:
     """A process of its own that asks the compiled function."""
     paths = os.pathsep.join([str(folder), str(Path(__file__).parents[2])])
     command = [sys.executable, "-c", before + ask]
     environment = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(folder / "cache")}
     return subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
-
-
-def result(folder: Path, before: str = "", ask: str = ASK) -> str:
-    """What the compiled function gives in a process of its own."""
-    return run(folder, before, ask).stdout
 
 
 @pytest.fixture
@@ -87,40 +82,40 @@ def functions(tmp_path: Path) -> Path:
 
 
 def test_a_cached_function_notices_a_change_of_what_it_calls(functions):
-    assert result(functions).startswith("7.0 1 ")
-    again = result(functions)
+    assert run(functions).stdout.startswith("7.0 1 ")
+    again = run(functions).stdout
     assert again.startswith("7.0 0 ")
     assert not again.rstrip().endswith("Counter()")
     (functions / "inner.py").write_text(INNER.format(factor="5.0"))
-    assert result(functions).startswith("16.0 1 ")
+    assert run(functions).stdout.startswith("16.0 1 ")
 
 
 @of_unix
 def test_a_function_that_finds_no_space_for_its_cache_is_compiled_all_the_same(functions):
     for _ in range(2):
-        assert result(functions, FULL_DISK) == "7.0 1 Counter()\n"
+        assert run(functions, FULL_DISK).stdout == "7.0 1 Counter()\n"
 
 
 @of_unix
 def test_code_of_earlier_sources_is_not_taken_after_a_full_disk(functions):
-    assert result(functions).startswith("7.0 1 ")
+    assert run(functions).stdout.startswith("7.0 1 ")
     (functions / "inner.py").write_text(INNER.format(factor="5.0"))
     # room for the index of the cache, none for the code
     small = FULL_DISK.replace("(100, 100)", "(4000, 4000)")
-    assert result(functions, small).startswith("16.0 1 ")
-    assert result(functions).startswith("16.0 1 ")
+    assert run(functions, small).stdout.startswith("16.0 1 ")
+    assert run(functions).stdout.startswith("16.0 1 ")
 
 
 @of_unix
 def test_an_interrupt_waits_until_a_function_is_compiled_or_loaded(functions):
     for _ in range(2):
-        assert result(functions, ask=INTERRUPTED) == "interrupted True 7.0\n"
+        assert run(functions, ask=INTERRUPTED).stdout == "interrupted True 7.0\n"
 
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_numba_that_no_longer_compares_stamps_caches_nothing_and_warns(functions, change):
-    assert result(functions).startswith("7.0 1 ")
+    assert run(functions).stdout.startswith("7.0 1 ")
     (functions / "inner.py").write_text(INNER.format(factor="5.0"))
-    done = run(functions, CHANGES[change], ASK)
+    done = run(functions, CHANGES[change])
     assert done.stdout == "16.0 1 Counter()\n"
     assert done.stderr.count("no longer stamps its cache as expected") == 1

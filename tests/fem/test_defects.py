@@ -23,18 +23,13 @@ MEGA = 1e6
 CURVE = SNCurve(strength=200e6, slope=5.0, knee=1e6, mean_sensitivity=0.35, survival=0.975, scatter=1.4)
 
 
-@pytest.mark.parametrize(
-    ("hardness", "microns", "ratio"), [(270.0, 1000.0, 0.0), (120.0, 100.0, -1.0), (400.0, 50.0, 0.3)]
-)
-def test_limit_is_murakamis(hardness, microns, ratio):
+def test_limit_is_murakamis():
     """1.43 (HV + 120) / sqrt(area)^(1/6) ((1 - R) / 2)^(0.226 + HV 1e-4), MPa and micrometres."""
-    expected = 1.43 * (hardness + 120.0) / microns ** (1.0 / 6.0)
-    expected *= ((1.0 - ratio) / 2.0) ** (0.226 + 1e-4 * hardness)
-    assert murakami_limit(1e-6 * microns, hardness, ratio) == pytest.approx(expected * MEGA, rel=1e-12)
-
-
-def test_numbers_of_murakamis_limit_by_hand():
-    """HV 120 and 100 micrometres: 1.43 x 240 / 2.1544 = 159.3 MPa, at R = 0 134.9."""
+    for hardness, microns, ratio in ((270.0, 1000.0, 0.0), (120.0, 100.0, -1.0), (400.0, 50.0, 0.3)):
+        expected = 1.43 * (hardness + 120.0) / microns ** (1.0 / 6.0)
+        expected *= ((1.0 - ratio) / 2.0) ** (0.226 + 1e-4 * hardness)
+        assert murakami_limit(1e-6 * microns, hardness, ratio) == pytest.approx(expected * MEGA, rel=1e-12)
+    # by hand, HV 120 and 100 micrometres: 1.43 x 240 / 2.1544 = 159.3 MPa, at R = 0 134.9
     assert murakami_limit(100e-6, 120.0) == pytest.approx(159.3e6, rel=1e-3)
     assert murakami_limit(100e-6, 120.0, 0.0) == pytest.approx(159.3e6 * 0.5**0.238, rel=1e-3)
 

@@ -8,10 +8,11 @@ from fem.solver import factorized
 from fem.stress import von_mises
 from meshes import STEEL
 from tests.fem.bodies import box_mesh, tube
+from tests.fem.refusals import refused
 
 
 @pytest.mark.parametrize("order", [1, 2])
-def test_patch(order: int) -> None:
+def test_patch(order):
     mesh = box_mesh((2, 2, 2), (1.0, 0.7, 0.5), order=order)
     rng = np.random.default_rng(1)
     inner = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.surface_nodes)
@@ -22,8 +23,7 @@ def test_patch(order: int) -> None:
     gradient = 1e-4 * rng.standard_normal((3, 3))
     u = nodes @ gradient
     forces = (body.stiffness @ u.ravel()).reshape(-1, 3)
-    scale = np.abs(forces).max()
-    assert np.abs(forces[inner]).max() < 1e-12 * scale  # rounding
+    assert np.abs(forces[inner]).max() < 1e-12 * np.abs(forces).max()  # rounding
     strain = (gradient + gradient.T) / 2
     lam, mu = STEEL.lame
     expected = lam * np.trace(strain) * np.eye(3) + 2 * mu * strain
@@ -32,7 +32,7 @@ def test_patch(order: int) -> None:
     assert np.abs(stress).max() < 1e-10 * np.abs(expected).max()
 
 
-def test_rigid_properties_of_a_box() -> None:
+def test_rigid_properties_of_a_box():
     a, b, c = 1.2, 0.7, 0.4
     body = fem.ElasticBody(box_mesh((2, 2, 1), (a, b, c)), STEEL)
     mass = STEEL.density * a * b * c
@@ -42,7 +42,7 @@ def test_rigid_properties_of_a_box() -> None:
     np.testing.assert_allclose(body.inertia, expected, atol=1e-11 * mass)
 
 
-def test_mass_of_curved_elements_converges_at_fourth_order() -> None:
+def test_mass_of_curved_elements_converges_at_fourth_order():
     def error(n: int) -> float:
         mesh = box_mesh((1, n, 1), (1.0, 1.0, 1.0), tube(1.0, 2.0, np.pi / 2))
         return abs(fem.ElasticBody(mesh, STEEL).mass / STEEL.density - np.pi / 4 * 3.0)
@@ -51,22 +51,20 @@ def test_mass_of_curved_elements_converges_at_fourth_order() -> None:
     assert np.log2(error(3) / error(6)) == pytest.approx(4.0, abs=0.3)
 
 
-def test_rod_frequencies_converge_at_fourth_order() -> None:
+def test_rod_frequencies_converge_at_fourth_order():
     material = fem.Material(200e9, 0.0, 8000.0)  # without Poisson's ratio a rod is exact in 1-D
     speed = np.sqrt(200e9 / 8000.0)
 
     def error(n: int) -> float:
-        body = fem.ElasticBody(box_mesh((n, 1, 1), (2.0, 0.2, 0.2)), material)
-        found = body.natural_frequencies(60)
+        found = fem.ElasticBody(box_mesh((n, 1, 1), (2.0, 0.2, 0.2)), material).natural_frequencies(60)
         return float(np.min(np.abs(found / (2 * speed / (2 * 2.0)) - 1.0)))
 
     assert np.log2(error(4) / error(8)) == pytest.approx(4.0, abs=0.5)
 
 
-def test_slender_beam_bends_at_eulers_frequency() -> None:
+def test_slender_beam_bends_at_eulers_frequency():
     length, depth = 2.0, 0.04
-    body = fem.ElasticBody(box_mesh((24, 1, 1), (length, depth, depth)), STEEL)
-    found = body.natural_frequencies(8)[6:]
+    found = fem.ElasticBody(box_mesh((24, 1, 1), (length, depth, depth)), STEEL).natural_frequencies(8)[6:]
     expected = 4.730041**2 / (2 * np.pi * length**2) * depth * np.sqrt(200e9 / (12 * 7847.25))
     # Timoshenko's shear and rotary inertia take 0.2 % off at this slenderness
     np.testing.assert_allclose(found, expected, rtol=4e-3)
@@ -90,7 +88,7 @@ def symmetric(mesh: fem.Mesh, width: float) -> dict[int, float]:
     return {3 * int(node) + axis: 0.0 for found, axis in nodes for node in found}
 
 
-def test_thick_walled_cylinder() -> None:
+def test_thick_walled_cylinder():
     inner, outer, pressure = 1.0, 2.0, 1e6
     mesh = box_mesh((5, 6, 1), (1.0, 1.0, 0.2), tube(inner, outer, np.pi / 2))
     body = fem.ElasticBody(mesh, STEEL)
@@ -112,7 +110,7 @@ def test_thick_walled_cylinder() -> None:
     np.testing.assert_allclose(u[side, 0], moved, rtol=2e-3)
 
 
-def test_kirsch_hole() -> None:
+def test_kirsch_hole():
     """Stress concentration 3 at a round hole; the far edge moves as Kirsch's solution says."""
     a, far, pull = 1.0, 6.0, 1e6
     mesh = box_mesh((12, 12, 1), (1.0, 1.0, 0.2), tube(a, far, np.pi / 2, graded=True))
@@ -136,12 +134,11 @@ def test_kirsch_hole() -> None:
     np.testing.assert_allclose(stress[side, 1], -pull, rtol=0.06)
 
 
-def test_von_mises_of_known_states() -> None:
+def test_von_mises_of_known_states():
     states = np.array([[2.0, 0, 0, 0, 0, 0], [5, 5, 5, 0, 0, 0], [0, 0, 0, 1, 0, 0.0]])
     np.testing.assert_allclose(von_mises(states), [2.0, 0.0, np.sqrt(3.0)], atol=1e-14)
 
 
 @pytest.mark.parametrize("ratio", [0.5, -1.0, 0.7, float("nan")])
-def test_poissons_ratio_out_of_range(ratio: float) -> None:
-    with pytest.raises(ValueError, match="poissons_ratio"):
-        fem.Material(200e9, ratio, 7850.0)
+def test_poissons_ratio_out_of_range(ratio):
+    refused("poissons_ratio", fem.Material, 200e9, ratio, 7850.0)

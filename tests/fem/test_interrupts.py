@@ -9,10 +9,6 @@ import pytest
 from fem.interrupts import interrupts_remembered, interrupts_wait
 
 
-class Thing:
-    """Something that can be referred to weakly."""
-
-
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_within_a_callback_is_remembered(number):
@@ -20,7 +16,7 @@ def test_an_interrupt_within_a_callback_is_remembered(number):
     try:
         with interrupts_remembered() as ask:
             ask()
-            one = Thing()
+            one = set()
             reference = weakref.ref(one, lambda _gone: os.kill(os.getpid(), number))
             del one  # the interrupt is raised in the callback, where Python drops it
             assert reference() is None

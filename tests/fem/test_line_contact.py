@@ -103,12 +103,8 @@ def pressed_strip(load: float) -> tuple[float, float, np.ndarray, np.ndarray]:
     middle = stress.mean(axis=-1)
     center = mesh.p[:, mesh.t].mean(axis=1)
     column = np.flatnonzero(center[0] == center[0].min())
-    return (
-        float(np.sqrt(squares[1])),
-        float(np.sqrt(-squares[1] / squares[0])),
-        -center[1, column],
-        0.5 * (middle[0, 0] - middle[1, 1])[column],
-    )
+    shear, half_width = 0.5 * (middle[0, 0] - middle[1, 1])[column], np.sqrt(-squares[1] / squares[0])
+    return np.sqrt(squares[1]), half_width, -center[1, column], shear
 
 
 def test_a_pressed_strip_of_finite_elements_has_hertz_pressure_and_shear():

@@ -42,9 +42,8 @@ def test_step_is_the_cubic_of_adams(x, h0, h1):
 @pytest.mark.parametrize("exponent", [2.0, 1.5])
 def test_impact_force_is_spring_and_ramped_damper(depth, rate, exponent):
     expected = K * depth**exponent + C * rate * adams_step(depth, 0.0, 0.0, D, 1.0)
-    assert impact_force(Impact(K, exponent, C, D), depth, rate) == pytest.approx(
-        max(0.0, expected), rel=1e-12
-    )
+    found = impact_force(Impact(K, exponent, C, D), depth, rate)
+    assert found == pytest.approx(max(0.0, expected), rel=1e-12)
 
 
 def test_impact_force_never_pulls_and_ends_at_the_surface():
@@ -70,11 +69,7 @@ def test_friction_curve_is_that_of_adams(v):
         expected = MU_D
     # the STEP from -1 to 1 loses digits about zero, the ratio does not
     near = TIGHT if v > 1e-3 else 1e-12
-    assert friction_coefficient(v) == pytest.approx(expected, rel=near, abs=1e-16)
-
-
-def friction_coefficient(v):
-    return friction_per_slip(LAW, v) * v
+    assert friction_per_slip(LAW, v) * v == pytest.approx(expected, rel=near, abs=1e-16)
 
 
 def test_friction_per_slip_is_finite_at_rest():

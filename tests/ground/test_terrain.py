@@ -51,9 +51,7 @@ def test_joints_join_neighbours_at_their_shared_face(grid):
         assert apart == pytest.approx(side * np.eye(3)[joint.axis], abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("grid", "size"), [("coarse", 15), ("fine", 32), ("coarse rolling", 15), ("fine rolling", 32)]
-)
+@pytest.mark.parametrize(("grid", "size"), list(zip(VARIANTS, (15, 32, 15, 32), strict=True)))
 def test_shapes_are_as_many_as_columns_and_rows_and_keep_neighbours_at_one_height(grid, size):
     terrain = VARIANTS[grid]
     modes = terrain_modes(terrain)
@@ -88,15 +86,9 @@ def test_localized_coordinates_are_the_same_terrain_whatever_modes_they_are_made
     mass += terrain.unit_inertia[terrain.tilt_axis] * local.tilt.T @ local.tilt
     assert mass == pytest.approx(np.eye(local.size), abs=1e-9)
     mixture = scipy.stats.ortho_group.rvs(modes.size, random_state=3)
-    mixed = TerrainModes(
-        modes.heave @ mixture,
-        modes.tilt @ mixture,
-        mixture.T @ modes.stiffness @ mixture,
-        mixture.T @ modes.damping @ mixture,
-        mixture.T @ modes.weight,
-        modes.tilt_axis,
-    )
-    other = localized(mixed, near)
+    shapes = modes.heave @ mixture, modes.tilt @ mixture
+    supports = (mixture.T @ one @ mixture for one in (modes.stiffness, modes.damping))
+    other = localized(TerrainModes(*shapes, *supports, mixture.T @ modes.weight, modes.tilt_axis), near)
     for name in ("heave", "tilt", "stiffness", "weight"):
         expected = getattr(local, name)
         np.testing.assert_allclose(getattr(other, name), expected, atol=1e-9 * np.abs(expected).max())
@@ -182,9 +174,7 @@ def test_both_formulations_carry_the_track_in_the_same_equilibrium():
     """
     cases = (Case.translation().with_(terrain_formulation=one) for one in ("reduced", "constrained"))
     reduced, full = (simulate(case, 2e-3).dataset.isel(time=0) for case in cases)
-    tilt = float(np.abs(full.unit_tilt).max())
-    assert 1e-3 < tilt < 1e-2
+    assert 1e-3 < float(np.abs(full.unit_tilt).max()) < 1e-2
     assert reduced.unit_heave.values == pytest.approx(full.unit_heave.values, abs=1e-5)
     assert reduced.unit_tilt.values == pytest.approx(full.unit_tilt.values, abs=1e-5)
-    z = [state.position.sel(axis="z").values for state in (reduced, full)]
-    assert z[0] == pytest.approx(z[1], abs=3e-5)
+    assert reduced.position[..., 2].values == pytest.approx(full.position[..., 2].values, abs=3e-5)

@@ -25,7 +25,7 @@ class Equations(NamedTuple):
 
 
 class Matrices(NamedTuple):
-    """Mass, stiffness and damping (coordinates, coordinates) and the constraints' Jacobian.
+    """Mass and stiffness (coordinates, coordinates) and the constraints' Jacobian.
 
     `position` and `velocity` are derivatives of the equations (equations, coordinates) by coordinates and
     rates; `dummy` tells the equations that only say that a multiplier is zero.
@@ -33,7 +33,6 @@ class Matrices(NamedTuple):
 
     mass: np.ndarray
     stiffness: np.ndarray
-    damping: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
     dummy: np.ndarray
@@ -125,7 +124,7 @@ def linearized(mbs):
             blocks.append(np.array(solver.GetSystemJacobian()))
     at_position, at_rate = blocks
     dummy = np.any(at_position[n:, n:] != 0.0, axis=1)
-    return Matrices(mass, at_position[:n, :n], at_rate[:n, :n], at_position[n:, :n], at_rate[n:, :n], dummy)
+    return Matrices(mass, at_position[:n, :n], at_position[n:, :n], at_rate[n:, :n], dummy)
 
 
 def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=NO_DERIVATIVES):
@@ -162,8 +161,7 @@ def compiled_matrix(system, q, q_t, weights):
     dense = np.zeros((size, size))
     for k in range(len(fronts.own)):
         rows = fronts.rows(k)
-        n = len(rows)
-        dense[np.ix_(rows, rows)] += values[fronts.place[k] : fronts.place[k + 1]].reshape(n, n)
+        dense[np.ix_(rows, rows)] += values[fronts.place[k] : fronts.place[k + 1]].reshape(len(rows), -1)
     return dense
 
 

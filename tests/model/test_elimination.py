@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.model.elimination import eliminate, fronts_of, marks, solve
+from exudyn_crawler.model.elimination import eliminate, front, fronts_of, marks, solve
 
 
 def chain(links):
@@ -31,11 +31,8 @@ def equations(groups, couplings, seed=3, idle=()):
         block = rng.normal(size=(len(coupling), len(coupling)))
         dense[np.ix_(coupling, coupling)] += block
         first = next(k for k, group in enumerate(groups) if set(group) & set(coupling))
-        unknowns = fronts.rows(first)
-        n = len(unknowns)
-        matrix = values[fronts.place[first] : fronts.place[first + 1]].reshape(n, n)
-        rows = [unknowns.index(unknown) for unknown in coupling]
-        matrix[np.ix_(rows, rows)] += block
+        rows = [fronts.rows(first).index(unknown) for unknown in coupling]
+        front(fronts, values, first)[np.ix_(rows, rows)] += block
         marks(fronts, values, first)[rows] = 1.0
     return dense, fronts, values
 
@@ -58,10 +55,9 @@ def test_what_is_coupled_without_a_term_is_left_out():
     dense, fronts, values = equations(*chain(8), idle=(0, 3, 4))
     # a body without ground has terms of its own by its links alone, here by its mass
     for shoe in (0, 3, 4):
-        for place in range(6 * shoe, 6 * shoe + 6):
-            dense[place, place] += 4.0
-            front = values[fronts.place[shoe] : fronts.place[shoe + 1]]
-            front[(place - 6 * shoe) * (len(fronts.rows(shoe)) + 1)] += 4.0
+        own = slice(6 * shoe, 6 * shoe + 6)
+        dense[own, own] += 4.0 * np.eye(6)
+        front(fronts, values, shoe)[:6, :6] += 4.0 * np.eye(6)
     assert_solved(dense, fronts, values)
 
 

@@ -1,5 +1,8 @@
-"""Compiled equations against those of Exudyn's items, and against their own derivatives."""
+"""Compiled equations: against those of Exudyn's items and their own derivatives, references, compiling."""
 
+import json
+import os
+import subprocess
 import sys
 from functools import cache
 
@@ -94,12 +97,10 @@ def test_accelerations_agree(unbent):
     *_, engine, own = unbent
     found = []
     for equations in (engine, own):
-        n, rows = equations.directions.shape
         # what the constraints' own turning asks for is the same for both: leave it out
-        scale = 1e4
-        matrix = np.zeros((n + rows, n + rows))
-        matrix[:n, :n] = equations.mass
-        matrix[:n, n:], matrix[n:, :n] = scale * equations.directions, scale * equations.directions.T
+        n, rows = equations.directions.shape
+        scaled = 1e4 * equations.directions
+        matrix = np.block([[equations.mass, scaled], [scaled.T, np.zeros((rows, rows))]])
         right = np.concatenate((equations.forces, np.zeros(rows)))
         found.append(scipy.linalg.solve(matrix, right)[:n])
     np.testing.assert_allclose(found[1], found[0], rtol=0.0, atol=1e-9 * np.abs(found[0]).max())
@@ -167,3 +168,28 @@ def test_compiled_code_gives_back_every_reference_to_an_array(case):
     for _ in range(3):
         step()
     assert [sys.getrefcount(one) for one in arrays] == before
+
+
+SCRIPT = """
+import json
+from exudyn_crawler import Case, FlexibleShoes, simulate
+from exudyn_crawler.model.equations import matrix, residual
+from exudyn_crawler.model.newton import step
+
+few = FlexibleShoes.ph4100c("coarse").with_(shoes=(12, 13), fixed_modes=2, recovered_modes=2)
+simulate(Case.turning(), 0.002, progress=False)
+simulate(Case.stress("coarse").with_(flexible=few), 0.002, progress=False)
+stats = [one.stats for one in (residual, matrix, step)]
+print(json.dumps([[sum(one.cache_hits.values()), sum(one.cache_misses.values())] for one in stats]))
+"""
+
+
+@pytest.mark.slow
+def test_the_matrix_is_compiled_beside_the_residual_and_once_for_all_tracks(tmp_path):
+    """By another process, where no disk keeps the equations yet."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", SCRIPT]
+    for hits_and_misses in ([0, 1], [1, 0]):
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        residual, matrix, step = json.loads(done.stdout.splitlines()[-1])
+        assert (residual, step, matrix[1]) == (hits_and_misses, hits_and_misses, 0)

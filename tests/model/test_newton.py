@@ -19,14 +19,8 @@ def swinging(step):
     """One mass on a spring, 10 rad/s, released at 1 m, with steps of 0.01 s: solver, system and settings."""
     container = exu.SystemContainer()
     mbs = container.AddSystem()
-    node = mbs.AddNode(
-        items.NodeGenericODE2(
-            referenceCoordinates=[0.0],
-            initialCoordinates=[1.0],
-            initialCoordinates_t=[0.0],
-            numberOfODE2Coordinates=1,
-        )
-    )
+    start = {"initialCoordinates": [1.0], "initialCoordinates_t": [0.0]}
+    node = mbs.AddNode(items.NodeGenericODE2(referenceCoordinates=[0.0], numberOfODE2Coordinates=1, **start))
     mass, spring = (exu.MatrixContainer(one * np.eye(1)) for one in (1.0, 100.0))
     mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=mass, stiffnessMatrix=spring))
     mbs.Assemble()

@@ -21,9 +21,8 @@ HILLS = Heights(parts=(Waves(height=0.2, length=8.0),))
 
 def short_track(relief=HILLS):
     """Few shoes on 1 m units with a relief."""
-    base = Case.stress("coarse")
-    case = base.with_(track=base.track.with_(shoe_count=SHOES), loads=LoadCycle.propel(SHOES), flexible=None)
-    return case.with_(terrain=case.terrain.with_(relief=relief))
+    few = {"track.shoe_count": SHOES, "terrain.relief": relief}
+    return Case.stress("coarse").with_(few, loads=LoadCycle.propel(SHOES), flexible=None)
 
 
 def rested(case):
@@ -79,11 +78,9 @@ def test_both_formulations_rest_alike_on_a_hill():
 
 @pytest.mark.simulation
 def test_a_relief_that_is_too_much_at_once_rises_in_portions():
-    case = Case.translation()
     hills = Heights(parts=(Waves(height=1.0, length=20.0),))
-    case = case.with_(terrain=case.terrain.with_(relief=hills, tilt="pitch"))
-    q = static_equilibrium(case)
-    shoes = case.track.com_positions(case.shoe.com_height) + q[: 6 * 13].reshape(-1, 6)[:, :3]
+    case = Case.translation().with_({"terrain.relief": hills, "terrain.tilt": "pitch"})
+    shoes = case.shoe_reference + static_equilibrium(case)[: 6 * 13].reshape(-1, 6)
     above = shoes[:, 2] - case.terrain.surface(shoes[:, 0])
     assert np.all((above > 0.0) & (above < 2.0 * case.shoe.com_height))
 
@@ -110,8 +107,7 @@ def test_only_a_drive_beside_the_middle_starts_with_a_jolt_on_an_incline():
     flexible = Case.stress("coarse").flexible.with_(shoes=(SHOES,), static_fields=False)
     start = {}
     for point in ("com node", "frame"):
-        drive = incline.drive.with_(point=point)
-        history = simulate(incline.with_(flexible=flexible, drive=drive), 0.02)
+        history = simulate(incline.with_({"drive.point": point}, flexible=flexible), 0.02)
         start[point] = np.abs(history.angular_acceleration.isel(time=0, axis=2)).max()
         # creeping: 1 % of the stiction speed
         assert np.abs(history.velocity.values).max() < 1e-4

@@ -26,13 +26,8 @@ FEW = FlexibleShoes.ph4100c("coarse").with_(shoes=(2,), fixed_modes=2)
 
 
 def leaning(base, **changes):
-    return base.with_(
-        track=base.track.with_(shoe_count=3),
-        loads=LEANING,
-        drive=Drive.translation(),
-        solver=base.solver.with_(residual=1e-3),
-        **changes,
-    )
+    few = {"track.shoe_count": 3, "solver.residual": 1e-3}
+    return base.with_(few, loads=LEANING, drive=Drive.translation(), **changes)
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +45,9 @@ def test_rest_is_that_of_the_loads_at_the_start():
     soon = LoadCycle(phases=tuple(phase.with_(end=phase.end / 100.0) for phase in LEANING.phases))
     even = LoadCycle.constant([LOAD] * 3)
     case = leaning(Case.translation())
-    at_rest = [static_equilibrium(case.with_(loads=loads)) for loads in (even, LEANING, soon)]
-    assert at_rest[1] == pytest.approx(at_rest[0], abs=1e-9)
-    assert at_rest[2] == pytest.approx(at_rest[0], abs=1e-9)
+    expected, *found = (static_equilibrium(case.with_(loads=loads)) for loads in (even, LEANING, soon))
+    for at_rest in found:
+        assert at_rest == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_load_shifts_between_the_phases():
@@ -64,8 +59,7 @@ def test_a_load_shifts_between_the_phases():
 def test_balances_hold_while_a_load_shifts(name, request):
     """The moment tells where the load acts; a flexible shoe's own has parts that are not stored."""
     history = request.getfixturevalue(name)
-    balance = shoe_imbalance(history)
-    stiff = [shoe for shoe in (1, 2, 3) if name == "rigid" or shoe != 2]
+    balance, stiff = shoe_imbalance(history), [1, 2, 3] if name == "rigid" else [1, 3]
     assert float(np.abs(balance.force).max()) < 2.0
     assert float(np.abs(balance.moment.sel(shoe=stiff)).max()) < 2.0
     (load,) = (one for one in actions(history, 2) if one.kind == "load")
@@ -90,8 +84,7 @@ def test_the_ground_presses_more_on_the_side_that_the_load_leans_to(rigid):
 
 def test_pressure_that_grows_to_a_side_has_its_resultant_there():
     floating = floating_shoe(leaning(Case.stress("coarse"), flexible=FEW))
-    reduced = floating.reduced
-    weights = reduced.weights("whole top")
+    reduced, weights = floating.reduced, floating.reduced.weights("whole top")
     right, left = side_weights(weights, reduced.nodes)
     assert right + left == pytest.approx(2.0 * weights, abs=1e-15)
     places = np.array([one @ reduced.nodes / one.sum() for one in (right, left)])

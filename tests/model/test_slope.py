@@ -19,13 +19,8 @@ FREE = Drive.translation().with_(on=())
 
 def on_slope(grade, side_slope, base=None):
     """Three shoes that nothing but the ground holds."""
-    base = base or Case.translation()
-    return base.with_(
-        track=base.track.with_(shoe_count=3),
-        loads=LoadCycle.propel(3),
-        terrain=base.terrain.with_(grade=grade, side_slope=side_slope),
-        drive=FREE,
-    )
+    few = {"track.shoe_count": 3, "terrain.grade": grade, "terrain.side_slope": side_slope}
+    return (base or Case.translation()).with_(few, loads=LoadCycle.propel(3), drive=FREE)
 
 
 def carried(history):
@@ -38,19 +33,17 @@ def carried(history):
 
 @pytest.fixture(scope="module")
 def creeping():
-    case = on_slope(0.1, -0.05)
     # most of the checks are as exact as the solver
-    return simulate(case.with_(solver=case.solver.with_(residual=1e-3)), 1.0)
+    return simulate(on_slope(0.1, -0.05).with_({"solver.residual": 1e-3}), 1.0)
 
 
 def test_gravity_leans_by_grade_and_side_slope():
     assert Case.translation().gravity_vector().tolist() == [0.0, 0.0, -9.81]
-    for grade, side_slope in ((0.1, -0.05), (-0.3, 0.2)):
-        gravity = on_slope(grade, side_slope).gravity_vector()
+    for slopes in ((0.1, -0.05), (-0.3, 0.2)):
+        gravity = on_slope(*slopes).gravity_vector()
         assert np.linalg.norm(gravity) == pytest.approx(9.81, rel=1e-12)
         # uphill along x and to the left is against gravity, by the sine of the angle of slope
-        assert gravity[0] == pytest.approx(-9.81 * math.sin(math.atan(grade)), rel=1e-12)
-        assert gravity[1] == pytest.approx(-9.81 * math.sin(math.atan(side_slope)), rel=1e-12)
+        assert gravity[:2] == pytest.approx(-9.81 * np.sin(np.arctan(slopes)), rel=1e-12)
 
 
 def test_at_rest_the_ground_carries_the_normal_component(creeping):
@@ -62,8 +55,8 @@ def test_at_rest_the_ground_carries_the_normal_component(creeping):
 
 def test_a_track_on_a_slope_balances_its_leaning_weight(creeping):
     _, weight = carried(creeping)
-    assert np.abs(track_imbalance(creeping).force.values).max() < 1e-6 * np.linalg.norm(weight)
-    assert np.abs(shoe_imbalance(creeping).force.values).max() < 1e-6 * np.linalg.norm(weight)
+    for imbalance in (track_imbalance(creeping), shoe_imbalance(creeping)):
+        assert np.abs(imbalance.force.values).max() < 1e-6 * np.linalg.norm(weight)
 
 
 def test_a_track_that_creeps_hands_its_whole_weight_to_the_ground(creeping):
@@ -78,8 +71,8 @@ def test_a_track_that_creeps_hands_its_whole_weight_to_the_ground(creeping):
 
 def slick(grade, side_slope):
     """The same on ground of little friction, which does not fall with slip."""
-    case = on_slope(grade, side_slope)
-    return case.with_(contact=case.contact.with_(static_friction=0.1, dynamic_friction=0.1))
+    friction = {"contact.static_friction": 0.1, "contact.dynamic_friction": 0.1}
+    return on_slope(grade, side_slope).with_(friction)
 
 
 def test_work_on_a_slope_is_accounted_for():
@@ -118,10 +111,8 @@ def test_spheres_carry_the_leaning_weight():
 
 
 def test_flexible_shoes_carry_the_leaning_weight():
-    base = Case.stress("coarse")
-    few = base.flexible_shoes().with_(shoes=(2,), fixed_modes=2)
-    case = on_slope(0.1, -0.05, base.with_(flexible=few))
-    history = simulate(case.with_(solver=case.solver.with_(residual=1e-3)), 0.05)
+    few = {"flexible.shoes": (2,), "flexible.fixed_modes": 2, "solver.residual": 1e-3}
+    history = simulate(on_slope(0.1, -0.05, Case.stress("coarse").with_(few)), 0.05)
     ground, weight = carried(history)
     assert np.abs(shoe_imbalance(history).force.values).max() < 1e-6 * np.linalg.norm(weight)
     # the flexible shoe weighs what its mesh does; it bounces
@@ -131,8 +122,7 @@ def test_flexible_shoes_carry_the_leaning_weight():
 @pytest.mark.parametrize("grade", [-0.2, 0.2])
 def test_a_whole_track_rests_on_a_slope(grade):
     """Each shoe's own friction holds it: were it the links, their pull would lift the front shoe."""
-    case = Case.translation()
-    case = case.with_(terrain=case.terrain.with_(grade=grade, side_slope=0.1))
+    case = Case.translation().with_({"terrain.grade": grade, "terrain.side_slope": 0.1})
     contact = ground_contact(case)
     q = static_equilibrium(case)
     normal = contact.forces(q, np.zeros_like(q))[2 : 6 * 13 : 6]
@@ -142,9 +132,7 @@ def test_a_whole_track_rests_on_a_slope(grade):
 
 def test_a_track_is_pulled_up_a_grade_by_friction_and_weight():
     base = on_slope(0.0, 0.0, plain(Case.translation())).with_(drive=Drive.translation())
-    level, uphill = (
-        steady_sliding(base.with_(terrain=base.terrain.with_(grade=grade)), 0.1) for grade in (0.0, 0.1)
-    )
+    level, uphill = (steady_sliding(base.with_({"terrain.grade": grade}), 0.1) for grade in (0.0, 0.1))
     # the last link pulls all shoes but the front one
     shoe = 386.4e3 + base.shoe.mass * base.gravity
     lean = shoe * math.sin(math.atan(0.1))

@@ -57,14 +57,11 @@ def test_bad_parts_are_refused_by_name():
 
 
 def test_equations_have_names():
-    assert LAYOUT.equation(2) == "shoe 1 (z)"
-    assert LAYOUT.equation(16) == "shoe 3 (rotation about y)"
-    assert LAYOUT.equation(18) == "terrain (coordinate 1)"
-    assert LAYOUT.equation(22) == "modes of shoe 2 (mode 1)"
-    assert LAYOUT.equation(31) == "modes of shoe 3 (mode 5)"
-    assert LAYOUT.equation(COUNT + 5) == "right pin of link 1"
-    assert LAYOUT.equation(COUNT + 6) == "left pin of link 1"
-    assert LAYOUT.equation(COUNT + 12) == "drive"
+    of_coordinates = [LAYOUT.equation(k) for k in (2, 16, 18)]
+    assert of_coordinates == ["shoe 1 (z)", "shoe 3 (rotation about y)", "terrain (coordinate 1)"]
+    assert [LAYOUT.equation(k) for k in (22, 31)] == ["modes of shoe 2 (mode 1)", "modes of shoe 3 (mode 5)"]
+    multipliers = [LAYOUT.equation(COUNT + k) for k in (5, 6, 12)]
+    assert multipliers == ["right pin of link 1", "left pin of link 1", "drive"]
     bodies = StateLayout(shoes=3, terrain=12, terrain_bodies=True)
     assert bodies.equation(18 + 6 + 3) == "unit 2 (rotation about x)"
 

@@ -72,30 +72,17 @@ def exudyn_place(start, force):
     middle = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=disc))
     mbs.AddLoad(items.LoadForceVector(markerNumber=middle, loadVector=[*force, 0.0]))
     held = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground, localPosition=[*start, 0.0]))
-    mbs.AddObject(
-        items.ObjectConnectorCartesianSpringDamper(
-            markerNumbers=[held, middle], stiffness=[0.0] * 3, damping=[2e5, 2e5, 0.0]
-        )
-    )
+    damper = {"stiffness": [0.0] * 3, "damping": [2e5, 2e5, 0.0]}
+    mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=[held, middle], **damper))
     cosine = (PROFILE.center**2 + PROFILE.arc**2 - PROFILE.addendum**2) / (2.0 * PROFILE.center * PROFILE.arc)
     psi = np.linspace(math.acos(cosine), -math.acos(cosine), SEGMENTS + 1)
     points = np.column_stack((PROFILE.center - PROFILE.arc * np.cos(psi), -PROFILE.arc * np.sin(psi)))
-    data = mbs.AddNode(
-        items.NodeGenericData(
-            initialCoordinates=[-1.0, 0.0, 0.0] * SEGMENTS, numberOfDataCoordinates=3 * SEGMENTS
-        )
-    )
+    apart = [-1.0, 0.0, 0.0] * SEGMENTS
+    data = mbs.AddNode(items.NodeGenericData(initialCoordinates=apart, numberOfDataCoordinates=len(apart)))
     frames = [mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body)) for body in (ground, disc)]
-    mbs.AddObject(
-        items.ObjectContactCurveCircles(
-            markerNumbers=frames,
-            nodeNumber=data,
-            circlesRadii=[PROFILE.lug],
-            segmentsData=exu.MatrixContainer(np.column_stack((points[:-1], points[1:]))),
-            contactStiffness=STIFFNESS,
-            contactDamping=1e5,
-        )
-    )
+    curve = {"segmentsData": exu.MatrixContainer(np.column_stack((points[:-1], points[1:])))}
+    contact = {"circlesRadii": [PROFILE.lug], "contactStiffness": STIFFNESS, "contactDamping": 1e5}
+    mbs.AddObject(items.ObjectContactCurveCircles(markerNumbers=frames, nodeNumber=data, **curve, **contact))
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
@@ -122,8 +109,7 @@ def test_disc_rests_where_exudyn_holds_it(force):
     assert found[0] == pytest.approx(1e-3, abs=1e-12)
     assert found[1:3] == pytest.approx(-along, abs=1e-12)
     place = exudyn_place(ours, force) - seat
-    across = place @ [-along[1], along[0]]
-    assert across == pytest.approx(0.0, abs=1e-6)
+    assert place @ [-along[1], along[0]] == pytest.approx(0.0, abs=1e-6)
 
     psi = np.linspace(-0.5, 0.5, 20001)
 
@@ -159,9 +145,8 @@ def test_polygon_effect_of_a_light_chain_that_is_pulled_over_the_teeth():
 
     turned, travel = np.linspace(0.02, gap - 0.02, 13), []
     # and pairs of instants: a lug has just come in, is in the middle, soon goes out
-    turned = np.append(
-        turned, [one + two for one in (0.0, 0.5 * gap - 3e-3, gap - 6e-3) for two in (1e-3, 5e-3)]
-    )
+    pairs = np.add.outer([0.0, 0.5 * gap - 3e-3, gap - 6e-3], [1e-3, 5e-3])
+    turned = np.append(turned, pairs)
     for angle in turned:
         seats = np.pi - gap * np.arange(3) - angle
         at = radius * np.column_stack((np.cos(seats), np.sin(seats)))

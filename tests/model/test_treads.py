@@ -75,7 +75,6 @@ def test_elastic_force_does_no_work_on_a_way_round():
     x, z = 0.3 + 0.04 * np.cos(angles), 0.619 + 5e-4 * np.sin(angles)
     bent = [Bending(1e-4 + 1e-3 * min(one, 0.3), 1e-3, 0.0) for one in x]
     forces = np.array([force((a, b), bending=c).force for a, b, c in zip(x, z, bent, strict=True)])
-    along = np.column_stack((x, z))
-    steps = np.diff(along, axis=0)
+    steps = np.diff(np.column_stack((x, z)), axis=0)
     work = np.sum(0.5 * (forces[1:] + forces[:-1]) * steps, axis=1)
     assert abs(work.sum()) < 1e-3 * np.abs(work).sum()

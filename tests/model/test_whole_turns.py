@@ -1,36 +1,102 @@
-"""Bodies that turn all round, upright and beyond, against closed forms."""
+"""Bodies that turn all round, upright and beyond, against closed forms: tables of hinged rigid bodies."""
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
-from exudyn_crawler.ground.rotations import (
-    angle_accelerations,
-    angle_rates,
-    angles_of,
-    angular_velocity,
-    rotation_matrices,
-)
-from tests.model.tables import hinged, integrated
+from exudyn_crawler.ground import rotations
+from exudyn_crawler.ground.cells.kernel import ShoePoints
+from exudyn_crawler.ground.packed import nothing, pack
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.bodies import Bodies, second_moment
+from exudyn_crawler.model.elimination import fronts_of
+from exudyn_crawler.model.joints import ROWS, Joints, Markers
+from exudyn_crawler.model.newton import step
+from exudyn_crawler.model.tables import SYSTEM, FrontRows, Inputs, System, Tables, Workspace
 
 pytestmark = pytest.mark.simulation
 
+RADIUS = 0.9
+"""Spectral radius of the integration."""
 STILL = (0.0, 0.0, 0.0)
+
+
+def hinged(masses, inertias, pins, held=()):
+    """Rigid bodies in a row without ground; `pins` are the places of each in the bodies behind and ahead.
+
+    All coordinates of the `held` bodies are held.
+    """
+    count, joined = len(masses), [(k, k + 1) for k in range(len(pins))]
+    size, first, rigid = 6 * count, 6 * np.arange(count), np.full(count, -1)
+    holds = [(b, k) for b in held for k in range(6)]
+    # drive and turn are not between bodies
+    between = [pair for pair in joined for _ in range(ROWS)]
+    between += [(0, -1), (0, -1), *((b, -1) for b, _ in holds)]
+    rows = np.arange(len(between))
+    bodies = np.array([0, *(b for pair in joined for b in pair)])
+    places = np.array([STILL, *(place for pair in pins for place in pair)])
+    unbent = np.zeros((len(places), 3, 0))
+    moments = [second_moment(m, np.diag(i), np.zeros(3)) for m, i in zip(masses, inertias, strict=True)]
+    masses = np.array(masses, dtype=float), np.zeros((count, 3)), np.array(moments)
+    ends = np.arange(1, len(bodies)).reshape(-1, 2)
+    held = np.array(holds, dtype=np.int64).reshape(-1, 2)
+    unknowns, last = list(range(size)), (size + rows).tolist()
+    of_bodies, of_rows = np.array([first, rigid]), np.array([size + rows, rows])
+    return nothing(Tables)._replace(
+        bodies=Bodies(first, rigid, np.zeros((count, 6)), *masses, np.zeros((count, 2, 3))),
+        markers=Markers(bodies, places, unbent, unbent, np.zeros(len(bodies), dtype=np.int64)),
+        joints=Joints(ends, 0, 0, held, np.array(between)),
+        flexible=np.array([size, 0]),
+        fronts=fronts_of([unknowns, last], [[*unknowns, *last]]),
+        rows=FrontRows(of_bodies, np.zeros(count, dtype=np.int64), np.array([size, 0]), of_rows),
+    )
+
+
+def integrated(tables, start, gravity, h, steps):
+    """Coordinates, rates (steps + 1, bodies, 6) and multipliers of pins (steps + 1, pins, ROWS).
+
+    `start` are coordinates, rates and accelerations (3, bodies, 6).
+    """
+    state, multipliers = np.reshape(start, (3, -1)).copy(), np.zeros(tables.multiplier_count)
+    system = System(tables, Workspace.allocate(tables, 1, nothing(ShoePoints)))
+    block = pack(system, SYSTEM)
+    inputs = tuple(Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2), np.zeros(1)))
+    scratch = np.zeros(state.shape[1] + len(multipliers)), np.zeros(tables.fronts.size)
+    # generalized alpha (Arnold and Bruels, Multibody System Dynamics 18, 2007)
+    alpha_m, alpha_f = (2.0 * RADIUS - 1.0) / (RADIUS + 1.0), RADIUS / (RADIUS + 1.0)
+    gamma = 0.5 + alpha_f - alpha_m
+    beta = 0.25 * (gamma + 0.5) ** 2
+    by_acceleration = (1.0 - alpha_m) / ((1.0 - alpha_f) * beta * h * h)
+    weights = tuple(rotations.Weights(1.0, gamma / (h * beta), by_acceleration, False, beta * h / gamma))
+    algorithmic, pins = state[2].copy(), ROWS * len(tables.joints.pins)
+    found = [(*state[:2].copy(), multipliers[:pins].copy())]
+    for _ in range(steps):
+        before = algorithmic
+        algorithmic = (alpha_f * state[2] - alpha_m * before) / (1.0 - alpha_m)
+        state[0] += h * state[1] + h * h * ((0.5 - beta) * before + beta * algorithmic)
+        state[1] += h * ((1.0 - gamma) * before + gamma * algorithmic)
+        state[2] = 0.0
+        converged, *_ = step(block, state, multipliers, inputs, weights, (1e-6, 50, False), scratch)
+        assert converged
+        algorithmic = algorithmic + (1.0 - alpha_f) / (1.0 - alpha_m) * state[2]
+        found.append((*state[:2].copy(), multipliers[:pins].copy()))
+    q, q_t, forces = map(np.array, zip(*found, strict=True))
+    return q.reshape(steps + 1, -1, 6), q_t.reshape(steps + 1, -1, 6), forces.reshape(steps + 1, -1, ROWS)
 
 
 def test_a_free_top_precesses_as_in_the_closed_form_through_turns_of_pitch():
     """Torque-free symmetric top (Goldstein, Classical Mechanics, 5.6): its axis y goes round the momentum."""
     across, along = 3000.0, 5200.0
-    axes = rotation_matrices(np.array([0.2, 0.0, 0.3]))
-    omega = axes @ (0.5, 4.0, 0.0)
-    momentum = axes @ (np.array([across, along, across]) * (0.5, 4.0, 0.0))
     angles = np.array([0.2, 0.0, 0.3])
-    rates = angle_rates(angles, omega)
-    # Euler's equations: what turns the momentum in the body's axes turns them back
+    axes = rotation_matrices(angles)
     inertia = axes @ np.diag((across, along, across)) @ axes.T
+    omega = axes @ (0.5, 4.0, 0.0)
+    momentum, rates = inertia @ omega, rotations.angle_rates(angles, omega)
+    # Euler's equations: what turns the momentum in the body's axes turns them back
     alpha = np.linalg.solve(inertia, -np.cross(omega, momentum))
-    start = [[*STILL, *angles], [*STILL, *rates], [*STILL, *angle_accelerations(angles, rates, alpha)]]
+    turning = angles, rates, rotations.angle_accelerations(angles, rates, alpha)
+    start = [[*STILL, *one] for one in turning]
     h, steps = 1e-3, 4000
     q, q_t, _ = integrated(hinged([4500.0], [(across, along, across)], []), start, STILL, h, steps)
     time = h * np.arange(steps + 1)
@@ -41,7 +107,7 @@ def test_a_free_top_precesses_as_in_the_closed_form_through_turns_of_pitch():
     expected = precession.as_matrix() @ axes @ turned
     assert np.ptp(q[:, 0, 4]) > 2.0 * 2.0 * np.pi
     np.testing.assert_allclose(rotation_matrices(q[:, 0, 3:]), expected, atol=2e-4)
-    found = angular_velocity(q[:, 0, 3:], q_t[:, 0, 3:])
+    found = rotations.angular_velocity(q[:, 0, 3:], q_t[:, 0, 3:])
     np.testing.assert_allclose(np.einsum("tji,tj->ti", expected, found)[:, 1], 4.0, rtol=1e-4)
 
 
@@ -88,4 +154,4 @@ def test_a_straight_chain_goes_round_as_one():
 def test_angles_come_back_from_their_rotations():
     random = np.random.default_rng(7)
     angles = random.uniform(-1.0, 1.0, (50, 3)) * (1.5, np.pi, np.pi)
-    np.testing.assert_allclose(angles_of(rotation_matrices(angles)), angles, atol=1e-12)
+    np.testing.assert_allclose(rotations.angles_of(rotation_matrices(angles)), angles, atol=1e-12)

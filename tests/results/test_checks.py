@@ -1,13 +1,17 @@
-"""Check cases: section moments by hand formulas, balance, one-sided ground, CalculiX on one of them."""
+"""Check cases and roller paths: hand formulas, balance, one-sided ground, CalculiX, every pass of a run."""
 
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import fem
+from exudyn_crawler import Duty, FatigueMaterial
+from exudyn_crawler.case import Outputs
 from exudyn_crawler.errors import CaseFileError, ParameterError
-from exudyn_crawler.life_run import check_cases
+from exudyn_crawler.life_run import check_cases, roller_paths
 from exudyn_crawler.results.checks.cases import (
     CheckCase,
     GroundPart,
@@ -19,12 +23,19 @@ from exudyn_crawler.results.checks.cases import (
     read_check,
     ready_cases,
 )
+from exudyn_crawler.results.checks.roller_path import MIDDLE, PRESSURE, TYPICAL, hertz_table, roller_path
 from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, cycle_table, solve_cases
+from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.results.stress.recovery import node_stress
+from exudyn_crawler.views.figures import roller_path_figure
+from exudyn_crawler.views.outputs import write_tables
+from exudyn_crawler.views.pages.report import report_page
 from fem.defects import Defect, growth
 from fem.stress import von_mises
 from fem.supports import section, surface_points
 from meshes import ShoeDimensions
 from tests.fem.calculix_reference import run, sample_nodes, stresses_of
+from tests.stress_results import by_modes_alone
 
 FORCE = 574e3
 SOFT = 1e5
@@ -39,7 +50,7 @@ def shoe() -> CheckedShoe:
     return CheckedShoe(ShoeCheck(mesh="coarse"))
 
 
-def rolled(**place) -> tuple[TreadForce, ...]:
+def rolling(**place) -> tuple[TreadForce, ...]:
     return tuple(TreadForce(side=side, force=FORCE, **place) for side in ("left", "right"))
 
 
@@ -57,14 +68,13 @@ def found(shoe):
         "ridge": (strips((-0.2, 0.2)), 0.1 - ARM),
     }
     cases = [
-        CheckCase(name=name, treads=rolled(), ground=ground, hand_moment=FORCE * moment)
+        CheckCase(name=name, treads=rolling(), ground=ground, hand_moment=FORCE * moment)
         for name, (ground, moment) in hand.items()
     ]
-    cases.append(CheckCase(name="twice", treads=rolled() + rolled(), ground=hand["ends"][0]))
+    cases.append(CheckCase(name="twice", treads=rolling() + rolling(), ground=hand["ends"][0]))
     stone = GroundPart(low=(0.12, 1.15), high=(0.42, 1.45), round=True, height=0.05, stiffness=1e10)
-    cases.append(
-        CheckCase(name="stone", treads=rolled(), ground=OneSidedGround(stiffness=1e9, parts=(stone,)))
-    )
+    on_stone = OneSidedGround(stiffness=1e9, parts=(stone,))
+    cases.append(CheckCase(name="stone", treads=rolling(), ground=on_stone))
     return solve_cases(ShoeCheck(mesh="coarse", levels=(), cases=tuple(cases)), shoe)
 
 
@@ -99,7 +109,7 @@ def test_stress_grows_with_loads_and_cycles_by_its_fifth_power(found):
 
 
 def test_ground_pushes_in_balance_and_never_pulls(shoe):
-    case = CheckCase(name="end", treads=rolled(end="front", x=0.0), ground=OneSidedGround())
+    case = CheckCase(name="end", treads=rolling(end="front", x=0.0), ground=OneSidedGround())
     loads = shoe.loads(case)
     points = shoe.bed.points
     resultant = shoe.resultant(loads)
@@ -109,8 +119,7 @@ def test_ground_pushes_in_balance_and_never_pulls(shoe):
     assert not rest.forces.all()  # the rear lifts
     pushed = np.zeros_like(loads)
     shoe.parts(pushed)[0][2::3] = points.shapes.T @ rest.forces
-    left = resultant + shoe.resultant(pushed)
-    np.testing.assert_allclose(left, 0.0, atol=1e-6 * 2 * FORCE)
+    np.testing.assert_allclose(resultant + shoe.resultant(pushed), 0.0, atol=1e-6 * 2 * FORCE)
 
 
 def test_what_inertia_would_hide_is_refused_by_its_case(shoe):
@@ -119,21 +128,20 @@ def test_what_inertia_would_hide_is_refused_by_its_case(shoe):
         with pytest.raises(ValueError, match=f"case 'mine': .*{words}"):
             solve_cases(check, shoe)
 
-    refused("must be in balance", treads=rolled())
-    refused(
-        "must be in balance", pins=(PinForce(pin="rear left", force=(1e6, 0, 0)),), ground=OneSidedGround()
-    )
-    refused("or it tips over", treads=rolled(), ground=strips((0.5, 1.0)))
-    refused("or it tips over", treads=rolled(), ground=OneSidedGround(stiffness=0.0))
+    refused("must be in balance", treads=rolling())
+    pin = PinForce(pin="rear left", force=(1e6, 0, 0))
+    refused("must be in balance", pins=(pin,), ground=OneSidedGround())
+    refused("or it tips over", treads=rolling(), ground=strips((0.5, 1.0)))
+    refused("or it tips over", treads=rolling(), ground=OneSidedGround(stiffness=0.0))
     up = Pressure(facing="down", low=(-1, -2, -1), high=(1, 2, 1), force=(0.0, 0.0, 1e6))
     refused("must press downward", pressures=(up,), ground=OneSidedGround())
     refused("no face looks up", pressures=(up.with_(facing="up", low=(0, 0, 5), high=(1, 1, 6)),))
-    refused("must press on the rail", treads=rolled(x=0.5), ground=OneSidedGround())
-    refused("held_by must be of", treads=rolled(), held_by=("rear left w",))
+    refused("must press on the rail", treads=rolling(x=0.5), ground=OneSidedGround())
+    refused("held_by must be of", treads=rolling(), held_by=("rear left w",))
 
 
 def test_pins_take_the_least_forces_that_hold_a_shoe(shoe):
-    along = tuple(f"rear {side} x" for side in ("left", "right"))
+    along = ("rear left x", "rear right x")
     push = Pressure(facing="rear", low=(-1, -0.13, -0.1), high=(0, 0.13, 0.15), force=(1e6, 0.0, 0.0))
     lift = tuple(f"{end} {side} z" for end in ("front", "rear") for side in ("left", "right"))
     loads = shoe.loads(CheckCase(name="push", pressures=(push,), held_by=along + lift))
@@ -217,16 +225,14 @@ def test_a_defect_in_tension_counts_where_it_is_worst_in_its_region(found, stres
         castings=({"defect_size": 3e-3}, {"region": "web", "residual_stress": 100e6})
     )
     table = cycle_table(found.check.with_(material=material), shoe, stress, [(UNLOADED, "ends")])
-    unloaded = found.cycles[(found.cycles["from"] == UNLOADED) & (found.cycles["to"] == "ends")]
-    plain = unloaded.set_index("region")["cycles to a crack"]
+    plain = found.cycle(UNLOADED, "ends").set_index("region")["cycles to a crack"]
     own = table.set_index("region")
     assert own.loc["web", "cycles to a crack"] < plain["web"]
     assert own.loc["wings", "cycles to a crack"] == pytest.approx(plain["wings"])
     assert np.isnan(own.loc["web", "cycles to a crack, defect"])
     wings = stress["ends"][shoe.regions == "wings"]
     highest = von_mises(wings)[wings[:, :3].sum(axis=1) >= 0.0].max()
-    defect = Defect(3e-3, 860.0 / 3.2, 0.06)
-    expected = growth(defect, np.zeros(1), np.array([highest]), np.ones(1), 0.975)[0]
+    expected = growth(Defect(3e-3, 860.0 / 3.2, 0.06), np.zeros(1), np.array([highest]), np.ones(1), 0.975)[0]
     assert own.loc["wings", "cycles to a crack, defect"] == pytest.approx(expected, rel=1e-6)
 
 
@@ -235,17 +241,16 @@ def test_a_blow_pushes_as_its_energy_and_compliance_say(shoe):
     """On soft ground a shoe hardly bends: F = sqrt(2 E k A); the work of the forces is the energy."""
     top = Pressure(facing="up", low=(-0.2, -0.4, 0.1), high=(0.2, 0.4, 0.4), force=(0.0, 0.0, -1e6))
     soft = OneSidedGround(stiffness=SOFT)
-    case = CheckCase(name="blow", treads=rolled(), pressures=(top,), ground=soft, energy=25e3)
+    case = CheckCase(name="blow", treads=rolling(), pressures=(top,), ground=soft, energy=25e3)
     hard = case.with_(name="hard", ground=OneSidedGround(stiffness=1e9))
     off = Pressure(facing="up", low=(-0.4, 1.5, 0.1), high=(0.4, 1.8, 0.4), force=(0.0, 0.0, -1e6))
     aside = case.with_(name="aside", ground=OneSidedGround(), pressures=(off,))
     once = aside.with_(name="rest", pressures=(), energy=None)
     found = solve_cases(ShoeCheck(mesh="coarse", levels=(), cases=(case, hard, aside, once)), shoe)
     blow = found.moments.set_index("case")
-    assert blow.loc["blow", "blow in MN"] * 1e6 == pytest.approx(
-        (2.0 * 25e3 * SOFT * 0.63 * WHOLE) ** 0.5, rel=0.01
-    )
-    assert blow.loc["blow", "its compliance in m/N"] == pytest.approx(1.0 / (SOFT * 0.63 * WHOLE), rel=0.02)
+    bed = SOFT * 0.63 * WHOLE
+    assert blow.loc["blow", "blow in MN"] * 1e6 == pytest.approx((2.0 * 25e3 * bed) ** 0.5, rel=0.01)
+    assert blow.loc["blow", "its compliance in m/N"] == pytest.approx(1.0 / bed, rel=0.02)
     force, compliance = blow["blow in MN"] * 1e6, blow["its compliance in m/N"]
     np.testing.assert_allclose((0.5 * force**2 * compliance)[:3], 25e3, rtol=1e-3)
     assert force["hard"] > 3.0 * force["blow"]
@@ -255,3 +260,85 @@ def test_a_blow_pushes_as_its_energy_and_compliance_say(shoe):
     assert np.isnan(blow.loc["rest", "blow in MN"])
     with pytest.raises(ParameterError, match="energy needs treads, pressures and ground"):
         case.with_(ground=None)
+
+
+def test_treads_of_check_cases_have_the_pressures_of_hand_formulas():
+    """p0 = sqrt(q E* / (pi R)), 0.4 m of radius: 528 MPa with 574 kN on 0.18 m, 915 on a third of it."""
+    treads = (TreadForce(side="left", force=574e3), TreadForce(side="right", force=574e3, width=0.06))
+    cases = [CheckCase(name="one", treads=treads), CheckCase(name="two", treads=treads)]
+    found = hertz_table(ShoeCheck(), cases).set_index(["width in m", "tilt in mrad"])
+    level = found.xs(0.0, level="tilt in mrad")
+    assert level.loc[0.18, PRESSURE] == pytest.approx(528.1, rel=1e-3)
+    assert level.loc[0.06, PRESSURE] == pytest.approx(528.1 * 3.0**0.5, rel=1e-3)
+    assert level.loc[0.18, "its depth in mm"] == pytest.approx(0.786 * 3.84, rel=0.02)
+    assert set(level["path"]) == {"elastic"}
+    assert set(found["first case"]) == {"one"}
+    of_width = found.loc[0.18]
+    assert (np.diff(of_width[PRESSURE]) > 0.0).all()
+    assert of_width.loc[1.0, "edge over mean"] > 2.0
+    weak = hertz_table(ShoeCheck(material=ShoeCheck().material.a36()), cases)
+    assert weak.set_index(["width in m", "tilt in mrad"]).loc[(0.06, 0.0), "path"] == "ratchets"
+
+
+def test_every_tread_of_a_run_is_counted_by_its_place(rolled):
+    table = roller_path(rolled)
+    force = np.linalg.norm(rolled.tread_force.values, axis=-1).sum(axis=3)
+    assert table["greatest force in kN"].max() <= force.max() / 1e3 * (1.0 + 1e-12)
+    assert table[MIDDLE].is_monotonic_increasing
+    assert (table[PRESSURE] >= table[TYPICAL] * (1.0 - 1e-12)).all()
+    # two rails, three rollers and the shoe behind and ahead of each at most, more while they roll on
+    assert table["passes"].min() >= 1
+    worst = table.loc[table[PRESSURE].idxmax()]
+    frame = rolled.case.undercarriage
+    q = worst["greatest force in kN"] * 1e3 * worst["edge over mean"] / frame.tread_width
+    modulus = 200e9 / 2.0 / 0.91
+    assert worst[PRESSURE] * 1e6 == pytest.approx((q * modulus / np.pi / frame.radius) ** 0.5)
+    k = 690e6 / 3.0**0.5
+    assert worst["cast NiCrMo to yield"] == pytest.approx(3.106 * k / worst[PRESSURE] / 1e6, rel=5e-3)
+    assert worst["cast NiCrMo to shakedown"] == pytest.approx(4.0 * k / worst[PRESSURE] / 1e6, rel=5e-3)
+    assert table.filter(like="structure").empty
+
+
+def test_a_life_shows_the_roller_path_of_its_rolled_runs(rolled):
+    run = SimpleNamespace(basis=SimpleNamespace(history=rolled), run=SimpleNamespace(name="propel"))
+    duty = Duty(runs=(DutyRun(name="propel", folder=".", share=0.1),), material=FatigueMaterial.a36())
+    found = roller_paths(SimpleNamespace(duty=duty, runs=[run]))
+    pd.testing.assert_frame_equal(found["propel"], roller_path(rolled, [duty.material]))
+    assert "A36 to shakedown" in found["propel"]
+
+
+def test_blocks_of_a_long_history_make_no_difference(rolled, monkeypatch):
+    whole = roller_path(rolled)
+    monkeypatch.setattr("exudyn_crawler.files.TIMES_AT_ONCE", 100)
+    pd.testing.assert_frame_equal(roller_path(rolled), whole)
+
+
+def test_stress_of_the_structure_is_that_of_the_node_below_the_tread(bent):
+    bent = by_modes_alone(bent)
+    table = roller_path(bent)
+    assert set(table["shoe"]) <= set(bent.case.flexible.shoes)
+    row = table.loc[table[PRESSURE].idxmax()]
+    stress = node_stress(bent, int(row["shoe"]), node=int(row["node"])).sel(time=row["time in s"]).stress
+    for component, name in (("xx", "along"), ("yy", "across")):
+        assert float(stress.sel(component=component)) / 1e6 == pytest.approx(row[f"structure {name} in MPa"])
+    assert np.isfinite(table[["structure along in MPa", "structure across in MPa"]]).all(axis=None)
+    # what comes and goes lowers no limit that the contact alone has, but for what it adds to the shear
+    alone = 4.0 * 690.0 / 3.0**0.5 / table[PRESSURE]
+    assert (table["cast NiCrMo to shakedown"] <= alone * (1.0 + 5e-3)).all()
+
+
+def test_a_track_without_rollers_has_no_roller_path(translation):
+    with pytest.raises(ValueError, match="undercarriage"):
+        roller_path(translation)
+
+
+def test_a_rolled_run_leaves_its_roller_path_and_its_page_shows_it(rolled, tmp_path):
+    write_tables(rolled, None, tmp_path, Outputs())
+    table = pd.read_csv(tmp_path / "roller_path.csv")
+    pd.testing.assert_frame_equal(table, roller_path(rolled), check_dtype=False, rtol=1e-8)
+    (ax,) = roller_path_figure(table, "rolled").axes
+    drawn = ax.get_lines()[0].get_ydata()
+    np.testing.assert_allclose(drawn, table.loc[table["place"] == "rail", PRESSURE])
+    assert sum("shakedown of" in str(line.get_label()) for line in ax.get_lines()) == 3
+    rolled.save(tmp_path / "history.nc")
+    assert "Roller path" in report_page(tmp_path)

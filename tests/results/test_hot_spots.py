@@ -12,6 +12,7 @@ from exudyn_crawler.results.stress.hot_spots import REGIONS, flat_triangles, loa
 from fem import Shapes
 from meshes import STEEL, joint_interfaces, mesh_named
 from tests.modal_loads import modal_loads
+from tests.stress_results import by_modes_alone
 
 TRACK = Track.ph4100c()
 ROOTS = {
@@ -20,7 +21,7 @@ ROOTS = {
 }
 """m: the S-paper's hot spots beside the inner faces of the rear lugs, and the root of a fork's cheek; corners
 of the flanges' notches."""
-SHOE = 7
+
 NODES = np.arange(0, 3000, 500)
 OTHERS = {
     "machine load": ("joint_force", "joint_torque", "pin_force", "pin_torque", "contact"),
@@ -48,8 +49,7 @@ def test_regions_are_where_their_surfaces_are(shoe):
     assert set(regions[shoe.mesh.nodes_of("rails")]) == {"roller path"}
     for name in TRACK.joint_centers:
         assert set(regions[shoe.mesh.nodes_of(f"bore {name}")]) == {"bores"}
-    tips = np.abs(shoe.nodes[:, 1]) > 1.7
-    assert set(regions[tips]) == {"wings"}
+    assert set(regions[np.abs(shoe.nodes[:, 1]) > 1.7]) == {"wings"}
 
 
 @pytest.mark.parametrize("region", ROOTS)
@@ -70,11 +70,10 @@ def test_shoe_without_rails_has_neither_roller_path_nor_wings(shoe):
 @pytest.mark.parametrize(
     ("one", "other", "share"),
     [
-        ((3.0, 0, 0, 0, 0, 0), (-1.0, 0, 0, 0, 0, 0), 1.5),
-        ((0, 0, 0, 4.0, 0, 0), (5.0, 0, 0, 0, 0, 0), 48.0 / 73.0),
-        ((-1.0, -1.0, -1.0, 0, 0, 0), (2.0, 0, 0, 0, 0, 0), 0.0),
+        ((3.0, 0, 0, 0, 0, 0), (-1.0, 0, 0, 0, 0, 0), 1.5),  # of their sum
+        ((0, 0, 0, 4.0, 0, 0), (5.0, 0, 0, 0, 0, 0), 48.0 / 73.0),  # shear: 3 of its square
+        ((-1.0, -1.0, -1.0, 0, 0, 0), (2.0, 0, 0, 0, 0, 0), 0.0),  # none of pressure from all sides
     ],
-    ids=["of their sum", "shear: 3 of its square", "none of pressure from all sides"],
 )
 def test_shares_of_two_stresses_are_those_by_hand(one, other, share):
     found = shares({"one": 1e6 * np.array([one]), "other": 1e6 * np.array([other])})
@@ -89,32 +88,19 @@ def test_shares_of_no_stress_are_zero():
 @pytest.fixture(scope="module")
 def run_on_cells() -> History:
     """Three shoes on sand, of which the middle one bends."""
-    base = Case.stress("coarse")
-    case = base.with_(
-        track=base.track.with_(shoe_count=3),
-        loads=LoadCycle.propel(3),
-        flexible=base.flexible_shoes().with_(shoes=(2,)),
-    )
+    changes = {"track.shoe_count": 3, "loads": LoadCycle.propel(3), "flexible.shoes": (2,)}
+    case = Case.stress("coarse").with_(changes)
     return simulate(case.on_cells(BekkerSoil.lete_sand()), 0.02, False)
 
 
-def variants(history):
-    """A history with static fields and without."""
-    flexible = history.case.flexible_shoes()
-    for fields in (False, True):
-        yield History(history.case.with_(flexible=flexible.with_(static_fields=fields)), history.dataset)
-
-
 def test_shares_of_the_loads_of_a_run_add_up_to_one(flexible_run):
-    history, _, tables = flexible_run
+    history, table = flexible_run[0], flexible_run[2][13]
     rows = np.resize([3, 20, history.time.size - 1], len(NODES))
-    for one in variants(history):
+    for one in (by_modes_alone(history), history):
         found = load_shares(stress_basis(one), 13, NODES, rows)
-        assert set(found) == {
-            f"share of {load}" for load in ("pins", "machine load", "ground", "drive", "inertia")
-        }
+        loads = ("pins", "machine load", "ground", "drive", "inertia")
+        assert set(found) == {f"share of {load}" for load in loads}
         assert found.sum(axis=1).to_numpy() == pytest.approx(1.0, abs=1e-9)
-    table = tables[13]
     rows = np.searchsorted(history.time.values, table["time"].to_numpy())
     again = load_shares(stress_basis(history), 13, table["node"].to_numpy(), rows)
     for name, own in again.items():
@@ -125,7 +111,7 @@ def test_shares_of_the_loads_of_a_run_add_up_to_one(flexible_run):
 def test_shares_on_cells_are_complete(run_on_cells):
     """Stresses of all loads, those of the cells' forces among them, are the stress that is recovered."""
     rows = np.resize([0, 3, run_on_cells.time.size - 1], len(NODES))
-    for one in variants(run_on_cells):
+    for one in (by_modes_alone(run_on_cells), run_on_cells):
         basis = stress_basis(one)
         found = load_shares(basis, 2, NODES, rows)
         assert found.sum(axis=1).to_numpy() == pytest.approx(1.0, abs=1e-9)
@@ -138,21 +124,20 @@ def test_shares_on_cells_are_complete(run_on_cells):
 
 @pytest.mark.simulation
 @pytest.mark.parametrize("load", list(OTHERS))
-@pytest.mark.parametrize(("run", "shoe"), [("flexible_run", SHOE), ("run_on_cells", 2)])
+@pytest.mark.parametrize(("run", "shoe"), [("history", 7), ("run_on_cells", 2)])
 def test_a_load_that_acts_alone_has_all_of_the_stress(request, run, shoe, load):
     """Its modes have come to rest under it, so that there is no inertia, either."""
     whole = request.getfixturevalue(run)
-    whole = whole if isinstance(whole, History) else whole[0]
     dataset = whole.dataset.isel(time=[-1]).copy(deep=True)
     for name in OTHERS[load]:
         for one in set(CONTACT) & set(dataset) if name == "contact" else (name,):
             dataset[one] = 0.0 * dataset[one]
-    for history in variants(History(whole.case, dataset)):
+    loaded = History(whole.case, dataset)
+    for history in (by_modes_alone(loaded), loaded):
         inside = unit_loads(history.case).integrated.inside
         still = modal_loads(history, shoe) @ inside / (2.0 * np.pi * history.frequency.values) ** 2
         history.modal_coordinate.loc[{"flexible_shoe": shoe}] = still
-        rows = np.zeros(len(NODES), dtype=int)
-        found = load_shares(stress_basis(history, [shoe]), shoe, NODES, rows)
+        found = load_shares(stress_basis(history, [shoe]), shoe, NODES, np.zeros(len(NODES), dtype=int))
         assert found[f"share of {load}"].to_numpy() == pytest.approx(1.0, abs=1e-9)
         assert np.abs(found.drop(columns=f"share of {load}").to_numpy()).max(initial=0.0) < 1e-9
 

@@ -1,4 +1,4 @@
-"""Life over a duty of short runs: its sums and causes, what must not change it, refusals."""
+"""Life over a duty of short runs: its sums and causes, what must not change it; spread between runs."""
 
 import numpy as np
 import pytest
@@ -6,28 +6,35 @@ import rainflow
 
 from exudyn_crawler import Duty, FatigueMaterial, History
 from exudyn_crawler.results.life.duty import DutyRun
-from exudyn_crawler.results.life.life import BETWEEN, BEYOND, in_words, life_hours, life_of, life_words
+from exudyn_crawler.results.life.life import (
+    BETWEEN,
+    BEYOND,
+    in_words,
+    life_hours,
+    life_of,
+    life_words,
+    relative_spread,
+)
 from exudyn_crawler.results.stress.basis import TOLERANCE
-from exudyn_crawler.results.stress.hot_spots import REGIONS
-from exudyn_crawler.results.stress.recovery import node_stress
+from exudyn_crawler.results.stress.hot_spots import REGIONS, hot_spot_table
+from exudyn_crawler.results.stress.recovery import StressResults, node_stress
+from exudyn_crawler.spread_run import FIRST as START, spread_of
 from exudyn_crawler.views.tables import cell_text
 from fem.stress import von_mises
-from fem.trust import HELD, OPEN, VERDICTS
+from fem.trust import HELD, LIMITED, OPEN, VERDICTS
+from tests.stress_results import WEAK
 
 HALF = 0.03
-WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
-"""So weak that the small stresses of a short run wear it out."""
 FIRST = DutyRun(name="first", folder=".", end=HALF, an_hour=1000.0)
 SECOND = DutyRun(name="second", folder=".", begin=HALF, share=0.1)
 
 
 def duty(*runs: DutyRun, **more) -> Duty:
-    return Duty(runs=runs, material=WEAK, plane_nodes=3, **more)
+    return Duty(runs=runs, **{"material": WEAK, "plane_nodes": 3} | more)
 
 
 @pytest.fixture(scope="module")
-def found(flexible_run):
-    history = flexible_run[0]
+def found(history):
     return life_of(duty(FIRST, SECOND), [history, history])
 
 
@@ -35,12 +42,9 @@ def test_damage_is_the_mean_over_places_and_the_sum_of_parts(found):
     data = found.dataset
     assert data.shoe.values.tolist() == [7, 13]
     known = data.damage_an_hour.notnull()
-    assert data.damage_an_hour.values == pytest.approx(
-        data.place_damage.mean("shoe", skipna=False).values, nan_ok=True
-    )
-    assert data.part_damage.sum("part").where(known[-1]).values == pytest.approx(
-        data.damage_an_hour[-1].values, rel=1e-9, nan_ok=True
-    )
+    np.testing.assert_allclose(data.damage_an_hour, data.place_damage.mean("shoe", skipna=False), rtol=1e-6)
+    parts = data.part_damage.sum("part").where(known[-1])
+    np.testing.assert_allclose(parts, data.damage_an_hour[-1], rtol=1e-9)
     assert data.part.values.tolist() == ["first: constant", "second: constant", BETWEEN]
     assert (data.part_damage.max("node") > 0.0).all()
     assert np.diff(data.damage_an_hour.values[:, known[-1].values], axis=0).min() >= 0.0
@@ -49,11 +53,11 @@ def test_damage_is_the_mean_over_places_and_the_sum_of_parts(found):
     assert data.life.sel(node=inside).isnull().all()
 
 
-def test_damage_at_a_place_is_that_of_its_history(flexible_run, found):
+def test_damage_at_a_place_is_that_of_its_history(history, found):
     """Counted again from the modal coordinates, each run as often as the duty says."""
-    history, node = flexible_run[0], int(found.table["node"][0])
+    node = int(found.table["node"][0])
     chosen = int(found.whole.mesh.surface_nodes[5])
-    only = life_of(duty(FIRST, nodes=(chosen,)).with_(plane_nodes=0), [history])
+    only = life_of(duty(FIRST, nodes=(chosen,), plane_nodes=0), [history])
     assert only.table["node"].tolist() == list(only.nodes)
     assert chosen in only.nodes
     run = found.nodes[node].cycles.query("run == 'first' and shoe == 13")
@@ -62,13 +66,12 @@ def test_damage_at_a_place_is_that_of_its_history(flexible_run, found):
     assert run["times an hour"].unique() == pytest.approx([500.0])  # half of all hours at this place
 
 
-def test_damage_is_that_of_another_rainflow_library(flexible_run, found):
+def test_damage_is_that_of_another_rainflow_library(history, found):
     """Cycles by the library rainflow, FKM's mean stress and Miner's rule by hand, at the worst node."""
     node = int(found.table["node"][0])
-    stress = node_stress(flexible_run[0], 13, node=node).stress.values
-    time = flexible_run[0].time.values
+    stress = node_stress(history, 13, node=node).stress.values
     signal = np.where(stress[:, :3].sum(axis=1) < 0.0, -1.0, 1.0) * von_mises(stress)
-    signal = signal[time <= HALF * (1.0 + 1e-9)]
+    signal = signal[history.time.values <= HALF * (1.0 + 1e-9)]
     start = int(signal.argmax())
     once = np.append(np.roll(signal, -start), signal[start])
     ranges, means, counts = np.array([one[:3] for one in rainflow.extract_cycles(once)]).T
@@ -83,12 +86,10 @@ def test_damage_is_that_of_another_rainflow_library(flexible_run, found):
 
 
 @pytest.mark.slow
-def test_order_of_runs_does_not_matter(flexible_run, found):
-    history = flexible_run[0]
+def test_order_of_runs_does_not_matter(history, found):
     other = life_of(duty(SECOND, FIRST), [history, history])
-    assert other.dataset.damage_an_hour.values == pytest.approx(
-        found.dataset.damage_an_hour.values, rel=1e-9, abs=1e-15, nan_ok=True
-    )
+    damage, expected = (one.dataset.damage_an_hour.values for one in (other, found))
+    assert damage == pytest.approx(expected, rel=1e-9, abs=1e-15, nan_ok=True)
     assert other.table["node"].tolist() == found.table["node"].tolist()
 
 
@@ -107,7 +108,7 @@ def test_table_has_every_region_and_the_shortest_first(found):
     assert set(table["flag"]) <= {"", "in spider", "beside spider"}
 
 
-def test_every_life_has_a_range_and_a_verdict(flexible_run, found):
+def test_every_life_has_a_range_and_a_verdict(found):
     """An error of x in the stress is one of (1 + x)^slope in life; a coarse mesh is caught."""
     data, table = found.dataset, found.table
     known = data.life[-1].notnull().values
@@ -126,24 +127,25 @@ def test_every_life_has_a_range_and_a_verdict(flexible_run, found):
     assert "mesh-limited: refine here" in set(table["verdict"])
 
 
-def test_the_widest_spread_of_the_runs_is_in_the_verdict(flexible_run, found):
+def test_the_widest_spread_of_the_runs_is_in_the_verdict(history, found):
     """Parts of one run have its spread once."""
-    history, spread = flexible_run[0], 0.0 * found.dataset.place_damage[:, 0].fillna(0.0) + 0.3
-    both = duty(FIRST, SECOND).with_(plane_nodes=0)
-    wide = life_of(both, [history, history], spreads=[spread, 0.5 * spread])
+    spread = 0.0 * found.dataset.place_damage[:, 0].fillna(0.0) + 0.3
+    both = duty(FIRST, SECOND, plane_nodes=0)
+    wide = life_of(both, [history, history], spreads=[spread, 0.5 * spread]).dataset
     known = found.dataset.stress_error.notnull().values
-    more = (wide.dataset.stress_error - found.dataset.stress_error).values[known]
+    more = (wide.stress_error - found.dataset.stress_error).values[known]
     assert more == pytest.approx(np.full(known.sum(), 0.3))
-    good = (found.dataset.verdict.values >= 0) & (found.dataset.verdict.values < OPEN)
+    before, after = found.dataset.verdict.values, wide.verdict.values
+    good = (before >= 0) & (before < OPEN)
     assert good.any()
-    assert (wide.dataset.verdict.values[good] > found.dataset.verdict.values[good]).all()
+    assert (after[good] > before[good]).all()
 
 
 def test_cycles_of_a_node_make_its_matrix_and_history(found):
     for node in found.nodes.values():
         cycles = node.cycles
-        times = node.rainflow_matrix()["cycles an hour"].sum()
-        assert times == pytest.approx(cycles["times an hour"].sum())
+        times = cycles["times an hour"].sum()
+        assert node.rainflow_matrix()["cycles an hour"].sum() == pytest.approx(times)
         last = node.damage_history().groupby(["run", "shoe"])["damage an hour"].last()
         each = cycles.groupby(["run", "shoe"])["damage an hour"].sum()
         assert last.to_numpy() == pytest.approx(each.reindex(last.index).to_numpy())
@@ -152,10 +154,10 @@ def test_cycles_of_a_node_make_its_matrix_and_history(found):
 
 
 def test_castings_change_the_life_of_their_region_alone(modes_alone):
-    sound = life_of(duty(FIRST).with_(plane_nodes=0), [modes_alone])
+    sound = life_of(duty(FIRST, plane_nodes=0), [modes_alone])
     wings = {"region": "wings", "residual_stress": 60e6, "defect_size": 5e-4}
     material = WEAK.with_(castings=(wings, {"region": "web", "defect_size": 5e-3}))
-    cast = life_of(duty(FIRST).with_(plane_nodes=0, material=material), [modes_alone])
+    cast = life_of(duty(FIRST, plane_nodes=0, material=material), [modes_alone])
     before, after = sound.table.set_index("region"), cast.table.set_index("region")
     last = "life in h that 97.5 % survive"
     assert after.loc["wings", last] < before.loc["wings", last]
@@ -168,8 +170,8 @@ def test_castings_change_the_life_of_their_region_alone(modes_alone):
     node = int(after.loc["wings", "node"])
     cycles = cast.nodes[node].cycles
     begin, end = (cycles[f"{one} in Pa"].to_numpy(dtype=float) for one in ("begin", "end"))
-    curve = material.curve("elementary", "wings")
-    each = curve.damage(0.5 * np.abs(end - begin), 0.5 * (begin + end), (0.975,))[0]
+    of_cycles = material.curve("elementary", "wings").damage
+    each = of_cycles(0.5 * np.abs(end - begin), 0.5 * (begin + end), (0.975,))[0]
     damage = float(each @ cycles["times an hour"])
     assert after.loc["wings", "life in h, defect"] == pytest.approx(min(1.0 / damage, BEYOND), rel=1e-6)
 
@@ -180,8 +182,7 @@ def test_no_damage_is_a_life_beyond_what_is_told(modes_alone, found):
     chosen = np.flatnonzero(good)[:5]
     long = life_of(Duty(runs=(FIRST,), material=strong, nodes=tuple(chosen.tolist())), [modes_alone])
     assert float(long.dataset.life.max()) == float(long.dataset.life.min()) == BEYOND
-    words = in_words(long.table)
-    assert set(words["life in h that 50 % survive"]) == {"beyond 1e9"}
+    assert set(in_words(long.table)["life in h that 50 % survive"]) == {"beyond 1e9"}
     assert [cell_text(life_words(life)) for life in (300_912.3, np.nan)] == ["300 900", "not known"]
     assert (long.table["main part"] == "").all()
     numbers = long.dataset.verdict.sel(node=long.table["node"].to_numpy()).values
@@ -189,17 +190,14 @@ def test_no_damage_is_a_life_beyond_what_is_told(modes_alone, found):
     assert {one.split(" % ")[-1] for one in long.table["verdict"][good]} == {"but for truncation"}
 
 
-def test_what_a_drive_pulls_at_a_node_is_not_known(flexible_run, found):
-    stress = flexible_run[1]
+def test_what_a_drive_pulls_at_a_node_is_not_known(stress, found):
     at_load = stress.at_load.sel(shoe=13).values & found.dataset.place_damage.sel(shoe=7)[-1].notnull().values
     unknown = found.dataset.place_damage.sel(shoe=13)[-1].isnull().values
-    inside = np.setdiff1d(found.dataset.node.values, found.whole.mesh.surface_nodes)
-    unknown[inside] = False
+    unknown[np.setdiff1d(found.dataset.node.values, found.whole.mesh.surface_nodes)] = False
     assert (unknown == at_load).all()
 
 
-def test_runs_that_do_not_fit_are_refused(flexible_run, translation):
-    history = flexible_run[0]
+def test_runs_that_do_not_fit_are_refused(history, translation):
     flexible = history.case.flexible
     one, two = (DutyRun(name=name, folder=".", an_hour=1.0) for name in ("one", "two"))
     with pytest.raises(ValueError, match="run 'two' must have flexible shoes"):
@@ -224,18 +222,60 @@ def test_runs_that_do_not_fit_are_refused(flexible_run, translation):
 
 
 @pytest.mark.slow
-def test_static_fields_are_counted_with_the_modes(flexible_run):
+def test_static_fields_are_counted_with_the_modes(history):
     """Their stress is what the run's own results show, and their families of loads share the damage."""
-    history = flexible_run[0]
     assert history.case.flexible.static_fields
     found = life_of(duty(FIRST), [history])
-    node, peaks = int(found.table["node"][0]), []
-    for shoe in (7, 13):
-        stress = node_stress(history, shoe, node=node)
-        peaks.append(float(stress.von_mises.sel(time=slice(0.0, HALF + 1e-9)).max()))
+    node = int(found.table["node"][0])
+    stresses = [node_stress(history, shoe, node=node).von_mises for shoe in (7, 13)]
+    peaks = [float(one.sel(time=slice(0.0, HALF + 1e-9)).max()) for one in stresses]
     ends = found.nodes[node].cycles[["begin in Pa", "end in Pa"]].abs().to_numpy()
     # a part of a run has other directions of its fields than the whole: either leaves this out
     assert ends.max() == pytest.approx(max(peaks), abs=2.0 * TOLERANCE)
     loads = found.nodes[node].load_shares
     assert sum(loads.values()) == pytest.approx(1.0)
     assert {"pins", "machine load", "ground"} <= set(loads)
+
+
+@pytest.fixture(scope="module")
+def first(flexible_run):
+    return StressResults(*flexible_run[1:], {}, whole=None)
+
+
+@pytest.fixture(scope="module")
+def beside(first):
+    peak = first.dataset.peak_von_mises
+    others = {"start 2": 1.2 * peak, "start 3": 0.9 * peak, "law by area": 1.3 * peak}
+    return spread_of(first, others, 3)
+
+
+def test_spread_is_the_range_of_starts_and_choice_what_is_beyond(first, beside):
+    peak, found = first.dataset.peak_von_mises, beside.dataset
+    assert found.run.values.tolist() == [START, "start 2", "start 3", "law by area"]
+    assert found.peak_spread.values == pytest.approx(0.3 * peak.values)
+    assert found.peak_choice.values == pytest.approx(0.1 * peak.values)
+    assert relative_spread(found).values == pytest.approx(np.full(peak.shape, 0.4))
+    within = spread_of(first, {"start 2": 1.2 * peak, "law by area": 1.1 * peak}, 2)
+    assert not within.dataset.peak_choice.any()
+
+
+def test_verdicts_follow(first, beside):
+    before, after = first.dataset.peak_verdict.values, beside.dataset.peak_verdict.values
+    assert ((after == before) | (before < LIMITED)).all()
+    open_ = (before >= 0) & (before < LIMITED)
+    assert open_.any()
+    assert (after[open_] > VERDICTS.index("good to 40 %")).all()
+    assert (after[(before == HELD)] == HELD).all()
+    for table in beside.hot_spots.values():
+        assert table["spread"].to_numpy() == pytest.approx(0.3 * table["value"].to_numpy())
+        shown = hot_spot_table(table, beside.dataset)
+        assert shown["choice in MPa"].to_numpy() == pytest.approx(1e-7 * table["value"].to_numpy())
+        own = [name for name in shown.columns if not name.startswith("share of ") and name != "region"]
+        assert own[:3] == ["rank", "von Mises in MPa", "verdict"]
+
+
+def test_a_row_a_shoe_tells_all_runs(first, beside):
+    table = beside.by_shoe()
+    assert table["shoe"].tolist() == first.dataset.shoe.values.tolist()
+    assert table["spread in %"].to_numpy() == pytest.approx(30.0)
+    assert (table["start 2 in MPa"] / table["start 1 in MPa"]).to_numpy() == pytest.approx(1.2)

@@ -24,8 +24,7 @@ LOOSE = {"integer": "iu", "truth": "b", "text": "OUT"}
 """Kinds of numpy's types that files may have."""
 
 
-def test_every_variable_of_a_history_is_in_the_catalogue(flexible_run, rolled):
-    history, stress, _ = flexible_run
+def test_every_variable_of_a_history_is_in_the_catalogue(history, stress, rolled):
     for dataset in (history.dataset, rolled.dataset, stress):
         for name, values in dataset.data_vars.items():
             quantity = QUANTITIES[str(name)]
@@ -46,10 +45,7 @@ def test_rows_say_where_each_quantity_comes_from():
     assert set(DERIVED) == set(select(derived_from=True))
     for name, quantity in QUANTITIES.items():
         assert quantity.name == name
-        assert quantity.label
-        assert quantity.meaning
-        assert quantity.per
-        assert quantity.files or quantity.derived_from
+        assert all((quantity.label, quantity.meaning, quantity.per, quantity.files or quantity.derived_from))
         assert set(quantity.needs) <= set(NEEDS)
         assert set(quantity.derived_from) <= set(QUANTITIES)
 
@@ -76,8 +72,7 @@ def test_what_a_history_cannot_give_is_refused_with_what_it_needs(translation, r
             history.quantity(name)
 
 
-def test_stresses_are_quantities_where_they_are_given(flexible_run):
-    history, stress, _ = flexible_run
+def test_stresses_are_quantities_where_they_are_given(history, stress):
     with pytest.raises(ValueError, match="highest_von_mises needs more than a history: stresses, say"):
         history.quantity("highest_von_mises")
     assert history.quantity("highest_von_mises", stress).identical(stress.highest_von_mises)
@@ -119,8 +114,7 @@ def test_a_shoe_on_two_units_has_the_sum_of_their_forces_and_the_deeper_penetrat
 
 def test_contact_by_shoe_carries_what_contact_by_pair_does(translation):
     by_shoe = translation.contacts_by_shoe().contact_force.sum("shoe")
-    by_pair = translation.contact_force.sum("contact")
-    assert by_shoe.values == pytest.approx(by_pair.values, abs=1e-6 * WEIGHT)
+    assert by_shoe.values == pytest.approx(translation.contact_force.sum("contact").values, abs=1e-6 * WEIGHT)
     assert time_mean(by_shoe).sel(axis="z") == pytest.approx(WEIGHT, rel=1e-3)
 
 

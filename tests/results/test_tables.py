@@ -1,17 +1,36 @@
-"""Tables of a run, by its own phases, as far as it goes; differences of two runs where there are any."""
+"""Tables of a run: key results, loads and stresses by its phases, differences of two runs, on a terminal."""
+
+from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
+from rich.console import Console
 
 from exudyn_crawler import Case, History, LoadCycle, Phase
 from exudyn_crawler.results.history.history import phases
-from exudyn_crawler.results.history.summary import compared, difference_table, load_table
+from exudyn_crawler.results.history.summary import compared, difference_table, key_results, load_table
 from exudyn_crawler.results.stress.hot_spots import highest_by_phase, hot_spot_table
-from exudyn_crawler.views.tables import write_table
+from exudyn_crawler.views import tables
+from exudyn_crawler.views.tables import cell_text, print_table, write_table
 
 ENDS = (("rest", 0.02, 4e5), ("tip over", 0.05, 3e5), ("never", 0.2, 9e5), ("nor this", 0.3, 0.0))
 OWN = LoadCycle(phases=tuple(Phase(name=name, end=end, loads=(load,) * 13) for name, end, load in ENDS))
+TABLE = pd.DataFrame(
+    {
+        "case": ["translation", "turning"],
+        "quantity": ["normal force z of a shoe", "slip velocity y of shoe 10"],
+        "statistic": ["mean greatest of shoes", "greatest"],
+        "unit": ["N", "m/s"],
+        "paper": [2.146e6, 0.0312],
+        "computed": [432_149.7, -0.012345],
+        "lower": [3.009e11, 1.0],
+        "upper": [4.071e11, 2.0],
+        "class": ["statics", "fluctuation"],
+        "within": ["yes", "no"],
+    }
+)
+CELLS = ["2 146 000", "432 100", "0.0312", "-0.01235", "3.009e+11", "4.071e+11"]
 
 
 def test_phases_end_where_the_run_ends():
@@ -32,8 +51,8 @@ def with_loads(history: History, loads: LoadCycle) -> History:
     return History(history.case.with_(loads=loads), history.dataset)
 
 
-def test_loads_are_those_at_the_ends_of_what_was_run(flexible_run):
-    table = load_table(with_loads(flexible_run[0], OWN))
+def test_loads_are_those_at_the_ends_of_what_was_run(history):
+    table = load_table(with_loads(history, OWN))
     ends = ("begin (0 s)", "rest (0.02 s)", "tip over (0.05 s)", "never (0.06 s)")
     assert list(table.columns) == ["shoe", *(f"{end} in N" for end in ends)]
     assert table["tip over (0.05 s) in N"].tolist() == pytest.approx([3e5] * 13 + [39e5])
@@ -42,8 +61,7 @@ def test_loads_are_those_at_the_ends_of_what_was_run(flexible_run):
     assert table["never (0.06 s) in N"][0] == pytest.approx(3e5 + 6e5 * s**2 * (3.0 - 2.0 * s))
 
 
-def test_highest_stresses_are_by_the_phases_of_the_case_whatever_their_names(flexible_run):
-    history, stress, _ = flexible_run
+def test_highest_stresses_are_by_the_phases_of_the_case_whatever_their_names(history, stress):
     table = highest_by_phase(with_loads(history, OWN), stress)
     assert table["phase"].tolist() == ["rest", "tip over", "never"] * 2
     for shoe in (7, 13):
@@ -61,9 +79,9 @@ def test_hot_spots_are_in_megapascal_and_in_both_frames(flexible_run):
     table = hot_spot_table(hot_spots[13], stress)
     assert table["von Mises in MPa"].to_numpy() == pytest.approx(hot_spots[13]["value"].to_numpy() / 1e6)
     plain = ("rank", "node", "flag", "verdict", "region")
-    first, last = table.columns[:6], table.columns[-3:]
-    assert list(first) == ["rank", *plain[4:], "von Mises in MPa", "verdict", "error in MPa", "jump in MPa"]
-    assert all("in the track" in name for name in last)
+    columns = ["rank", "region", "von Mises in MPa", "verdict", "error in MPa", "jump in MPa"]
+    assert list(table.columns[:6]) == columns
+    assert all("in the track" in name for name in table.columns[-3:])
     assert all(" in " in name or name in plain or name.startswith("share of ") for name in table.columns)
     start = Case.stress().track.com_positions(history.case.shoe.com_height)[12]
     for k, axis in enumerate("xyz"):
@@ -119,8 +137,7 @@ def test_straight_and_turning_differ_in_what_turns(translation, turning):
     assert ("shoe_load", "") not in table.index
 
 
-def test_stresses_are_compared_where_both_runs_have_them(flexible_run):
-    history, stress, _ = flexible_run
+def test_stresses_are_compared_where_both_runs_have_them(history, stress):
     doubled = stress.assign(highest_von_mises=2.0 * stress.highest_von_mises)
     table = difference_table(compared(history, stress), compared(history, doubled))
     assert table["quantity"].tolist() == ["highest_von_mises"]
@@ -131,3 +148,63 @@ def test_stresses_are_compared_where_both_runs_have_them(flexible_run):
     assert 0.0 < table["greatest difference"][0] <= highest * (1.0 + 1e-9)
     assert table["of"][0] in ("shoe 7", "shoe 13")
     assert difference_table(compared(history), compared(history, stress)).empty
+
+
+def test_key_results_are_those_of_the_history(translation):
+    found = key_results(translation).set_index("result")
+    speed = np.linalg.norm(translation.velocity.values, axis=-1)
+    time, shoe = np.unravel_index(speed.argmax(), speed.shape)
+    expected = [pytest.approx(speed.max()), f"shoe {shoe + 1}", pytest.approx(float(translation.time[time]))]
+    assert found.loc["greatest speed", ["value", "of", "at"]].tolist() == expected
+    link = found.loc["greatest force of a link"]
+    assert link["value"] == pytest.approx(np.linalg.norm(translation.joint_force.values, axis=-1).max() / 1e3)
+    assert link["of"].startswith("link ")
+    depth = 1e3 * float(translation.penetration.max())
+    assert found.loc["deepest penetration", "value"] == pytest.approx(depth)
+    begin, end = translation.position.values[[0, -1], -1]
+    assert found.loc["way", "value"] == pytest.approx(np.linalg.norm(end - begin))
+    assert "highest von Mises stress" not in found.index
+    # units that roll push shoes aside, which friction holds only once they slip
+    assert 1e3 * found.loc["out of balance at the start", "value"] < 2e-4 * 13 * translation.case.mean_load
+
+
+def test_the_highest_stress_comes_first(history, stress):
+    first = key_results(history, stress).iloc[0][["result", "value", "unit"]].tolist()
+    highest = pytest.approx(float(stress.highest_von_mises.max()) / 1e6)
+    assert first == ["highest von Mises stress", highest, "MPa"]
+
+
+def test_a_rolled_track_is_asked_for_rollers_and_pull(rolled):
+    found = key_results(rolled).set_index("result")
+    assert "greatest force of the drive" not in found.index
+    forces = np.linalg.norm(rolled.roller_force.values, axis=-1)
+    row = found.loc["greatest force of a roller on the rails of a side"]
+    assert row["value"] == pytest.approx(forces.max() / 1e3)
+    _, roller, rail = np.unravel_index(forces.argmax(), forces.shape)
+    assert row["of"] == f"roller {roller + 1}, rail {rolled.rail.values[rail]}"
+    pull = float(rolled.drive_pull.max()) / 1e3
+    assert found.loc["greatest pull of the drive", "value"] == pytest.approx(pull)
+    begin, end = rolled.side_frame_position.values[[0, -1]]
+    way = pytest.approx(np.linalg.norm(end - begin))
+    assert found.loc["way", ["of", "value"]].tolist() == ["side frame", way]
+    start, case = found.loc["out of balance at the start"], rolled.case
+    shoes = case.shoe.mass * np.linalg.norm(rolled.acceleration.values[0], axis=-1)
+    frame = case.undercarriage.mass * np.linalg.norm(rolled.side_frame_acceleration.values[0])
+    greatest = {f"shoe {shoes.argmax() + 1}": shoes.max(), "side frame": frame}
+    assert start["of"] == max(greatest, key=greatest.get)
+    assert 1e3 * start["value"] == pytest.approx(max(greatest.values()))
+
+
+@pytest.mark.parametrize("width", [40, 80, 120])
+def test_no_number_is_cut_at_any_width(width, capsys, monkeypatch):
+    monkeypatch.setattr(tables, "Console", partial(Console, width=width, force_terminal=True, no_color=True))
+    print_table(TABLE, "Paper against computed")
+    said = capsys.readouterr().out
+    assert all(text in said for text in [*CELLS, *TABLE.columns, "fluctuation"])
+    assert "…" not in said
+
+
+def test_numbers_are_readable():
+    values = (300_940.0, 99_996.0, -2.146e6, 12_345.6, 2.1e9, float("nan"), 12)
+    texts = ["300 900", "100 000", "-2 146 000", "12 350", "2.1e+09", "", "12"]
+    assert [cell_text(value) for value in values] == texts

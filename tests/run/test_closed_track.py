@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, CaseFile, History, StepProfile, run_case, simulate
-from exudyn_crawler.case import Drive, read_case
-from exudyn_crawler.case.case_file import Outputs
+from exudyn_crawler.case import Drive, Outputs, read_case
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
@@ -27,7 +26,6 @@ from tests.states import row_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
-
 ON_POSTS = {"closed_track.support": "posts"}
 
 
@@ -44,8 +42,7 @@ def driven(case, speed, seconds, duration):
 def rest_of(case):
     """History of a case's rest alone, without multipliers."""
     system = compiled_system(case)
-    row = row_of(system.layout, {"coordinates": static_equilibrium(case)})
-    return system_history(system, row[None])
+    return system_history(system, row_of(system.layout, {"coordinates": static_equilibrium(case)})[None])
 
 
 @pytest.fixture(scope="module")
@@ -118,17 +115,15 @@ def test_the_tensioners_row_is_its_spring_and_damper():
     case = Case.closed().with_(ON_POSTS | {"closed_track.idler.tensioner": spring})
     system, velocity = compiled_system(case), 700.0
     q, weights = static_equilibrium(case), (1.0, velocity, 0.0, False, 1.0)
+    still = np.zeros_like(q)
     row = len(q) + system.layout.first_multiplier("bearing of the idler")
     first = len(q) - 6
-    found = compiled_matrix(system, q, np.zeros_like(q), weights)[row, first : first + 3]
+    found = compiled_matrix(system, q, still, weights)[row, first : first + 3]
     differences = np.zeros(3)
     for k in range(3):
         step = np.zeros_like(q)
         step[first + k] = 1e-7
-        above, below = (
-            residual_of(system, q + sign * step, sign * velocity * step, np.zeros_like(q))[row]
-            for sign in (1, -1)
-        )
+        above, below = (residual_of(system, q + e, velocity * e, still)[row] for e in (step, -step))
         differences[k] = (above - below) / 2e-7
     np.testing.assert_allclose(found, differences, rtol=1e-6, atol=1e-6 * STIFFNESS)
     assert found[0] == pytest.approx(STIFFNESS * (1.0 + velocity * spring.damping / spring.stiffness))
@@ -224,9 +219,7 @@ def test_hanging_run_is_a_catenary(rig):
 def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration(speed):
     """On the ground; the records have the teeth, the wheels and the link of the last shoe."""
     history = driven(Case.closed(), speed, 0.1, 0.1)
-    acts, left = (
-        abs(one).max(("time", "shoe", "axis")) for one in (shoe_actions(history), shoe_imbalance(history))
-    )
+    acts, left = (abs(of(history)).max(("time", "shoe", "axis")) for of in (shoe_actions, shoe_imbalance))
     for name, parts in acts.items():
         assert (parts.sel(source=["contact", "joint", "wheel", "tooth"]) > 1e4).all()
         assert left[name] < 1e-5 * parts.max()
@@ -236,10 +229,8 @@ def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration(speed):
 
 def test_compliance_of_pins_across_hardly_changes_forces_in_the_chains_plane():
     """Ten times as much, and a tenth: links, teeth and torque; across the chain it does share the loads."""
-    first, *others = (
-        driven(Case.closed().with_({"closed_track.compliance": compliance}), 0.1, 0.1, 0.1)
-        for compliance in (1e-10, 1e-11, 1e-9)
-    )
+    cases = [Case.closed().with_({"closed_track.compliance": one}) for one in (1e-10, 1e-11, 1e-9)]
+    first, *others = (driven(case, 0.1, 0.1, 0.1) for case in cases)
     greatest = float(first.link_tension.max())
     for other in others:
         for name in ("joint_force", "tooth_force", "wheel_load"):
@@ -343,8 +334,7 @@ def test_a_film_and_a_page_of_a_closed_track_show_its_gear(tmp_path):
         assert f'"name":"{body}"' in page, body
     assert '"label":"angle of the tumbler"' in page
     # the tumbler turns and the chain goes on between two pictures
-    history = History.load(tmp_path / "out" / "history.nc")
-    picture = TrackPicture(history, 20.0)
+    picture = TrackPicture(History.load(tmp_path / "out" / "history.nc"), 20.0)
     first, last = (picture.image(time).astype(int) for time in (0.0, 0.4))
     changed = abs(last - first).max(axis=2) > 40
     assert 0.01 < changed.mean() < 0.3
@@ -360,8 +350,7 @@ def test_drive_with_a_limited_torque_keeps_to_it():
     assert 0.95 * limit < torque.max() < limit
     # the drive that keeps its speed takes three times as much here, and this one lags far behind
     assert lag.max() > 5.0 * closed.torque_speed
-    expected = limit * lag / np.hypot(lag, closed.torque_speed)
-    assert torque == pytest.approx(expected, abs=1e-4 * limit)
+    assert torque == pytest.approx(limit * lag / np.hypot(lag, closed.torque_speed), abs=1e-4 * limit)
 
 
 @pytest.mark.parametrize(

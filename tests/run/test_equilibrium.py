@@ -25,8 +25,7 @@ def start(request):
     """First states of a run: at rest, and after a first step too short for the drive to be felt."""
     case = CASES[request.param]
     # a shorter step would show rounding: accelerations lose digits with its square
-    solver = case.solver.with_(step=1e-4, residual=0.02)
-    return simulate(case.with_(solver=solver), 1e-4)
+    return simulate(case.with_(solver=case.solver.with_(step=1e-4, residual=0.02)), 1e-4)
 
 
 def test_no_shoe_or_unit_accelerates(start):
@@ -56,8 +55,7 @@ def test_a_long_track_rests_on_normals_that_lean():
     track, terrain = base.track.with_(shoe_count=shoes), base.terrain.with_(columns=8)
     case = base.with_(track=track, terrain=terrain, loads=LoadCycle.constant([386.4e3] * shoes))
     rest, system = static_equilibrium(case), compiled_system(case)
-    contacts = system.contact.results(rest, np.zeros_like(rest))
-    carried = contacts[:, RESULT["normal_force"]].sum(axis=0)
+    carried = system.contact.results(rest, np.zeros_like(rest))[:, RESULT["normal_force"]].sum(axis=0)
     assert carried[2] == pytest.approx(shoes * (case.shoe.mass * case.gravity + 386.4e3), rel=1e-6)
 
 
@@ -92,8 +90,9 @@ def test_a_shoe_that_is_pulled_at_a_point_is_held_there(point):
     assert 200.0 < -float(start.drive_force) < 400.0
     assert np.abs(start.acceleration).max() < 1e-3
     assert np.abs(start.unit_heave_acceleration).max() < 1e-3
+    front = case.track.com_positions(case.shoe.com_height)[-1, 0]
     assert start.drive_point.sel(axis="x") == pytest.approx(
-        case.track.com_positions(case.shoe.com_height)[-1, 0] + compiled_system(case).point.place[0], abs=1e-9
+        front + compiled_system(case).point.place[0], abs=1e-9
     )
 
 

@@ -165,7 +165,6 @@ def test_roller_path_of_a_closed_track_is_hertz_of_its_treads(bent):
     radius = closed.idler.radius if row["roller"] == "idler" else closed.roller_radius
     steel = Material(bent.case.flexible.youngs_modulus, bent.case.flexible.poissons_ratio, 7850.0)
     line_load = row["edge over mean"] * row["greatest force in kN"] * 1e3 / closed.tread_width
-    expected = np.sqrt(line_load * plane_modulus(steel) / (np.pi * radius))
-    assert row[PRESSURE] == pytest.approx(1e-6 * expected)
+    assert row[PRESSURE] == pytest.approx(1e-6 * np.sqrt(line_load * plane_modulus(steel) / (np.pi * radius)))
     with pytest.raises(ValueError, match="flexible shoes"):
         roller_path(simulate(Case.closed(), 0.004, progress=False))

@@ -25,11 +25,8 @@ def twice(case):
     """Two of a closed track, whose side frames have the machine between them."""
     small = {"mass": 1e3, "inertia": (1e3, 1e3, 1e3, 0.0, 0.0, 0.0), "com": case.closed_track.com}
     body = CarBody(track_distance=9.0, **small, **{f"upper_{name}": value for name, value in small.items()})
-    return case.with_(
-        {"track.shoe_count": 76, "closed_track.mass": case.closed_track.mass - 1e3},
-        loads=LoadCycle.constant([0.0] * 76),
-        car_body=body,
-    )
+    changes = {"track.shoe_count": 76, "closed_track.mass": case.closed_track.mass - 1e3}
+    return case.with_(changes, loads=LoadCycle.constant([0.0] * 76), car_body=body)
 
 
 def test_straight_each_of_two_tracks_is_a_single_one():
@@ -38,9 +35,8 @@ def test_straight_each_of_two_tracks_is_a_single_one():
     # cells lie evenly about the middle of each track
     places = {"track.first_com[1]": 9.3, "track.spherical_y": 9.3 - PINS, "track.parallel_y": 9.3 + PINS}
     case = Case.closed().with_({"terrain.rows": 6, **places}, drive=drive)
-    one, two = (
-        simulate(each.on_cells(RockFloor.hard_floor()), 0.2, progress=False) for each in (case, twice(case))
-    )
+    cases = [each.on_cells(RockFloor.hard_floor()) for each in (case, twice(case))]
+    one, two = (simulate(each, 0.2, progress=False) for each in cases)
     single, tension = one.link_tension.values, two.link_tension.values.reshape(-1, 2, 38)
     scale = single.max()
     assert np.abs(tension[:, 0] - tension[:, 1]).max() < 1e-7 * scale
@@ -144,13 +140,11 @@ def test_all_forces_on_the_machine_are_the_rate_of_its_momentum(spot):
         swung = np.cross(change, arm) + np.cross(spin, np.cross(spin, arm))
         rate = rate + own * (data.side_frame_acceleration.values + swung)
         mass += own
-    weight = mass * case.gravity_vector()
-    assert abs(rate - outside - weight).max() < 2e-6 * mass * case.gravity
+    assert abs(rate - outside - mass * case.gravity_vector()).max() < 2e-6 * mass * case.gravity
     # the machine with its tumblers, and these about their axles
     for values in frame_imbalance(spot).values():
         assert np.abs(values.values).max() < 1e-3 * mass * case.gravity
-    torque = np.abs(data.drive_moment.values).max()
-    assert np.abs(tumbler_imbalance(spot)[:, 2:-2]).max() < 1e-3 * torque
+    assert np.abs(tumbler_imbalance(spot)[:, 2:-2]).max() < 1e-3 * np.abs(data.drive_moment.values).max()
     # each shoe by itself, with the links of its own loop
     left = shoe_imbalance(spot)
     assert float(abs(left.force).max()) < 2e-6 * mass * case.gravity

@@ -63,8 +63,7 @@ def test_a_heart_beats_until_the_end(monkeypatch, capsys, fails):
                 raise ArithmeticError
     except ArithmeticError:
         assert fails
-    lines = capsys.readouterr().err.splitlines()
-    assert set(lines) == {"drawing: 0 s so far"}
+    assert set(capsys.readouterr().err.splitlines()) == {"drawing: 0 s so far"}
     clock.sleep(0.05)
     assert capsys.readouterr().err == ""
 

@@ -44,8 +44,7 @@ def test_frame_and_shoes_are_in_balance_at_every_stored_instant(name, request):
 
 
 def test_rigid_shoes_and_track_are_in_balance_and_rollers_carry_the_frame_from_the_start(rolled):
-    carried = -rolled.roller_force.values[0, ..., 2].sum()
-    assert carried == pytest.approx(weight(rolled), rel=1e-3)
+    assert -rolled.roller_force.values[0, ..., 2].sum() == pytest.approx(weight(rolled), rel=1e-3)
     for off in (shoe_imbalance(rolled), track_imbalance(rolled, (12.0, 9.3, 0.0))):
         assert np.abs(off["force"]).max() < 2e-6 * weight(rolled)
         assert np.abs(off["moment"]).max() < 2e-6 * weight(rolled)
@@ -98,8 +97,7 @@ def test_machine_presses_and_tilts_the_frame():
     """Its force and moment go into the balance, and the front rollers carry more than the rear ones."""
     start = {"name": "straight", "end": 0.0, "force": (0.0, 0.0, 0.0), "moment": (0.0, 0.0, 0.0)}
     dig = {"name": "dig", "end": 0.04, "force": (-2e4, 0.0, -3e5), "moment": (0.0, 6e5, 0.0)}
-    case = small_case().with_(machine=MachineCycle(phases=(start, dig)))
-    history = simulate(case, 0.06, progress=False)
+    history = simulate(small_case().with_(machine=MachineCycle(phases=(start, dig))), 0.06, progress=False)
     for direction, values in frame_imbalance(history).data_vars.items():
         assert np.abs(values).max() < 1e-6 * weight(history), direction
     carried = -history.roller_force.values[..., 2].sum(axis=2)
@@ -173,8 +171,7 @@ def test_rest_is_that_of_hinged_beams_on_springs():
     np.testing.assert_allclose(-shoes[:, 2] - level, depth - level, atol=0.02 * np.ptp(depth))
     np.testing.assert_allclose(shoes[:, 4], tilt, atol=0.02 * np.abs(tilt).max())
     assert -frame[0] == pytest.approx(found[-2], rel=0.01)
-    system = compiled_system(case)
-    found = system.gear_forces(np.zeros(1), q[None], np.zeros((1, len(q))))
+    found = compiled_system(case).gear_forces(np.zeros(1), q[None], np.zeros((1, len(q))))
     pressed = -found.strip_force[..., 2].sum(axis=-1)
     single = [pressed[found.strip_wheel == roller].sum() for roller in range(len(ROLLERS))]
     np.testing.assert_allclose(single, rollers, rtol=3e-3)

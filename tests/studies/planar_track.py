@@ -95,14 +95,9 @@ class PlanarTrack:
         sinking = -(rate[1] - rate[2] * x)
         normal = law.stiffness * depth**law.exponent + law.damping * sinking
         friction = -self.portion * law.dynamic_friction * normal
-        load, top = self.load, shoe.load_point[2]
-        return np.array(
-            [
-                friction,
-                normal - load - shoe.mass * self.case.gravity,
-                z * friction - x * normal + s * top * load,
-            ]
-        )
+        lifting = normal - self.load - shoe.mass * self.case.gravity
+        moment = z * friction - x * normal + s * shoe.load_point[2] * self.load
+        return np.array([friction, lifting, moment])
 
     def steady(self) -> np.ndarray:
         """Coordinates of steady sliding, by Newton's method as friction grows to its value."""
@@ -123,7 +118,6 @@ class PlanarTrack:
         inertia = np.tile([shoe.mass, shoe.mass, shoe.inertia[1]], self.count)
         by_y = by_difference(self.balance, y)
         by_rate = by_difference(lambda y_t: self.forces(y, y_t), still)
-        mass = directions.T @ (inertia[:, None] * directions)
-        below = np.linalg.solve(mass, np.hstack((by_y, by_rate)))
+        below = np.linalg.solve(directions.T @ (inertia[:, None] * directions), np.hstack((by_y, by_rate)))
         values = np.linalg.eigvals(np.vstack((np.eye(n, 2 * n, n), below)))
         return values[values.imag > 1e-6]

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, Drive, StepProfile, simulate
+from exudyn_crawler import Case, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from studies.balance import energies, energy_balance, powers
 from studies.grounds import plain
-from tests.rolled import small_case, small_flexible_case
+from tests.rolled import small_flexible_case
 
 
 def test_the_work_of_the_drive_is_accounted_for_and_goes_into_friction(longer):
@@ -22,7 +22,6 @@ def test_the_work_of_the_drive_is_accounted_for_and_goes_into_friction(longer):
     assert 0.9 < float(balance.friction[-1]) / drive < 1.0
 
 
-@pytest.mark.simulation
 def test_no_term_of_the_balance_could_be_left_out(longer):
     """On units that pitch: those that roll, on springs at their edges, damp by 6 J of 131 kJ in all."""
     balance = energy_balance(simulate(plain(longer.case), longer.duration)).isel(time=-1)
@@ -54,11 +53,10 @@ def test_power_balances_the_rate_of_energy(translation):
 @pytest.fixture(scope="module", params=["rolled", "dragged"])
 def on_sand(request):
     """A third of a second on LETE sand: a machine set in motion, and shoes jerked into full slip."""
-    case = small_case()
-    if request.param == "dragged":
-        jerked = StepProfile(times=(0.0, 0.05), values=(0.0, 0.2))
-        case = Case.translation().with_(drive=Drive.translation().with_(speed=jerked))
-    return simulate(case.on_cells(BekkerSoil.lete_sand()), 0.3, progress=False)
+    if request.param == "rolled":
+        return request.getfixturevalue("over_sand")
+    jerked = {"drive.speed.times": (0.0, 0.05), "drive.speed.values": (0.0, 0.2)}
+    return simulate(Case.translation().with_(jerked).on_cells(BekkerSoil.lete_sand()), 0.3, progress=False)
 
 
 @pytest.mark.simulation

@@ -35,9 +35,8 @@ def test_every_row_of_the_paper_is_computed_but_for_those_of_a_missing_case(tran
 )
 def test_the_papers_words_name_contact_quantities(translation, quantity, variable, chosen):
     contacts = translation.contacts_by_shoe()
-    xr.testing.assert_identical(
-        force_quantity(translation, contacts, quantity), contacts[variable].sel(chosen)
-    )
+    found = force_quantity(translation, contacts, quantity)
+    xr.testing.assert_identical(found, contacts[variable].sel(chosen))
 
 
 def test_the_papers_words_name_joints_and_others_are_refused(translation):
@@ -49,15 +48,10 @@ def test_the_papers_words_name_joints_and_others_are_refused(translation):
 
 
 def test_means_are_magnitudes_over_time_and_greatest_over_shoes():
-    values = xr.DataArray(
-        [[-1.0, 2.0], [-3.0, 2.0], [-3.0, 2.0]],
-        dims=("time", "shoe"),
-        coords={"time": [0.0, 1.0, 3.0], "shoe": [1, 4]},
-    )
+    values = xr.DataArray([[-1.0, 2.0], [-3.0, 2.0], [-3.0, 2.0]], {"time": [0.0, 1.0, 3.0], "shoe": [1, 4]})
     # by the trapezoidal rule: (2 * 1 + 3 * 2) / 3 and 2
-    assert force_statistic(values, "mean greatest of shoes") == pytest.approx(8 / 3)
-    assert force_statistic(values, "mean least") == pytest.approx(2.0)
-    assert force_statistic(values, "mean") == pytest.approx((8 / 3 + 2.0) / 2)
+    means = {"mean greatest of shoes": 8 / 3, "mean least": 2.0, "mean": (8 / 3 + 2.0) / 2}
+    assert {words: force_statistic(values, words) for words in means} == pytest.approx(means)
     assert force_statistic(values, "max abs") == 3.0
 
 
@@ -65,13 +59,12 @@ def test_turning_ratios_cover_every_component_and_leave_ratios_to_rounding_empty
     straight = simulate(plain(translation.case), translation.duration)
     table = turning_ratios(straight, turning)
     assert len(table) == 2 + 5 * 3 + 2 * 3
-    row = table.set_index(["quantity", "axis"]).loc[("shoe 10 normal force", "z")]
-    extremes = [
-        float(abs(one.contacts_by_shoe().normal_force.sel(shoe=10, axis="z")).max())
-        for one in (straight, turning)
-    ]
-    assert row["extreme ratio"] == pytest.approx(extremes[1] / extremes[0], rel=1e-12)
-    sideways = table.set_index(["quantity", "axis"]).loc[("shoe 10 slip velocity", "y")]
+    rows = table.set_index(["quantity", "axis"])
+    normals = [one.contacts_by_shoe().normal_force.sel(shoe=10, axis="z") for one in (straight, turning)]
+    extremes = [float(abs(one).max()) for one in normals]
+    ratio = rows.loc[("shoe 10 normal force", "z"), "extreme ratio"]
+    assert ratio == pytest.approx(extremes[1] / extremes[0], rel=1e-12)
+    sideways = rows.loc[("shoe 10 slip velocity", "y")]
     assert np.isnan(sideways["extreme ratio"])
     assert sideways["extreme turning"] > 1e-4
 
@@ -92,9 +85,8 @@ def test_a_study_reuses_a_history_of_the_same_parameters(translation, tmp_path):
     forces = xr.load_dataset(out / "translation" / "forces.nc")
     assert set(forces) == {"contact_force", "terrain_deformation"}
     history = runs["translation"].history
-    assert forces.contact_force.values == pytest.approx(
-        (history.normal_force + history.friction_force).values
-    )
+    whole = history.normal_force + history.friction_force
+    assert forces.contact_force.values == pytest.approx(whole.values)
 
 
 def test_histories_are_found_where_runs_and_studies_keep_them(translation, tmp_path):
@@ -118,7 +110,6 @@ def test_a_history_of_other_parameters_is_refused_by_name(translation, tmp_path)
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.simulation
 def test_unasked_a_history_of_other_parameters_is_run_anew(translation, tmp_path):
     translation.save(tmp_path / "history.nc")
     said = []

@@ -10,26 +10,11 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, simulate
-from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.life.life import BEYOND
 from exudyn_crawler.results.stress.hot_spots import REGIONS
-from studies.ground import (
-    AGAIN,
-    PAPERS,
-    SOFT,
-    covered,
-    kept_work,
-    lives_by_region,
-    power_cases,
-    power_study,
-    powers_over_way,
-    row,
-    study,
-    study_cases,
-    work_balance,
-)
+from studies import ground
+from studies.ground import AGAIN, PAPERS, SOFT
 from studies.running import study_runs
-from tests.rolled import small_case
 
 PAGE, ROLLED = (
     (Path(__file__).parents[2] / "docs" / name).read_text(encoding="utf-8")
@@ -45,7 +30,7 @@ COLUMNS = {
 """Columns of the page's table, and of the study's."""
 STRESSED = {"roller path": ["roller path"], "lugs": ["lugs"], "web": ["web", "notches"], "wings": ["wings"]}
 """Columns of the page's table, and regions of the study's of which they have the highest stress."""
-CASES = {name: one.case.with_(flexible=None) for name, one in study_cases(duration=1.0).items()}
+CASES = {name: one.case.with_(flexible=None) for name, one in ground.study_cases(duration=1.0).items()}
 
 
 def test_grounds_differ_in_nothing_but_the_ground():
@@ -62,14 +47,13 @@ def test_work_that_cells_keep_is_the_area_of_a_loop_of_loading_and_unloading():
     loop = case.terrain.cell**2 * np.trapezoid(pressure, depths)
     # the curve begins with a parabola over 1 mm
     for share, count in ((1.0, 3.0), (np.array([1.0, 0.5, 0.1]), 1.6)):
-        assert kept_work(SimpleNamespace(case=case), *cells, share) == pytest.approx(count * loop, rel=2e-3)
+        kept = ground.kept_work(SimpleNamespace(case=case), *cells, share)
+        assert kept == pytest.approx(count * loop, rel=2e-3)
 
 
-@pytest.mark.simulation
-def test_work_is_kept_on_the_covered_part_of_cells_and_not_in_gaps_and_beside_edges():
-    history = simulate(small_case().on_cells(BekkerSoil.lete_sand()), 0.05, False)
-    share, shoe, cell = covered(history), history.case.shoe, history.case.terrain.cell
-    area = history.case.track.shoe_count * shoe.length * shoe.width
+def test_work_is_kept_on_the_covered_part_of_cells_and_not_in_gaps_and_beside_edges(over_sand):
+    share, case = ground.covered(over_sand), over_sand.case
+    area, cell = case.track.shoe_count * case.shoe.length * case.shoe.width, case.terrain.cell
     assert share.sum() * cell**2 == pytest.approx(area, rel=0.01)
     assert share.min() >= 0.0
     assert share.max() < 1.0 + 1e-9
@@ -77,7 +61,7 @@ def test_work_is_kept_on_the_covered_part_of_cells_and_not_in_gaps_and_beside_ed
 
 
 def test_second_passes_start_in_the_ruts_of_the_first(tmp_path):
-    cases = study_cases(duration=1.0, out=tmp_path)
+    cases = ground.study_cases(duration=1.0, out=tmp_path)
     assert {name for name in cases if AGAIN in name} == {f"{name}, {AGAIN}" for name in ("LETE sand", SOFT)}
     for name in ("LETE sand", SOFT):
         again = cases[f"{name}, {AGAIN}"].case
@@ -96,7 +80,7 @@ def test_every_ground_carries_the_machine(name):
     weight = (frame.mass + shoes * case.shoe.mass) * case.gravity
     # what is still falling into its place takes less than a hundredth
     np.testing.assert_allclose(carried, weight, rtol=0.01)
-    found = row(SimpleNamespace(history=history))
+    found = ground.row(SimpleNamespace(history=history))
     assert found["greatest tilt of a shoe in mrad"] < 300.0
     if name == "hard floor":
         assert f"{found['mean sinkage in mm']:.1f}" == printed("mean pull")["mean sinkage, mm"][name]
@@ -109,13 +93,12 @@ def printed(head, page=PAGE):
     return pd.DataFrame(rows, columns=names).set_index("ground")
 
 
-@pytest.mark.simulation
 def test_the_page_has_the_rows_and_columns_of_the_study(tmp_path, over_sand):
     pulls, lives = printed("mean pull"), printed("roller path")
     for table in (pulls, lives):
-        assert sorted(table.index) == sorted(study_cases(out=tmp_path))
+        assert sorted(table.index) == sorted(ground.study_cases(out=tmp_path))
     assert list(pulls) == [*COLUMNS, *STRESSED]
-    assert set(COLUMNS.values()) <= set(row(SimpleNamespace(history=over_sand)))
+    assert set(COLUMNS.values()) <= set(ground.row(SimpleNamespace(history=over_sand)))
     assert {one for parts in STRESSED.values() for one in parts} == set(REGIONS) - {"bores"} == set(lives)
 
 
@@ -124,8 +107,8 @@ def test_the_page_has_the_rows_and_columns_of_the_study(tmp_path, over_sand):
 def test_lives_on_a_floor_are_those_of_the_page(tmp_path):
     """Of the others `make ground` writes the same table."""
     name = "hard floor"
-    with study_runs(tmp_path, {name: study_cases()[name]}, progress=False) as runs:
-        found = lives_by_region(runs[name]).set_index("region")
+    with study_runs(tmp_path, {name: ground.study_cases()[name]}, progress=False) as runs:
+        found = ground.lives_by_region(runs[name]).set_index("region")
     for region, text in printed("roller path").loc[name].items():
         hours = found.loc[region, ["life in h at least", "life in h at most"]]
         for word, life in zip(text.split(" to "), hours, strict=True):
@@ -164,11 +147,10 @@ def test_what_the_page_says_of_pulls_follows_from_its_table():
 def test_the_page_has_the_numbers_of_the_whole_study(tmp_path, monkeypatch):
     """Twelve runs of a minute, without their figures: ten minutes."""
     off = dict.fromkeys(("figures", "pictures", "paraview", "tables", "forces", "page"), False)
-    cases = {
-        name: one.with_(outputs=one.outputs.with_(**off)) for name, one in study_cases(out=tmp_path).items()
-    }
+    whole = ground.study_cases(out=tmp_path)
+    cases = {name: one.with_(outputs=one.outputs.with_(**off)) for name, one in whole.items()}
     monkeypatch.setattr("studies.ground.study_cases", lambda *_: cases)
-    _, table, regions, _ = study(tmp_path)
+    _, table, regions, _ = ground.study(tmp_path)
     found, page = table.set_index("ground"), printed("mean pull").astype(float)
     stress = regions.pivot(index="ground", columns="region", values="von Mises in MPa")
     for name, texts in page.iterrows():
@@ -180,23 +162,17 @@ def test_the_page_has_the_numbers_of_the_whole_study(tmp_path, monkeypatch):
             assert value == pytest.approx(texts[column], rel=apart, abs=0.6), (name, column)
 
 
-@pytest.fixture(scope="module")
-def over_sand():
-    return simulate(small_case().on_cells(BekkerSoil.lete_sand()), 0.3, False)
-
-
-@pytest.mark.simulation
 def test_what_pull_sinking_and_chain_give_the_ground_takes(over_sand):
-    kilonewtons = list(powers_over_way(over_sand).values())
+    kilonewtons = list(ground.powers_over_way(over_sand).values())
     given, taken, left = sum(kilonewtons[:4]), sum(kilonewtons[4:7]), kilonewtons[7]
     assert given > 100.0
     assert given == pytest.approx(taken + left, rel=1e-12)
     assert abs(left) < 5e-4 * given
-    assert kilonewtons[:2] == pytest.approx(list(work_balance(over_sand).values())[:2], rel=1e-3)
+    assert kilonewtons[:2] == pytest.approx(list(ground.work_balance(over_sand).values())[:2], rel=1e-3)
 
 
 def test_cases_of_powers_have_rigid_shoes_and_differ_in_their_soil(tmp_path):
-    cases = power_cases(out=tmp_path)
+    cases = ground.power_cases(out=tmp_path)
     first, again = (cases[name] for name in ("LETE sand", f"LETE sand, {AGAIN}"))
     assert again.case.terrain.ruts == tmp_path / first.case.name / "history.nc"
     assert again.case.with_({"name": "LETE sand", "terrain.ruts": None}) == first.case
@@ -207,11 +183,11 @@ def test_cases_of_powers_have_rigid_shoes_and_differ_in_their_soil(tmp_path):
         assert cases[name].case == Case.rolled().on_cells(law).with_(name=name)
 
 
-@pytest.mark.simulation
 def test_the_table_of_powers_has_a_row_a_case(monkeypatch, tmp_path, over_sand):
     case = CaseFile(case=over_sand.case, duration=0.05)
     monkeypatch.setattr("studies.ground.power_cases", lambda *_: {"here": case, "there": case})
-    table = power_study()
+    table = ground.power_study()
     assert list(table["ground"]) == ["here", "there"]
     run = replace(over_sand, dataset=over_sand.dataset.sel(time=slice(0.0, 0.0501)))
-    assert table["taken by shear in kN"][0] == pytest.approx(powers_over_way(run)["taken by shear in kN"])
+    name = "taken by shear in kN"
+    assert table[name][0] == pytest.approx(ground.powers_over_way(run)[name])

@@ -50,12 +50,10 @@ def test_the_comparison_has_a_row_for_every_reported_one(folder):
     assert table["computed"].isna().tolist() == short.tolist()
 
 
-def test_results_are_not_overwritten_unasked(folder, call):
+def test_results_are_not_overwritten_unasked(folder, refused):
     before = (folder / "comparison.csv").stat().st_mtime_ns
-    code, _, err = call("studies", "kinematics", "--case", "translation", "--duration", 0.02, "--out", folder)
-    assert code == 2
+    err = refused("studies", "kinematics", "--case", "translation", "--duration", 0.02, "--out", folder)
     assert err.startswith(f"error: {folder} holds results already (comparison.csv, ")
-    assert err.count("\n") == 1
     assert (folder / "comparison.csv").stat().st_mtime_ns == before
 
 
@@ -71,31 +69,18 @@ def test_both_cases_are_drawn_against_each_other_and_overwritten_when_asked(tmp_
     with pytest.raises(FileExistsError, match="holds results already"):
         kinematics_study(tmp_path, ["translation"], duration=0.01)
     kinematics_study(tmp_path, ["translation"], duration=0.01, overwrite=True)
-    history = History.load(tmp_path / "translation" / "history.nc")
-    assert history.duration == pytest.approx(0.01, rel=1e-9)
+    assert History.load(tmp_path / "translation" / "history.nc").duration == pytest.approx(0.01, rel=1e-9)
     # nothing of the case that was not run again is left
     left = {path.name for path in tmp_path.iterdir() if not path.name.startswith(".")}
     assert left == {"translation", "comparison.csv", "run.json", "run.log", "notes.txt"}
 
 
-@pytest.mark.parametrize("duration", ["nan", "0", "-1", "1000"])
-def test_a_bad_duration_is_one_line_and_exit_code_2(duration, call, tmp_path):
-    code, _, err = call("studies", "kinematics", "--duration", duration, "--out", tmp_path / "out")
-    assert code == 2
-    bad = "Invalid value for '--duration': duration must be positive and finite"
-    assert err.startswith("error: " + ("terrain must carry the track" if duration == "1000" else bad))
-    assert err.count("\n") == 1
-    assert not (tmp_path / "out").exists()
-
-
 def test_unknown_cases_are_refused():
-    told = r"cases must be of \['translation', 'turning'\], got \['sideways'\]"
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=r"cases must be of \['translation', 'turning'\], got \['sideways'"):
         kinematics_study(None, ["sideways"], duration=0.01)
 
 
-def test_the_verification_study_prints_both_tables(call):
-    code, out, err = call("studies", "verify")
-    assert (code, err) == (0, "")
+def test_the_verification_study_prints_both_tables(told):
+    out = told("studies", "verify")
     for words in ("Two-body problem at t = 0.5 s", "Paper against computed", "-3.324"):
         assert words in out

@@ -5,13 +5,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from exudyn_crawler import Case, StepProfile
-from exudyn_crawler.case import Drive
-from exudyn_crawler.case.case_file import Outputs
+from exudyn_crawler import Case, History, StepProfile, recover_stresses
+from exudyn_crawler.case import Drive, Outputs
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress.basis import stress_basis
-from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.views.outputs import WRITERS, write_outputs
 from fem import write_mesh
 from meshes import shoe_mesh
@@ -33,8 +30,7 @@ DURATION = 0.7
 
 def short_case():
     """Two flexible shoes, pulled for 0.6 s and let go."""
-    drive = Drive(speed=PULL, on=((0.0, 0.6),))
-    return Case.stress("coarse").with_({"flexible.shoes": (7, 13)}, drive=drive)
+    return Case.stress("coarse").with_({"flexible.shoes": (7, 13)}, drive=Drive(speed=PULL, on=((0.0, 0.6),)))
 
 
 @pytest.fixture(scope="module")
@@ -144,8 +140,7 @@ def test_every_row_of_the_paper_is_compared_or_out_of_reach(study):
     reached = table[table["computed"].notna()]
     assert {"propel", "loading", "modal", "hot spots"} == set(reached["case"])
     assert set(table["case"]) == set(reached["case"])
-    alone = compare_stresses(history, results)
-    assert alone.equals(table)
+    assert compare_stresses(history, results).equals(table)
 
 
 def test_phases_end_where_the_drive_goes_off(study):

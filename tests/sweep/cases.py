@@ -2,9 +2,13 @@
 
 from typing import Any
 
+import numpy as np
+import pandas as pd
+
 from exudyn_crawler import Case, CaseFile, LoadCycle
 from exudyn_crawler.sweep.answers import Answer
 from exudyn_crawler.sweep.definition import Sweep
+from exudyn_crawler.sweep.results import results_table
 from exudyn_crawler.sweep.vary import Vary
 
 STIFFNESS, DAMPING = "terrain.spring_stiffness", "terrain.spring_damping"
@@ -28,3 +32,15 @@ def small_sweep(duration: float = 0.02, **changes: Any) -> Sweep:
         "answers": (FORCE,),
     }
     return Sweep(**given | changes)
+
+
+def answered(sweep: Sweep, **columns: np.ndarray) -> pd.DataFrame:
+    """Table of a sweep whose runs gave these answers; NaN is a run that failed."""
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    outcomes = {
+        one.digest: {"status": "failed", "answers": {}, "reason": "it <b>sank</b>"}
+        if any(value != value for value in row.values())
+        else {"status": "done", "answers": row}
+        for one, row in zip(sweep.planned, rows, strict=True)
+    }
+    return results_table(sweep, outcomes)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial
+from exudyn_crawler import Case, CaseFile, Duty
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import QUANTITIES
 from exudyn_crawler.results.life.duty import DutyRun
@@ -12,6 +12,7 @@ from exudyn_crawler.results.stress.hot_spots import shoe_regions
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.sweep.answers import Answer, HotSpot, Life
 from exudyn_crawler.sweep.definition import read_sweep
+from tests.stress_results import WEAK
 from tests.sweep.cases import STIFFNESS, small_case
 
 
@@ -78,36 +79,54 @@ VECTOR = "quantity must be a number or a vector over time, .*of a shoe, .*"
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("kind", "given", "told"),
     [
-        ({"quantity": "joint_forc"}, f"{VECTOR}, got 'joint_forc'; the nearest is 'joint_force'"),
-        ({"quantity": "peak_von_mises"}, f"{VECTOR}, got 'peak_von_mises'"),
-        ({"quantity": "axes"}, f"{VECTOR}, got 'axes'"),
-        ({"quantity": "tread_foot"}, f"{VECTOR}, got 'tread_foot'"),
-        ({"quantity": "drive_force", "axis": "x"}, "axis must be left out with drive_force"),
-        ({"quantity": "joint_force", "start": 1.0, "end": 0.5}, "end must be greater than start = 1 s"),
+        (Answer, {"quantity": "joint_forc"}, f"{VECTOR}, got 'joint_forc'; the nearest is 'joint_force'"),
+        (Answer, {"quantity": "peak_von_mises"}, f"{VECTOR}, got 'peak_von_mises'"),
+        (Answer, {"quantity": "axes"}, f"{VECTOR}, got 'axes'"),
+        (Answer, {"quantity": "tread_foot"}, f"{VECTOR}, got 'tread_foot'"),
+        (Answer, {"quantity": "drive_force", "axis": "x"}, "axis must be left out with drive_force"),
+        (Answer, {"quantity": "joint_force", "start": 1.0, "end": 0.5}, "end must be greater than start ="),
+        (
+            Life,
+            {"material": WEAK, "share": 0.5, "an_hour": 9.0},
+            "an_hour or share must be .* neither or both",
+        ),
     ],
 )
-def test_answers_that_make_no_sense_are_refused(given, told):
+def test_answers_that_make_no_sense_are_refused(kind, given, told):
     with pytest.raises(ValueError, match=told):
-        Answer(**given)
+        kind(**given)
+
+
+SMALL, STRESS = small_case(), CaseFile(case=Case.stress("coarse"), duration=1.0)
 
 
 @pytest.mark.parametrize(
-    ("answer", "told"),
+    ("case", "answer", "told"),
     [
-        (Answer(quantity="pin_force"), "pin_force needs flexible shoes, the case has none"),
-        (Answer(quantity="highest_von_mises"), "needs flexible shoes"),
-        (Answer(quantity="rail_force"), r"needs a rolled case \(undercarriage\), the case has none"),
-        (Answer(quantity="joint_force", of=(2, 3)), r"of must be links of \[1, 2\], got \[3\]"),
-        (Answer(quantity="drive_force", of=(1,)), "of must be left out, drive_force is of the whole track"),
-        (Answer(quantity="joint_force", end=0.5), "end must lie within the run of 0.02 s, got 0.5 s"),
-        (HotSpot(shoe=3), r"shoe must be a flexible one \(none\), got 3"),
+        (SMALL, Answer(quantity="pin_force"), "pin_force needs flexible shoes, the case has none"),
+        (SMALL, Answer(quantity="highest_von_mises"), "needs flexible shoes"),
+        (SMALL, Answer(quantity="rail_force"), r"needs a rolled case \(undercarriage\), the case has none"),
+        (SMALL, Answer(quantity="joint_force", of=(2, 3)), r"of must be links of \[1, 2\], got \[3\]"),
+        (SMALL, Answer(quantity="drive_force", of=(1,)), "of must be left out, drive_force is of the whole"),
+        (SMALL, Answer(quantity="joint_force", end=0.5), "end must lie within the run of 0.02 s, got 0.5 s"),
+        (SMALL, HotSpot(shoe=3), r"shoe must be a flexible one \(none\), got 3"),
+        (SMALL, Life(material=WEAK), "life needs flexible shoes, the case has none"),
+        (STRESS, Answer(quantity="pin_force", of=(1,)), r"of must be pins of .*, got \[1\]"),
+        (STRESS, Life(material=WEAK, begin=2.0), "begin must lie within the run of 1 s, got 2 s"),
     ],
 )
-def test_answers_that_the_runs_cannot_give_are_refused(answer, told):
+def test_answers_that_the_runs_cannot_give_are_refused(case, answer, told):
     with pytest.raises(ValueError, match=told):
-        answer.check(small_case())
+        answer.check(case)
+
+
+def test_answers_of_flexible_shoes_are_those_of_the_case():
+    flexible = STRESS.case.flexible_shoes().shoes
+    Answer(quantity="pin_force", of=(flexible[0],)).check(STRESS)
+    HotSpot(shoe=flexible[-1]).check(STRESS)
+    Life(material=WEAK, region="roller path").check(STRESS)
 
 
 def test_rollers_on_a_shoe_are_an_answer_of_a_rolled_case(rolled):
@@ -136,19 +155,6 @@ def test_any_quantity_is_an_answer_or_refused_before_anything_runs(name, run, be
     )
 
 
-def test_pins_are_those_of_flexible_shoes():
-    case = CaseFile(case=Case.stress("coarse"), duration=0.02)
-    flexible = case.case.flexible_shoes().shoes
-    Answer(quantity="pin_force", of=(flexible[0],)).check(case)
-    HotSpot(shoe=flexible[-1]).check(case)
-    with pytest.raises(ValueError, match=r"of must be pins of .*, got \[1\]"):
-        Answer(quantity="pin_force", of=(1,)).check(case)
-
-
-WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
-"""So weak that the small stresses of a short run wear it out."""
-
-
 @pytest.mark.slow
 def test_life_is_that_of_a_duty_of_the_run_alone(bent_run):
     history = bent_run.history
@@ -159,17 +165,6 @@ def test_life_is_that_of_a_duty_of_the_run_alone(bent_run):
     assert Life(**how).of_run(bent_run) == float(lives.min())
     own = float(lives[shoe_regions(found.whole, history.case.track) == "wings"].min())
     assert Life(**how, region="wings").of_run(bent_run) == own > float(lives.min())
-
-
-def test_lives_that_the_runs_do_not_have_are_refused():
-    case = CaseFile(case=Case.stress("coarse"), duration=1.0)
-    Life(material=WEAK, region="roller path").check(case)
-    with pytest.raises(ValueError, match="begin must lie within the run of 1 s, got 2 s"):
-        Life(material=WEAK, begin=2.0).check(case)
-    with pytest.raises(ValueError, match="life needs flexible shoes, the case has none"):
-        Life(material=WEAK).check(small_case())
-    with pytest.raises(ValueError, match="an_hour or share must be given, got neither or both"):
-        Life(material=WEAK, share=0.5, an_hour=10.0)
 
 
 def test_a_file_names_the_material(tmp_path):

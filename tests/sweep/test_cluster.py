@@ -104,6 +104,7 @@ def test_a_run_whose_workers_die_fails_with_this_reason_and_may_be_retried(tmp_p
     assert again.table["status"].tolist() == ["done"]
 
 
+OTHER, OTHERS = {"exudyn": "0.1"}, r"worker .* has other versions: exudyn "
 SWEEP = """
 [case]
 base = "translation"
@@ -116,8 +117,6 @@ values = [1e7, 2e7, 3e7, 4e7, 5e7, 6e7]
 [[answers]]
 quantity = "joint_force"
 """
-
-
 COMMAND = [sys.executable, "-m", "exudyn_crawler", "sweep", "s.toml", "--workers", "2", "--out"]
 
 
@@ -187,30 +186,27 @@ def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatc
     assert dask.config.get("scheduler", None) is None
 
 
-def test_workers_of_other_versions_are_refused_before_anything_runs(scheduler, tmp_path, monkeypatch):
-    def check(wanted, there, where):
-        check_versions(wanted | {"exudyn": "0.1"}, there, where)
-
-    monkeypatch.setattr(cluster, "check_versions", check)
-    with pytest.raises(ValueError, match=r"worker .* has other versions: exudyn "):
+@pytest.mark.parametrize(
+    ("name", "instead", "told"),
+    [
+        ("check_versions", lambda wanted, *there: check_versions(wanted | OTHER, *there), OTHERS),
+        ("exists", lambda _path: False, r"must see .*runs: put it on storage that all machines share"),
+    ],
+)
+def test_workers_that_cannot_do_the_same_are_refused(scheduler, tmp_path, monkeypatch, name, instead, told):
+    monkeypatch.setattr(cluster, name, instead)
+    with pytest.raises(ValueError, match=told):
         run_sweep(small_sweep(), tmp_path, scheduler=scheduler)
     assert list((tmp_path / "runs").iterdir()) == []
 
 
 def test_a_worker_of_another_version_that_comes_later_ends_the_sweep(scheduler, tmp_path):
-    task = Task("0" * 64, "", "[]", str(tmp_path), None, own_versions() | {"exudyn": "0.1"})
+    task = Task("0" * 64, "", "[]", str(tmp_path), None, own_versions() | OTHER)
     with (
         connected(scheduler, None, tmp_path, print) as client,
         pytest.raises(ValueError, match="has other versions: exudyn "),
     ):
         list(outcomes(client, iter([task])))
-
-
-def test_workers_that_do_not_see_the_folder_are_refused(scheduler, tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "exists", lambda _path: False)
-    with pytest.raises(ValueError, match=r"must see .*runs: put it on storage that all machines share"):
-        run_sweep(small_sweep(), tmp_path, scheduler=scheduler)
-    assert list((tmp_path / "runs").iterdir()) == []
 
 
 def test_the_scheduler_holds_few_tasks_at_a_time(scheduler, tmp_path, monkeypatch):

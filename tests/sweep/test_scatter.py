@@ -16,20 +16,13 @@ from exudyn_crawler.results.life.duty import DutyCase
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import Fleet, Sweep, read_sweep
 from exudyn_crawler.sweep.page import write_page
-from exudyn_crawler.sweep.results import (
-    PORTIONS,
-    failures,
-    quantiles,
-    results_table,
-    scatter_tables,
-    sensitivities,
-)
+from exudyn_crawler.sweep.results import PORTIONS, failures, quantiles, scatter_tables, sensitivities
 from exudyn_crawler.sweep.running import run_sweep
 from exudyn_crawler.sweep.scatter import _with_all_cases, read_scatter
 from exudyn_crawler.sweep.vary import Vary
 from fem import Shapes
 from meshes.shoe import STEEL, joint_interfaces
-from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_sweep
+from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, answered, small_sweep
 
 NICRMO = FatigueMaterial.cast_nicrmo()
 LIFE = Life(name="life", survival=0.5, material=NICRMO)
@@ -39,18 +32,6 @@ CASTING = "life.material.casting_factor"
 def sample(count: int, **changes) -> Sweep:
     vary = (Vary(key=STIFFNESS, low=1e7, high=4e7, scale="log", distribution="normal"),)
     return small_sweep(**{"vary": vary, "design": "latin_hypercube", "runs": count} | changes)
-
-
-def answered(sweep: Sweep, **columns: np.ndarray) -> pd.DataFrame:
-    """Table of a sweep whose runs gave these answers; NaN is a run that failed."""
-    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    outcomes = {
-        one.digest: {"status": "failed", "answers": {}, "reason": "sank"}
-        if any(value != value for value in row.values())
-        else {"status": "done", "answers": row}
-        for one, row in zip(sweep.planned, rows, strict=True)
-    }
-    return results_table(sweep, outcomes)
 
 
 @pytest.mark.parametrize("within", [0.8, 0.9, 0.99])
@@ -73,23 +54,6 @@ def test_drawn_values_have_scipys_quantiles(within):
     shape = (ends[1] - ends[0]) / np.log(4.0)
     scale = 2.0 / np.exp(ends[0] / shape)
     np.testing.assert_allclose(weibull, stats.weibull_min(shape, scale=scale).ppf(portions))
-
-
-@pytest.mark.parametrize(
-    ("given", "told"),
-    [
-        ({"within": 0.9}, "within must be left out with distribution 'uniform', got 0.9"),
-        (
-            {"distribution": "weibull", "low": -1.0},
-            "low must be positive with distribution 'weibull', got -1",
-        ),
-        ({"distribution": "weibull", "scale": "log"}, "scale must be left out"),
-        ({"distribution": "normal", "count": 3}, "count must be left out with distribution 'normal'"),
-    ],
-)
-def test_distributions_that_make_no_sense_are_refused(given, told):
-    with pytest.raises(ValueError, match=told):
-        Vary(**{"key": STIFFNESS, "low": 1.0, "high": 2.0} | given)
 
 
 def test_a_drawn_run_keeps_its_values_and_the_same_seed_draws_the_same():

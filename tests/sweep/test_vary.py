@@ -7,6 +7,8 @@ from exudyn_crawler.case.parameters.fields import parse_path, with_value
 from exudyn_crawler.sweep.vary import Vary, checked_case
 from tests.sweep.cases import STIFFNESS, small_case
 
+BOUNDS = {"low": 1.0, "high": 2.0}
+
 
 def applied(vary, value):
     return checked_case(vary.applied(small_case().model_dump(mode="json"), value), CaseFile).case
@@ -64,7 +66,7 @@ def test_counts_between_bounds_are_whole_numbers():
         ({"low": 2.0, "high": 1.0}, "low must be less than high = 1, got 2"),
         ({"low": -1.0, "high": 1.0, "scale": "log"}, "low must be positive with scale 'log', got -1"),
         ({"low": 1.0}, "give values, or low and high"),
-        ({"settings": ((1.0,),), "low": 1.0, "high": 2.0}, "settings need values, which they stand for"),
+        (BOUNDS | {"settings": ((1.0,),)}, "settings need values, which they stand for"),
         ({"values": (1.0,), "settings": ((1.0,),)}, "settings need a name of their values, and no factor"),
         (
             {"values": (1.0, 2.0), "name": "a", "settings": ((1.0,), (1.0, 2.0))},
@@ -73,6 +75,13 @@ def test_counts_between_bounds_are_whole_numbers():
         ({"values": (1.0,), "low": 1.0}, "values take the place of low, high and count"),
         ({"values": (1.0, 1.0)}, "values must be different ones"),
         ({"values": ()}, "values must be different ones"),
+        (BOUNDS | {"within": 0.9}, "within must be left out with distribution 'uniform', got 0.9"),
+        (BOUNDS | {"distribution": "weibull", "low": -1.0}, "low .* with distribution 'weibull', got -1"),
+        (BOUNDS | {"distribution": "weibull", "scale": "log"}, "scale must be left out"),
+        (
+            BOUNDS | {"distribution": "normal", "count": 3},
+            "count must be left out with distribution 'normal'",
+        ),
         ({"key": "", "values": (1.0,)}, "at least 1 character"),
         ({"key": "a..b", "values": (1.0,)}, r"a path must be like terrain\."),
     ],

@@ -21,24 +21,20 @@ class Reader:
 
     def __init__(self, browser, path, ready="body[data-ready=yes]", **screen):
         self.page = browser.new_page(**{"viewport": {"width": 1300, "height": 900}} | screen)
-        self.errors, self.requests = [], []
+        self.address, self.errors, self.requests = path.as_uri(), [], []
         self.page.on("console", lambda m: self.errors.append(m.text) if m.type == "error" else None)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.route("**/*", self.allow_only(path.as_uri()))
-        self.page.goto(path.as_uri())
+        self.page.route("**/*", self.decide)
+        self.page.goto(self.address)
         self.page.wait_for_selector(ready)
 
-    def allow_only(self, address):
-        """Handler of requests that notes all and lets one address through."""
-
-        def decide(route):
-            self.requests.append(route.request.url)
-            if route.request.url == address:
-                route.continue_()
-            else:
-                route.abort()
-
-        return decide
+    def decide(self, route):
+        """Note a request, and let that of the page itself through alone."""
+        self.requests.append(route.request.url)
+        if route.request.url == self.address:
+            route.continue_()
+        else:
+            route.abort()
 
     def shown(self, what, plot="#plot-0 .figure"):
         """Value of an expression of the plot's data and layout."""

@@ -5,15 +5,14 @@ import json
 import numpy as np
 import pytest
 
-from exudyn_crawler import History
 from exudyn_crawler.results.stress.hot_spots import hot_spot_table
-from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.views.pages.report import write_report
 from exudyn_crawler.views.scenes.shoes import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table, reported_values
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study
+from tests.stress_results import by_modes_alone, stress_results
 from tests.views.browser import CHROMIUM
 
 
@@ -68,6 +67,4 @@ def browser():
 @pytest.fixture(scope="session")
 def bent_stress(bent):
     """Stresses of flexible shoes under rollers, by the modes alone, which take a second."""
-    modes = bent.case.flexible_shoes().with_(static_fields=False)
-    history = History(bent.case.with_(flexible=modes), bent.dataset)
-    return recover_stresses(history, [0.0, 0.06], peak=False).dataset
+    return stress_results(by_modes_alone(bent), [0.0, 0.06])[0]

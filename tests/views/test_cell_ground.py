@@ -21,27 +21,16 @@ from tests.views.test_figures import curves
 
 pytestmark = pytest.mark.simulation
 
-DURATION = 0.02
 RIDGE = Ridge(x=19.0, height=0.05, width=0.2, flank=0.3)
 """Ahead of the track's front shoe, where none stands."""
 
 
-def dragged():
-    """The papers' track, dragged over sand beside a ridge, whose drive starts at once."""
-    case = Case.translation()
-    return case.on_cells(BekkerSoil.lete_sand(), Heights(parts=(RIDGE,))).with_(name="dragged")
-
-
-def flexible():
-    case = Case.stress("coarse")
-    case = case.with_(flexible=case.flexible.with_(shoes=(7, 13)))
-    return case.on_cells(BekkerSoil.lete_sand()).with_(name="flexible")
-
-
+SAND = BekkerSoil.lete_sand()
 CASES = {
-    "dragged": dragged,
-    "rolled": lambda: small_case().on_cells(BekkerSoil.lete_sand()).with_(name="rolled"),
-    "flexible": flexible,
+    # the papers' track beside a ridge, whose drive starts at once
+    "dragged": lambda: Case.translation().on_cells(SAND, Heights(parts=(RIDGE,))),
+    "rolled": lambda: small_case().on_cells(SAND),
+    "flexible": lambda: Case.stress("coarse").with_({"flexible.shoes": (7, 13)}).on_cells(SAND),
 }
 
 
@@ -52,7 +41,8 @@ def folders(tmp_path_factory):
     for name, case in CASES.items():
         # curves of one shoe take less time than those of five
         outputs = Outputs(animation=True, pictures=False, ground_times=(0.0, 0.01), shoes=(7,))
-        run_case(CaseFile(case=case(), duration=DURATION, outputs=outputs), out / name, progress=False)
+        file = CaseFile(case=case().with_(name=name), duration=0.02, outputs=outputs)
+        run_case(file, out / name, progress=False)
     return {name: out / name for name in CASES}
 
 
@@ -106,10 +96,9 @@ def test_cells_at_a_chosen_time_are_those_of_a_run_that_ends_then(histories, nam
     for one in ("sinkage", "pressure"):
         np.testing.assert_array_equal(then[f"cell_{one}_then"][pressed], ended.dataset[f"cell_{one}"])
     # a history whose run was not asked to keep it has the undersides' depth alone
-    other = ground_map(ended, (0.01,))
-    assert np.isnan(other.sinkage_then).all()
-    drawn = [(ended, other), (history, ground_map(history, (0.01,)))]
-    labels = [pictures.map_figure(*one, 0.01).axes[1].get_ylabel() for one in drawn]
+    maps = [(one, ground_map(one, (0.01,))) for one in (ended, history)]
+    assert np.isnan(maps[0][1].sinkage_then).all()
+    labels = [pictures.map_figure(*one, 0.01).axes[1].get_ylabel() for one in maps]
     assert labels == ["greatest depth so far in mm", "greatest sinkage in mm until then"]
 
 
@@ -131,8 +120,7 @@ def test_undersides_have_been_as_deep_as_cells_remember(histories, name):
 
 def test_rock_keeps_no_rut():
     case = small_case().on_cells(RockFloor.hard_floor())
-    history = simulate(case, 4e-3, False, ground_times=(2e-3,))
-    found = ground_map(history, (2e-3,))
+    found = ground_map(simulate(case, 4e-3, False, ground_times=(2e-3,)), (2e-3,))
     assert float(found.sinkage_then.max()) > 0.0
     assert float(found.rut_then.max()) == 0.0
     assert 0.0 < float(found.sinkage.max()) < 2e-3
@@ -168,8 +156,7 @@ def test_films_figures_and_tables_are_of_cells(histories):
         assert "sinkage in m" in curves(run_figures(history, [1])["sinkage and friction torque"])
         assert "total terrain deformation from equilibrium" not in history_series(history)
         drawn = pictures.map_figure(history, ground_map(history))
-        texts = {one.get_text() for one in drawn.axes[0].texts}
-        assert texts == {str(shoe) for shoe in history.shoe.values}
+        assert {one.get_text() for one in drawn.axes[0].texts} == {str(shoe) for shoe in history.shoe.values}
         assert drawn.axes[1].get_ylabel() == "greatest sinkage in mm"
         named = extremes(history).set_index("variable").loc["penetration", "greatest_of"]
         assert named.removeprefix("shoe ").isdigit()

@@ -18,6 +18,7 @@ from exudyn_crawler.views.pages.report import LONGEST_TABLE, provenance, report_
 from exudyn_crawler.views.scenes.shoes import first_frame, frame_titles
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table, reported_values
+from tests.views.test_figures import BANDS, PHASES
 from tests.views.test_packing import data_of, unpacked
 
 LIMIT = 20e6
@@ -38,20 +39,18 @@ def stress_page(stress_report):
     return stress_report.read_text(encoding="utf-8")
 
 
-def test_series_on_the_page_are_those_of_the_history(flexible_run, stress_page):
-    history, stress, _ = flexible_run
+def test_series_on_the_page_are_those_of_the_history(history, stress, stress_page):
     data = data_of(stress_page)
     time, velocity = series_of(data, "stress", "velocity", "shoe 13", "x")
     assert time == pytest.approx(history.time.values, rel=1e-6)
     assert velocity == pytest.approx(history.velocity.sel(shoe=13, axis="x").values, rel=1e-6)
     _, force = series_of(data, "stress", "contact force", "shoe 7", "z")
-    contacts = history.contacts_by_shoe().contact_force.sel(shoe=7, axis="z")
-    assert force == pytest.approx(1e-3 * contacts.values, rel=1e-6)
+    contact = history.contacts_by_shoe().contact_force.sel(shoe=7, axis="z")
+    assert force == pytest.approx(1e-3 * contact.values, rel=1e-6)
     _, highest = series_of(data, "stress", "highest von Mises stress", "shoe 7", "")
     assert highest == pytest.approx(stress.highest_von_mises.sel(shoe=7).values / 1e6, rel=1e-6)
     _, pin = series_of(data, "stress", "pin force", "link 12-13 left", "x")
-    expected = 1e-3 * history.pin_force.sel(joint=12, pin="left", axis="x").values
-    assert pin == pytest.approx(expected, rel=1e-6)
+    assert pin == pytest.approx(1e-3 * history.pin_force.sel(joint=12, pin="left", axis="x").values, rel=1e-6)
 
 
 def test_the_page_knows_the_phases_of_each_case_that_has_several(phased, translation, tmp_path):
@@ -59,17 +58,14 @@ def test_the_page_knows_the_phases_of_each_case_that_has_several(phased, transla
         (tmp_path / name).mkdir()
         history.save(tmp_path / name / "history.nc")
     cases = data_of(report_page(tmp_path))["cases"]
-    assert cases["phased"]["phases"] == [
-        {"name": "propel <b>", "begin": 0.0, "end": 0.04},
-        {"name": "first $dig", "begin": 0.04, "end": 0.08},
-        {"name": "let the machine settle", "begin": 0.08, "end": 0.084},
-        {"name": "swing & back", "begin": 0.084, "end": pytest.approx(0.12)},
-    ]
+    spans = zip(PHASES, [*BANDS[:-1], (0.084, pytest.approx(0.12))], strict=True)
+    expected = [{"name": name, "begin": begin, "end": end} for name, (begin, end) in spans]
+    assert cases["phased"]["phases"] == expected
     assert cases["translation"]["phases"] == []
 
 
-def test_rigid_links_have_no_pins_to_pick(flexible_run):
-    found = history_series(*flexible_run[:2])
+def test_rigid_links_have_no_pins_to_pick(history, stress):
+    found = history_series(history, stress)
     pins = set(found["pin force"].values["item"].values.tolist())
     assert pins == {f"link {link} {side}" for link in ("6-7", "7-8", "12-13") for side in ("right", "left")}
 
@@ -87,8 +83,7 @@ def test_the_page_has_every_section_and_its_numbers(stress_folder, stress_page):
     assert "Every stored time is drawn." in stress_page
 
 
-def test_the_page_opens_with_key_results_versions_and_dates(stress_page, flexible_run):
-    history, stress, _ = flexible_run
+def test_the_page_opens_with_key_results_versions_and_dates(stress_page, history, stress):
     head = stress_page.split("<main>")[0]
     assert f"stress: 0.06 s, {history.time.size} stored times" in head
     assert f"exudyn-crawler {history.dataset.attrs['exudyn_crawler_version']}; exudyn 1." in head
@@ -97,18 +92,17 @@ def test_the_page_opens_with_key_results_versions_and_dates(stress_page, flexibl
     assert f"<td>highest von Mises stress</td>{highest}<td>shoe 13, t = " in head
 
 
-BAD_RECORDS = ["", "[]", "{", '{"finished": 3}', '{"finished": "soon", "status": "done"}']
-
-
-@pytest.mark.parametrize("record", BAD_RECORDS)
-def test_a_broken_record_is_refused_by_name(flexible_run, tmp_path, record):
+@pytest.mark.parametrize(
+    "record", ["", "[]", "{", '{"finished": 3}', '{"finished": "soon", "status": "done"}']
+)
+def test_a_broken_record_is_refused_by_name(history, tmp_path, record):
     (tmp_path / "run.json").write_text(record)
     with pytest.raises(ValueError, match=r"run\.json cannot be read: "):
-        provenance(tmp_path, {"stress": flexible_run[0]})
+        provenance(tmp_path, {"stress": history})
 
 
-def test_the_head_has_the_date_and_commit_of_a_record_that_has_them(flexible_run, tmp_path):
-    histories = {"stress": flexible_run[0]}
+def test_the_head_has_the_date_and_commit_of_a_record_that_has_them(history, tmp_path):
+    histories = {"stress": history}
     _, no_record = provenance(tmp_path, histories)
     assert "page made" in no_record
     assert "after" not in no_record
@@ -118,8 +112,7 @@ def test_the_head_has_the_date_and_commit_of_a_record_that_has_them(flexible_run
         assert ("commit 0123456789ab, changed" in line) if commit else ("commit" not in line)
 
 
-def test_the_peak_is_shown_first_and_named_after_the_phases(flexible_run):
-    history, stress, _ = flexible_run
+def test_the_peak_is_shown_first_and_named_after_the_phases(history, stress):
     assert frame_titles(stress) == ["t = 0 s, begin", "t = 0.06 s, end of constant"]
     results = recover_stresses(history)
     highest = results.dataset.highest_von_mises.max("shoe")
@@ -132,8 +125,8 @@ def test_the_peak_is_shown_first_and_named_after_the_phases(flexible_run):
     assert first_frame(stress) == int(stress.frame_von_mises.max(["shoe", "node"]).values.argmax())
 
 
-def test_long_tables_are_left_to_the_plots(flexible_run, tmp_path):
-    flexible_run[0].save(tmp_path / "history.nc")
+def test_long_tables_are_left_to_the_plots(history, tmp_path):
+    history.save(tmp_path / "history.nc")
     for name, rows in (("short", LONGEST_TABLE), ("long", LONGEST_TABLE + 1)):
         write_table(pd.DataFrame({"time in s": np.arange(rows)}), tmp_path / f"{name}.csv")
     page = report_page(tmp_path)
@@ -152,9 +145,8 @@ def test_the_case_is_listed_with_units(stress_page):
 
 
 @pytest.mark.slow
-def test_a_long_stress_study_stays_below_the_limit(flexible_run, stress_folder, tmp_path):
+def test_a_long_stress_study_stays_below_the_limit(history, stress, stress_folder, tmp_path):
     """20 000 stored times of all shoes with many wiggles, eight chosen times of six shoes."""
-    history, stress, _ = flexible_run
     count = 20_000
     back_and_forth = np.abs(np.arange(count) % (2 * (history.dataset.sizes["time"] - 1)) - 30)
     time = 0.002 * np.arange(count)
@@ -271,8 +263,7 @@ def test_no_name_breaks_a_page(translation, tmp_path):
 
 def test_sections_without_content_are_left_out():
     text = page("a title", ["lead"], [Section("a", "First", paragraph("<b>")), Section("b", "Second", "")])
-    assert '<section id="a">' in text
-    assert "<h1>a title</h1>" in text
-    assert "<p>&lt;b&gt;</p>" in text
+    for shown in ('<section id="a">', "<h1>a title</h1>", "<p>&lt;b&gt;</p>"):
+        assert shown in text
     assert "Second" not in text
     assert "plotly" not in text.lower()

@@ -1,12 +1,16 @@
-"""The report on screens of any width, in a browser: all of it is seen, and nothing lies over the other."""
+"""Pages on screens of any width, in a browser: all of it is seen, and nothing lies over the other."""
 
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from exudyn_crawler.views.pages.life import write_life_page
+from exudyn_crawler.views.tables import cell_text
+from fem.trust import VERDICTS
 from tests.views.browser import Reader
 
+VIEW = "#life-view"
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 
 SEEN = """([place, bodies]) => {
@@ -64,8 +68,7 @@ def test_a_narrow_screen_needs_no_scrolling_sideways(phone):
     assert phone.page.evaluate("document.documentElement.scrollWidth") <= 390
     table = "document.querySelector('#case .wide')"
     assert phone.page.evaluate(f"{table}.scrollWidth <= {table}.clientWidth")
-    cells = phone.page.evaluate(BOXES, "#case td")
-    assert max(cell["right"] for cell in cells) <= 390
+    assert max(cell["right"] for cell in phone.page.evaluate(BOXES, "#case td")) <= 390
 
 
 @pytest.mark.slow
@@ -125,3 +128,50 @@ def test_views_step_back_as_a_screen_becomes_narrow(browser, stress_report):
             assert beside > 25.0
             assert below > 40.0
     assert reader.errors == []
+
+
+@pytest.fixture(scope="module")
+def reader(browser, worn, tmp_path_factory):
+    path = write_life_page(worn, tmp_path_factory.mktemp("page") / "life.html")
+    reader = Reader(browser, path, ready=f"{VIEW} canvas")
+    yield reader
+    assert reader.errors == []
+    assert reader.requests == [path.as_uri()]
+
+
+def choose(reader, words, title):
+    """Choose colours from the list above the shoe."""
+    reader.page.locator("#life-colouring").select_option(words)
+    reader.wait(f"full[0].colorbar.title.text === '{title}'", VIEW)
+
+
+def test_the_shoe_is_coloured_by_its_life_and_by_trust(reader, worn):
+    data, used = worn.dataset, np.unique(worn.dataset.triangle.values)
+    life = np.log10(data.life[-1].values[used])
+    assert reader.drawn(VIEW) == pytest.approx(life, abs=1e-3, nan_ok=True)
+    assert reader.shown("full[0].colorbar.title.text", VIEW) == "life in h"
+    choose(reader, "how far to trust it", "verdict")
+    beyond, verdict = data.life[-1].values[used] >= 1e9, data.verdict.values[used]
+    numbers = np.where(verdict < 0, np.nan, np.where(beyond, len(VERDICTS), verdict))
+    drawn = reader.drawn(VIEW)
+    assert set(drawn[np.isfinite(drawn)]) <= set(numbers[np.isfinite(numbers)])
+    words = reader.shown("full[0].colorbar.ticktext", VIEW)
+    assert {"inside a spider: do not use", "long: life beyond 1e9 h"} <= set(words)
+    choose(reader, "stays at place 13", "life in h")
+    at_place = 1.0 / np.maximum(data.place_damage.sel(shoe=13)[-1].values[used], 1e-9)
+    assert reader.drawn(VIEW) == pytest.approx(np.log10(at_place), abs=1e-3, nan_ok=True)
+
+
+def test_the_page_tells_range_verdict_and_the_dutys_own_strengths(reader, worn):
+    row = worn.table.iloc[0]
+    leads = " ".join(reader.page.locator("p.lead").all_text_contents())
+    assert f"stress {row['verdict']}" in leads
+    assert f"{cell_text(float(row['life in h at least']))} to" in leads
+    assert row["verdict"] in reader.page.locator("#shortest table").first.text_content()
+    assert "fatigue_strength as the duty gives; all else: ASTM A36" in leads
+
+
+def test_all_of_the_shoe_is_seen_and_its_bores_are_round(reader, worn):
+    assert_on_screen(seen(reader, VIEW, "shoe"), 1.0)
+    # the nodes in the middle of the sides of elements are drawn, too
+    assert worn.dataset.sizes["face"] == 4 * len(worn.whole.mesh.boundary)

@@ -1,11 +1,15 @@
-"""The track in space, from the side and from above: everything is where the history of a short run has it."""
+"""The track in space, from the side and from above, and a closed one's gear: all is where runs have it."""
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from exudyn_crawler import History, simulate
+from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.views.scenes.gear import wheel_solids
+from exudyn_crawler.model.forces.teeth import Profile, tooth
+from exudyn_crawler.results.history.summary import tension_along_chain
+from exudyn_crawler.views.figures import chain_figure
+from exudyn_crawler.views.scenes.gear import gear_forces, gear_solids, tooth_outline, wheel_solids
 from exudyn_crawler.views.scenes.pictures import MARGIN, ground_figure, plan_solids, side_scene, windows
 from exudyn_crawler.views.scenes.scene import SIDES
 from exudyn_crawler.views.scenes.shoes import LONGEST_OF_SHOE, shoe_force_scale
@@ -20,7 +24,10 @@ from exudyn_crawler.views.scenes.track import (
 from exudyn_crawler.views.style import drawn_scale, round_up
 from studies.grounds import STEP_HEIGHT, STEP_PLACE, uneven_case
 
-pytestmark = pytest.mark.simulation
+ANGLE = 0.7
+"""rad that the tumbler turns between the two instants."""
+MOVED = 0.02
+"""m that the idler slides forward meanwhile."""
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +81,7 @@ def test_scales_are_round_and_fit():
 
 def test_the_greatest_force_of_a_run_gets_the_longest_arrow(translation):
     forces = shoe_forces(translation.dataset)[1]
-    greatest = float((forces**2).sum(axis=-1).max() ** 0.5)
+    greatest = float(np.linalg.norm(forces, axis=-1).max())
     assert greatest_shoe_force(translation) == pytest.approx(greatest)
     assert shoe_force_scale(translation) * greatest == pytest.approx(LONGEST_OF_SHOE)
 
@@ -117,11 +124,12 @@ def test_shoes_are_seen_from_above_where_the_history_has_them(translation):
     expected = [shoe_pose(moment, int(n)).place(underneath)[0, :2] for n in now.shoe.values]
     lower = above["rigid shoes"].points.reshape(-1, 8, 3)[:, :4, :2]
     assert lower.mean(axis=1) == pytest.approx(np.array(expected), abs=1e-9)
-    ground = above["ground"]
+    ground, colours = above["ground"], above["ground"].colourings[0]
     assert ground.values.reshape(-1, 4)[:, 0] == pytest.approx(1e3 * moment.unit_heave.values)
-    assert (ground.colourings[0].low, ground.colourings[0].high) == (heave.min(), heave.max())
+    assert (colours.low, colours.high) == (heave.min(), heave.max())
 
 
+@pytest.mark.simulation
 def test_faces_of_uneven_ground_lie_at_their_heights(step):
     """Shoes stand as deep in the upper units as in the lower ones, at every scale of displacement."""
     now = last(step)
@@ -145,6 +153,7 @@ def test_faces_of_uneven_ground_lie_at_their_heights(step):
     assert windows(step)[1][2] == -MARGIN[2]
 
 
+@pytest.mark.simulation
 def test_a_ground_figure_shows_what_every_shoe_carries(step):
     figure = ground_figure(step, 0.05)
     view, carried = figure.axes
@@ -166,11 +175,10 @@ def test_rollers_stand_where_the_frame_has_them_and_press_where_the_history_says
     assert treads(surfaces["rollers"]).mean(axis=1)[:, [0, 2]] == pytest.approx(hubs[:, [0, 2]], abs=1e-4)
     assert hubs[:, 2].max() + radius < windows(rolled)[1][3]
     total = rolled.roller_force.isel(time=-1).sum("rail").transpose("roller", "axis").values
-    pressing_there = arrows[1][1]
-    assert pytest.approx(1e-6 * total) == pressing_there[:, 1] - pressing_there[:, 0]
+    pressing = arrows[1][1]
+    assert pressing[:, 1] - pressing[:, 0] == pytest.approx(1e-6 * total)
     # right below the axes but for the tilt of shoes and of frame
-    places = pressing_there[:, 1, [0, 2]]
-    assert np.hypot(*(places - hubs[:, [0, 2]]).T) == pytest.approx(radius, abs=2e-3)
+    assert np.hypot(*(pressing[:, 1] - hubs)[:, [0, 2]].T) == pytest.approx(radius, abs=2e-3)
     # from above, treads are on their rails
     seen = treads(by_name(plan_solids(now, (0.0, 1.0)))["rollers"])
     assert seen[..., 0] == pytest.approx(np.repeat(hubs[:, :1], 2, axis=1), abs=1e-4)
@@ -178,15 +186,14 @@ def test_rollers_stand_where_the_frame_has_them_and_press_where_the_history_says
 
 
 def test_rollers_roll_without_slip(rolled):
-    case = rolled.case
     spokes = []
     for row in (0, -1):
-        _, mark = wheel_solids(History(case, rolled.dataset.isel(time=[row])))
+        _, mark = wheel_solids(History(rolled.case, rolled.dataset.isel(time=[row])))
         ends = mark.at().points[:8].reshape(2, 4, 3).mean(axis=1)
         spokes.append((ends[1] - ends[0])[[0, 2]])
     turned = np.arctan2(*spokes[1]) - np.arctan2(*spokes[0])
     way = float(np.ptp(rolled.side_frame_position.sel(axis="x").values))
-    assert turned * case.undercarriage.radius == pytest.approx(way, rel=1e-3)
+    assert turned * rolled.case.undercarriage.radius == pytest.approx(way, rel=1e-3)
 
 
 def test_rollers_keep_their_depth_in_rails_where_the_ground_is_magnified(rolled):
@@ -225,3 +232,118 @@ def test_what_acts_on_a_shoe_is_ground_and_rollers(rolled):
     assert forces.sum(axis=1) == pytest.approx((contact + pressed).values)
     # no roller stands on this one
     assert forces_on(now, 6)[1].shape[1] == ((now.contact_shoe == 6) & (now.area > 0.0)).sum()
+
+
+@pytest.fixture(scope="module")
+def closed():
+    """Two instants of a closed track: as assembled, and with another angle of its tumbler."""
+    case = Case.closed()
+    start, shoes = case.assembled, case.track.shoe_count
+    forces, moments, links, nothing = np.zeros((4, 2, shoes, 3))
+    forces[:, 5] = 0.0, 0.0, -2e5
+    moments[:, 5] = 0.0, 4e4, 0.0  # of the force 0.2 m ahead of the COM
+    links[0, :, 0] = 1e6 + 1e3 * np.arange(shoes)
+    links[1, :, 0] = 2e6
+    per_shoe, along = ("time", "shoe", "axis"), ("time", "axis")
+    data = xr.Dataset(
+        {
+            "position": (per_shoe, np.tile(start.shoes[:, :3], (2, 1, 1))),
+            "angles": (per_shoe, np.tile(start.shoes[:, 3:], (2, 1, 1))),
+            "side_frame_position": (along, np.tile(start.frame, (2, 1))),
+            "side_frame_angles": (along, np.zeros((2, 3))),
+            "tumbler_position": (along, np.tile(start.tumbler[:3], (2, 1))),
+            "tumbler_angle": ("time", [0.0, ANGLE]),
+            "take_up": ("time", [start.take_up, start.take_up + MOVED]),
+            "wheel_force": (("time", "wheel", "axis"), np.zeros((2, 12, 3))),
+            "wheel_load": (per_shoe, forces),
+            "wheel_moment": (per_shoe, moments),
+            "tooth_force": (per_shoe, nothing),
+            "tooth_moment": (per_shoe, nothing),
+            "joint_force": (("time", "joint", "axis"), links),
+        },
+        {
+            "time": [0.0, 1.0],
+            "shoe": case.track.shoes,
+            "joint": case.joints,
+            "axis": ["x", "y", "z"],
+            "wheel": case.closed_track.wheel_names,
+        },
+    )
+    return History(case, data)
+
+
+def gear_of(history):
+    return {one.name: one for one in gear_solids(history)}
+
+
+def test_outline_of_the_teeth_is_where_lugs_touch(closed):
+    case = closed.case
+    profile = Profile(*case.closed_track.tumbler.profile(case.track))
+    for x, z in tooth_outline(case):
+        assert np.hypot(x, z) <= profile.addendum + 1e-12
+        # a lug that touches there from within its gap has no depth
+        k = round(np.arctan2(z, x) / (2.0 * np.pi / profile.gaps)) * 2.0 * np.pi / profile.gaps
+        center = profile.center * np.array([np.cos(k), np.sin(k)])
+        inward = center + (1.0 - profile.lug / profile.arc) * (np.array([x, z]) - center)
+        assert tooth(profile, *inward)[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_lugs_sit_in_the_gaps_of_the_tumbler_and_turn_with_it(closed):
+    found, case = gear_of(closed), closed.case
+    wheel, lugs = found["tumbler"], found["lugs"]
+    profile = Profile(*case.closed_track.tumbler.profile(case.track))
+    local = np.einsum("nj,jk->nk", lugs.origin[0] - wheel.origin[0, 0], wheel.turn[0, 0])
+    near = np.hypot(local[:, 0], local[:, 2]) < profile.addendum
+    assert near.sum() >= 8  # four shoes with a lug on either side
+    assert max(tooth(profile, x, z)[0] for x, _, z in local[near]) < 1e-3
+    assert (wheel.turn[0, 0].T @ wheel.turn[1, 0])[0, 2] == pytest.approx(np.sin(ANGLE))
+
+
+def test_wheels_stand_below_the_rails_and_roll_with_the_chain(closed):
+    found, case = gear_of(closed), closed.case
+    table = case.closed_track.wheels(case.assembled.take_up)
+    kinds = ("rollers", "idler", "carriers")
+    axes = np.concatenate([found[name].origin[0, ::2] for name in kinds]) - case.assembled.frame
+    assert axes[:, [0, 2]] == pytest.approx(table[:, :2])
+    slid = {name: found[name].origin[1] - found[name].origin[0] for name in kinds}
+    assert slid["idler"] == pytest.approx(np.tile([MOVED, 0.0, 0.0], (2, 1)))
+    assert np.concatenate([slid["rollers"], slid["carriers"]]) == pytest.approx(0.0)
+    radii = [np.abs(found[name].points[:, 2]).max() for name in kinds]
+    assert radii == pytest.approx([0.4, 0.9, 0.25])
+    way = ANGLE * case.closed_track.travel_per_angle(case.track)
+    for name, radius in zip(kinds, radii, strict=True):
+        turn = found[name].turn[0, 0].T @ found[name].turn[1, 0]
+        assert turn[0, 2] == pytest.approx(np.sin(way / radius))
+
+
+def test_slides_are_bars_below_the_upper_run(closed):
+    case = closed.case.with_({"closed_track.carriers": (), "closed_track.slides": ((-2.0, 1.0, 1.9),)})
+    found = gear_of(History(case, closed.dataset))
+    bar, (x, z) = found["slide 1"], closed.case.assembled.frame[[0, 2]]
+    points = bar.points + bar.origin[0, 0]
+    assert bar.origin.shape == (2, 2, 3)
+    assert [points[:, 0].min() - x, points[:, 0].max() - x] == pytest.approx([-2.0, 1.0])
+    assert points[:, 2].max() - z == pytest.approx(1.9)
+    assert "carriers" not in found
+
+
+def test_forces_act_along_their_lines(closed):
+    wheels, teeth = (heads for _, _, heads, _ in gear_forces(closed.dataset))
+    assert wheels[0, 5] - closed.dataset.position.values[0, 5] == pytest.approx([0.2, 0.0, 0.0])
+    assert np.isnan(wheels[0, 4]).all()
+    assert np.isnan(teeth).all()
+
+
+def test_tension_of_a_closed_chain_by_links_and_by_places_that_they_come_through(closed):
+    along = tension_along_chain(closed)
+    assert along.least.values == pytest.approx(1e6 + 1e3 * np.arange(38))
+    assert along.greatest.values == pytest.approx(2e6)
+    # at the first instant link k is at place k, at the second it is further back
+    assert along.mean_at.values == pytest.approx(0.5 * (along.least.values + 2e6))
+    parts = along.part.values
+    assert (parts == "tumbler").sum() in (4, 5, 6)
+    assert parts[2] == "lower run"
+    assert parts[parts != "lower run"][0] == "idler"
+    assert len(chain_figure(closed).axes) == 4
+    with pytest.raises(ValueError, match="needs a closed track"):
+        tension_along_chain(History(Case.rolled(), xr.Dataset()))

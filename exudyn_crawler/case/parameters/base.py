@@ -143,8 +143,8 @@ class Parameters(pydantic.BaseModel):
 
         Paths are as ``{"terrain.spring_stiffness": 1e7, "loads.phases[*].side_shift": 0.1}``.
         """
-        # of its pairs: a class may have a property `keys`
-        changed = dict(iter(self)) | values
+        # of the fields alone: iterating also gives cached properties
+        changed = {name: getattr(self, name) for name in type(self).model_fields} | values
         for path, value in (changes or {}).items():
             with fields.errors_at(path):
                 changed = fields.with_value(changed, fields.parse_path(path), value, type(self))

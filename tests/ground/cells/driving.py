@@ -1,6 +1,7 @@
 """Shoes on cells, moved by hand or by loads."""
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from exudyn_crawler.case.parameters.heights import Heights
@@ -13,6 +14,7 @@ LENGTH, WIDTH, LOAD, MASS = 0.65, 3.505, 435e3, 4490.0
 AREA = LENGTH * WIDTH
 SAND = BekkerSoil.lete_sand("wong")
 ROCK = RockFloor.hard_floor()
+BOTH_LAWS = pytest.mark.parametrize("law", [SAND, ROCK], ids=["sand", "rock"])
 DOWN = np.array([0.0, 0.0, -LOAD, 0.0, 0.0, 0.0])
 
 
@@ -31,6 +33,14 @@ def ground(law, heights=None, cell=0.1, sides=(LENGTH, WIDTH), shoes=1):
     a, b = 0.5 * sides[0], 0.5 * sides[1]
     corners = [[-a, -b, 0], [a, -b, 0], [a, b, 0], [-a, b, 0]]
     return CellGround(law, heights or Heights(), cell, corners, shoes)
+
+
+def step(cells, now, before):
+    """Wrenches of an accepted step that ends at frames `now`."""
+    cells.cover(now, before)
+    wrenches = cells.press(now).copy()
+    cells.commit()
+    return wrenches
 
 
 def points_of(cells):

@@ -9,10 +9,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from exudyn_crawler.case.parameters.heights import Heights, MeasuredGrid, Ramp, Ridge, Roughness, Stone, Waves
 from exudyn_crawler.errors import CrawlerError, ParameterError
-from tests.ground.cells.driving import LOAD, ROCK, Driven, Shoe, ground
+from tests.ground.cells.driving import DOWN, LOAD, ROCK, Driven, Shoe, ground
 
 X, Y = (axis.ravel() for axis in np.meshgrid(np.linspace(-3, 3, 41), np.linspace(-2, 2, 33), indexing="ij"))
 GRID = 0.05 * np.sin(np.arange(5))[:, None] + 0.02 * np.arange(4)
+HOLE = "heights are missing at 1 places, the first at x = 12.25 m, y = 20.25 m"
 GRID_X, GRID_Y = 10.25 + 0.5 * np.arange(5), 20.25 + 0.5 * np.arange(4)
 ASCII = "ncols 5\nnrows 4\nxllcorner 10\nyllcorner 20\ncellsize 0.5\nNODATA_value -9999\n"
 
@@ -166,11 +167,7 @@ def test_steps_and_single_cells_of_a_file_are_smoothed_or_refused(tmp_path, alon
     [
         ("a.asc", ASCII + "1 " * 19, "5 x 4 heights are announced, got 19"),
         ("a.asc", "ncols 5\n" + "1 " * 20, "its head has no nrows and no cellsize"),
-        (
-            "a.asc",
-            ASCII + "0 " * 19 + "-9999",
-            "heights are missing at 1 places, the first at x = 12.25 m, y = 20.25 m",
-        ),
+        ("a.asc", ASCII + "0 " * 19 + "-9999", HOLE),
         ("a.asc", ASCII + "0 0 0 0 0 " * 2 + "9 9 9 9 9 " * 2, "must not rise by more than 1 m a metre"),
         ("a.xyz", "", "its name must end with one of .asc, .npy, .nc, .tif, .tiff"),
         ("a.npy", "no array", "cannot be used: an NPY file needs a spacing"),
@@ -209,12 +206,12 @@ def test_a_shoe_that_leaves_the_measured_ground_is_reported(tmp_path):
 def test_a_shoe_driven_over_a_ridge_is_lifted_without_a_blow():
     """60 mm over a smooth flank: the support stays below three times the load, tipping included."""
     ridge = Ridge(x=4.0, height=0.06, width=0.05, flank=0.3)
-    law = ROCK.with_(damping=0.5)
-    shoe = Driven(law, [3.3, 3.0, 1e-4], mass=LOAD / 9.81, h=5e-3, heights=Heights(parts=(ridge,)))
-    shoe.settle([0, 0, -LOAD, 0, 0, 0])
+    how = {"mass": LOAD / 9.81, "h": 5e-3, "heights": Heights(parts=(ridge,))}
+    shoe = Driven(ROCK.with_(damping=0.5), [3.3, 3.0, 1e-4], **how)
+    shoe.settle(DOWN)
     peak = 0.0
     while shoe.r[0] < 4.4:
-        shoe.step(np.array([0, 0, -LOAD, 0, 0, 0]), (1e7, 0.2 * min(1.0, shoe.time / 0.5)))
+        shoe.step(DOWN, (1e7, 0.2 * min(1.0, shoe.time / 0.5)))
         peak = max(peak, shoe.ground.shoes.wrench[0, 2])
     assert shoe.r[2] > 0.02
     assert peak < 3.0 * LOAD

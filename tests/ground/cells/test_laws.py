@@ -14,7 +14,7 @@ from exudyn_crawler.ground.cells import laws
 from exudyn_crawler.ground.cells.law import Memory, Probe
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil, backbone
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
-from tests.ground.cells.driving import AREA, LOAD, ROCK, SAND, Shoe, turn
+from tests.ground.cells.driving import AREA, BOTH_LAWS, DOWN, LOAD, ROCK, SAND, Shoe, turn
 
 LAWS = pytest.mark.parametrize("law", [SAND, BekkerSoil.lete_sand(), BekkerSoil.oil_sand_low()])
 
@@ -25,10 +25,8 @@ def pressure_after(law, depths):
     for z in depths:
         deepest = max(deepest, z)
         p = constants.k * deepest**constants.exponent if deepest >= 1e-3 else backbone(constants, deepest)[0]
-        modulus = max(
-            constants.reload + constants.reload_growth * deepest,
-            max(1.0, constants.exponent) * p / max(deepest, 1e-12),
-        )
+        reload = constants.reload + constants.reload_growth * deepest
+        modulus = max(reload, max(1.0, constants.exponent) * p / max(deepest, 1e-12))
         found.append(max(0.0, p - modulus * (deepest - z)))
     return np.array(found)
 
@@ -88,7 +86,7 @@ def test_sand_sinks_as_published():
     assert [(law.cohesion, law.friction_angle) for law in (low, high)] == [(2.6e3, 30.0), (5.9e3, 40.0)]
 
 
-@pytest.mark.parametrize("law", [SAND, ROCK], ids=["sand", "rock"])
+@BOTH_LAWS
 def test_damping_raises_and_lowers_the_pressure_and_never_pulls(law):
     place, depth = [1.5, 3.0], 0.02 if law is SAND else 2e-4
     shoe = Shoe(law, [*place, 0.0])
@@ -105,15 +103,15 @@ def test_second_pass_is_stiffer_and_a_heavier_one_is_back_on_the_first_curve(law
     k, n = law.constants(0.65)[:2]
     reload, growth = law.reload_stiffness, law.reload_growth
     shoe = Shoe(law, [1.5, 3.0, 0.0])
-    shoe.settle([0, 0, -2 * LOAD, 0, 0, 0])
+    shoe.settle(2 * DOWN)
     first, p = -shoe.r[2], 2 * LOAD / AREA
     assert first == pytest.approx((p / k) ** (1 / n), rel=1e-6)
     shoe.move([1.5, 3.0, 0.1])
     modulus = max(reload + growth * first, p / first)
     shoe.move([1.5, 3.0, -first + (1.0 - 1.0 / 80.0) * p / modulus])
-    shoe.settle([0, 0, -LOAD, 0, 0, 0])
+    shoe.settle(DOWN)
     assert -shoe.r[2] == pytest.approx(first - 0.5 * p / modulus, rel=1e-6)
-    shoe.settle([0, 0, -3 * LOAD, 0, 0, 0])
+    shoe.settle(3 * DOWN)
     assert -shoe.r[2] == pytest.approx((1.5 * p / k) ** (1 / n), rel=1e-6)
 
 
@@ -236,7 +234,7 @@ def winkler(folder, monkeypatch):
 def test_a_law_is_one_file(winkler):
     shoe = Shoe(winkler, [1.0, 2.0, 0.0])
     assert shoe.move([1.0, 2.0, -0.02])[2] == pytest.approx(2e6 * 0.02 * AREA, rel=1e-12)
-    shoe.settle([0, 0, -LOAD, 0, 0, 0], steps=3)
+    shoe.settle(DOWN, steps=3)
     assert -shoe.r[2] == pytest.approx(LOAD / AREA / 2e6, rel=1e-9)
     figure, axes = plt.subplots(1, 2)
     winkler.draw(*axes)

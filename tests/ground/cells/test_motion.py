@@ -7,20 +7,8 @@ import pytest
 
 from exudyn_crawler.case.parameters.heights import Heights, Roughness
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
-from tests.ground.cells.driving import (
-    AREA,
-    DOWN,
-    LENGTH,
-    LOAD,
-    MASS,
-    ROCK,
-    SAND,
-    WIDTH,
-    Driven,
-    frame,
-    ground,
-    turn,
-)
+from tests.ground.cells import driving
+from tests.ground.cells.driving import AREA, DOWN, LENGTH, LOAD, MASS, ROCK, SAND, WIDTH, Driven, frame, turn
 
 LAWS = pytest.mark.parametrize("law", [SAND, BekkerSoil.lete_sand(), ROCK], ids=["wong", "chrono", "rock"])
 
@@ -63,15 +51,18 @@ def test_energy_of_a_drop_is_stored_or_lost():
     assert rests[1] < 0.005
 
 
+def on_side_slope(law, h):
+    """A shoe at rest on a side slope of 10 %, below friction."""
+    lean = turn([math.atan(0.1), 0, 0])
+    shoe = Driven(law, [1.5, 3.0, 1e-4], lean, h=h, heights=Heights(slope_y=0.1, level=-0.3))
+    shoe.settle(DOWN)
+    return shoe
+
+
 @LAWS
 def test_a_loaded_shoe_does_not_creep_down_a_slope(law):
-    """10 % side slope, below friction, an hour with 1 % noise of the load: it moves at first, and stays."""
-    slope, steps, h = 0.1, 1800, 2.0
-    heights = Heights(slope_y=slope, level=-3.0 * slope)
-    up = np.array([0.0, -slope, 1.0]) / math.hypot(1.0, slope)
-    lean = turn([math.atan(slope), 0, 0])
-    shoe = Driven(law, np.array([1.5, 3.0, 0.0]) + 1e-4 * up, lean, h=h, heights=heights)
-    shoe.settle(DOWN)
+    """An hour with 1 % noise of the load: it moves at first, and stays."""
+    shoe, steps = on_side_slope(law, 2.0), 1800
     start, places = shoe.r.copy(), []
     for load in 1.0 + 0.01 * np.random.default_rng(9).standard_normal(steps):
         shoe.step(load * DOWN)
@@ -81,9 +72,7 @@ def test_a_loaded_shoe_does_not_creep_down_a_slope(law):
 
 
 def test_a_struck_shoe_comes_to_rest_where_it_was():
-    heights = Heights(slope_y=0.1, level=-0.3)
-    shoe = Driven(SAND, [1.5, 3.0, 1e-4], turn([math.atan(0.1), 0, 0]), heights=heights)
-    shoe.settle(DOWN)
+    shoe = on_side_slope(SAND, 2e-3)
     start, y = shoe.r[1], []
     shoe.v[1] = 0.02
     for _ in range(600):
@@ -93,7 +82,7 @@ def test_a_struck_shoe_comes_to_rest_where_it_was():
     assert np.ptp(y[-100:]) < 1e-5
 
 
-@pytest.mark.parametrize("law", [SAND, ROCK], ids=["sand", "rock"])
+@driving.BOTH_LAWS
 def test_newton_takes_few_iterations_through_drop_drag_pulse_and_lift(law):
     rough = Roughness(spectrum=64e-6 if law is SAND else 16e-6, seed=4)
     start = [3.0, 3.0, 0.02 if law is SAND else 0.012]
@@ -125,23 +114,19 @@ def test_drawbar_pull_is_the_integral_of_janosis_curve(slip):
     constants = SAND.constants(LENGTH)
     z = (p / constants.k) ** (1.0 / constants.exponent)
     strength = p * (constants.friction + constants.cohesion / (p + 1e3))
-    cells, slid = ground(SAND, shoes=number), LENGTH * slip
+    cells, slid = driving.ground(SAND, shoes=number), LENGTH * slip
     x = 11.0 - LENGTH * np.arange(number)
     steps, pulls = max(40, math.ceil(slid / 2e-3)), []
 
-    def frames():
+    def frames(x):
         return np.concatenate([frame([at - LENGTH / 2, 2.1, -z]) for at in x])
 
     for laid in range(number + 2):
         if laid:
             x = np.r_[x[0] + LENGTH, x[:-1]]
         for _ in range(steps):
-            before = frames()
-            x = x - slid / steps
-            now = frames()
-            cells.cover(now, before)
-            pulls.append(cells.press(now)[:, 0].sum())
-            cells.commit()
+            before, x = x, x - slid / steps
+            pulls.append(driving.step(cells, frames(x), frames(before))[:, 0].sum())
     length, K = number * LENGTH, constants.deformation * (1.0 - slip) / slip
     wanted = WIDTH * strength * (length - K * (1.0 - math.exp(-length / K)))
     assert np.mean(pulls[-steps:]) == pytest.approx(wanted, rel=0.005)

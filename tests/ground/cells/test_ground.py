@@ -1,13 +1,15 @@
-"""Points of the cells under a shoe, tangents against differences, supports, forces on a coarse grid."""
+"""Ground of cells: points, tangents, supports, forces on a coarse grid, and what the map remembers."""
 
 import numpy as np
 import pandas as pd
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from benchmarks import cells as benchmark
 from exudyn_crawler.case.parameters.heights import Heights, Ridge, Roughness, Stone
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.cells.tiles import SIDE
+from tests.ground.cells import driving
 from tests.ground.cells.driving import LENGTH, LOAD, ROCK, SAND, WIDTH, Shoe, frame, ground, points_of, turn
 
 ROUGH = Heights(roughness=Roughness(spectrum=256e-6, seed=3))
@@ -100,8 +102,8 @@ def shares(shoe):
 
 def test_supports_carry_their_shares():
     """Two ridges under a stiff shoe: by the lever."""
-    ridges = [Ridge(x=2.0, y=y, heading=0.0, height=0.3, width=0.0, flank=0.25) for y in (1.85, 4.15)]
-    shoe = Shoe(ROCK, [2.0, 3.0, 0.3], heights=Heights(parts=tuple(ridges)))
+    ridges = tuple(Ridge(x=2.0, y=y, heading=0.0, height=0.3, width=0.0, flank=0.25) for y in (1.85, 4.15))
+    shoe = Shoe(ROCK, [2.0, 3.0, 0.3], heights=Heights(parts=ridges))
     shoe.settle([0, 0, -LOAD, -0.4 * LOAD, 0, 0], steps=10)
     # the ridges' tops are two cells wide
     assert_allclose(shares(shoe), [0.5 - 0.4 / 2.3, 0.5 + 0.4 / 2.3], atol=2e-3)
@@ -132,23 +134,21 @@ def test_a_pass_beside_a_rut_meets_old_and_fresh_ground():
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.02)
 
 
+STONES = Heights(parts=tuple(Stone(x=2.0, y=y, height=0.02, width=0.2, flank=0.25) for y in (1.8, 3.9)))
+
+
 @pytest.mark.parametrize(
-    ("law", "heights", "load", "bounds"),
+    ("law", "heights", "lean", "bounds"),
     [
-        (SAND, Heights(), [3e4, 0, -LOAD, -0.3 * LOAD, 0, 0], (0.03, 0.008)),
-        (SAND, ROUGH, [3e4, 0, -LOAD, 0, 0, 0], (0.03, 0.008)),
-        (
-            ROCK,
-            Heights(parts=tuple(Stone(x=2.0, y=y, height=0.02, width=0.2, flank=0.25) for y in (1.8, 3.9))),
-            [3e4, 0, -LOAD, 0, 0, 0],
-            (0.08, 0.03),
-        ),
+        (SAND, Heights(), -0.3, (0.03, 0.008)),
+        (SAND, ROUGH, 0.0, (0.03, 0.008)),
+        (ROCK, STONES, 0.0, (0.08, 0.03)),
     ],
 )
-def test_coarse_grid_keeps_force_moment_and_bending(law, heights, load, bounds, monkeypatch):
+def test_coarse_grid_keeps_force_moment_and_bending(law, heights, lean, bounds, monkeypatch):
     start = 0.06 if law is SAND else 0.02  # a stiff shoe has to begin where it touches
     shoe = Shoe(law, [2.0, 3.0, start], turn([0, 0, 0.1]), heights=heights)
-    shoe.settle(load)
+    shoe.settle([3e4, 0, -LOAD, lean * LOAD, 0, 0])
     force, points = shoe.force @ shoe.R, shoe.points
     true = bending(points[:, 1], force[:, 2], cuts := np.linspace(-WIDTH / 2, WIDTH / 2, 701))
     for nodes, bound in zip((9, 17), bounds, strict=True):
@@ -196,17 +196,68 @@ def test_two_shoes_share_cells_without_changing_their_sum():
     here, there = (
         np.concatenate([frame([x, 3, -0.0167]) for x in both]) for both in ((1.23, 1.88), (1.24, 1.87))
     )
-    cells.cover(here, here)
-    cells.press(here)
-    cells.commit()
-    cells.cover(there, here)
-    before = cells.press(there)[:, 0].copy()
-    cells.commit()
-    cells.cover(there, there)
-    after = cells.press(there)[:, 0]
-    assert abs(before.sum()) < 1e-9 * abs(before[0])
-    assert abs(after.sum()) < 1e-9 * abs(after[0])
+    driving.step(cells, here, here)
+    before, after = (driving.step(cells, there, start)[:, 0] for start in (here, there))
+    for pull in (before, after):
+        assert abs(pull.sum()) < 1e-9 * abs(pull[0])
     assert abs(after[0]) < abs(before[0])
+
+
+def frames(number):
+    """Two shoes that sink, slide, turn and leave tiles behind, at the end of a step."""
+    t = 0.02 * number
+    depth = -0.01 * (1.0 + np.sin(3.0 * t))
+    return np.concatenate(
+        [frame([x + 2.0 * t, -0.1 + 0.3 * np.sin(t), depth], turn([0.0, 0.0, 0.1 * t])) for x in (-1.0, -0.3)]
+    )
+
+
+def walk(cells, first, last):
+    """Wrenches of accepted steps."""
+    return np.array([driving.step(cells, frames(k + 1), frames(k)) for k in range(first, last)])
+
+
+@driving.BOTH_LAWS
+def test_a_restored_ground_goes_on_bit_for_bit(law):
+    whole, first = (ground(law, ROUGH, shoes=2) for _ in range(2))
+    wrenches = walk(whole, 0, 80)
+    walk(first, 0, 37)
+    state = {name: values.copy() for name, values in first.state().items()}
+    assert len(state["cells"]) == len(np.unique(state["cells"], axis=0)) == len(state["memory"])
+    second = ground(law, ROUGH, shoes=2)
+    second.restore(state)
+    assert_array_equal(walk(second, 37, 80), wrenches[37:])
+    ends = whole.state(), second.state()
+    orders = [np.lexsort(one["cells"].T) for one in ends]
+    for name in ends[0].keys() - {"held"}:
+        assert_array_equal(*(one[name][order] for one, order in zip(ends, orders, strict=True)))
+    # a run that went on after a checkpoint, and one that is set back to it
+    walk(first, 37, 60)
+    first.restore(state)
+    assert_array_equal(walk(first, 37, 80), wrenches[37:])
+
+
+def test_only_accepted_steps_are_remembered():
+    one, other = (ground(SAND, ROUGH, shoes=2) for _ in range(2))
+    for cells in (one, other):
+        walk(cells, 0, 10)
+    other.cover(frames(30), frames(10))
+    for number in (25, 30, 28):
+        other.press(frames(number), (1.0, 10.0))
+    assert_array_equal(walk(one, 10, 20), walk(other, 10, 20))
+
+
+def test_tiles_are_made_where_shoes_come_alone():
+    cells = ground(SAND)
+    for x in (0.0, 500.0, -300.0):
+        driving.step(cells, *[frame([x + 1.0, 1.0, -0.01])] * 2)
+    assert len(cells.tiles.planes) <= 12
+    state = cells.state()
+    assert state["memory"].nbytes < 3 * 48 * (0.65 / 0.1 + 2) * (3.505 / 0.1 + 2)
+    assert len(state["held"]) < len(state["cells"])
+    x = cells.tiles.cell * (state["cells"][:, 0] + 0.5)
+    assert set(np.round(x, -2)) == {-300.0, 0.0, 500.0}
+    assert SIDE == 32
 
 
 def test_the_benchmark_of_a_steps_parts_presses_16_shoes(monkeypatch):
