@@ -148,8 +148,8 @@ def _reactions(states: _States, motion: Arrays) -> Arrays:
     }
     if layout.flexible_shoes:
         # a rigid link has one joint, whose reaction is no pin's
-        single = ~has.all(axis=1)
-        force[:, single] = torque[:, single] = np.nan
+        for link in np.flatnonzero(~has.all(axis=1)):
+            force[:, link] = torque[:, link] = np.nan
         named |= {
             "modal_coordinate": states.part("modes"),
             "modal_velocity": states.part("modes rate"),

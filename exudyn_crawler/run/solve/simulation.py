@@ -96,11 +96,10 @@ class ChainWatch:
         self._shoes, self._frame = case.shoe_reference, case.frame_start
         self._tumblers = case.tumbler_reference
         self._middles = np.repeat(case.track_middles, case.loop.shoe_count)
-        self._pins = [
-            (int(name.rpartition(" ")[2]), layout.first_multiplier(name))
-            for name, _ in layout.multipliers
-            if " pin of link " in name
-        ]
+        pins = [name for name, _ in layout.multipliers if " pin of link " in name]
+        self._links = np.array([int(name.rpartition(" ")[2]) - 1 for name in pins])
+        # of every pin, along the ground and normal to both
+        self._reactions = np.array([layout.first_multiplier(name) for name in pins])[:, None] + [0, 2]
         self.next_look = 0.0
 
     def fault(self, row: np.ndarray) -> str:
@@ -113,9 +112,8 @@ class ChainWatch:
 
     def _tension(self, row: np.ndarray) -> np.ndarray:
         """Force of every link in the chain's plane, N."""
-        forces, multipliers = np.zeros((self.case.track.shoe_count, 2)), self.layout.part(row, "multipliers")
-        for link, first in self._pins:
-            forces[link - 1] += multipliers[[first, first + 2]]
+        forces = np.zeros((self.case.track.shoe_count, 2))
+        np.add.at(forces, self._links, self.layout.part(row, "multipliers")[self._reactions])
         return np.hypot(*forces.T)
 
     def _broken(self, tension: np.ndarray) -> str:
