@@ -118,7 +118,11 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
         (CLOSED, {"closed_track.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
         (CLOSED, {"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
         (CLOSED, {"closed_track.idler.take_up": 0.3}, "too short by"),
-        (CLOSED, {"closed_track.fold_limit": 0.6}, "fold_limit must be greater than 2 pi / teeth = 0.6283"),
+        (
+            CLOSED,
+            {"closed_track.fold_limit": 0.6},
+            "fold_limit must be greater than 2 pi / teeth = 0.6283 rad",
+        ),
         (CLOSED, {"drive": Drive.turning()}, r"drive.turn_rate must be None .* without a car_body"),
         (SHOVEL, {"track.shoe_count": 75, "loads": LoadCycle.constant([0.0] * 75)}, "even track.shoe_count"),
         (SHOVEL, {"track.shoe_count": 72, "loads": LoadCycle.constant([0.0] * 72)}, "a chain of 36 shoes"),

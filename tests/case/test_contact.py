@@ -52,7 +52,10 @@ UNEVEN = LoadCycle(phases=(LIGHT, HEAVY))
         ({"contact.radius": 0.1, "loads": UNEVEN}, r"of the most loaded shoe, 0\.1183 m, got 0\.1"),
         ({"contact.radius": 2.0}, r"quarter of a unit's side, 1\.75 m, got 2"),
         ({"loads": LoadCycle.constant(-1e6)}, "loads must press the shoes down"),
-        ({"flexible": FlexibleShoes.ph4100c("coarse")}, r"must be None with contact\.model 'spheres'"),
+        (
+            {"flexible": FlexibleShoes.ph4100c("coarse")},
+            r"flexible must be None with contact\.model 'spheres'",
+        ),
     ],
 )
 def test_spheres_that_would_sink_through_or_do_not_go_with_the_case_are_refused(changes, message):

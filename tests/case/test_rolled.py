@@ -56,7 +56,11 @@ def test_case_file_gives_the_case_again(read, tmp_path):
         (ROLLED, {"loads": LoadCycle.propel(24)}, "loads must be zero"),
         (ROLLED, {"undercarriage.tread_width": 0.3}, "tread_width must not exceed the rails' width"),
         (ROLLED, {"undercarriage.start": 12.0}, "track must be long enough for the drive: at t = 0 s"),
-        (ROLLED, {"shoe.rails.rear": 0.1, "undercarriage.radius": 0.2}, "must leave a gap from shoe to shoe"),
+        (
+            ROLLED,
+            {"shoe.rails.rear": 0.1, "undercarriage.radius": 0.2},
+            "must leave a gap from shoe to shoe that rollers cross",
+        ),
         (ROLLED, {"shoe.rails.left": -0.1}, "left must be beyond right = -0.24 by the width 0.22, got -0.1"),
     ],
 )
@@ -160,7 +164,7 @@ def test_machine_that_tips_over_a_track_has_odd_times_or_no_frame_is_refused():
         (
             NOTHING,
             (0.0, 3e7, 0.0),
-            r"it tips: its weight acts at x = .* m, rollers are from -4\.375 to 4\.3",
+            r"it tips: its weight acts at x = .* m, rollers are from -4\.375 to 4\.375 m",
         ),
         (NOTHING, (3e6, 0.0, 0.0), "the side frame tips"),
     ],

@@ -76,7 +76,10 @@ def test_counts_between_bounds_are_whole_numbers():
         ({"values": (1.0, 1.0)}, "values must be different ones"),
         ({"values": ()}, "values must be different ones"),
         (BOUNDS | {"within": 0.9}, "within must be left out with distribution 'uniform', got 0.9"),
-        (BOUNDS | {"distribution": "weibull", "low": -1.0}, "low .* with distribution 'weibull', got -1"),
+        (
+            BOUNDS | {"distribution": "weibull", "low": -1.0},
+            "low must be positive with distribution 'weibull', got -1",
+        ),
         (BOUNDS | {"distribution": "weibull", "scale": "log"}, "scale must be left out"),
         (
             BOUNDS | {"distribution": "normal", "count": 3},
