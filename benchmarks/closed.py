@@ -1,15 +1,23 @@
 """Cost of closed tracks: whole runs less their start, and integration alone, medians of rounds of all.
 
-`python -m benchmarks.closed` prints the table.
+And what one flexible shoe adds, which is less than such figures drift by: of every step of a run the least time
+that it took in several ones, which other work on a machine disturbs least. These differ by process still, as
+its memory lies. `python -m benchmarks.closed` prints the tables.
 """
 
+import multiprocessing
+import statistics
 import time as clock
+from concurrent.futures import ProcessPoolExecutor
+from unittest import mock
 
+import numpy as np
 import pandas as pd
 
 from benchmarks.growth import timed
 from exudyn_crawler import Case, FlexibleShoes, simulate
 from exudyn_crawler.case import ph4100c
+from exudyn_crawler.run.solve.stages import Recorder
 from exudyn_crawler.views.tables import print_table
 from studies.closed import INTERVAL, ON_SPOT, TURNS, turning_case
 
@@ -17,6 +25,8 @@ START, DURATION = 0.02, 5.0
 """s, of the run that is taken off the whole one, and of that one."""
 ROUNDS = 7
 """In which the cases take turns: other work on a machine comes and goes."""
+PROCESSES, RUNS = 9, 5
+"""Of the least times of steps; runs of a process take turns, too."""
 
 
 def closed_cases() -> dict[str, Case]:
@@ -46,8 +56,45 @@ def spent(case: Case, interval: float) -> float:
     return (times[1] - times[0]) / (DURATION - START)
 
 
+def step_times(case: Case) -> np.ndarray:
+    """Wall s of every step of a run as it is made by default, and at the end of its history."""
+    stamps: list[float] = []
+    store = Recorder.store
+
+    def stamped(recorder: Recorder, time: float) -> None:
+        store(recorder, time)
+        stamps.append(clock.perf_counter())
+
+    with mock.patch.object(Recorder, "store", stamped):
+        simulate(case, DURATION, progress=False)
+    return np.diff([*stamps, clock.perf_counter()])
+
+
+def least(_process: int) -> list[float]:
+    """Wall s a simulated second of a rigid track and of one with a flexible shoe, by the least of every step."""
+    rigid, flexible, *_ = closed_cases().values()
+    runs = [(step_times(rigid), step_times(flexible)) for _ in range(RUNS)]
+    return [float(np.min(times, axis=0).sum()) / DURATION for times in zip(*runs, strict=True)]
+
+
+def print_added() -> None:
+    """Print what one flexible shoe adds to a run."""
+    fresh = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, fresh, max_tasks_per_child=1) as pool:
+        pairs = list(pool.map(least, range(PROCESSES)))
+    added = [100.0 * (flexible / rigid - 1.0) for rigid, flexible in pairs]
+    row = {
+        "rigid shoes": statistics.median(rigid for rigid, _ in pairs),
+        "one flexible": statistics.median(flexible for _, flexible in pairs),
+        "adds, %": statistics.median(added),
+        "least, %": min(added),
+        "most, %": max(added),
+    }
+    print_table(pd.DataFrame([row]), f"One flexible shoe, s a simulated second, {PROCESSES} processes")
+
+
 def main() -> None:
-    """Print the table."""
+    """Print the tables."""
     rows = [
         {
             "what": name,
@@ -60,6 +107,7 @@ def main() -> None:
     ]
     medians = pd.DataFrame(rows).groupby("what", sort=False).median().reset_index()
     print_table(medians, "Closed tracks, processor s a simulated second")
+    print_added()
 
 
 if __name__ == "__main__":

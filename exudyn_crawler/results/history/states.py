@@ -140,16 +140,17 @@ def _reactions(states: _States, motion: Arrays) -> Arrays:
     # the front shoe is the last of the flexible ones, if it is one of them
     modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(angles), 0))
     named = {
-        "joint_force": force.sum(axis=2),
-        "joint_torque": torque.sum(axis=2),
+        "joint_force": force[:, :, 0] + force[:, :, 1],
+        "joint_torque": torque[:, :, 0] + torque[:, :, 1],
         "drive_force": -states.part("drive")[:, 0] * (not states.system.case.is_rolled),
         "drive_point": motion["position"][:, -1] + point.arm(angles[:, -1], modal),
         "drive_torque": -states.part("turn")[:, 0] if layout.has("turn") else np.zeros(len(angles)),
     }
     if layout.flexible_shoes:
         # a rigid link has one joint, whose reaction is no pin's
-        for link in np.flatnonzero(~has.all(axis=1)):
-            force[:, link] = torque[:, link] = np.nan
+        rigid = np.repeat(~has.all(axis=1), has.shape[1] * 3)
+        for pins in force, torque:
+            np.copyto(pins.reshape(len(pins), -1), np.nan, where=rigid)
         named |= {
             "modal_coordinate": states.part("modes"),
             "modal_velocity": states.part("modes rate"),
