@@ -1,8 +1,8 @@
 """Cost of closed tracks: whole runs less their start, and integration alone, medians of rounds of all.
 
-And what one flexible shoe adds, which is less than such figures drift by: of every step of a run the least time
-that it took in several ones, which other work on a machine disturbs least. These differ by process still, as
-its memory lies. `python -m benchmarks.closed` prints the tables.
+And what one flexible shoe adds, which is less than these drift by: the least time that every step took in
+several runs, which other work disturbs least, in several processes, whose memory lies differently.
+`python -m benchmarks.closed` prints the tables.
 """
 
 import multiprocessing
@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.growth import timed
-from exudyn_crawler import Case, FlexibleShoes, simulate
+from exudyn_crawler import Case, FlexibleShoes, LoadCycle, simulate
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.run.solve.stages import Recorder
 from exudyn_crawler.views.tables import print_table
@@ -25,8 +25,24 @@ START, DURATION = 0.02, 5.0
 """s, of the run that is taken off the whole one, and of that one."""
 ROUNDS = 7
 """In which the cases take turns: other work on a machine comes and goes."""
-PROCESSES, RUNS = 9, 5
+SHOES, PROCESSES, RUNS = (38, 40), 6, 5
 """Of the least times of steps; runs of a process take turns, too."""
+
+
+def longer(case: Case, shoes: int) -> Case:
+    """A closed track of so many shoes, whose tumbler and idler stand half of what is added farther out."""
+    frame = case.closed_track
+    assert frame is not None
+    more = 0.25 * (shoes - case.track.shoe_count) * case.track.pitch
+    (rear, height), (front, low) = frame.tumbler.place, frame.idler.place
+    return case.with_(
+        track=case.track.with_(shoe_count=shoes),
+        loads=LoadCycle.constant([0.0] * shoes),
+        closed_track=frame.with_(
+            tumbler=frame.tumbler.with_(place=(rear - more, height)),
+            idler=frame.idler.with_(place=(front + more, low)),
+        ),
+    )
 
 
 def closed_cases() -> dict[str, Case]:
@@ -70,27 +86,27 @@ def step_times(case: Case) -> np.ndarray:
     return np.diff([*stamps, clock.perf_counter()])
 
 
-def least(_process: int) -> list[float]:
-    """Wall s a simulated second of a rigid track and of one with a flexible shoe, by the least of every step."""
-    rigid, flexible, *_ = closed_cases().values()
+def least(shoes: int) -> list[float]:
+    """Wall s a simulated second by the least time of every step, of rigid shoes and of one flexible."""
+    rigid, flexible = (longer(case, shoes) for case in list(closed_cases().values())[:2])
     runs = [(step_times(rigid), step_times(flexible)) for _ in range(RUNS)]
     return [float(np.min(times, axis=0).sum()) / DURATION for times in zip(*runs, strict=True)]
 
 
-def print_added() -> None:
-    """Print what one flexible shoe adds to a run."""
+def added(shoes: int) -> dict[str, float]:
+    """What one flexible shoe adds to a run: medians of processes, and the range of the share."""
     fresh = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, fresh, max_tasks_per_child=1) as pool:
-        pairs = list(pool.map(least, range(PROCESSES)))
-    added = [100.0 * (flexible / rigid - 1.0) for rigid, flexible in pairs]
-    row = {
-        "rigid shoes": statistics.median(rigid for rigid, _ in pairs),
+        pairs = list(pool.map(least, [shoes] * PROCESSES))
+    shares = [100.0 * (flexible / rigid - 1.0) for rigid, flexible in pairs]
+    return {
+        "shoes": shoes,
+        "rigid": statistics.median(rigid for rigid, _ in pairs),
         "one flexible": statistics.median(flexible for _, flexible in pairs),
-        "adds, %": statistics.median(added),
-        "least, %": min(added),
-        "most, %": max(added),
+        "adds, %": statistics.median(shares),
+        "least, %": min(shares),
+        "most, %": max(shares),
     }
-    print_table(pd.DataFrame([row]), f"One flexible shoe, s a simulated second, {PROCESSES} processes")
 
 
 def main() -> None:
@@ -107,7 +123,8 @@ def main() -> None:
     ]
     medians = pd.DataFrame(rows).groupby("what", sort=False).median().reset_index()
     print_table(medians, "Closed tracks, processor s a simulated second")
-    print_added()
+    shares = pd.DataFrame([added(shoes) for shoes in SHOES])
+    print_table(shares, "One flexible shoe, s a simulated second by the least time of every step")
 
 
 if __name__ == "__main__":
