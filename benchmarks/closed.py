@@ -29,7 +29,7 @@ SHOES, PROCESSES, RUNS = (38, 40), 6, 5
 """Of the least times of steps; runs of a process take turns, too."""
 
 
-def longer(case: Case, shoes: int) -> Case:
+def longer_loop(case: Case, shoes: int) -> Case:
     """A closed track of so many shoes, whose tumbler and idler stand half of what is added farther out."""
     frame = case.closed_track
     assert frame is not None
@@ -88,7 +88,7 @@ def step_times(case: Case) -> np.ndarray:
 
 def least(shoes: int) -> list[float]:
     """Wall s a simulated second by the least time of every step, of rigid shoes and of one flexible."""
-    rigid, flexible = (longer(case, shoes) for case in list(closed_cases().values())[:2])
+    rigid, flexible = (longer_loop(case, shoes) for case in list(closed_cases().values())[:2])
     runs = [(step_times(rigid), step_times(flexible)) for _ in range(RUNS)]
     return [float(np.min(times, axis=0).sum()) / DURATION for times in zip(*runs, strict=True)]
 
