@@ -1,0 +1,108 @@
+"""Named cases: those of the papers, and the machines that roll on their track or stand on closed ones.
+
+A case file may name one of those without arguments as its `base`. `Case` inherits all of them, so that
+``Case.translation()`` is one.
+"""
+
+from typing import Literal, Self
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters import undercarriage
+from exudyn_crawler.case.parameters.base import Parameters
+from exudyn_crawler.case.parameters.closed_track import ClosedTrack
+from exudyn_crawler.case.parameters.contact import PairContact
+from exudyn_crawler.case.parameters.drive import Drive, Solver
+from exudyn_crawler.case.parameters.loads import LoadCycle
+from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.track import FlexibleShoes, Rails, Shoe, Track
+from exudyn_crawler.case.parameters.undercarriage import CarBody, Undercarriage
+
+
+class NamedCases(Parameters):
+    """Constructors of named cases; the fields are those of `Case`."""
+
+    @classmethod
+    def translation(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
+        """Straight propel of the K-chapter, K-paper and F-paper; `Shoe.uneven` is fitted to the turn."""
+        return cls(
+            name="translation" if shoe == "even" else "uneven translation",
+            shoe=Shoe.kinematics() if shoe == "even" else Shoe.uneven(),
+            track=Track.ph4100c(),
+            terrain=Terrain.kinematics(),
+            contact=PairContact.adams(),
+            drive=Drive.translation(),
+            loads=LoadCycle.propel(),
+        )
+
+    @classmethod
+    def turning(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
+        """Propel with a turn of the K-chapter, the K-paper and the F-paper; for `shoe` see `translation`."""
+        name = "turning" if shoe == "even" else "uneven turning"
+        return cls.translation(shoe).with_(name=name, drive=Drive.turning())
+
+    @classmethod
+    def stress(cls, mesh: str = "study", seams: Literal["margin", "fitted"] = "margin") -> Self:
+        """Propel and loading cycle of the S-paper, with six flexible shoes.
+
+        Each pair of shoe and unit has a whole contact law, as the paper states it. On 1 m units a shoe then
+        stands on 4 to 8 of them, so that its stiffness and its share of the load change as it crosses seams,
+        which ``PairContact.oil_sand(sharing="area")`` does not know. For `mesh` see `FlexibleShoes`, for
+        `seams` `Terrain.stress`.
+        """
+        return cls(
+            name="stress",
+            shoe=Shoe.ph4100c().of_mass(ph4100c.STRESS_SHOE_MASS),
+            track=Track.ph4100c(),
+            terrain=Terrain.stress(seams),
+            contact=PairContact.oil_sand(),
+            drive=Drive.to_rest(),
+            loads=LoadCycle.shovel_cycle(),
+            flexible=FlexibleShoes.ph4100c(mesh),
+        )
+
+    @classmethod
+    def rolled(cls, shoe_count: int = 24) -> Self:
+        """Straight propel of a side frame over rigid shoes laid out before it; 24 give it 5 m of way."""
+        track = Track.ph4100c().with_(shoe_count=shoe_count)
+        return cls(
+            name="rolled",
+            shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
+            track=track,
+            terrain=undercarriage.ground_below(track, Terrain.stress()),
+            # shoes that tilt under the rollers stand on several units
+            contact=PairContact.oil_sand(sharing="area"),
+            drive=Drive.translation(),
+            loads=LoadCycle.constant([0.0] * shoe_count),
+            undercarriage=Undercarriage.ph4100c(),
+            # shoes stand: steps of 2 ms give the same pull within 0.5 %
+            solver=Solver(step=5e-3, output_interval=5e-3),
+        )
+
+    @classmethod
+    def closed(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
+        """Straight propel of half a machine on a closed track of rigid shoes; its chain has `drive.speed`."""
+        return cls.translation().with_(
+            name="closed",
+            shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
+            track=Track.ph4100c().with_(shoe_count=shoe_count),
+            loads=LoadCycle.constant([0.0] * shoe_count),
+            closed_track=ClosedTrack.ph4100c(),
+        )
+
+    @classmethod
+    def shovel(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
+        """Straight propel of the whole machine on two closed tracks of `shoe_count` rigid shoes each.
+
+        The tracks go at `drive.speed` more or less half of `track_distance` times `drive.turn_rate`.
+        """
+        half = cls.closed(shoe_count)
+        frame = ClosedTrack.ph4100c()
+        mass = ph4100c.SIDE_FRAME_MASS
+        inertia = tuple(value * mass / frame.mass for value in frame.inertia)
+        return half.with_(
+            name="shovel",
+            track=half.track.with_(shoe_count=2 * shoe_count),
+            loads=LoadCycle.constant([0.0] * (2 * shoe_count)),
+            closed_track=frame.with_(mass=mass, inertia=inertia),
+            car_body=CarBody.ph4100c(),
+        )
