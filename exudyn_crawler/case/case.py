@@ -1,29 +1,23 @@
 """Everything that a run depends on."""
 
 from collections.abc import Callable
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
-from pydantic import Field
 
-from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.named import NamedCases
 from exudyn_crawler.case.parameters import fields, undercarriage
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, inertia_tensor, option, quantity
+from exudyn_crawler.case.parameters.base import Errors, Parameters, inertia_tensor
 from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
-from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, SoilLaw, Terrain
-from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Shoe, Track
-from exudyn_crawler.case.parameters.undercarriage import CarBody, MachineCycle, Part, Undercarriage
+from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Track
+from exudyn_crawler.case.parameters.undercarriage import Part, Undercarriage
 
 NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 Model = TypeVar("Model", bound=Parameters)
-AnyTerrain = Annotated[Terrain | CellTerrain, Field(discriminator="model")]
-Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]
-"""How shoes and terrain touch."""
 
 
 def _part(name: str, kind: type[Model]) -> Callable[["Case"], Model]:
@@ -42,34 +36,6 @@ def _part(name: str, kind: type[Model]) -> Callable[["Case"], Model]:
 
 class Case(NamedCases):
     """Track, terrain, contact, drive, loads and solver of one run; `ParameterError` if they do not fit."""
-
-    name: Name = option("name of the case in results and figures", "case")
-    shoe: Shoe
-    track: Track
-    terrain: AnyTerrain = option("ground: model units or cells")
-    contact: Contact = option("how shoes and terrain touch: model pair, spheres or cells")
-    drive: Drive
-    loads: LoadCycle
-    flexible: FlexibleShoes | None = None
-    solver: Solver = Solver()
-    terrain_formulation: Literal["reduced", "constrained"] = option(
-        "independent coordinates of the terrain, or all of them with its joints", "reduced"
-    )
-    formulation: Literal["compiled", "engine"] | None = option(
-        "equations of motion: compiled, or by Exudyn's items, the reference; None: compiled if it can",
-        None,
-    )
-    gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
-    undercarriage: Undercarriage | None = option(
-        "side frame that rolls over the shoes at the drive's speed; none: this drags the front shoe", None
-    )
-    machine: MachineCycle | None = option("what the machine does on the side frame; none: its weight", None)
-    closed_track: ClosedTrack | None = option(
-        "side frame, tumbler, idler and rollers that the track is closed round; none: it is open", None
-    )
-    car_body: CarBody | None = option(
-        "of a machine on two closed tracks, which share `track.shoe_count`, the right first; none: one", None
-    )
 
     def _errors(self) -> Errors:
         count, shoe, terrain, contact = self.track.shoe_count, self.shoe, self.terrain, self.contact

@@ -8,7 +8,6 @@ from typing import Literal, Self
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import undercarriage
-from exudyn_crawler.case.parameters.base import Parameters
 from exudyn_crawler.case.parameters.closed_track import ClosedTrack
 from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
@@ -16,10 +15,11 @@ from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import FlexibleShoes, Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import CarBody, Undercarriage
+from exudyn_crawler.case.sections import Sections
 
 
-class NamedCases(Parameters):
-    """Constructors of named cases; the fields are those of `Case`."""
+class NamedCases(Sections):
+    """Constructors of named cases."""
 
     @classmethod
     def translation(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
