@@ -5,7 +5,6 @@ may import, against the code.
 """
 
 import ast
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from xml.sax.saxutils import escape
@@ -28,7 +27,7 @@ FLOORS = (
     ("fem",),
 )
 """Rooms from the top of the house to the ground: a room imports only from floors below its own."""
-SHARED = ("errors", "files", "files")
+SHARED = ("errors", "files")
 """What any room may import; they import each other and the lowest floor alone."""
 ALSO = {("run", "views")}
 """Imports beside those of the floors: (from, to)."""
@@ -59,26 +58,29 @@ def modules() -> dict[str, Path]:
 
 @cache
 def imports() -> list[tuple[str, str]]:
-    """Every import of one module of the code by another, wherever in a file it stands: (from, to)."""
-    return list(_imports())
+    """Every import of one module of the code by another, wherever in a file it stands: (from, to).
+
+    A text that is a module's dotted name counts as an import of it: what else would it be for.
+    """
+    trees = ((module, ast.parse(path.read_text(encoding="utf-8"))) for module, path in modules().items())
+    return [pair for module, tree in trees for pair in imports_of(module, tree)]
 
 
-def _imports() -> Iterator[tuple[str, str]]:
+def imports_of(module: str, tree: ast.Module) -> list[tuple[str, str]]:
+    """Imports of one module, which has this tree: (from, to)."""
     known = modules()
-    for module, path in known.items():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                targets = [alias.name for alias in node.names]
-            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
-                below = [f"{node.module}.{alias.name}" for alias in node.names]
-                targets = [one if one in known else node.module for one in below]
-            elif isinstance(node, ast.ImportFrom):
-                raise ValueError(
-                    f"{path}: imports must be absolute, got a relative one in line {node.lineno}"
-                )
-            else:
-                continue
-            yield from ((module, one) for one in sorted(set(targets)) if one in known and one != module)
+    targets: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            targets.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            targets.update(name if name in known else node.module for name in names)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and "." in node.value:
+            targets.add(node.value)
+        elif isinstance(node, ast.ImportFrom):
+            raise ValueError(f"{module}: imports must be absolute, got a relative one in line {node.lineno}")
+    return [(module, target) for target in sorted(targets) if target in known and target != module]
 
 
 def arrows() -> set[tuple[str, str]]:

@@ -46,7 +46,7 @@ class Fold(Protocol[Result]):
     """A result that is gathered from a history of stresses.
 
     A fold that looks at long parts of the history of single nodes, as counts of cycles do, gathers the blocks
-    of the same nodes until `times.stop` is that of the segment.
+    of the same nodes until the stop of `times` is that of the segment.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ def fold_stresses(
     stress_modes : columns (n, 6, m)
         In Pa per unit of a coordinate: of modes, or of modes and static fields side by side.
     q : array (t, m), or iterable of arrays
-        Coordinates, or parts of them in order of time: of a `StoredHistory` one segment is in memory.
+        Coordinates, or parts of them in order of time: of a stored history one segment is in memory.
     fold : Fold
     nodes : int array, optional
         Numbers of the nodes to look at, in any order; all if left out.

@@ -1,1 +1,1 @@
-"""The only builders of Exudyn systems: shoes, links, ground, loads, drive and contact of a case."""
+"""A case as tables of bodies, markers, joints and force elements, and its equations of motion."""

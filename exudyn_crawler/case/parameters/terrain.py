@@ -1,16 +1,20 @@
 """Terrain: a grid of units on spring-dampers, or cells that remember, with the law of their soil."""
 
-import importlib
 import json
 import math
-from typing import Annotated, Any, Literal, Self
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny
 
 from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, File, Parameters, Slope, Two, option, quantity
 from exudyn_crawler.case.parameters.heights import Heights
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 STEEPEST = 0.2
 """Greatest slope along units: gaps between their faces are half its square of their length, 2 %."""
@@ -208,8 +212,10 @@ class Terrain(Ground):
         return self.spring_damping / self.spring_stiffness
 
 
-LAWS = "exudyn_crawler.ground.cells.laws"
-"""Where the laws are, a file each: a room above this one, found by name."""
+SOIL_LAWS = "exudyn_crawler.soil_laws"
+"""Entry points of functions that give the classes of soil laws: laws with compiled code live in rooms above
+this one, or in other packages.
+"""
 
 
 class SoilLaw(Parameters):
@@ -219,20 +225,35 @@ class SoilLaw(Parameters):
 
     @staticmethod
     def plugged_in() -> list[type["SoilLaw"]]:
-        """Classes of all laws that there are."""
-        laws: list[type[SoilLaw]] = importlib.import_module(LAWS).law_classes()
-        return laws
+        """Classes of all laws that are installed."""
+        return [law for point in entry_points(group=SOIL_LAWS) for law in point.load()()]
 
     def sinkage(self, pressure: float, width: float) -> float:
         """Sinkage (m) of a plate as wide as `width` (m) that is first loaded by a pressure (Pa)."""
         raise NotImplementedError
 
+    def draw(self, pressure: "Axes", shear: "Axes") -> None:
+        """Draw pressure over sinkage and shear over slip."""
+        raise NotImplementedError
+
+
+def law_class(model: object) -> type[SoilLaw]:
+    """Class of parameters of the soil law of this name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    laws = {fields.tag_of(law): law for law in SoilLaw.plugged_in()}
+    if model not in laws:
+        raise ValueError(f"model: must be one of {', '.join(sorted(laws))}, got {model!r}")
+    return laws[str(model)]
+
 
 def _law(values: Any) -> Any:
     """Law of a table by its model; anything else as it is."""
-    if not isinstance(values, dict):
-        return values
-    return importlib.import_module(LAWS).law_class(values.get("model"))(**values)
+    return law_class(values.get("model"))(**values) if isinstance(values, dict) else values
 
 
 class CellContact(Parameters):

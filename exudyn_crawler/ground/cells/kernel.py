@@ -202,12 +202,27 @@ def _slope(points, areas, by_place, by_velocity, size, block):
             block[SLOPES + 4 * r, k] += position * across + velocity * drag
 
 
-@within_law
-def press_shoe(law, count, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes, block):
-    """Write what the cells do to one shoe, which has so many points, at a frame (FRAME,).
+class PressedShoe(NamedTuple):
+    """Arrays of `ShoePoints` of one shoe; the last six are written."""
 
-    `weights` are as of `press`, the other arrays as of `ShoePoints`, of this shoe; the last six are written.
+    points: packed.Floats3
+    areas: packed.Floats1
+    bent: packed.Floats3
+    trial: packed.Floats2
+    force: packed.Floats2
+    wrench: packed.Floats1
+    tangent: packed.Floats2
+    slopes: packed.Floats2
+    block: packed.Floats2
+
+
+@within_law
+def press_shoe(law, count, frame, weights, shoe):
+    """Write the forces of the cells on a `PressedShoe` with `count` points at a frame (FRAME,).
+
+    `weights` (2,) are those of `press`.
     """
+    points, areas, bent, trial, force, wrench, tangent, slopes, block = shoe
     at, by_place, by_velocity = frame_at(frame), weights[0], weights[1]
     tangents = by_place != 0.0 or by_velocity != 0.0
     F, M, by_x, by_y = NOTHING, NOTHING, NOTHING, NOTHING
@@ -315,14 +330,10 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
     ):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
         blocks = (count + BLOCK - 1) // BLOCK
-        press_shoe(
-            law,
-            count,
+        shoe = PressedShoe(
             carray(points, (blocks, POINT, BLOCK)),
             carray(areas, (count,)),
             carray(bent, (blocks, 6, BLOCK)),
-            carray(frame, (FRAME,)),
-            carray(weights, (2,)),
             carray(trial, (count, TRIAL)),
             carray(force, (count, 3)),
             carray(wrench, (6,)),
@@ -330,6 +341,7 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
             carray(slopes, (9, count)),
             carray(block, (ROWS, BLOCK)),
         )
+        press_shoe(law, count, carray(frame, (FRAME,)), carray(weights, (2,)), shoe)
         return 0
 
     return (

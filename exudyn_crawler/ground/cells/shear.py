@@ -126,7 +126,7 @@ def answer(
     after : Memory
         On trial, but for the shear.
     nearby : bool
-        Whether this is for `LawKernel.nearby`.
+        Asks for an answer near to the committed memory, see `LawKernel`.
     """
     pressure, slope = normal
     shear = sheared(law, probe, pressure, tangents, nearby)

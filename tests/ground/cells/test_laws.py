@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from exudyn_crawler import Case, CaseFile, read_case, simulate, write_case
 from exudyn_crawler.case.files import saved_case
+from exudyn_crawler.case.parameters.terrain import law_class
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells import laws
 from exudyn_crawler.ground.cells.law import Memory, Probe
@@ -228,7 +229,7 @@ def folder(tmp_path_factory):
 @pytest.fixture
 def winkler(folder, monkeypatch):
     monkeypatch.setattr(laws, "__path__", [*laws.__path__, str(folder)])
-    return laws.law_class("winkler")(modulus=2e6, shear_deformation=0.01)
+    return law_class("winkler")(modulus=2e6, shear_deformation=0.01)
 
 
 def test_a_law_is_one_file(winkler):
@@ -259,9 +260,9 @@ def test_a_case_takes_a_law_of_one_file(winkler, tmp_path):
 
 
 def test_laws_are_found_by_name_and_others_refused():
-    assert laws.law_class("bekker") is BekkerSoil
-    assert laws.law_class("rock") is RockFloor
+    assert law_class("bekker") is BekkerSoil
+    assert law_class("rock") is RockFloor
     with pytest.raises(ValueError, match=r"^model: must be one of bekker, rock, got 'sand'$"):
-        laws.law_class("sand")
+        law_class("sand")
     with pytest.raises(ParameterError, match="friction_angle"):
         BekkerSoil.lete_sand().with_(friction_angle=90.0)

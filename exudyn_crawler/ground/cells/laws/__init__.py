@@ -4,34 +4,24 @@ import pkgutil
 from importlib import import_module
 from pathlib import Path
 
-from exudyn_crawler.case.parameters import reading
+from exudyn_crawler.case.parameters import reading, terrain
 from exudyn_crawler.ground.cells.law import CellLaw
 
 
 def law_classes() -> list[type[CellLaw]]:
-    """Classes of parameters of all laws."""
-    return [law_class(module.name) for module in pkgutil.iter_modules(__path__)]
+    """Classes of parameters of the laws in this folder, in the order of their files' names."""
+    return [_law_of(module.name) for module in pkgutil.iter_modules(__path__)]
 
 
-def law_class(model: object) -> type[CellLaw]:
-    """Class of parameters of the law in the file of this name.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
-    names = sorted(module.name for module in pkgutil.iter_modules(__path__))
-    if model not in names:
-        raise ValueError(f"model: must be one of {', '.join(names)}, got {model!r}")
-    found = vars(import_module(f"{__name__}.{model}")).values()
-    (law,) = (
-        one for one in found if isinstance(one, type) and issubclass(one, CellLaw) and one is not CellLaw
-    )
+def _law_of(name: str) -> type[CellLaw]:
+    """Class of parameters of the law in the file of this name."""
+    members = vars(import_module(f"{__name__}.{name}")).values()
+    classes = (member for member in members if isinstance(member, type) and issubclass(member, CellLaw))
+    (law,) = (kind for kind in classes if kind is not CellLaw)
     return law
 
 
-def read_law(path: str | Path) -> CellLaw:
+def read_law(path: str | Path) -> terrain.SoilLaw:
     """Law of a file (TOML): its `model`, and what differs from a `base` such as "lete_sand".
 
     Raises `FileNotFoundError` or `CaseFileError`.
@@ -39,6 +29,6 @@ def read_law(path: str | Path) -> CellLaw:
     path = Path(path)
     with reading.errors_named(path, CellLaw):
         content = reading.toml_content(path, "law file")
-        kind = law_class(content.get("model"))
+        kind = terrain.law_class(content.get("model"))
     with reading.errors_named(path, kind):
         return reading.from_content(kind, content)
