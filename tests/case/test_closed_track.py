@@ -8,6 +8,7 @@ import pytest
 from exudyn_crawler import Case
 from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, StepProfile
 from exudyn_crawler.case.parameters import assembly
+from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.case.parameters.undercarriage import Pose
 from exudyn_crawler.case.ph4100c import MACHINE_MASS
 from exudyn_crawler.errors import ParameterError
@@ -30,7 +31,10 @@ def openings(case):
 
 @pytest.mark.parametrize("changes", [
     {},
+    {"closed_track.idler.slack": 0.0},
     {"closed_track.idler.slack": 0.005},
+    {"closed_track.idler.sag": 0.06},
+    {"closed_track.idler.pretension": 500e3},
     {"closed_track.idler.take_up": 0.03},
     {"closed_track.pitch_growth": 0.01},
     {"closed_track.carriers": ()},
@@ -45,6 +49,9 @@ def test_chain_closes_to_rounding(changes):
     assert case.shoe_reference[0, 0] == pytest.approx(case.track.first_com[0], abs=1e-12)
 
 
+TAUT = {"closed_track.idler.slack": 0.0}
+
+
 def with_slides(**changes):
     """Slides where the carriers are, the first from the first to the second of them."""
     closed = Case.closed().closed_track
@@ -56,10 +63,10 @@ def with_slides(**changes):
 
 def test_slides_are_lines_that_do_not_turn_at_even_steps():
     """Between the outer lines the belt is that over carriers at the same places."""
-    case = with_slides()
+    case = with_slides().with_(TAUT)
     closed, wheels = case.closed_track, case.closed_track.wheels(0.0)
     assert openings(case).max() < 1e-12
-    assert case.assembled.take_up == pytest.approx(Case.closed().assembled.take_up, abs=1e-12)
+    assert case.assembled.take_up == pytest.approx(Case.closed().with_(TAUT).assembled.take_up, abs=1e-12)
     first = [name.startswith("slide 1, line ") for name in case.wheel_names]
     lines = wheels[first]
     assert lines[:, 0] == pytest.approx(np.linspace(-2.7, -0.9, 5))
@@ -86,11 +93,29 @@ def test_other_numbers_of_shoes_move_the_idler(count):
 
 
 def test_take_up_of_a_slack_chain_is_short_of_that_of_a_taut_one():
-    taut = Case.closed().assembled
+    taut = Case.closed().with_(TAUT).assembled
     slack = Case.closed().with_({"closed_track.idler.slack": 0.01}).assembled
     assert taut.sag == 0.0
     assert taut.take_up - slack.take_up == pytest.approx(0.01, abs=1e-12)
     assert slack.sag > 0.05
+
+
+def test_tension_at_rest_is_a_sag_or_a_pretension_or_a_place_of_the_idler():
+    """Estimates of where it stands: twice the sag takes four times the slack, and pulls half as hard."""
+
+    def stands_back(**idler):
+        taut = Case.closed().with_(TAUT).assembled.take_up
+        changes = {f"closed_track.idler.{name}": value for name, value in idler.items()}
+        return taut - Case.closed().with_(changes).assembled.take_up
+
+    assert stands_back(sag=0.06) == pytest.approx(4.0 * stands_back(sag=0.03), rel=1e-9)
+    # makers' sag of the span between idler and carrier, 1.8 m
+    assert stands_back() == pytest.approx(stands_back(sag=0.045), rel=1e-9)
+    assert stands_back(pretension=2e5) > 2.0 * stands_back(pretension=4e5)
+    weight = Case.closed().shoe.mass * 9.81 / Case.closed().track.pitch
+    pull = weight * 1.8**2 / (8.0 * 0.06)
+    even = pull - weight * Case.closed().closed_track.idler.radius
+    assert stands_back(pretension=even) == pytest.approx(stands_back(sag=0.06), rel=1e-9)
 
 
 def test_belt_about_two_equal_circles_has_its_length():
@@ -118,6 +143,19 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
         (CLOSED, {"closed_track.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
         (CLOSED, {"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
         (CLOSED, {"closed_track.idler.take_up": 0.3}, "too short by"),
+        (
+            CLOSED,
+            {"closed_track.idler.take_up": 0.03, "closed_track.idler.sag": 0.04},
+            "sag and take_up must not be given together",
+        ),
+        (
+            CLOSED,
+            {
+                "closed_track.idler.tensioner": Tensioner(mass=8e3, stiffness=2e8, preload=3e7),
+                "closed_track.idler.pretension": 4e5,
+            },
+            "pretension must be none with a tensioner",
+        ),
         (
             CLOSED,
             {"closed_track.fold_limit": 0.6},

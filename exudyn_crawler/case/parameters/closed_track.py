@@ -13,6 +13,13 @@ from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quan
 CLEARANCE = 0.5  # m, between the lowest shoes of a frame on posts and the ground
 SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
 MOST_SAG = 0.5  # of the upper run's length: how far it may sag
+MAKERS_SAG, LEAST_SAG, GREATEST_SAG = 0.025, 0.007, 0.04
+"""Sag over the free span between idler and carrier: chosen here, and from least to greatest of what makers ask.
+
+They ask for 5 to 15 mm (excavator of 2.7 t) and 10 to 30 mm (of 12 to 21 t, Komatsu PC27MR, PC118MR-8 and
+PC210-11), for 50 mm (dozers of Caterpillar), 25 to 63 and 38 to 76 mm (crawler cranes Manitowoc 2250 and 16000).
+Spans stand in none of these texts; 0.7, 1.2, 1.3 and 1.9 m are assumed.
+"""
 Wheel = tuple[base.Place, base.Place]
 
 
@@ -41,6 +48,11 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
     def radius(self, pitch: float) -> float:
         """Radius (m) of the circle of the pins, of a chain that has this pitch (m) when it is new."""
         return self.pitch_radius or pitch / (2.0 * math.sin(math.pi / self.teeth))
+
+    @property
+    def pitch(self) -> float | None:
+        """Pitch (m) of the chain that its pins' circle is of; None: of that which is on it."""
+        return self.pitch_radius and 2.0 * self.pitch_radius * math.sin(math.pi / self.teeth)
 
     def profile(self, chain: track.Track) -> tuple[float, float, float, float, float]:
         """Number of gaps; radii of the arcs' centres, arcs, addendum circle and lugs, m.
@@ -92,22 +104,49 @@ class Tensioner(Parameters):
 
 
 class Idler(base.PH4100C, values=ph4100c.IDLER):
-    """Front idler: shims hold it where the take-up puts it, or a tensioner pushes it from there."""
+    """Front idler: shims hold it where the chain has its tension at rest, or a tensioner pushes it.
+
+    The tension is given as a sag or as a pretension, for the machine that stands level; a run solves for the
+    take-up that gives it. Neither: the sag that makers ask for. `take_up` and `slack` say where it is instead.
+    """
 
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
     radius: base.Length = quantity("m", "radius of its treads", (0.05, 2.0))
-    take_up: float | None = quantity(
-        "m", "of the shims, forward; none: taut but for `slack`", ge=-5, le=5, default=None
+    sag: base.Length | None = quantity(
+        "m", "of the chain at rest between idler and carrier; none: makers' 2.5 % of the span", default=None
     )
-    slack: base.Extent = quantity("m", "by which it stands back from a taut chain", (0.0, 0.1), default=0.0)
+    pretension: float | None = quantity(
+        "N",
+        "of the chain at rest: half of its push on the idler; none: by the sag",
+        gt=0,
+        le=1e10,
+        default=None,
+    )
+    take_up: float | None = quantity(
+        "m", "of the shims, forward; none: what gives the tension at rest", ge=-5, le=5, default=None
+    )
+    slack: base.Extent | None = quantity(
+        "m", "by which it stands back from a taut chain; none: by the tension", (0.0, 0.1), default=None
+    )
     range: base.Two = quantity("m", "least and greatest take-up", (-1.0, 1.0))
     tensioner: Tensioner | None = option("spring-damper that pushes it forward; none: shims hold it", None)
 
     def _errors(self) -> Errors:
         if self.range[0] >= self.range[1]:
             yield f"range must be least and greatest take-up in this order, got {self.range}"
-        if self.take_up is not None and self.slack:
-            yield "slack must be zero where take_up is given, which says where the idler is"
+        tension = {name: getattr(self, name) for name in ("sag", "pretension")}
+        named = [name for name, value in tension.items() if value is not None]
+        if self.tensioner is not None and named:
+            yield f"{named[0]} must be none with a tensioner, whose preload and stiffness give the tension"
+        places = {"take_up": self.take_up, "slack": self.slack}
+        named += [name for name, value in places.items() if value is not None]
+        if len(named) > 1:
+            yield f"{' and '.join(named)} must not be given together: each says where the idler is"
+
+    @property
+    def is_set_by_tension(self) -> bool:
+        """True where the take-up is what gives the tension at rest."""
+        return self.take_up is None and self.slack is None and self.tensioner is None
 
 
 class ClosedTrack(undercarriage.RunningGear):
@@ -234,6 +273,34 @@ class ClosedTrack(undercarriage.RunningGear):
             found += [(f"{'rear' if one[0] < middle else 'front'} {side}", one) for one in places]
         return found
 
+    @property
+    def upper_spans(self) -> np.ndarray:
+        """Distances along x from tumbler to idler, without take-up, by what carries the upper run, m."""
+        supports = [self.tumbler.place[0], *(x for x, _ in self.upper.values()), self.idler.place[0]]
+        return np.diff(np.sort(supports))
+
+    @property
+    def wanted_sag(self) -> float:
+        """Sag (m) of the chain at rest between idler and carrier where no pretension says it."""
+        return self.idler.sag or MAKERS_SAG * float(self.upper_spans[-1])
+
+    def estimated_slack(self, shoe: track.Shoe, chain: track.Track) -> float:
+        """Way (m) by which the idler stands back from a taut chain, about where the tension gives it.
+
+        All spans of the upper run hang with one pull H as parabolas: w l^2 / (8 H) deep, and longer than
+        straight by w^2 l^3 / (24 H^2), of which the idler takes half up.
+        """
+        if self.idler.slack is not None or not self.idler.is_set_by_tension:
+            return self.idler.slack or 0.0
+        spans = self.upper_spans
+        hanging = 8.0 * self.wanted_sag / spans[-1] ** 2  # w / H
+        if self.idler.pretension is not None:
+            weight = shoe.mass * ph4100c.GRAVITY / chain.pitch
+            # of the two runs the upper one pulls harder, by the weight of the chain between them
+            apart = 2.0 * self.idler.radius
+            hanging = weight / (self.idler.pretension + 0.5 * weight * apart)
+        return 0.5 * float(np.sum(spans**3)) * hanging**2 / 24.0
+
     def idler_circle(self, take_up: float, rise: float, pitch: float) -> tuple[Wheel, float]:
         """Axis of the idler in the frame, and radius of the pins about it, m: rails touch between pins."""
         axis = self.idler.place[0] + take_up, self.idler.place[1]
@@ -269,8 +336,8 @@ def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Asse
     """Closed chain about its wheels, its first shoe's COM at `first_com`; raises `assembly.MisfitError`."""
     rails = shoe.rails
     assert rails is not None
-    rise, pitch = rails.height - chain.pin_height, closed.chain_pitch(chain)
-    take_up, sag, pieces = _closed(closed, chain, rise, pitch)
+    pitch = closed.chain_pitch(chain)
+    take_up, sag, pieces = _closed(closed, shoe, chain)
     places = assembly.pins_along(pieces, pitch, chain.shoe_count)
     pins = np.array([assembly.point_at(pieces, place) for place in places])
     # the rearmost shoe of which the pins have passed the first roller comes first
@@ -297,9 +364,12 @@ def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Asse
 
 
 def _closed(
-    closed: ClosedTrack, chain: track.Track, rise: float, pitch: float
+    closed: ClosedTrack, shoe: track.Shoe, chain: track.Track
 ) -> tuple[float, float, list[assembly.Piece]]:
-    """Take-up, sag of the upper run and belt of a chain that closes; `rise` is that of rails over pins, m."""
+    """Take-up, sag of the upper run, m, and belt of a chain that closes."""
+    assert shoe.rails is not None
+    rise = shoe.rails.height - chain.pin_height  # of the rails over the pins
+    pitch = closed.chain_pitch(chain)
     (x, z), (ix, iz), count = closed.tumbler.place, closed.idler.place, chain.shoe_count
     rollers, carriers = closed.roller_radius + rise, closed.carrier_radius + rise
     upper = sorted(closed.upper.values())
@@ -315,9 +385,10 @@ def _closed(
     take_up = closed.idler.take_up
     if take_up is None:
         taut = assembly.closed_chain(shape, pitch, count, closed.idler.range, "an idler's take-up of")
-        if not closed.idler.slack:
+        slack = closed.estimated_slack(shoe, chain)
+        if not slack:
             return taut, 0.0, shape(taut)
-        take_up = taut - closed.idler.slack
+        take_up = taut - slack
     most = MOST_SAG * shape(take_up)[-1].length
     fixed, what = float(take_up), f"a take-up of {take_up:.4g} m and a sag of"
     sag = assembly.closed_chain(lambda sag: shape(fixed, sag), pitch, count, (0.0, most), what)
