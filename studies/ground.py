@@ -226,7 +226,7 @@ def _power_row(history: History) -> dict[str, float]:
     x = history.side_frame_position.sel(axis="x").values
     tilt, moved = np.abs(history.angles.sel(axis="y").values), history.position.sel(axis="x")
     return {
-        "way in m": x[-1] - x[0],
+        "distance travelled in m": x[-1] - x[0],
         **powers_over_way(history),
         "greatest tilt of a shoe in mrad": KILO * float(tilt.max()),
         "greatest way of a shoe in mm": KILO * float(np.abs(moved - moved.isel(time=0)).max()),

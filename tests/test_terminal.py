@@ -29,7 +29,7 @@ LIFE = pd.DataFrame(
         "life in h that 90 % survive": [3.009e5, 412.7],
         "life in h at least": [3.009e5, 0.04392],
         "life in h at most": [float("inf"), 4321.7],
-        "verdict": ["inside a spider: do not use", "good to 15 %"],
+        "verdict": ["beside a rigid pin coupling: do not use", "good to 15 %"],
         "worst place": [5, 6],
         "life in h there": [0.07561, 2.0e9],
         "main part": ["propel: constant", "digging: crowd"],
@@ -47,7 +47,7 @@ SPOTS = pd.DataFrame(
         "error in MPa": [9.6184, 9.0107],
         "flag": ["", ""],
         "verdict": ["mesh-limited: refine here", "good to 15 %"],
-        "share of pins": [1.009, 0.991],
+        "contribution of pins": [1.009, 0.991],
     }
 )
 SPREAD = pd.DataFrame([{"shoe": 13, "node": 146}]).assign(
@@ -137,7 +137,9 @@ def swept(name, value):
     return SimpleNamespace(table=table, sweep=SAMPLE, folder=Path("results") / name)
 
 
-POWERS = pd.DataFrame([{"ground": "oil sand, soft end, springs back, undamped", "way in m": 2.75}]).assign(
+POWERS = pd.DataFrame(
+    [{"ground": "oil sand, soft end, springs back, undamped", "distance travelled in m": 2.75}]
+).assign(
     **{"pull beyond rolling in kN": 93.734, "taken by pressure in kN": 13.131, "taken by shear in kN": 83.257}
 )
 VALUES = pd.DataFrame({"value": [133.94821e6]})
@@ -287,7 +289,13 @@ def test_a_flexible_run_ends_with_its_greatest_values_and_the_place_of_its_peak(
     highest = float(stress.highest_von_mises.max()) / 1e6
     assert f"peak stress: {highest:.4g} MPa at t = " in told
     assert "in shoe 13, " in told
-    for name in ("contact force on a shoe", "force of a link", "force of the drive", "penetration", "way"):
+    for name in (
+        "contact force on a shoe",
+        "force of a link",
+        "force of the drive",
+        "penetration",
+        "distance travelled",
+    ):
         assert name in told
     assert hot_spots[13]["verdict"].iloc[0] in told
 

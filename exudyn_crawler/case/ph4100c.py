@@ -161,7 +161,7 @@ _CARRIED = 0.5 * MACHINE_MASS - SHOES_ON_GROUND * SHOE["mass"]
 ROLLER_RADIUS, TREAD_WIDTH = 0.4, 0.18
 """m. Open; treads are within the rails."""
 UNDERCARRIAGE: Mapping[str, Any] = {
-    "mass": _CARRIED,  # kg: half the machine less the shoes of a track that touch the ground
+    "mass": _CARRIED,  # kg: mass on one track without the shoes that touch the ground
     # kg m2. Open: radii of gyration of 1.5 m in roll, which the other track resists, and 4 m in pitch and yaw
     "inertia": (_CARRIED * 1.5**2, _CARRIED * 4.0**2, _CARRIED * 4.0**2, 0.0, 0.0, 0.0),
     "com": (0.0, 0.0, 0.5),  # m. Open: where the car body rests on the side frame

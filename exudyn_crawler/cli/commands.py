@@ -267,7 +267,7 @@ def sweep(run: "SweepRun") -> None:
 
 
 def scatter(run: "SweepRun") -> None:
-    """Run a case or weigh a duty with values drawn at random: quantiles of answers, shoes that crack."""
+    """Run a case or evaluate a duty with values drawn at random: quantiles of answers, shoes that crack."""
     from exudyn_crawler.sweep.results import for_reading, scatter_tables
 
     tables = scatter_tables(run.sweep, for_reading(run.table))

@@ -99,7 +99,7 @@ def test_shares_of_the_loads_of_a_run_add_up_to_one(flexible_run):
     for one in (by_modes_alone(history), history):
         found = load_shares(stress_basis(one), 13, NODES, rows)
         loads = ("pins", "machine load", "ground", "drive", "inertia")
-        assert set(found) == {f"share of {load}" for load in loads}
+        assert set(found) == {f"contribution of {load}" for load in loads}
         assert found.sum(axis=1).to_numpy() == pytest.approx(1.0, abs=1e-9)
     rows = np.searchsorted(history.time.values, table["time"].to_numpy())
     again = load_shares(stress_basis(history), 13, table["node"].to_numpy(), rows)
@@ -115,7 +115,7 @@ def test_shares_on_cells_are_complete(run_on_cells):
         basis = stress_basis(one)
         found = load_shares(basis, 2, NODES, rows)
         assert found.sum(axis=1).to_numpy() == pytest.approx(1.0, abs=1e-9)
-        assert found["share of ground"].abs().min() > 1e-3
+        assert found["contribution of ground"].abs().min() > 1e-3
         modes, parts = basis.shapes.stress_modes[NODES], basis.by_load(2, rows)
         summed = sum(np.einsum("kcm,km->kc", modes, q) for q in parts.values())
         stress = np.einsum("kcm,km->kc", modes, basis.coordinates[2][rows])
@@ -138,8 +138,8 @@ def test_a_load_that_acts_alone_has_all_of_the_stress(request, run, shoe, load):
         still = modal_loads(history, shoe) @ inside / (2.0 * np.pi * history.frequency.values) ** 2
         history.modal_coordinate.loc[{"flexible_shoe": shoe}] = still
         found = load_shares(stress_basis(history, [shoe]), shoe, NODES, np.zeros(len(NODES), dtype=int))
-        assert found[f"share of {load}"].to_numpy() == pytest.approx(1.0, abs=1e-9)
-        assert np.abs(found.drop(columns=f"share of {load}").to_numpy()).max(initial=0.0) < 1e-9
+        assert found[f"contribution of {load}"].to_numpy() == pytest.approx(1.0, abs=1e-9)
+        assert np.abs(found.drop(columns=f"contribution of {load}").to_numpy()).max(initial=0.0) < 1e-9
 
 
 def volume(points, triangles):

@@ -100,7 +100,7 @@ def test_table_has_every_region_and_the_shortest_first(found):
     assert table[last].is_monotonic_increasing
     assert table[last][0] == pytest.approx(float(np.nanmin(data.life[-1])))
     for _, row in table.iterrows():
-        shares = [row[name] for name in table.columns if name.startswith("share of ")]
+        shares = [row[name] for name in table.columns if name.startswith("contribution of ")]
         assert np.nansum(shares) == pytest.approx(1.0, abs=1e-6)
         assert 0.0 < row["its share"] <= 1.0
         assert row["life in h there"] <= row[last] * (1.0 + 1e-9)
@@ -270,7 +270,7 @@ def test_verdicts_follow(first, beside):
         assert table["spread"].to_numpy() == pytest.approx(0.3 * table["value"].to_numpy())
         shown = hot_spot_table(table, beside.dataset)
         assert shown["choice in MPa"].to_numpy() == pytest.approx(1e-7 * table["value"].to_numpy())
-        own = [name for name in shown.columns if not name.startswith("share of ") and name != "region"]
+        own = [name for name in shown.columns if not name.startswith("contribution of ") and name != "region"]
         assert own[:3] == ["rank", "von Mises in MPa", "verdict"]
 
 

@@ -82,7 +82,9 @@ def test_hot_spots_are_in_megapascal_and_in_both_frames(flexible_run):
     columns = ["rank", "region", "von Mises in MPa", "verdict", "error in MPa", "jump in MPa"]
     assert list(table.columns[:6]) == columns
     assert all("in the track" in name for name in table.columns[-3:])
-    assert all(" in " in name or name in plain or name.startswith("share of ") for name in table.columns)
+    assert all(
+        " in " in name or name in plain or name.startswith("contribution of ") for name in table.columns
+    )
     start = Case.stress().track.com_positions(history.case.shoe.com_height)[12]
     for k, axis in enumerate("xyz"):
         moved = table[f"{axis} in the track at t = 0 in m"] - table[f"{axis} in the shoe in m"]
@@ -162,10 +164,10 @@ def test_key_results_are_those_of_the_history(translation):
     depth = 1e3 * float(translation.penetration.max())
     assert found.loc["deepest penetration", "value"] == pytest.approx(depth)
     begin, end = translation.position.values[[0, -1], -1]
-    assert found.loc["way", "value"] == pytest.approx(np.linalg.norm(end - begin))
+    assert found.loc["distance travelled", "value"] == pytest.approx(np.linalg.norm(end - begin))
     assert "highest von Mises stress" not in found.index
     # units that roll push shoes aside, which friction holds only once they slip
-    assert 1e3 * found.loc["out of balance at the start", "value"] < 2e-4 * 13 * translation.case.mean_load
+    assert 1e3 * found.loc["residual force at the start", "value"] < 2e-4 * 13 * translation.case.mean_load
 
 
 def test_the_highest_stress_comes_first(history, stress):
@@ -186,8 +188,8 @@ def test_a_rolled_track_is_asked_for_rollers_and_pull(rolled):
     assert found.loc["greatest pull of the drive", "value"] == pytest.approx(pull)
     begin, end = rolled.side_frame_position.values[[0, -1]]
     way = pytest.approx(np.linalg.norm(end - begin))
-    assert found.loc["way", ["of", "value"]].tolist() == ["side frame", way]
-    start, case = found.loc["out of balance at the start"], rolled.case
+    assert found.loc["distance travelled", ["of", "value"]].tolist() == ["side frame", way]
+    start, case = found.loc["residual force at the start"], rolled.case
     shoes = case.shoe.mass * np.linalg.norm(rolled.acceleration.values[0], axis=-1)
     frame = case.undercarriage.mass * np.linalg.norm(rolled.side_frame_acceleration.values[0])
     greatest = {f"shoe {shoes.argmax() + 1}": shoes.max(), "side frame": frame}

@@ -105,8 +105,8 @@ def test_shares_of_hot_spots_name_tooth_idler_and_rollers_and_are_complete(bent)
     results = recover_stresses(bent)
     for shoe, name in ((UNDER_ROLLER, "rollers"), (ON_IDLER, "idler"), (ON_TUMBLER, "tooth")):
         table = results.by_region[shoe]
-        shares = table.filter(like="share of ")
-        assert np.abs(shares[f"share of {name}"]).max() > 0.1
+        shares = table.filter(like="contribution of ")
+        assert np.abs(shares[f"contribution of {name}"]).max() > 0.1
         np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-9)
         assert 1e7 < table["value"].max() < 1e9
 
@@ -151,7 +151,7 @@ def test_lugs_beside_the_pins_load_the_bores_next_to_them():
     balanced_loads(history)
     teeth = [one for one in actions(history, ON_TUMBLER) if one.kind == "tooth"]
     assert {"rear right", "rear left"} <= {one.where for one in teeth}
-    shares = recover_stresses(history).by_region[ON_TUMBLER].filter(like="share of ")
+    shares = recover_stresses(history).by_region[ON_TUMBLER].filter(like="contribution of ")
     np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-9)
 
 

@@ -75,8 +75,8 @@ def test_reduced_study_finds_stresses_in_all_regions():
     assert list(runs) == ["pass", "loading", "dragged", *rollers.overhang_cases()]
     assert set(regions["region"]) == {"roller path", "notches", "lugs", "web", "wings"}
     assert (regions["von Mises in MPa"] > 0.0).all()
-    assert regions.filter(like="share of ").sum(axis=1).to_numpy() == pytest.approx(1.0, abs=1e-9)
-    share = regions.set_index("case")["share of rollers"]
+    assert regions.filter(like="contribution of ").sum(axis=1).to_numpy() == pytest.approx(1.0, abs=1e-9)
+    share = regions.set_index("case")["contribution of rollers"]
     assert (share["dragged"] == 0.0).all()
     assert (share["pass"] == 0.0).all()  # they have not reached the flexible shoes
     assert share["loading"].abs().max() > 0.1

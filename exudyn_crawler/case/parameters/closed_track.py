@@ -158,7 +158,9 @@ class ClosedTrack(undercarriage.RunningGear):
 
     support: Literal["ground", "posts"] = option("what carries the frame", "ground")
     mass: base.Mass = quantity(
-        "kg", "half the machine less shoes, tumbler, sliding idler; the frame's with a car_body", (1e2, 2e6)
+        "kg",
+        "mass on one track without shoes, tumbler and sliding idler; the frame's with a car_body",
+        (1e2, 2e6),
     )
     tumbler: Tumbler
     idler: Idler

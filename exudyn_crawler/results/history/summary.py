@@ -47,9 +47,9 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     rolled = history.case.running_gear is not None
     way = part.side_frame_way if rolled else part.displacement.isel(shoe=-1)
     of = "side frame" if rolled else f"shoe {int(history.shoe[-1])}"
-    rows.append(("way", float(_size(way.isel(time=-1))), "m", of, history.duration))
+    rows.append(("distance travelled", float(_size(way.isel(time=-1))), "m", of, history.duration))
     of, force = _unbalanced(history)
-    rows.append(("out of balance at the start", 1e-3 * force, "kN", of, float(history.time[0])))
+    rows.append(("residual force at the start", 1e-3 * force, "kN", of, float(history.time[0])))
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
 
 

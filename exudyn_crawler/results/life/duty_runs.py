@@ -136,8 +136,8 @@ class NodeLife:
     """Cycles of a node over a duty.
 
     `cycles` has a row a cycle: run, shoe (place), phases, times (s) and stresses (Pa) of both ends, how often
-    an hour a shoe has it that takes all places, its damage an hour at the greatest survival; "share of LOAD"
-    for each load: its part of the range between the ends, 1 in all and negative where it relieves.
+    an hour a shoe has it that takes all places, its damage an hour at the greatest survival; "contribution
+    of LOAD" for each load: its part of the range between the ends, 1 in all and negative where it relieves.
     `by_criterion` is the damage an hour by each of `SIGNED_CRITERIA`, without what goes from run to run.
     """
 

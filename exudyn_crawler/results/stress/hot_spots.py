@@ -28,7 +28,7 @@ FLANGE, BESIDE_LUG = 0.05, (0.015, 0.1)  # m, below the top's level; from a bore
 WING_BESIDE = 0.5  # m, from the outer side of a rail
 EDGE = 0.01  # m, by which the roller path is wider than the rails above it
 MEGA = 1e6
-SHARE = "share of "  # what the columns of loads begin with
+SHARE = "contribution of "  # what the columns of loads begin with
 
 
 def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
@@ -107,7 +107,7 @@ def load_shares(basis: StressBasis, shoe: int, nodes: np.ndarray, rows: np.ndarr
 
     A load's share is the projection of its stress, the static answer with the inertia of the free shoe, on
     the deviator s of the whole, ``3/2 s : sigma_load / von Mises^2``. Shares add up to 1, those of loads that
-    relieve are negative. A row a node, a column "share of LOAD" a load; zero where there is no stress.
+    relieve are negative. A row a node, a column "contribution of LOAD" a load; zero where there is no stress.
     """
     modes = basis.shapes.stress_modes[nodes]
     parts = {load: np.einsum("kcm,km->kc", modes, q) for load, q in basis.by_load(shoe, rows).items()}

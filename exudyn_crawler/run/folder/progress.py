@@ -73,7 +73,7 @@ def times_line(times: Mapping[str, float]) -> str:
 
     once = {part: time for part, time in times.items() if part in ONCE}
     every = {part: time for part, time in times.items() if part not in ONCE}
-    more = f", once on a machine {told(once)} more" if once else ""
+    more = f", at the first start on a computer {told(once)} more" if once else ""
     return f"time: {told(every)}{more}, by a rule of thumb"
 
 

@@ -239,7 +239,7 @@ def _solve(system: TrackSystem, settings: "engine.exu.SimulationSettings", watch
 
 
 def compiled(case: Case, progress: bool | None = None) -> None:
-    """Compile the equations, once on a machine."""
+    """Compile the equations, at the first start on a computer."""
     if case.is_compiled:
         shown = heartbeat(f"{case.name}: {COMPILE}", COMPILING, progress)
         with shown, threadpool_limits(1, user_api="blas"):

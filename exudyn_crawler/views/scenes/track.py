@@ -173,7 +173,7 @@ def ground_faces(history: History, units: np.ndarray | None = None) -> Solid:
     placed = tops[None, chosen], unit_turns(terrain)[:, chosen]
     lift = history.unit_heave.transpose("time", "unit").values[:, chosen]
     heave = lift / style.MILLI
-    colouring = Colouring("heave of the ground in mm", heave, heave.min(), heave.max(), style.HEAVE_MAP)
+    colouring = Colouring("ground displacement in mm", heave, heave.min(), heave.max(), style.HEAVE_MAP)
     faces, how = (np.array([[0, 1, 2, 3]]),), (0.6, style.GROUND_EDGE)
     return Solid("ground", points, faces, style.GROUND, *placed, *how, lift=lift, colourings=(colouring,))
 

@@ -5,7 +5,7 @@ const LIGHT = { x: -30000, y: -60000, z: 90000 };
 
 /* directions from which views look, and what is upward in them */
 const CAMERAS = {
-  aslant: { eye: { x: -0.7, y: -1.45, z: 0.85 }, up: { x: 0, y: 0, z: 1 } },
+  isometric: { eye: { x: -0.7, y: -1.45, z: 0.85 }, up: { x: 0, y: 0, z: 1 } },
   above: { eye: { x: 0, y: 0, z: 1 }, up: { x: 0, y: 1, z: 0 } },
   side: { eye: { x: 0, y: -1, z: 0 }, up: { x: 0, y: 0, z: 1 } },
   behind: { eye: { x: -1.5, y: -1.3, z: 1.3 }, up: { x: 0, y: 0, z: 1 } },
