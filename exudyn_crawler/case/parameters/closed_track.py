@@ -14,11 +14,11 @@ CLEARANCE = 0.5  # m, between the lowest shoes of a frame on posts and the groun
 SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
 MOST_SAG = 0.5  # of the upper run's length: how far it may sag
 MAKERS_SAG, LEAST_SAG, GREATEST_SAG = 0.025, 0.007, 0.04
-"""Sag over the free span between idler and carrier: chosen here, and from least to greatest of what makers ask.
+"""Sag over the free span between idler and carrier: chosen here, and the least and greatest of makers.
 
 They ask for 5 to 15 mm (excavator of 2.7 t) and 10 to 30 mm (of 12 to 21 t, Komatsu PC27MR, PC118MR-8 and
-PC210-11), for 50 mm (dozers of Caterpillar), 25 to 63 and 38 to 76 mm (crawler cranes Manitowoc 2250 and 16000).
-Spans stand in none of these texts; 0.7, 1.2, 1.3 and 1.9 m are assumed.
+PC210-11), for 50 mm (dozers of Caterpillar), 25 to 63 and 38 to 76 mm (crawler cranes Manitowoc 2250 and
+16000). Spans stand in none of these texts; 0.7, 1.2, 1.3 and 1.9 m are assumed.
 """
 Wheel = tuple[base.Place, base.Place]
 
@@ -106,8 +106,9 @@ class Tensioner(Parameters):
 class Idler(base.PH4100C, values=ph4100c.IDLER):
     """Front idler: shims hold it where the chain has its tension at rest, or a tensioner pushes it.
 
-    The tension is given as a sag or as a pretension, for the machine that stands level; a run solves for the
-    take-up that gives it. Neither: the sag that makers ask for. `take_up` and `slack` say where it is instead.
+    The tension is given as a sag or as a pretension, for the machine that stands level; a run solves for
+    the take-up that gives it. Neither: the sag that makers ask for. `take_up` and `slack` say where it is
+    instead.
     """
 
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))

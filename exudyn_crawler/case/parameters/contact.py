@@ -24,7 +24,7 @@ class PairContact(Parameters):
     stiction_speed: base.Speed = quantity("m/s", "V_st", (1e-5, 0.2))
     friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)
     sharing: Literal["pair", "area"] = option(
-        "pair: each pair of shoe and unit has the whole law; area: as much as lies on the unit of the underside"
+        "pair: the whole law for each pair of shoe and unit; area: in proportion to the area in contact"
     )
     edge_width: base.Width = quantity(
         "m", "overlap at which a pair has all of the law, which grows from zero with STEP", (1e-4, 0.5)
