@@ -41,18 +41,20 @@ def paint(ax: Axes, solids: list[Solid], view: View, window: Window | None = Non
     """Draw the faces of solids that are turned to the viewer, each in one colour, m; a window: the limits."""
     if window is not None:
         ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
-    faces: list[np.ndarray] = []
-    fills, lines, depths = [], [], []
+    outlines: list[np.ndarray] = []
+    fills: list[np.ndarray] = []
+    lines: list[np.ndarray] = []
+    depths: list[np.ndarray] = []
     for solid in solids:
         points = np.column_stack((view.project(solid.points), solid.values))
-        parts = [points[one] for one in solid.faces] if solid.edges else [_fine(points[solid.triangles])]
+        parts = [points[faces] for faces in solid.faces] if solid.edges else [_fine(points[solid.triangles])]
         for part in parts:
             corners, values = part[..., :3], part[..., 3]
             normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
             seen = normals[:, 2] > 1e-9
             fill = _fills(solid, values[seen].mean(axis=1), normals[seen])
-            faces += list(corners[seen])
+            outlines.append(corners[seen, :, :2])
             fills.append(fill)
             depths.append(corners[seen, :, 2].mean(axis=1))
             edged = solid.edges not in ("", FLAT) and corners.shape[1] > 3
@@ -60,12 +62,25 @@ def paint(ax: Axes, solids: list[Solid], view: View, window: Window | None = Non
             between = fill * [1.0, 1.0, 1.0, solid.opacity == 1.0]
             lines.append(np.tile(mpl.colors.to_rgba(solid.edges), (len(fill), 1)) if edged else between)
     order = np.argsort(np.concatenate(depths), kind="stable")
-    colours, edges = (np.concatenate(one)[order] for one in (fills, lines))
     drawn = mpl.collections.PolyCollection(
-        [faces[k][:, :2] for k in order], facecolors=colours, edgecolors=edges, linewidths=0.7, zorder=1
+        _of_one_length(outlines)[order],
+        facecolors=np.concatenate(fills)[order],
+        edgecolors=np.concatenate(lines)[order],
+        linewidths=0.7,
+        zorder=1,
     )
     ax.add_collection(drawn, autolim=False)
     return drawn
+
+
+def _of_one_length(outlines: list[np.ndarray]) -> np.ndarray:
+    """Outlines (m, k, 2) of faces as one array, in which the last corner of those with fewer corners repeats.
+
+    matplotlib makes paths of an array in a tenth of the time that it takes for a list.
+    """
+    most = max(part.shape[1] for part in outlines)
+    corners = np.arange(most)
+    return np.concatenate([part[:, np.minimum(corners, part.shape[1] - 1)] for part in outlines])
 
 
 def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
