@@ -6,7 +6,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 
 from exudyn_crawler.case.named import NamedCases
-from exudyn_crawler.case.parameters import fields, undercarriage
+from exudyn_crawler.case.parameters import fields, sizes, undercarriage
 from exudyn_crawler.case.parameters.base import Errors, Parameters, inertia_tensor
 from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
@@ -44,6 +44,7 @@ class Case(NamedCases):
             yield f"loads must name every shoe of the track ({count}) or be a number, got loads for {loaded}"
         if self.track.pitch + 1e-9 < shoe.length:
             yield f"shoe.length must not exceed the track's pitch {self.track.pitch}, got {shoe.length}"
+        yield from sizes.pin_errors(shoe, self.track)
         if self.flexible is not None:
             shoes = self.flexible.shoes
             if shoes[0] < 1 or shoes[-1] > count:
@@ -105,6 +106,9 @@ class Case(NamedCases):
             yield f"loads must be zero on every shoe with {name}, whose rollers carry the machine"
         if self.car_body is not None and isinstance(gear, ClosedTrack) and gear.support == "posts":
             yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
+        if self.car_body is not None and self.car_body.track_distance < self.shoe.width:
+            width, apart = self.shoe.width, self.car_body.track_distance
+            yield f"car_body.track_distance must be at least the shoes' width of {width:g} m, got {apart:g} m"
         yield from gear.track_errors(self.shoe, self.loop)
 
     def _sphere_errors(self, radius: float) -> Errors:

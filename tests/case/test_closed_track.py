@@ -177,7 +177,7 @@ def test_case_file_with_base_closed(read, refused):
     found = read('base = "closed"\nduration = 1.0\n[closed_track]\nsupport = "posts"\n').case
     assert found == Case.closed().with_({"closed_track.support": "posts"})
     (fault,) = refused('base = "closed"\n[closed_track.tumbler]\nteeth = 12\n')
-    assert "lies within the chain about the others" in fault
+    assert "mm within the chain about the others" in fault
 
 
 def test_travel_of_the_chain_is_that_of_its_pitches():

@@ -16,10 +16,29 @@ FIRST_PIN = 0.5  # its place on the belt, as of `point_at`
 MARCH = 0.25  # of a pitch, steps along the belt in which the next pin is sought
 
 Point = tuple[float, float]
+Circle = tuple[float, float, float]  # x and z of its centre, and its radius
 
 
 class MisfitError(ValueError):
     """The chain does not close round its wheels."""
+
+
+class WithinError(MisfitError):
+    """A wheel lies within the chain about the others.
+
+    Attributes
+    ----------
+    number : int
+        Its number among the circles of the belt, from 0.
+    depth, height : float
+        How far it is from touching the chain, m, and the height of its axis at which it touches it.
+    """
+
+    def __init__(self, number: int, depth: float, height: float) -> None:
+        super().__init__(f"wheel {number} lies {depth:.4g} m within the chain about the others")
+        self.number = number
+        self.depth = depth
+        self.height = height
 
 
 class Piece(NamedTuple):
@@ -49,24 +68,41 @@ class Piece(NamedTuple):
         return span * (1.0 + 8.0 / 3.0 * (self.sag / span) ** 2)
 
 
-def belt(circles: Sequence[tuple[float, float, float]], sag: float = 0.0) -> list[Piece]:
+def tangent_angle(first: Circle, second: Circle) -> float:
+    """Direction (rad) of the normal, away from the loop, of the line that touches both circles on its way.
+
+    Raises `MisfitError` if they lie in each other.
+    """
+    x0, z0, r0 = first
+    x1, z1, r1 = second
+    apart = math.hypot(x1 - x0, z1 - z0)
+    if abs(r0 - r1) >= apart:
+        raise MisfitError(f"wheels at x = {x0:.4g} m and {x1:.4g} m lie in each other")
+    return math.atan2(z1 - z0, x1 - x0) - math.acos((r0 - r1) / apart)
+
+
+def _within(circles: Sequence[Circle], number: int) -> WithinError:
+    """Say how far a circle is from touching the belt about its two neighbours."""
+    before, this, after = (circles[(number + k) % len(circles)] for k in (-1, 0, 1))
+    angle = tangent_angle(before, after)
+    apart = (before[0] - this[0]) * math.cos(angle) + (before[1] - this[1]) * math.sin(angle)
+    depth = apart + before[2] - this[2]
+    return WithinError(number, depth, this[1] + depth / math.sin(angle))
+
+
+def belt(circles: Sequence[Circle], sag: float = 0.0) -> list[Piece]:
     """Belt about circles (x, z, radius) in their order round the loop: an arc, a line, the next arc, ...
 
-    The last line, which ends at the first circle, sags. Raises `MisfitError` if a circle lies within the belt
-    about the others.
+    The last line, which ends at the first circle, sags. Raises `WithinError` if a circle lies within the belt
+    about the others, `MisfitError` if two lie in each other.
     """
-    tangents, pieces = [], []
-    for (x0, z0, r0), (x1, z1, r1) in zip(circles, [*circles[1:], circles[0]], strict=True):
-        apart = math.hypot(x1 - x0, z1 - z0)
-        if abs(r0 - r1) >= apart:
-            raise MisfitError(f"wheels at x = {x0:.4g} m and {x1:.4g} m lie in each other")
-        tangents.append(math.atan2(z1 - z0, x1 - x0) - math.acos((r0 - r1) / apart))
+    following, pieces = [*circles[1:], circles[0]], list[Piece]()
+    tangents = [tangent_angle(*pair) for pair in zip(circles, following, strict=True)]
     for k, (x, z, r) in enumerate(circles):
         first, last = tangents[k - 1], tangents[k]
         last += 2.0 * math.pi * math.ceil((first - last) / (2.0 * math.pi) - 1e-9)
         if last - first > 1.5 * math.pi:
-            at = f"x = {x:.4g} m, z = {z:.4g} m"
-            raise MisfitError(f"the wheel at {at} lies within the chain about the others")
+            raise _within(circles, k)
         x1, z1, r1 = circles[(k + 1) % len(circles)]
         c, s = math.cos(last), math.sin(last)
         pieces.append(Piece(x, z, r, first, last))

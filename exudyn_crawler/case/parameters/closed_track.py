@@ -1,24 +1,29 @@
 """A closed track: drive tumbler, idler, rollers and guides in the side frame, and where its shoes start."""
 
 import math
+from contextlib import suppress
 from functools import lru_cache
 from typing import Literal, NamedTuple, Self
 
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import assembly, base, track, undercarriage
+from exudyn_crawler.case.parameters import assembly, base, sizes, track, undercarriage
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 
 CLEARANCE = 0.5  # m, between the lowest shoes of a frame on posts and the ground
 SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
 MOST_SAG = 0.5  # of the upper run's length: how far it may sag
-MAKERS_SAG, LEAST_SAG, GREATEST_SAG = 0.025, 0.007, 0.04
-"""Sag over the free span between idler and carrier: chosen here, and the least and greatest of makers.
+TAKE_UPS = 81  # tried of the idler's range
+DEEPER, TRIED = 10.0, 500  # greatest depth in place of another, and values tried, of teeth that would do
+MAKERS_SAG = 0.025
+"""Sag over the free span between idler and carrier that a chain has where no file says more: chosen here."""
+LEAST_SAG, GREATEST_SAG = 0.007, 0.04
+"""The same that makers ask for, least and greatest.
 
-They ask for 5 to 15 mm (excavator of 2.7 t) and 10 to 30 mm (of 12 to 21 t, Komatsu PC27MR, PC118MR-8 and
-PC210-11), for 50 mm (dozers of Caterpillar), 25 to 63 and 38 to 76 mm (crawler cranes Manitowoc 2250 and
-16000). Spans stand in none of these texts; 0.7, 1.2, 1.3 and 1.9 m are assumed.
+They ask for 5 to 15 mm (excavator of 2.7 t) and 10 to 30 mm (of 12 to 21 t; Komatsu PC27MR, PC118MR-8 and
+PC210-11), 50 mm (dozers of Caterpillar), 25 to 63 and 38 to 76 mm (crawler cranes Manitowoc 2250 and 16000).
+Spans stand in none of these texts; 0.7, 1.2, 1.3 and 1.9 m are assumed.
 """
 Wheel = tuple[base.Place, base.Place]
 
@@ -72,22 +77,54 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
         return float(self.teeth), center, arc, radius + self.reach, self.lug_radius
 
     def tooth_errors(self, chain: track.Track) -> Errors:
-        """Teeth of which leaving lugs could not get free, or none at all."""
+        """Teeth of which leaving lugs could not get free, or none at all; with the values that would do."""
         teeth, center, arc, addendum, _ = self.profile(chain)
-        cosine = (center**2 + arc**2 - addendum**2) / (2.0 * center * arc)
-        if not -1.0 < cosine < 1.0:
-            arcs = f"the arcs of {arc:.4g} m about {center:.4g}, got {self.reach}"
-            yield f"tumbler.reach must let the addendum circle of {addendum:.4g} m meet {arcs}"
+        if not abs(center - arc) < addendum < center + arc:
+            arcs = f"the arcs of {arc:.4g} m about {center:.4g} m, got {self.reach}"
+            remedies = self._remedies(chain)
+            yield f"tumbler.reach must let the addendum circle of {addendum:.4g} m meet {arcs}; {remedies}"
             return
-        flank, free = math.degrees(math.acos(cosine)), 90.0 - 180.0 / teeth
-        if flank >= free:
-            yield (
-                f"tumbler: the flank of a tooth ends {flank:.1f} degrees beside its gap's middle, it must be "
-                f"less than 90 - 180 / teeth = {free:.1f}: leaving lugs hook under it; a greater depth or "
-                "a greater backlash, or less reach makes it less"
-            )
-        if arc * math.sin(math.radians(flank)) > addendum * math.sin(math.pi / teeth):
-            yield "tumbler: neighbouring gaps overlap; fewer teeth, or less reach, leave a tooth between them"
+        if not self._frees_lugs(chain):
+            flank, free = math.degrees(self._flank(chain)), 90.0 - 180.0 / teeth
+            ends = f"the flank of a tooth ends {flank:.1f} degrees beside its gap's middle"
+            less = f"it must be less than 90 - 180 / teeth = {free:.1f}: leaving lugs hook under it"
+            yield f"tumbler: {ends}, {less}; {self._remedies(chain)}"
+        if not self._has_teeth(chain):
+            remedies = self._remedies(chain)
+            yield f"tumbler: neighbouring gaps overlap, so that no tooth is between them; {remedies}"
+
+    def _flank(self, chain: track.Track) -> float:
+        """Angle (rad) beside a gap's middle, about its arc's centre, where the flank ends; NaN: nowhere."""
+        _, center, arc, addendum, _ = self.profile(chain)
+        cosine = (center**2 + arc**2 - addendum**2) / (2.0 * center * arc)
+        return math.acos(cosine) if -1.0 < cosine < 1.0 else math.nan
+
+    def _frees_lugs(self, chain: track.Track) -> bool:
+        """True where leaving lugs do not hook under the teeth."""
+        return self._flank(chain) < 0.5 * math.pi - math.pi / self.teeth
+
+    def _has_teeth(self, chain: track.Track) -> bool:
+        """True where a tooth is left between neighbouring gaps."""
+        _, _, arc, addendum, _ = self.profile(chain)
+        return arc * math.sin(self._flank(chain)) <= addendum * math.sin(math.pi / self.teeth)
+
+    def _remedies(self, chain: track.Track) -> str:
+        """Nearest values of one parameter each with which the teeth would do, for reading."""
+        words = []
+        for name, far in (
+            ("reach", 0.0),
+            ("depth", DEEPER * self.depth),
+            ("backlash", self.backlash + self.lug_radius),
+            ("backlash", 0.0),
+            ("lug_radius", 0.0),
+        ):
+            here = getattr(self, name)
+            for value in np.linspace(here, far, TRIED)[1:].tolist():
+                tried = self.model_copy(update={name: float(f"{value:.4g}")})
+                if tried._frees_lugs(chain) and tried._has_teeth(chain):
+                    words.append(f"{name} = {value:.4g} m")
+                    break
+        return f"{' or '.join(words)} would do" if words else "it needs other teeth or lugs"
 
 
 class Tensioner(Parameters):
@@ -106,9 +143,8 @@ class Tensioner(Parameters):
 class Idler(base.PH4100C, values=ph4100c.IDLER):
     """Front idler: shims hold it where the chain has its tension at rest, or a tensioner pushes it.
 
-    The tension is given as a sag or as a pretension, for the machine that stands level; a run solves for
-    the take-up that gives it. Neither: the sag that makers ask for. `take_up` and `slack` say where it is
-    instead.
+    The tension is given as a sag or as a pretension, for the machine that stands level; a run solves for the
+    take-up that gives it. Neither: the sag that makers ask for. `take_up` or `slack` say where the idler is.
     """
 
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
@@ -233,9 +269,18 @@ class ClosedTrack(undercarriage.RunningGear):
             )
         yield from self.tumbler.tooth_errors(chain)
         try:
-            assembled(self, shoe, chain)
+            start = assembled(self, shoe, chain)
         except assembly.MisfitError as error:
             yield f"closed_track: {error}"
+            return
+        yield from (f"closed_track: {error}" for error in self._overlaps(chain, start.take_up))
+
+    def _overlaps(self, chain: track.Track, take_up: float) -> Errors:
+        """Rollers, idler and carriers in each other, or in what of the tumbler is within its gaps."""
+        _, center, arc, _, _ = self.tumbler.profile(chain)
+        named = zip(self.wheel_names, self.wheels(take_up).tolist(), strict=True)
+        wheels = [sizes.Round(name, *wheel) for name, wheel in named if not name.startswith("slide")]
+        yield from sizes.overlap_errors([sizes.Round("tumbler", *self.tumbler.place, center - arc), *wheels])
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -366,33 +411,84 @@ def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Asse
     return Assembled(take_up, sag, frame, shoes, tumbler)
 
 
+class _Loop(NamedTuple):
+    """Wheels that the pins of a closed chain lie about, and how a take-up of the idler moves them."""
+
+    closed: ClosedTrack
+    rise: float  # of the rails over the pins, m
+    pitch: float  # of the chain as it is, and new, m
+    new_pitch: float
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the wheels in their order round the loop; the last of each run alone shape it."""
+        upper = sorted(self.closed.upper.items(), key=lambda item: item[1])
+        ends = [name for name, _ in upper[:: -max(1, len(upper) - 1)]]
+        return ["tumbler", "roller 1", f"roller {len(self.closed.rollers)}", "idler", *ends]
+
+    def circles(self, take_up: float) -> list[assembly.Circle]:
+        """Circles of the pins about these wheels."""
+        closed, places = self.closed, self.closed.upper
+        (x, z), on_idler = closed.idler_circle(take_up, self.rise, self.pitch)
+        rollers, carriers = closed.roller_radius + self.rise, closed.carrier_radius + self.rise
+        wheels = [(*closed.tumbler.place, closed.tumbler.radius(self.new_pitch))]
+        wheels += [(closed.rollers[k], 0.0, rollers) for k in (0, -1)]
+        wheels.append((x, z, on_idler))
+        return wheels + [(*places[name], carriers) for name in self.names[4:]]
+
+    def belt(self, take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
+        """Belt about them; a `MisfitError` that names the wheel which lies within it, and what would do."""
+        circles = self.circles(take_up)
+        try:
+            return assembly.belt(circles, sag)
+        except assembly.WithinError as error:
+            x, z, _ = circles[error.number]
+            name = self.names[error.number]
+            lies = f"{name} at x = {x:.4g} m, z = {z:.4g} m lies {1e3 * error.depth:.0f} mm within the chain"
+            remedy = f"it touches the chain at z = {error.height:.4g} m"
+            if name.startswith("roller"):
+                end = 0 if error.number == 1 else 3
+                remedy = f"it touches the chain with {self.names[end]}.place at z = {self._lift(end):.4g} m"
+            raise assembly.MisfitError(f"{lies} about the others; {remedy}") from error
+
+    def _lift(self, end: int) -> float:
+        """Height (m) of the axis of tumbler or idler at which its pins leave those of the rollers."""
+        _, _, rollers = self.circles(0.0)[1]
+        return self.circles(0.0)[end][2] - rollers
+
+    def take_ups(self) -> tuple[float, float]:
+        """Range of take-ups at which no wheel lies within the chain, or in another, about the least way."""
+        tried = np.linspace(*self.closed.idler.range, TAKE_UPS)
+        fit = np.array([self._fits(one) for one in tried])
+        if not fit.any():
+            self.belt(tried[np.abs(tried).argmin()])
+        nearest = np.flatnonzero(fit)[np.abs(tried[fit]).argmin()]
+        beyond = np.flatnonzero(~fit)
+        first = max(beyond[beyond < nearest], default=-1) + 1
+        last = min(beyond[beyond > nearest], default=len(tried)) - 1
+        return float(tried[first]), float(tried[last])
+
+    def _fits(self, take_up: float) -> bool:
+        with suppress(assembly.MisfitError):
+            return bool(assembly.belt(self.circles(take_up)))
+        return False
+
+
 def _closed(
     closed: ClosedTrack, shoe: track.Shoe, chain: track.Track
 ) -> tuple[float, float, list[assembly.Piece]]:
     """Take-up, sag of the upper run, m, and belt of a chain that closes."""
     assert shoe.rails is not None
-    rise = shoe.rails.height - chain.pin_height  # of the rails over the pins
-    pitch = closed.chain_pitch(chain)
-    (x, z), (ix, iz), count = closed.tumbler.place, closed.idler.place, chain.shoe_count
-    rollers, carriers = closed.roller_radius + rise, closed.carrier_radius + rise
-    upper = sorted(closed.upper.values())
-    _, on_idler = closed.idler_circle(0.0, rise, pitch)
-
-    def shape(take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
-        wheels = [(x, z, closed.tumbler.radius(chain.pitch))]
-        wheels += [(closed.rollers[k], 0.0, rollers) for k in (0, -1)]
-        wheels.append((ix + take_up, iz, on_idler))
-        wheels += [(*place, carriers) for place in upper[:: -max(1, len(upper) - 1)]]
-        return assembly.belt(wheels, sag)
-
+    pitch, count = closed.chain_pitch(chain), chain.shoe_count
+    loop = _Loop(closed, shoe.rails.height - chain.pin_height, pitch, chain.pitch)
     take_up = closed.idler.take_up
     if take_up is None:
-        taut = assembly.closed_chain(shape, pitch, count, closed.idler.range, "an idler's take-up of")
+        taut = assembly.closed_chain(loop.belt, pitch, count, loop.take_ups(), "an idler's take-up of")
         slack = closed.estimated_slack(shoe, chain)
         if not slack:
-            return taut, 0.0, shape(taut)
+            return taut, 0.0, loop.belt(taut)
         take_up = taut - slack
-    most = MOST_SAG * shape(take_up)[-1].length
+    most = MOST_SAG * loop.belt(take_up)[-1].length
     fixed, what = float(take_up), f"a take-up of {take_up:.4g} m and a sag of"
-    sag = assembly.closed_chain(lambda sag: shape(fixed, sag), pitch, count, (0.0, most), what)
-    return fixed, sag, shape(fixed, sag)
+    sag = assembly.closed_chain(lambda sag: loop.belt(fixed, sag), pitch, count, (0.0, most), what)
+    return fixed, sag, loop.belt(fixed, sag)

@@ -44,6 +44,9 @@ class Ground(Parameters):
         return np.array([-x, -y, -math.sqrt(1.0 - x**2 - y**2)]) + 0.0
 
 
+SAME_PLACE = 1e-9  # m
+
+
 class Terrain(Ground):
     """Grid of rigid units, each with heave and one tilt on spring-dampers normal to the ground.
 
@@ -68,6 +71,10 @@ class Terrain(Ground):
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
 
     def _errors(self) -> Errors:
+        half = 0.5 * self.tilt_length
+        if self.springs_per_unit == 2 and self.spring_offset > half + SAME_PLACE:
+            within = f"half of a unit's side of {self.tilt_length:g} m across its tilt axis"
+            yield f"spring_offset must be at most {half:g} m, {within}, got {self.spring_offset:g}"
         if self.is_even:
             return
         tops = self._tops

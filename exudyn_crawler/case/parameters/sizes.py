@@ -1,0 +1,88 @@
+"""What fits in size: pins within their shoe, inertias with mass and extent, wheels beside each other."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.case.parameters import base, track
+from exudyn_crawler.case.parameters.base import Errors
+
+ROUNDING = 1e-9  # m, by which places may be beyond a bound
+DENSEST = 8000.0  # kg/m3, of steel: of parts that are no denser
+COMPONENTS = ("Ixx", "Iyy", "Izz")
+
+
+class Round(NamedTuple):
+    """Wheel seen along its axis."""
+
+    name: str
+    x: float  # of its axis, m
+    z: float
+    radius: float
+
+
+def pin_errors(shoe: track.Shoe, chain: track.Track) -> Errors:
+    """Pins beside their shoe: beyond its sides, or below its underside."""
+    _, _, low, high, underside = shoe.footprint + np.array([0.0, 0.0, *2 * [chain.first_com[1]], 0.0])
+    for name in ("spherical_y", "parallel_y"):
+        place = getattr(chain, name)
+        if not low - ROUNDING <= place <= high + ROUNDING:
+            width = f"the shoe's width of {shoe.width:g} m, from {low:.6g} to {high:.6g} m"
+            yield f"track.{name} must lie within {width}, got {place:g}"
+    if chain.pin_height <= underside:
+        above = f"above the shoe's underside at {underside:g} m"
+        yield f"track.pin_height must be {above}, got {chain.pin_height:g}"
+
+
+def wide_inertia(name: str, mass: float, inertia: base.Six, reach: Sequence[float]) -> Iterator[str]:
+    """Moments of inertia beyond that of the whole mass (kg) at the corners of a body's extent, a line each.
+
+    `reach` is how far it extends from its COM along its axes, m.
+    """
+    squares = np.square(reach)
+    for component, value, most in zip(COMPONENTS, inertia, mass * (squares.sum() - squares), strict=False):
+        if value > most * (1.0 + ROUNDING):
+            extent = " x ".join(f"{2.0 * one:.3g}" for one in reach)
+            corners = f"more than the {most:.4g} of {mass:g} kg at the corners of {extent} m"
+            yield f"{name}.inertia: {component} is {value:g} kg m2, {corners}; it may be that of another size"
+
+
+def shoe_reach(shoe: track.Shoe, chain: track.Track) -> tuple[float, float, float]:
+    """How far a shoe extends from its COM, m; it is no taller than the pitch, up or down."""
+    rear, front, right, left, _ = np.abs(shoe.footprint)
+    along = max(rear, front, chain.pin_ahead, chain.pitch - chain.pin_ahead)
+    return along, max(right, left), max(chain.pitch, shoe.com_height)
+
+
+def thin_inertia(name: str, mass: float, inertia: base.Six) -> Iterator[str]:
+    """Inertia that is less than that of a ball of steel, which has the least: a line, or none."""
+    radius = (0.75 * mass / (math.pi * DENSEST)) ** (1.0 / 3.0)
+    least, trace = 1.2 * mass * radius**2, sum(inertia[:3])
+    if trace < least:
+        moments = f"Ixx + Iyy + Izz is {trace:.4g} kg m2 with {mass:g} kg"
+        ball = f"less than the {least:.4g} of a ball of steel, which has the least"
+        yield f"{name}.inertia: {moments}, {ball}; it may be that of another size"
+
+
+def far_inertia(name: str, mass: float, inertia: base.Six, length: float) -> Iterator[str]:
+    """Inertia with a radius of gyration that is longer than a length (m): a line, or none."""
+    radius = math.sqrt(np.linalg.eigvalsh(base.inertia_tensor(inertia))[-1] / mass)
+    if radius > length:
+        gives = f"it gives a radius of gyration of {radius:.3g} m with {mass:g} kg, more than {length:.3g} m"
+        yield f"{name}.inertia: {gives}; it may be that of another size"
+
+
+def overlap_errors(wheels: Sequence[Round], tolerance: float = 1e-6) -> Errors:
+    """Wheels in each other, of different groups as of rollers, carriers, tumbler and idler."""
+    for k, one in enumerate(wheels):
+        for other in wheels[k + 1 :]:
+            if one.name.split()[0] == other.name.split()[0]:
+                continue
+            apart = math.hypot(one.x - other.x, one.z - other.z)
+            inside = one.radius + other.radius - apart
+            if inside > tolerance:
+                are = f"axes {apart:.4g} m apart, radii {one.radius:.4g} and {other.radius:.4g} m"
+                by = f"they do by {1e3 * inside:.0f} mm"
+                yield f"{one.name} and {other.name} must not overlap, {by}: {are}"
