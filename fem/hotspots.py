@@ -11,8 +11,8 @@ from scipy.spatial import cKDTree
 from fem.mesh import Floats, Integers, Mesh
 from fem.recovery import Peaks, recover_peaks
 from fem.shapes import Shapes
-from fem.stress import Criterion, stress_jump
-from fem.trust import IN_SPIDER, mesh_error
+from fem.stress import Criterion
+from fem.trust import IN_SPIDER, resolution_at
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def hot_spots(
     pandas.DataFrame
         rank, value (Pa), node, time (s), x, y, z (m, body axes), flag ("in spider",
         "beside spider" or empty), jump (Pa): disagreement of the elements around the node at that
-        time, and error (Pa): estimated error of the von Mises stress from the mesh, as of
+        time, and error (Pa): estimated error of the von Mises stress from the mesh, see
         `trust.mesh_error`. A jump of the value's size means that the mesh makes the peak;
         `trust.judged` combines all this into one verdict.
 
@@ -202,28 +202,25 @@ def hot_spots(
 
 def _table(body: Shapes, times: Floats, q: Floats, peaks: Peaks, places: list[int]) -> pd.DataFrame:
     """Table of `hot_spots` for chosen positions in the peaks."""
-    found, rows = peaks.nodes[places], peaks.time_indices[places]
-    jumps, errors = {}, {}
-    for row in np.unique(rows).tolist():
-        displacement = body.displacement(q[row])[0]
-        jumps[row] = stress_jump(body.mesh, body.material, displacement)
-        errors[row] = mesh_error(body.mesh, body.material, displacement)
+    nodes = peaks.nodes[places]
+    rows = peaks.time_indices[places]
+    resolved = resolution_at(body, q[rows], nodes)
     flags = np.where(
-        np.isin(found, body.spider_nodes),
+        np.isin(nodes, body.spider_nodes),
         IN_SPIDER,
-        np.where(np.isin(found, body.nodes_beside_spiders), "beside spider", ""),
+        np.where(np.isin(nodes, body.nodes_beside_spiders), "beside spider", ""),
     )
     return pd.DataFrame(
         {
             "rank": np.arange(1, len(places) + 1),
             "value": peaks.values[places],
-            "node": found,
+            "node": nodes,
             "time": times[rows],
-            "x": body.nodes[found, 0],
-            "y": body.nodes[found, 1],
-            "z": body.nodes[found, 2],
+            "x": body.nodes[nodes, 0],
+            "y": body.nodes[nodes, 1],
+            "z": body.nodes[nodes, 2],
             "flag": flags,
-            "jump": [jumps[row][node] for row, node in zip(rows.tolist(), found, strict=True)],
-            "error": [errors[row][node] for row, node in zip(rows.tolist(), found, strict=True)],
+            "jump": np.sqrt(resolved.jump),
+            "error": resolved.error * np.sqrt(resolved.size),
         }
     )

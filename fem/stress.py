@@ -154,27 +154,20 @@ def stress_at_node(
     return nodal_stress(nodal_gradient_operator(part), material, displacements[used], place)[0]
 
 
-def element_stress(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
-    """Stress of one displacement field (n, 3) at the nodes of each element, (e, a, 6) in Pa."""
-    operator = element_gradient_operator(mesh)
-    gradient = np.einsum("epib,ebj->epij", operator, displacement[mesh.elements], optimize=True)
-    return stress_of_gradient(gradient, material)
+def element_stress(
+    mesh: Mesh, material: Material, displacement: Floats, elements: Integers | None = None
+) -> Floats:
+    """Stress of one displacement field (n, 3) at the nodes of each element, (e, a, 6) in Pa.
 
-
-def stress_jump(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
-    """Error measure of each node: greatest difference between its elements' stress and the mean.
-
-    It is the von Mises stress of the difference, in Pa, (n,): zero where the elements agree.
+    `elements` are the numbers of some, all if left out.
     """
-    local = element_stress(mesh, material, displacement)
-    n = len(mesh.nodes)
-    flat = mesh.elements.ravel()
-    values = local.reshape(-1, 6)
-    count = np.bincount(flat, minlength=n)
-    mean = np.stack([np.bincount(flat, values[:, k], n) for k in range(6)], axis=1)
-    jump = np.zeros(n)
-    np.maximum.at(jump, flat, von_mises(values - (mean / count[:, None])[flat]))
-    return jump
+    operator = element_gradient_operator(mesh)
+    nodes = mesh.elements
+    if elements is not None:
+        operator = operator[elements]
+        nodes = nodes[elements]
+    gradient = np.einsum("epib,ebj->epij", operator, displacement[nodes], optimize=True)
+    return stress_of_gradient(gradient, material)
 
 
 def von_mises(stress: Floats) -> Floats:

@@ -15,9 +15,9 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from fem.elasticity import Material
-from fem.mesh import Floats, Mesh
+from fem.mesh import Floats, Integers, Mesh
 from fem.rank import ModalHistory, segments
-from fem.shapes import Columns, Shapes, lengths
+from fem.shapes import Columns, Shapes, combined, lengths
 from fem.stress import DEVIATOR, element_stress
 
 SAFETY = 1.5
@@ -56,8 +56,8 @@ class Resolution:
         Integrals over the elements of a node: of averaged stress minus the elements' stress, and of the
         latter, both taken as linear in an element.
     jump, size : array (n,)
-        In Pa2: of the greatest disagreement of an element with the nodal stress, as of `stress.stress_jump`,
-        and of the nodal von Mises stress.
+        In Pa2: of the greatest von Mises stress of the difference between an element's stress and the nodal
+        one, which is zero where the elements agree, and of the nodal von Mises stress.
     """
 
     off: Floats
@@ -89,18 +89,66 @@ def _root_ratio(part: Floats, whole: Floats) -> Floats:
 
 def resolution(mesh: Mesh, material: Material, displacement: Floats) -> Resolution:
     """How far a mesh resolves the stress of a displacement (n, 3) in m."""
-    own = element_stress(mesh, material, displacement) @ DEVIATOR.T
-    flat, n = mesh.elements.ravel(), len(mesh.nodes)
+    return _resolution(mesh.nodes, mesh.elements, element_stress(mesh, material, displacement))
+
+
+def resolution_at(body: Shapes, q: Floats, nodes: Integers) -> Resolution:
+    """How far a body's mesh resolves single stresses, each from the elements around its node alone.
+
+    Parameters
+    ----------
+    body : Shapes
+    q : array (k, m)
+        Coordinates of the body's columns, of one field each.
+    nodes : int array (k,)
+        Number of the node of each.
+
+    Returns
+    -------
+    Resolution
+        Of k nodes: that of `resolution` to rounding.
+    """
+    places = [_resolution_at_node(body, row, node) for row, node in zip(q, nodes.tolist(), strict=True)]
+    return Resolution(
+        np.array([place.off for place in places]),
+        np.array([place.own for place in places]),
+        np.array([place.jump for place in places]),
+        np.array([place.size for place in places]),
+    )
+
+
+def _resolution_at_node(body: Shapes, q: Floats, node: int) -> Resolution:
+    """How far a body's mesh resolves the stress of coordinates (m,) at a node; numbers in place of arrays."""
+    mesh = body.mesh
+    about = (mesh.elements == node).any(axis=1)
+    reached = np.zeros(len(mesh.nodes), dtype=bool)
+    reached[mesh.elements[about]] = True
+    # the averages at the nodes of its elements take all elements that these nodes have
+    elements = np.flatnonzero(reached[mesh.elements].any(axis=1))
+    used, local = np.unique(mesh.elements[elements], return_inverse=True)
+    displacement = np.zeros_like(mesh.nodes)
+    displacement[used] = combined(body.modes, q, used)[0]
+    stress = element_stress(mesh, body.material, displacement, elements)
+    near = _resolution(mesh.nodes[used], local.reshape(len(elements), -1), stress)
+    place = int(np.searchsorted(used, node))
+    return Resolution(near.off[place], near.own[place], near.jump[place], near.size[place])
+
+
+def _resolution(nodes: Floats, elements: Integers, stress: Floats) -> Resolution:
+    """How far elements (e, a) between nodes (n, 3) resolve their stress (e, a, 6) in Pa."""
+    own = stress @ DEVIATOR.T
+    flat = elements.ravel()
+    n = len(nodes)
     count = np.bincount(flat, minlength=n)
     sums = [np.bincount(flat, own[..., k].ravel(), n) for k in range(len(DEVIATOR))]
     averaged = np.stack(sums, axis=1) / count[:, None]
-    off = averaged[mesh.elements] - own
-    a, b, c, d = np.moveaxis(mesh.nodes[mesh.elements[:, :4]], 1, 0)
+    off = averaged[elements] - own
+    a, b, c, d = np.moveaxis(nodes[elements[:, :4]], 1, 0)
     volume = np.einsum("ei,ei->e", np.cross(b - a, c - a), d - a) / 6.0
     squares: list[Floats] = []
     for field in (off[:, :4], own[:, :4]):
         of_element = volume * ((field**2).sum(axis=(1, 2)) + (field.sum(axis=1) ** 2).sum(axis=1))
-        squares.append(np.asarray(np.bincount(flat, np.repeat(of_element, mesh.elements.shape[1]), n)))
+        squares.append(np.asarray(np.bincount(flat, np.repeat(of_element, elements.shape[1]), n)))
     jump = np.zeros(n)
     np.maximum.at(jump, flat, (off**2).sum(axis=2).ravel())
     return Resolution(squares[0], squares[1], jump, (averaged**2).sum(axis=1))

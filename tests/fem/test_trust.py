@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 import fem
-from fem.stress import stress_jump, von_mises
-from fem.trust import MESH_LIMIT, judged, mesh_error, resolution, resolution_over
+from fem.stress import von_mises
+from fem.trust import MESH_LIMIT, judged, mesh_error, resolution, resolution_at, resolution_over
 from meshes import STEEL
 from tests.fem.bodies import BACKWARD, box_mesh, tube
 from tests.fem.refusals import refused
@@ -59,11 +59,28 @@ def test_there_is_neither_error_nor_jump_where_elements_agree(beam):
     stretched = nodes @ np.diag([1e-4, 0.0, 0.0])
     assert mesh_error(mesh, STEEL, stretched).max() < 1e-6 * 200e9 * 1e-4
     assert not mesh_error(mesh, STEEL, 0.0 * stretched).any()
-    assert stress_jump(mesh, STEEL, stretched).max() < 1e-3  # Pa; rounding
+    assert np.sqrt(resolution(mesh, STEEL, stretched).jump).max() < 1e-3  # Pa; rounding
     beside_kink = np.abs(nodes[:, 0] - 0.3)
-    jump = stress_jump(mesh, STEEL, np.where(nodes[:, :1] > 0.3, nodes - 0.3, 0.0) * [1e-4, 0, 0])
+    bent_at_one_place = np.where(nodes[:, :1] > 0.3, nodes - 0.3, 0.0) * [1e-4, 0, 0]
+    jump = np.sqrt(resolution(mesh, STEEL, bent_at_one_place).jump)
     assert jump[beside_kink < 1e-9].min() > 0.2 * 200e9 * 1e-4
     assert jump[beside_kink > 0.11].max() < 1e-3
+
+
+def test_a_stress_is_judged_by_the_elements_near_it():
+    """At nodes inside, on faces, edges and corners, each of a field of its own."""
+    mesh = cylinder((4, 8, 2))
+    bent = np.zeros_like(mesh.nodes)
+    bent[:, 2] = 1e-3 * mesh.nodes[:, 0] ** 2
+    modes = np.stack((projected(mesh), bent), axis=2)
+    shapes = fem.Shapes(mesh, STEEL, (), modes, fem.ElasticBody(mesh, STEEL).stress(modes))
+    nodes = np.arange(0, len(mesh.nodes), 7)
+    q = np.random.default_rng(2).normal(size=(len(nodes), 2))
+    near = resolution_at(shapes, q, nodes)
+    for row, (field, node) in enumerate(zip(shapes.displacement(q), nodes, strict=True)):
+        whole = resolution(mesh, STEEL, field)
+        for name in ("off", "own", "jump", "size"):
+            assert getattr(near, name)[row] == pytest.approx(getattr(whole, name)[node], rel=1e-12)
 
 
 def test_a_history_is_judged_as_its_fields_are():

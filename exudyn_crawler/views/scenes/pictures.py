@@ -62,8 +62,10 @@ def paint(ax: Axes, solids: list[Solid], view: View, window: Window | None = Non
             between = fill * [1.0, 1.0, 1.0, solid.opacity == 1.0]
             lines.append(np.tile(mpl.colors.to_rgba(solid.edges), (len(fill), 1)) if edged else between)
     order = np.argsort(np.concatenate(depths), kind="stable")
+    # matplotlib's types do not know that it takes an array
+    polygons: Any = _of_one_length(outlines)[order]
     drawn = mpl.collections.PolyCollection(
-        _of_one_length(outlines)[order],
+        polygons,
         facecolors=np.concatenate(fills)[order],
         edgecolors=np.concatenate(lines)[order],
         linewidths=0.7,
