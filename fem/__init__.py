@@ -30,8 +30,9 @@ if TYPE_CHECKING:
     from fem.files import StaleCacheError, load_fields, load_reduced, save_fields, save_reduced
     from fem.hotspots import Apart, OneARegion, OneOfEach, hot_spots
     from fem.interfaces import Interface, center_loads
-    from fem.mesh import Mesh, MeshError
-    from fem.mesh_files import read_mesh, write_mesh
+    from fem.mesh import Mesh, MeshError, MeshWarning
+    from fem.mesh_content import VolumeMesh
+    from fem.mesh_files import read_mesh, read_volume, write_mesh
     from fem.places import FlatRectangle, PressureGrid, Stations, flat_parts
     from fem.rainflow import Cycles, repeated_cycles
     from fem.recovery import Peaks, recover_peaks, shares
@@ -55,8 +56,9 @@ _NAMES = {
     "files": "StaleCacheError load_fields load_reduced save_fields save_reduced",
     "hotspots": "Apart OneARegion OneOfEach hot_spots",
     "interfaces": "Interface center_loads",
-    "mesh": "Mesh MeshError",
-    "mesh_files": "read_mesh write_mesh",
+    "mesh": "Mesh MeshError MeshWarning",
+    "mesh_content": "VolumeMesh",
+    "mesh_files": "read_mesh read_volume write_mesh",
     "places": "FlatRectangle PressureGrid Stations flat_parts",
     "rainflow": "Cycles repeated_cycles",
     "recovery": "Peaks recover_peaks shares",
@@ -85,6 +87,7 @@ __all__ = [
     "Material",
     "Mesh",
     "MeshError",
+    "MeshWarning",
     "Nested",
     "OneARegion",
     "OneOfEach",
@@ -101,6 +104,7 @@ __all__ = [
     "Stations",
     "StressBlock",
     "UnitLoads",
+    "VolumeMesh",
     "cached_craig_bampton",
     "cached_files",
     "cached_static_fields",
@@ -120,6 +124,7 @@ __all__ = [
     "mesh_error",
     "nested_reduction",
     "read_mesh",
+    "read_volume",
     "recover_damage",
     "recover_extremes",
     "recover_peaks",

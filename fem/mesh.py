@@ -31,6 +31,10 @@ class MeshError(ValueError):
     """A mesh cannot be used; the message says what is wrong and where."""
 
 
+class MeshWarning(UserWarning):
+    """A mesh can be used, but its file or its surfaces are not all that they seem to be."""
+
+
 CUBIC_POINTS = np.vstack([np.full(4, 0.25), np.full((4, 4), 1.0 / 6.0) + np.eye(4) / 3.0])
 """Barycentric points of the five-point rule that is exact for cubic functions in a tetrahedron."""
 CUBIC_WEIGHTS = np.array([-0.8, 0.45, 0.45, 0.45, 0.45]) / 6.0
@@ -69,9 +73,17 @@ def jacobian_determinants(nodes: Floats, elements: Integers, points: Floats | No
     return np.linalg.det(frames)
 
 
-def _first(ids: np.ndarray, count: int = 5) -> str:
-    listed = ", ".join(str(i) for i in ids[:count])
-    return listed + (", ..." if len(ids) > count else "")
+def listed(numbers: np.ndarray, count: int = 5) -> str:
+    """First of some numbers as text."""
+    return ", ".join(str(number) for number in numbers[:count]) + (", ..." if len(numbers) > count else "")
+
+
+def boundary_faces(elements: Integers) -> Integers:
+    """Triangles of the boundary of tetrahedra, (k, 3) or (k, 6), corners in outward sense."""
+    local = TETRA_FACES[:, :3] if elements.shape[1] == 4 else TETRA_FACES
+    faces = elements[:, local].reshape(-1, local.shape[1])
+    _, first, counts = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
+    return faces[np.sort(first[counts == 1])]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +98,8 @@ class Mesh:
         Node numbers from 0.
     surfaces : mapping of str to int array (k, 3 or 6)
         Named parts of the boundary as triangles of nodes; parts may overlap.
+    notes : tuple of str
+        What its file has that is not in the mesh.
 
     Raises
     ------
@@ -98,6 +112,7 @@ class Mesh:
     nodes: Floats
     elements: Integers
     surfaces: Mapping[str, Integers]
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         nodes = np.ascontiguousarray(self.nodes, dtype=np.float64)
@@ -122,23 +137,23 @@ class Mesh:
             raise MeshError(f"elements must be tetrahedra with 4 or 10 nodes, got {elements.shape}")
         bad = np.flatnonzero(~np.isfinite(nodes).all(axis=1))
         if len(bad):
-            raise MeshError(f"nodes must be finite, got {len(bad)} that are not: {_first(bad)}")
+            raise MeshError(f"nodes must be finite, got {len(bad)} that are not: {listed(bad)}")
         bad = np.flatnonzero(((elements < 0) | (elements >= len(nodes))).any(axis=1))
         if len(bad):
             raise MeshError(
                 f"elements must refer to nodes in 0..{len(nodes) - 1}, "
-                f"got {len(bad)} that do not: {_first(bad)}"
+                f"got {len(bad)} that do not: {listed(bad)}"
             )
         used = np.zeros(len(nodes), dtype=bool)
         used[elements.ravel()] = True
         if not used.all():
             loose = np.flatnonzero(~used)
-            raise MeshError(f"nodes must belong to an element, got {len(loose)} loose ones: {_first(loose)}")
+            raise MeshError(f"nodes must belong to an element, got {len(loose)} loose ones: {listed(loose)}")
         bad = np.flatnonzero(jacobian_determinants(nodes, elements).min(axis=1) <= 0.0)
         if len(bad):
             raise MeshError(
                 f"elements must be neither inverted nor flat, got {len(bad)} of {len(elements)} "
-                f"that are: {_first(bad)}"
+                f"that are: {listed(bad)}"
             )
         _, first, times = np.unique(
             np.sort(elements[:, :4], axis=1), axis=0, return_index=True, return_counts=True
@@ -146,7 +161,7 @@ class Mesh:
         if len(first) < len(elements):
             raise MeshError(
                 f"elements must be different, got {(times > 1).sum()} of {len(first)} more than once: "
-                f"{_first(np.sort(first[times > 1]))}"
+                f"{listed(np.sort(first[times > 1]))}"
             )
         self._check_connection()
         self._check_surfaces()
@@ -165,7 +180,7 @@ class Mesh:
         if len(bodies) > 1:
             raise MeshError(
                 f"the mesh must be one body, got {len(bodies)} disconnected ones, of "
-                f"{_first(np.sort(bodies)[::-1])} elements"
+                f"{listed(np.sort(bodies)[::-1])} elements"
             )
 
     def _check_surfaces(self) -> None:
@@ -182,7 +197,7 @@ class Mesh:
             if inside:
                 raise MeshError(
                     f"surface {name!r} must lie on the boundary, got {len(inside)} of {len(faces)} "
-                    f"triangles off it: {_first(np.array(inside))}"
+                    f"triangles off it: {listed(np.array(inside))}"
                 )
 
     @property
@@ -200,12 +215,7 @@ class Mesh:
     @cached_property
     def boundary(self) -> Integers:
         """Triangles of the whole boundary, (k, 3) or (k, 6), corners in outward sense."""
-        local = TETRA_FACES[:, : 3 * self.order]
-        faces = self.elements[:, local].reshape(-1, local.shape[1])
-        _, first, counts = np.unique(
-            np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True
-        )
-        return faces[np.sort(first[counts == 1])]
+        return boundary_faces(self.elements)
 
     @cached_property
     def surface_nodes(self) -> Integers:
@@ -232,7 +242,7 @@ class Mesh:
         MeshError
             If one is not part of the boundary.
         """
-        return type(self)(self.nodes, self.elements, {**self.surfaces, **more})
+        return type(self)(self.nodes, self.elements, {**self.surfaces, **more}, self.notes)
 
     def nodes_of(self, name: str) -> Integers:
         """Numbers of the nodes of a named surface, ascending."""

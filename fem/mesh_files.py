@@ -1,9 +1,10 @@
-"""Meshes from and to files: any format that meshio reads, and gmsh's own to write."""
+"""Meshes from and to files: decks, gmsh's and MED files with all their names, others through meshio."""
 
 import gzip
-import shutil
 import sys
 import tempfile
+import warnings
+import zlib
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -11,62 +12,24 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from fem.mesh import Integers, Mesh, MeshError
+from fem.deck import read_deck
+from fem.deck_lines import LARGEST_FILE, text_of
+from fem.gmsh_files import is_gmsh, read_gmsh
+from fem.mesh import Mesh, MeshError, MeshWarning
+from fem.mesh_content import Cells, FileContent, VolumeMesh, volume_mesh
 
 PHYSICAL = "gmsh:physical"
 SOLID_TAG = 1
 _TRIANGLE_OF = {"tetra": "triangle", "tetra10": "triangle6"}
-
-
-def _surfaces_of(raw: meshio.Mesh, kind: str) -> dict[str, Integers]:
-    surfaces: dict[str, list[Integers]] = {}
-    tags = raw.cell_data.get(PHYSICAL, [None] * len(raw.cells))
-    names = {int(tag): name for name, (tag, dim) in raw.field_data.items() if dim == 2}
-    for block, tag in zip(raw.cells, tags, strict=True):
-        if block.type == kind and tag is not None:
-            for value in np.unique(tag):
-                name = names.get(int(value))
-                if name is not None:
-                    surfaces.setdefault(name, []).append(block.data[tag == value])
-    if not surfaces:
-        for name, per_block in raw.cell_sets.items():
-            for block, chosen in zip(raw.cells, per_block, strict=True):
-                if block.type == kind and chosen is not None and len(chosen):
-                    surfaces.setdefault(name, []).append(block.data[chosen])
-    return {name: np.concatenate(parts) for name, parts in surfaces.items()}
-
-
-def _read_plain(path: Path) -> meshio.Mesh:
-    if path.suffix != ".gz":
-        return _parsed(path)
-    with tempfile.TemporaryDirectory() as folder:
-        plain = Path(folder) / path.stem
-        with gzip.open(path) as packed, plain.open("wb") as out:
-            shutil.copyfileobj(packed, out)
-        return _parsed(plain)
-
-
-def _parsed(path: Path) -> meshio.Mesh:
-    """Mesh of a file; if all of meshio's readers fail, it prints their errors and ends the process."""
-    if not path.stat().st_size:
-        raise MeshError("the file is empty")
-    printed, warned = StringIO(), StringIO()
-    try:
-        with redirect_stdout(printed), redirect_stderr(warned):
-            raw = meshio.read(path)
-    except SystemExit as end:
-        formats = " or ".join(meshio.extension_to_filetypes[path.suffix.lower()])
-        said = "; ".join(filter(None, map(str.strip, printed.getvalue().splitlines())))
-        raise MeshError(f"it holds no mesh as {formats}{said and f': {said}'}") from end
-    sys.stderr.write(warned.getvalue())
-    return raw
+_CHUNK = 1 << 20
 
 
 def read_mesh(path: str | Path) -> Mesh:
-    """Read a mesh of tetrahedra from any format that meshio reads, also gzip-compressed (`.gz`).
+    """Read a mesh of tetrahedra with its named surfaces, also gzip-compressed (`.gz`).
 
-    Named surfaces come from triangle cells with gmsh's physical names or, in other formats, from
-    cell sets.
+    Surfaces have names in gmsh's files (`.msh`: physical surfaces), in decks of Abaqus and CalculiX (`.inp`:
+    element sets of shells, or surfaces of element faces) and in MED files (`.med`: groups). Other formats
+    that meshio reads have none, FLAC3D's apart. A surface of which a part cannot be read is left out.
 
     Parameters
     ----------
@@ -76,6 +39,7 @@ def read_mesh(path: str | Path) -> Mesh:
     Returns
     -------
     Mesh
+        Its notes say what of the file is left out.
 
     Raises
     ------
@@ -84,35 +48,132 @@ def read_mesh(path: str | Path) -> Mesh:
     MeshError
         If it is not a mesh, has no tetrahedra or several kinds of solid elements, or fails a check of
         `Mesh`.
+
+    Warns
+    -----
+    MeshWarning
+        If a surface is left out.
+    """
+    content = read_volume(path)
+    try:
+        mesh = content.mesh()
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from error
+    if content.unread:
+        reasons = "; ".join(f"{name!r}: {reason}" for name, reason in content.unread.items())
+        warnings.warn(f"{path}: surfaces are left out, {reasons}", MeshWarning, stacklevel=2)
+    return mesh
+
+
+def read_volume(path: str | Path) -> VolumeMesh:
+    """Read tetrahedra, named surfaces and named bodies of a file in its own unit and axes.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    MeshError
+        If it is not a mesh, has no tetrahedra or several kinds of solid elements, or elements that are turned
+        inside out.
     """
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"no mesh file {path}")
     try:
-        raw = _read_plain(path)
+        content = _content(path)
     except MeshError as error:
-        raise MeshError(f"{path} must be a mesh that meshio can read: {error}") from error
-    except Exception as error:  # meshio's readers raise all kinds of errors
+        raise MeshError(f"{path} must be a mesh that can be read: {error}") from error
+    except (ValueError, KeyError, IndexError, OverflowError, MemoryError) as error:
         reason = " ".join(str(error).split()) or repr(error)
-        raise MeshError(f"{path} must be a mesh that meshio can read, got: {reason}") from error
-    counts = {
-        block.type: sum(len(b.data) for b in raw.cells if b.type == block.type)
-        for block in raw.cells
-        if block.dim == 3
-    }
-    if not set(counts) & set(_TRIANGLE_OF):
-        held = ", ".join(f"{n} {kind}" for kind, n in counts.items()) or "no solid elements"
-        raise MeshError(f"{path} must hold tetrahedra (tetra or tetra10), got {held}")
-    if len(counts) > 1:
-        held = ", ".join(f"{n} {kind}" for kind, n in counts.items())
-        raise MeshError(f"{path} must hold one kind of solid elements, got {held}")
-    kind = next(iter(counts))
-    elements = np.concatenate([b.data for b in raw.cells if b.type == kind]).astype(np.int64)
-    nodes = np.asarray(raw.points, dtype=np.float64)
+        raise MeshError(f"{path} must be a mesh that can be read, it is broken: {reason}") from error
     try:
-        return Mesh(nodes, elements, _surfaces_of(raw, _TRIANGLE_OF[kind]))
+        return volume_mesh(content)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
+
+
+def _content(path: Path) -> FileContent:
+    """Content of a file by its last two suffixes."""
+    suffix = path.suffix.lower()
+    packed = suffix == ".gz"
+    plain_name = path.stem if packed else path.name
+    suffix = Path(plain_name).suffix.lower()
+    if suffix in (".msh", ".inp"):
+        content = _bytes(path, packed)
+        if suffix == ".msh" and is_gmsh(content):
+            return read_gmsh(content)
+        if suffix == ".inp":
+            return read_deck(path, text_of(content, path.name))
+    elif not path.stat().st_size:
+        raise MeshError("the file is empty")
+    if not packed:
+        return _read_plain(path, suffix)
+    with tempfile.TemporaryDirectory() as folder:
+        plain = Path(folder) / plain_name
+        plain.write_bytes(_bytes(path, packed))
+        return _read_plain(plain, suffix)
+
+
+def _read_plain(path: Path, suffix: str) -> FileContent:
+    if suffix != ".med":
+        return _through_meshio(path)
+    from fem.med_files import read_med  # other meshes need no HDF5
+
+    return read_med(path)
+
+
+def _bytes(path: Path, packed: bool) -> bytes:
+    """Content of a file, unpacked up to a limit."""
+    try:
+        with gzip.open(path) if packed else path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except (EOFError, zlib.error) as error:
+        raise MeshError(f"it must be whole, it ends early or is broken: {error}") from error
+    if len(content) > LARGEST_FILE:
+        raise MeshError(
+            f"it must be at most {LARGEST_FILE >> 20} MiB large{' when unpacked' * packed}, it is larger"
+        )
+    if not content:
+        raise MeshError("the file is empty")
+    return content
+
+
+def _through_meshio(path: Path) -> FileContent:
+    """Content of a file by meshio, which prints errors and ends the process if all its readers fail."""
+    printed = StringIO()
+    warned = StringIO()
+    try:
+        with redirect_stdout(printed), redirect_stderr(warned):
+            raw = meshio.read(path)
+    except SystemExit as end:
+        formats = " or ".join(meshio.extension_to_filetypes[path.suffix.lower()])
+        lines = "; ".join(filter(None, map(str.strip, printed.getvalue().splitlines())))
+        raise MeshError(f"it holds no mesh as {formats}{lines and f': {lines}'}") from end
+    except Exception as error:  # meshio's readers raise all kinds of errors
+        reason = " ".join(str(error).split()) or repr(error)
+        raise MeshError(
+            f"meshio, which reads other files than .msh, .inp and .med, got: {reason} "
+            f"({type(error).__name__}); save it in one of these"
+        ) from error
+    sys.stderr.write(warned.getvalue())
+    points = np.asarray(raw.points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise MeshError(f"its nodes must have three coordinates, got an array {points.shape}")
+    cells = []
+    for number, block in enumerate(raw.cells):
+        groups = {name: np.asarray(rows[number], dtype=np.int64) for name, rows in raw.cell_sets.items()}
+        cells.append(
+            Cells(
+                block.type, np.asarray(block.data), {name: rows for name, rows in groups.items() if len(rows)}
+            )
+        )
+    notes = []
+    if not any(block.groups for block in cells):
+        notes.append(
+            f"{path.suffix} brings no named surfaces: save the mesh as .msh with physical surfaces, as .inp "
+            "with *SURFACE or shells in element sets, or as .med with groups of faces"
+        )
+    return FileContent(points, cells, notes=notes)
 
 
 def write_mesh(path: str | Path, mesh: Mesh) -> None:

@@ -1,14 +1,25 @@
 """Surfaces of a shoe's top that may carry the machine: its rails, its plateau or the whole of it.
 
-All three follow from the surface "top" and the shape, so that any mesh with that surface has them.
+All three follow from the surface "top" and the shape, so that any mesh with that surface has them. Names of
+surfaces are known here in any spelling that a program makes of them.
 """
 
 import numpy as np
 
-from fem.mesh import Integers, Mesh
+from fem.mesh import Integers, Mesh, MeshError
 from fem.surfaces import faces_joined_to, faces_seen_from
+from meshes.geometry import JOINT_CENTERS
 
 LOAD_SURFACES = ("rails", "plateau", "whole top")
+
+SHOE_SURFACES = (
+    "underside",
+    "top",
+    "roller path",
+    *(f"bore {name}" for name in JOINT_CENTERS),
+    *LOAD_SURFACES,
+)
+"""Names of surfaces that the program knows."""
 
 LEVEL = 1e-3
 """m, difference up to which heights are equal."""
@@ -27,13 +38,20 @@ def with_load_surfaces(mesh: Mesh) -> Mesh:
     Returns
     -------
     Mesh
-        With up to three more surfaces, or none if there is no surface "top":
+        With the program's spelling of `SHOE_SURFACES`, and with up to three more surfaces, or none if there
+        is no surface "top":
 
         - "rails": the surface "roller path"; without one, the level faces of "top" at its greatest height
         - "plateau": the surface "top"
         - "whole top": all upward faces with nothing above them that are as high as "top" or connected by
           edges with such faces, over the full width
+
+    Raises
+    ------
+    MeshError
+        If two surfaces have a name that is one of `SHOE_SURFACES` in two spellings.
     """
+    mesh = with_known_names(mesh)
     if "top" not in mesh.surfaces:
         return mesh
     top = mesh.surface("top")
@@ -45,6 +63,32 @@ def with_load_surfaces(mesh: Mesh) -> Mesh:
     return mesh.with_surfaces(
         {name: faces for name, faces in found.items() if len(faces) and name not in mesh.surfaces}
     )
+
+
+def with_known_names(mesh: Mesh) -> Mesh:
+    """Mesh with the program's spelling of `SHOE_SURFACES`: a deck has BORE_REAR_LEFT or borerearleft, say.
+
+    Raises
+    ------
+    MeshError
+        If two surfaces have a name that is one of `SHOE_SURFACES` in two spellings.
+    """
+    known = {_letters(name): name for name in SHOE_SURFACES}
+    spelt = {name: known.get(_letters(name), name) for name in mesh.surfaces}
+    if all(name == spelling for spelling, name in spelt.items()):
+        return mesh
+    for name in set(spelt.values()):
+        spellings = [spelling for spelling, meant in spelt.items() if meant == name]
+        if len(spellings) > 1:
+            raise MeshError(
+                f"the mesh must have one surface {name!r}, got {' and '.join(map(repr, spellings))}"
+            )
+    surfaces = {spelt[name]: faces for name, faces in mesh.surfaces.items()}
+    return Mesh(mesh.nodes, mesh.elements, surfaces, mesh.notes)
+
+
+def _letters(name: str) -> str:
+    return "".join(filter(str.isalnum, name)).casefold()
 
 
 def _highest(mesh: Mesh, faces: Integers) -> Integers:
