@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from fem.deck_model import NODES_OF, Block, Deck, Place, deck_of, label, real
 from fem.mesh import TETRA_FACES, Integers, MeshError, boundary_faces, listed
-from fem.mesh_content import TETRAHEDRA, TRIANGLES, Cells, FileContent
+from fem.mesh_content import TETRAHEDRA, TRIANGLES, FileCells, FileContent
 
 _WHOLE_SHELL = {"", "SPOS", "SNEG", "S1", "S2"}
 """Faces of a shell that are the shell itself; others are its edges."""
@@ -51,9 +51,9 @@ def read_deck(path: Path, text: str | None = None) -> FileContent:
     cells = []
     for number, (block, nodes) in enumerate(zip(deck.blocks, rows, strict=True)):
         if nodes is not None:
-            cells.append(Cells(block.kind, nodes, named.groups(number)))
+            cells.append(FileCells(block.kind, nodes, named.groups(number)))
         else:
-            cells.append(Cells(block.type, np.array(block.numbers, dtype=np.int64)[:, None], {}))
+            cells.append(FileCells(block.type, np.array(block.numbers, dtype=np.int64)[:, None], {}))
     faces = named.faces()
     return FileContent(points, cells, faces, named.unread, [*_notes(deck), *named.notes])
 

@@ -13,7 +13,7 @@ import numpy as np
 from meshio.gmsh import gmsh_to_meshio_type
 
 from fem.mesh import Floats, Integers, MeshError
-from fem.mesh_content import TETRAHEDRA, Cells, FileContent
+from fem.mesh_content import TETRAHEDRA, FileCells, FileContent
 
 SAVE_AGAIN = "save it in version 4.1 or 2.2 (gmsh: Mesh.MshFileVersion = 4.1)"
 _OPENING = re.compile(rb"\s*\$(MeshFormat|Comments|NOD|PhysicalNames)\b")
@@ -25,7 +25,7 @@ VOLUME = 3
 
 
 class Entity(NamedTuple):
-    """Cells of one geometric entity: its dimension and its number."""
+    """FileCells of one geometric entity: its dimension and its number."""
 
     dimension: int
     number: int
@@ -323,7 +323,7 @@ def _file_content(msh: Msh) -> FileContent:
                 named.setdefault(msh.names[dimension, group], []).append(rows)
             else:
                 unnamed[dimension].add(group)
-        cells.append(Cells(kind, _rows(nodes, kind, tags, order), _joined(named)))
+        cells.append(FileCells(kind, _rows(nodes, kind, tags, order), _joined(named)))
     notes = []
     if unnamed[SURFACE]:
         notes.append(

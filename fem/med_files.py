@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from fem.mesh import Integers, MeshError
-from fem.mesh_content import Cells, FileContent
+from fem.mesh_content import FileCells, FileContent
 
 _KINDS = {
     "TR3": "triangle",
@@ -86,7 +86,7 @@ def _families(entries: h5py.Group | None) -> dict[int, list[str]]:
     return families
 
 
-def _cells(kind: str, block: h5py.Group, families: Mapping[int, list[str]]) -> Cells:
+def _cells(kind: str, block: h5py.Group, families: Mapping[int, list[str]]) -> FileCells:
     nodes: Integers = block["NOD"][()].reshape(-1, int(block["NOD"].attrs["NBR"])).T.astype(np.int64) - 1
     groups: dict[str, list[Integers]] = {}
     if "FAM" in block:
@@ -94,4 +94,4 @@ def _cells(kind: str, block: h5py.Group, families: Mapping[int, list[str]]) -> C
         for family in np.unique(family_of):
             for name in families.get(int(family), []):
                 groups.setdefault(name, []).append(np.flatnonzero(family_of == family))
-    return Cells(kind, nodes, {name: np.concatenate(rows) for name, rows in groups.items()})
+    return FileCells(kind, nodes, {name: np.concatenate(rows) for name, rows in groups.items()})

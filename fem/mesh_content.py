@@ -24,8 +24,8 @@ TURNED = np.array([1, 0, 2, 3, 4, 6, 5, 8, 7, 9])
 """Local nodes of a tetrahedron that is numbered in the other sense."""
 
 
-class Cells(NamedTuple):
-    """Cells of one kind.
+class FileCells(NamedTuple):
+    """FileCells of one kind.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class FileContent:
     ----------
     points : array (n, 3)
         Coordinates, in the file's unit.
-    cells : list of Cells
+    cells : list of FileCells
     faces : dict of str to list of int array (k, 3)
         Corners of faces of solid cells that a file names as such.
     unread : dict of str to str
@@ -60,7 +60,7 @@ class FileContent:
     """
 
     points: Floats
-    cells: list[Cells]
+    cells: list[FileCells]
     faces: dict[str, list[Integers]] = field(default_factory=dict)
     unread: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
@@ -134,7 +134,7 @@ def volume_mesh(content: FileContent) -> VolumeMesh:
     )
 
 
-def _kind_of_solids(cells: Iterable[Cells]) -> str:
+def _kind_of_solids(cells: Iterable[FileCells]) -> str:
     counts: Counter[str] = Counter()
     for block in cells:
         if block.kind.startswith(OTHER_SOLIDS):
@@ -252,7 +252,7 @@ def _with_nodes_at_the_same_place(content: FileContent, number: Integers, nodes:
     return number
 
 
-def _cell_sets(solids: list[Cells]) -> dict[str, Integers]:
+def _cell_sets(solids: list[FileCells]) -> dict[str, Integers]:
     sets: dict[str, list[Integers]] = {}
     first = 0
     for block in solids:
@@ -262,7 +262,7 @@ def _cell_sets(solids: list[Cells]) -> dict[str, Integers]:
     return {name: np.unique(np.concatenate(parts)) for name, parts in sets.items()}
 
 
-def _left_out(cells: list[Cells]) -> list[str]:
+def _left_out(cells: list[FileCells]) -> list[str]:
     """Notes of cells that are neither tetrahedra nor triangles."""
     counts: Counter[str] = Counter()
     for block in cells:

@@ -16,7 +16,7 @@ from fem.deck import read_deck
 from fem.deck_lines import LARGEST_FILE, text_of
 from fem.gmsh_files import is_gmsh, read_gmsh
 from fem.mesh import Mesh, MeshError, MeshWarning
-from fem.mesh_content import Cells, FileContent, VolumeMesh, volume_mesh
+from fem.mesh_content import FileCells, FileContent, VolumeMesh, volume_mesh
 
 PHYSICAL = "gmsh:physical"
 SOLID_TAG = 1
@@ -163,7 +163,7 @@ def _through_meshio(path: Path) -> FileContent:
     for number, block in enumerate(raw.cells):
         groups = {name: np.asarray(rows[number], dtype=np.int64) for name, rows in raw.cell_sets.items()}
         cells.append(
-            Cells(
+            FileCells(
                 block.type, np.asarray(block.data), {name: rows for name, rows in groups.items() if len(rows)}
             )
         )
