@@ -25,7 +25,7 @@ VOLUME = 3
 
 
 class Entity(NamedTuple):
-    """FileCells of one geometric entity: its dimension and its number."""
+    """Cells of one geometric entity: its dimension and its number."""
 
     dimension: int
     number: int

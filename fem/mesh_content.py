@@ -25,7 +25,7 @@ TURNED = np.array([1, 0, 2, 3, 4, 6, 5, 8, 7, 9])
 
 
 class FileCells(NamedTuple):
-    """FileCells of one kind.
+    """Cells of one kind.
 
     Attributes
     ----------
