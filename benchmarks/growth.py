@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import Case, FlexibleShoes, LoadCycle, Terrain
-from exudyn_crawler.model.formulation import track_system
+from exudyn_crawler.engine.formulation import track_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 from exudyn_crawler.views.style import STYLE, save_figure

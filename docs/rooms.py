@@ -19,7 +19,7 @@ FLOORS = (
     ("sweep", "spread_run"),
     ("case_run", "life_run", "co_simulation"),
     ("run", "views"),
-    ("results",),
+    ("results", "engine"),
     ("model",),
     ("ground",),
     ("case",),

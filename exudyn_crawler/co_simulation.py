@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, CaseFile, MachineCycle, read_case, write_case
 from exudyn_crawler.case.parameters.undercarriage import MachinePhase, length_errors
-from exudyn_crawler.model import compiled_system, formulation, track_system
+from exudyn_crawler.model import compiled_system, compiling, diagnostics
 from exudyn_crawler.results.history import History, states
 from exudyn_crawler.run.solve import equilibrium, simulation
 
@@ -63,10 +63,10 @@ class SteppedRun:
         if any((*force, *moment)) or case.machine is not None:
             phase = MachinePhase(name="rest", end=0.0, force=tuple(force), moment=tuple(moment))
             self.case = case.with_(machine=MachineCycle(phases=(phase,)))
-        formulation.compile_equations()
+        compiling.compile_equations()
         self._system = compiled_system.compiled_system(self.case)
-        self._system.set_initial(equilibrium.static_equilibrium(self.case))
-        self._system.commands = self._at
+        equilibrium.begin(self._system)
+        self._system.timed_inputs.commands = self._at
         self._settings = simulation.solver_settings(case.solver)
         self._span = (0.0, 1.0)
         self._before = self._after = np.array([0.0, 0.0, *force, *moment])
@@ -98,7 +98,7 @@ class SteppedRun:
         simulation.set_times(self._settings, self.case.solver, self.time, end)
         try:
             self._system.solve(self._settings)
-        except track_system.NewtonError as failed:
+        except diagnostics.NewtonError as failed:
             reason = f"Newton's method failed at the least step; {failed.fault(self._system.layout)}"
             raise errors.SimulationStopped(self.time, reason, self.history()) from None
         self.time, self.travel = end, travel

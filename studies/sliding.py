@@ -15,11 +15,11 @@ from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import Case, History
 from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.engine.formulation import track_system
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
-from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.model.state import pin_name
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium

@@ -16,7 +16,7 @@ import pandas as pd
 from exudyn_crawler.case import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.terrain import UnitCoordinates
-from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.exudyn import exu, items
 from studies.comparison import comparison_table, reported_values
 
 GRAVITY = 9.81

@@ -15,7 +15,7 @@ from hypothesis import settings
 
 from exudyn_crawler import Case, Duty, History, LoadCycle, Phase, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
-from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.exudyn import exu
 from exudyn_crawler.model.reductions import VARIABLE
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import LifeResults, life_of

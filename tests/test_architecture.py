@@ -61,7 +61,7 @@ def test_engine_is_imported_in_one_place():
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             found += [module for name in names if name.split(".")[0] == "exudyn"]
-    assert set(found) == {"exudyn_crawler.model.engine"}
+    assert set(found) == {"exudyn_crawler.model.exudyn"}
 
 
 @pytest.mark.parametrize("module", sorted(TREES))

@@ -1,6 +1,6 @@
 """Spheres under rigid shoes on units, Exudyn's own contact, and what its forces say of contacts.
 
-Exudyn makes the forces (`model.exudyn.system`). Here is what follows from a state: where the spheres are,
+Exudyn makes the forces (`engine.system`). Here is what follows from a state: where the spheres are,
 where the force on a shoe acts, how much of it is normal to the ground, and how the shoe slips there.
 """
 

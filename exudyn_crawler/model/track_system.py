@@ -1,4 +1,4 @@
-"""What a run asks of a multibody system, of Exudyn's items or of compiled equations, and how it fails."""
+"""Everything that a run asks of a multibody system, of Exudyn's items or of compiled equations."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -8,7 +8,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.model.build import Parts
-from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.exudyn import exu
 from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.state import RATES, StateLayout
 
@@ -17,32 +17,6 @@ if TYPE_CHECKING:
 
 FIRST_DEPTH = 1e-5
 """m, of all rollers in their rails to start from: enough to be felt."""
-
-
-class NewtonError(Exception):
-    """Newton's method failed at the least step, or found no equilibrium.
-
-    `residual` (equations,) is that of the last iteration: forces (N), moments (N m) and modal forces, then
-    the gaps of constraints; `singular` says whether the equations had no solution.
-    """
-
-    def __init__(self, residual: np.ndarray, singular: bool) -> None:
-        super().__init__("Newton's method failed")
-        self.residual = residual
-        self.singular = singular
-
-    def fault(self, layout: StateLayout) -> str:
-        """Name of the equation that failed, such as "greatest residual at shoe 7 (z)".
-
-        Residuals are compared as they are: forces in N, moments in N m, modal forces, and the gaps of
-        constraints in m, rad and their rates.
-        """
-        singular = "the equations are singular, " if self.singular else ""
-        residual = np.abs(self.residual)
-        if not np.isfinite(residual).all():
-            # a single one makes all of them so in the next iteration
-            return f"{singular}the residual is not finite"
-        return f"{singular}greatest residual at {layout.equation(int(residual.argmax()))}"
 
 
 class TrackSystem(ABC):
@@ -57,7 +31,7 @@ class TrackSystem(ABC):
         self.point = parts.point  # point of the front shoe that the drive moves
         self.container = exu.SystemContainer()
         self.mbs = self.container.AddSystem()
-        self._cells: TrackOnCells | None = None
+        self.cells: TrackOnCells | None = None  # cells under the track, where the ground is of cells
 
     @property
     def frequencies(self) -> np.ndarray | None:
@@ -65,16 +39,16 @@ class TrackSystem(ABC):
         return None if self.floating is None else self.floating.reduced.frequencies
 
     def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> "GearForces":
-        """What a running gear does to the shoes at times (t,), s, and coordinates and rates (t, coordinates).
+        """Forces of a running gear on the shoes at times (t,), s, coordinates and rates (t, coordinates).
 
-        One by one to all shoes of an open track, and to the flexible ones of a closed one.
+        On all shoes of an open track one by one, and on the flexible ones of a closed one.
         """
         raise NotImplementedError("the case needs a running gear")
 
     @property
     def sticks(self) -> bool:
-        """Whether the ground holds shoes at rest by its shear, without slip."""
-        return self._cells is not None
+        """True where the ground holds shoes at rest by its shear, without slip."""
+        return self.cells is not None
 
     def first_guess(self) -> np.ndarray:
         """Coordinates from which a rest is sought: units sunk by their weight, shoes by their loads.
@@ -82,7 +56,8 @@ class TrackSystem(ABC):
         On ground that sticks shoes have been put down there, and shear from there. A closed track is put on
         the ground as it was assembled.
         """
-        case, sag = self.case, 0.0
+        case = self.case
+        sag = 0.0
         q = np.zeros(self.layout.coordinate_count)
         shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
         if case.closed_track is not None and case.closed_track.support == "posts":
@@ -99,8 +74,10 @@ class TrackSystem(ABC):
         # rails of neighbours at one height: rollers may be on either
         loads = case.pressed(case.loads.loads(0.0)[0] if case.is_rolled else case.first_loads)
         shoes[:, 2] = -sag - case.settled_depths(loads)
-        x, half = self.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
-        rear, front = self.contact.surface(x - half), self.contact.surface(x + half)
+        x = self.contact.shoe_reference[:, 0]
+        half = 0.5 * case.shoe.length
+        rear = self.contact.surface(x - half)
+        front = self.contact.surface(x + half)
         shoes[:, 2] += 0.5 * (rear + front)
         shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
         if case.is_rolled:  # the frame's coordinates come last
@@ -117,20 +94,25 @@ class TrackSystem(ABC):
         self.mbs.SetPostStepUserFunction(function)
 
     def memory(self) -> dict[str, np.ndarray]:
-        """Memory of the ground, as of the last step, as arrays by name; of ground without any none."""
-        return {} if self._cells is None else self._cells.ground.state()
+        """Memory of the ground after the last step, as arrays by name; of ground without any none."""
+        return {} if self.cells is None else self.cells.ground.state()
+
+    def remember(self, memory: Mapping[str, np.ndarray]) -> None:
+        """Give cells a memory, see `memory`; other ground has none."""
+        if self.cells is not None:
+            self.cells.ground.restore(memory)
 
     @abstractmethod
     def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`."""
 
     def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
-        """Start from a row as of `state`, whose time goes into the solver's settings, and a memory.
+        """Start from a row, see `state`, whose time goes into the solver's settings, and a memory.
 
-        Without one, as of `memory`, the ground keeps what it has.
+        Without a memory the ground keeps what it has.
         """
-        if self._cells is not None and memory is not None:
-            self._cells.ground.restore(memory)
+        if memory is not None:
+            self.remember(memory)
         state = np.stack([self.layout.part(row, f"coordinates{rate}") for rate in RATES])
         self._start(state, self.layout.part(row, "multipliers"))
 
@@ -140,7 +122,8 @@ class TrackSystem(ABC):
 
     def state(self) -> np.ndarray:
         """Current state in one row, laid out as `layout` says."""
-        time, contacts = self.mbs.systemData.GetTime(), self.stored_contacts()
+        time = self.mbs.systemData.GetTime()
+        contacts = self.stored_contacts()
         return np.concatenate(((time,), *self.coordinates(), self.multipliers, contacts.ravel()))
 
     @abstractmethod
@@ -150,13 +133,13 @@ class TrackSystem(ABC):
     @property
     @abstractmethod
     def multipliers(self) -> np.ndarray:
-        """Of all constraints, in the layout's order: N and N m."""
+        """Multipliers of all constraints, in the layout's order: N and N m."""
 
     def stored_contacts(self) -> np.ndarray:
-        """What a state has of the contacts (shoes, layout.contact) that does not follow from the rest."""
-        if self._cells is None:
+        """Numbers of the contacts (shoes, layout.contact) that do not follow from the rest of a state."""
+        if self.cells is None:
             return np.zeros((self.layout.shoes, 0))
-        return self._cells.contacts(self.layout.contact)
+        return self.cells.contacts(self.layout.contact)
 
     @abstractmethod
     def switch_drive(self, on: bool) -> None:

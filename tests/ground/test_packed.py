@@ -86,6 +86,6 @@ def test_all_cases_are_compiled_as_one():
         system = compiled_system(case)
         state = np.zeros((3, system.layout.coordinate_count))
         if system.sticks:
-            system._cells.cover(state)
+            system.cells.cover(state)
         assert np.isfinite(system.residual(state, system.inputs(0.0))).all()
     assert len(equations.residual.signatures) == 1

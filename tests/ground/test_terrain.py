@@ -8,6 +8,7 @@ import scipy.linalg
 import scipy.stats
 
 from exudyn_crawler import Case, PairContact, Terrain, simulate
+from exudyn_crawler.engine.bodies import add_terrain_modes, add_units
 from exudyn_crawler.ground.terrain import (
     TerrainModes,
     localized,
@@ -17,7 +18,6 @@ from exudyn_crawler.ground.terrain import (
     units_near,
 )
 from exudyn_crawler.model.build import parts_of
-from exudyn_crawler.model.exudyn.bodies import add_terrain_modes, add_units
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 from tests.model.both import linearized
 

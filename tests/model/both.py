@@ -6,10 +6,10 @@ from typing import NamedTuple
 import exudyn as exu
 import numpy as np
 
+from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.ground.rotations import NO_DERIVATIVES, Weights
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import matrix
-from exudyn_crawler.model.exudyn.system import ExudynSystem
 
 FORCE_SCALE = 1e6
 """N, of multipliers: forces are linear in them."""
@@ -135,7 +135,7 @@ def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=NO_DERIVATI
 
 def gaps_of(system):
     """Gaps of all constraints at the state of the last residual."""
-    return system._work.gap.copy()
+    return system.work.gap.copy()
 
 
 def compiled(case, q, q_t):
@@ -155,9 +155,9 @@ def compiled(case, q, q_t):
 def compiled_matrix(system, q, q_t, weights):
     """Dense derivative of the compiled residual as Newton's method has it, on all unknowns."""
     size = len(residual_of(system, q, q_t, weights=Weights(*weights)))
-    fronts, values = system.tables.fronts, np.zeros_like(system._scratch[1])
+    fronts, values = system.tables.fronts, np.zeros_like(system.scratch[1])
     state = np.stack((q, q_t, np.zeros_like(q)))
-    matrix(system._block, state, tuple(system.inputs(0.0)), weights, values)
+    matrix(system.block, state, tuple(system.inputs(0.0)), weights, values)
     dense = np.zeros((size, size))
     for k in range(len(fronts.own)):
         rows = fronts.rows(k)

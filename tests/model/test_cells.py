@@ -13,6 +13,7 @@ from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_loads
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.rest import settle
 from studies.balance import shoe_imbalance, track_imbalance
 from tests.model.both import matrix_errors
 
@@ -65,13 +66,13 @@ def test_what_acts_on_dragged_shoes_is_the_rate_of_their_momentum(dragged):
 )
 def test_newton_takes_one_or_two_iterations_on_sand(case, duration, mean, monkeypatch):
     """Of 2000 steps of 16 shoes 474 take two."""
-    iterations, step = [], CompiledSystem._step
+    iterations, step = [], CompiledSystem.step
 
     def counted(self, *arguments):
         iterations.append(step(self, *arguments))
         return iterations[-1]
 
-    monkeypatch.setattr(CompiledSystem, "_step", counted)
+    monkeypatch.setattr(CompiledSystem, "step", counted)
     steps = simulate(case, duration, False).time.size - 1
     converged, made = np.array(iterations[-steps:]).T
     assert len(made) == steps > 100
@@ -144,7 +145,7 @@ def test_shoes_on_a_slope_below_friction_stay_where_they_are(law, grade):
 def test_newtons_matrix_is_the_derivative_of_the_residual(base):
     system = compiled_system(base.on_cells(SAND))
     q = static_equilibrium(system.case)
-    system.set_initial(q)
+    settle(system, q)
     # deeper than ever before and slipping, away from the kinks of the law
     shoes = q[: 6 * system.layout.shoes].reshape(-1, 6)
     shoes[:, 2] -= 2e-3

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Terrain
-from exudyn_crawler.model.exudyn.system import ExudynSystem
+from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.model.state import pin_name
 from studies.grounds import plain
 from tests.model.both import linearized

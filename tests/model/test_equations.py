@@ -1,5 +1,6 @@
 """Compiled equations: against those of Exudyn's items and their own derivatives, references, compiling."""
 
+import itertools
 import json
 import os
 import subprocess
@@ -14,6 +15,7 @@ from exudyn_crawler import Case, FlexibleShoes, PairContact, Terrain, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.compiling import calls_of
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import by_engine, compiled, gaps_of, matrix_errors, random_state, residual_of
 from tests.rolled import small_flexible_case
@@ -149,16 +151,17 @@ def arrays_of(values):
 )
 def test_compiled_code_gives_back_every_reference_to_an_array(case):
     system = compiled_system(case)
-    cells = system._cells
-    system._state[0] = system.first_guess()
-    arrays = [*arrays_of(system.tables), *arrays_of(system._work), system._state, *system._scratch]
+    cells = system.cells
+    state = np.zeros((3, system.layout.coordinate_count))
+    state[0] = system.first_guess()
+    multipliers = np.zeros(system.tables.multiplier_count)
+    arrays = [*arrays_of(system.tables), *arrays_of(system.work), state, multipliers, *system.scratch]
 
     def step():
-        if cells is not None:
-            cells.cover(system._state)
         # whether it converges does not matter
-        system._step(system.inputs(0.0), Weights(1.0, 1e3, 1e5, False, 1e-3), (1e-2, 3, False))
-        for function, arguments in (one for calls in system.calls().values() for one in calls):
+        weights = Weights(1.0, 1e3, 1e5, False, 1e-3)
+        system.step(state, multipliers, system.inputs(0.0), weights, (1e-2, 3, False))
+        for function, arguments in itertools.chain.from_iterable(calls_of(system).values()):
             function(*arguments)
         if cells is not None:
             cells.commit()

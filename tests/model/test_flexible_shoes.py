@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, simulate
+from exudyn_crawler.engine.bodies import add_shoe_nodes, add_shoes
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.model.build import parts_of
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.exudyn.bodies import add_shoe_nodes, add_shoes
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.joints import Markers

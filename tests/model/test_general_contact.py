@@ -6,11 +6,12 @@ import pytest
 
 from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
+from exudyn_crawler.engine.rest import RESIDUAL
+from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.pairs import RESULT
-from exudyn_crawler.model.exudyn.system import ExudynSystem
-from exudyn_crawler.run.solve.equilibrium import RESIDUAL, static_equilibrium
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.balance import powers, shoe_imbalance, track_imbalance
 from studies.comparison import compare_kinematics
 from studies.forces import compare_forces, study as forces_study

@@ -5,11 +5,12 @@ import pytest
 
 from exudyn_crawler import Case
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
-from exudyn_crawler.model import engine, newton
+from exudyn_crawler.model import exudyn, newton
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.track_system import NewtonError
+from exudyn_crawler.model.diagnostics import NewtonError
+from exudyn_crawler.model.exudyn import exu, items
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.rest import settle
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 
 pytestmark = pytest.mark.simulation
@@ -70,8 +71,8 @@ def by_exudyn(solver, mbs, settings, state):
 
 
 def test_a_step_tried_again_starts_from_the_algorithmic_acceleration_of_its_start():
-    undisturbed = greatest_error(engine.predict, fails=False)
-    assert greatest_error(engine.predict) < 1.1 * undisturbed
+    undisturbed = greatest_error(exudyn.predict, fails=False)
+    assert greatest_error(exudyn.predict) < 1.1 * undisturbed
 
 
 def test_exudyn_starts_a_step_that_failed_from_the_algorithmic_acceleration_of_its_end():
@@ -81,7 +82,7 @@ def test_exudyn_starts_a_step_that_failed_from_the_algorithmic_acceleration_of_i
 def at_start(case, rest, duration):
     """System at rest (coordinates), and settings of a run from there (s)."""
     system = compiled_system(case)
-    system.set_initial(rest)
+    system.set_initial(settle(system, rest))
     settings = solver_settings(case.solver)
     set_times(settings, case.solver, 0.0, duration)
     return system, settings

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
+from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.exudyn.system import ExudynSystem
+from exudyn_crawler.model.exudyn import exu
 from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
 from tests.states import row_of
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from exudyn_crawler import Case
-from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.exudyn import exu, items
 from exudyn_crawler.model.forces.teeth import Flange, Profile, flange_force, tooth
 
 PROFILE = Profile(*Case.closed().closed_track.tumbler.profile(Case.closed().track))

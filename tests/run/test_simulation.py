@@ -12,14 +12,14 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import Case, LoadCycle, simulate
+from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model import newton
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.exudyn.system import ExudynSystem
-from exudyn_crawler.model.track_system import NewtonError
+from exudyn_crawler.model.diagnostics import NewtonError
+from exudyn_crawler.model.exudyn import exu
 from exudyn_crawler.run.solve import simulation
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import integrate
@@ -108,7 +108,7 @@ def test_every_variable_of_a_history_is_an_attribute(translation):
 @pytest.mark.parametrize("progress", [None, False])
 def test_a_run_that_compiles_says_so(monkeypatch, capsys, progress):
     monkeypatch.setattr("exudyn_crawler.run.folder.progress.LINE_EVERY", 0.05)
-    monkeypatch.setattr(simulation.formulation, "compile_equations", lambda: clock.sleep(0.3))
+    monkeypatch.setattr(simulation.compiling, "compile_equations", lambda: clock.sleep(0.3))
     monkeypatch.setattr(simulation, "integrate", lambda *_, **__: None)
     simulate(Case.translation(), 0.01, progress)
     told = set(capsys.readouterr().err.splitlines())

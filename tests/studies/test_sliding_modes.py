@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, SphereContact
-from exudyn_crawler.model.formulation import track_system
+from exudyn_crawler.engine.formulation import track_system
 from studies import sliding_modes as study
 from studies.flutter import flutter
 from studies.grounds import plain

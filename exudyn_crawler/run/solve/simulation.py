@@ -11,10 +11,13 @@ from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case, Solver, case_file
 from exudyn_crawler.case.parameters.checks import warn_implausible
+from exudyn_crawler.engine import formulation
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.ground import rotations, sphere_contact
-from exudyn_crawler.model import engine, flexible_shoes, formulation, state
-from exudyn_crawler.model.track_system import NewtonError, TrackSystem
+from exudyn_crawler.model import compiling, flexible_shoes, state
+from exudyn_crawler.model.diagnostics import NewtonError
+from exudyn_crawler.model.exudyn import exu, newton_settings
+from exudyn_crawler.model.track_system import TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import COMPILE, COMPILING, REDUCE, heartbeat, progress_bar
@@ -22,9 +25,9 @@ from exudyn_crawler.run.solve import equilibrium, stages
 from fem import interrupts
 
 
-def solver_settings(solver: Solver) -> "engine.exu.SimulationSettings":
+def solver_settings(solver: Solver) -> "exu.SimulationSettings":
     """Exudyn's settings for a run; `set_times` gives it its times."""
-    settings = equilibrium.newton_settings(solver.residual, solver.maximum_iterations)
+    settings = newton_settings(solver.residual, solver.maximum_iterations)
     settings.solution.sensors.active = False
     time = settings.timeIntegration
     # a stage starts from the accelerations that the one before ended with
@@ -39,7 +42,7 @@ def solver_settings(solver: Solver) -> "engine.exu.SimulationSettings":
 
 
 def set_times(
-    settings: "engine.exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
+    settings: "exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
 ) -> None:
     """Put the times of a stage into Exudyn's settings; a quiet one takes longer steps."""
     time = settings.timeIntegration
@@ -225,7 +228,7 @@ def _watched(
         system.after_step(None)
 
 
-def _solve(system: TrackSystem, settings: "engine.exu.SimulationSettings", watch: _Watch) -> str:
+def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str:
     """Integrate one stage; gives why it stopped early, if it did."""
     reason = ""
     try:
@@ -243,7 +246,7 @@ def compiled(case: Case, progress: bool | None = None) -> None:
     if case.is_compiled:
         shown = heartbeat(f"{case.name}: {COMPILE}", COMPILING, progress)
         with shown, threadpool_limits(1, user_api="blas"):
-            formulation.compile_equations()
+            compiling.compile_equations()
 
 
 def simulate(
@@ -280,5 +283,5 @@ def simulate(
     # matrices of a step are so small that threads wait for each other, and round by how many they are
     with threadpool_limits(1, user_api="blas"):
         system = formulation.track_system(case)
-        system.set_initial(equilibrium.static_equilibrium(case))
+        equilibrium.begin(system)
         return integrate(system, duration, progress, checkpoints, ground_times)

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.engine.euler_parameters import UNTURNED
 from exudyn_crawler.ground.terrain import terrain_joints
-from exudyn_crawler.model.engine import RigidBodyInertia, add_coordinates, exu, generic_node, items, sparse
-from exudyn_crawler.model.exudyn.euler_parameters import UNTURNED
+from exudyn_crawler.model.exudyn import RigidBodyInertia, add_coordinates, exu, generic_node, items, sparse
 from exudyn_crawler.model.tables import Tables
 
 CORNERS = 0.05 * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
@@ -38,40 +38,47 @@ def add_shoes(mbs: "exu.MainSystem", tables: Tables, nodes: list[int], gravity: 
     the load's place. `gravity` (3,) is in m/s2, global.
     """
     tables = _with_points(tables)
-    shoes, bodies, markers = Shoes(nodes, [], [], []), tables.bodies, tables.markers
+    shoes = Shoes(nodes, [], [], [])
+    bodies = tables.bodies
+    markers = tables.markers
     for b, node in enumerate(nodes):
-        mass, inertia = bodies.mass[b], np.trace(bodies.second[b]) * np.eye(3) - bodies.second[b]
-        own = {"name": f"shoe {b + 1}", "mass": mass, "centerOfMass": bodies.first[b] / mass}
+        mass = bodies.mass[b]
+        inertia = np.trace(bodies.second[b]) * np.eye(3) - bodies.second[b]
+        values = {"name": f"shoe {b + 1}", "mass": mass, "centerOfMass": bodies.first[b] / mass}
         if bodies.modal[b] < 0:
             six = RigidBodyInertia(mass, inertia).GetInertia6D()
-            body = mbs.AddObject(items.ObjectRigidBody(nodeNumber=node, inertia=six, **own))
+            body = mbs.AddObject(items.ObjectRigidBody(nodeNumber=node, inertia=six, **values))
         else:
             modal = generic_node(mbs, f"modes of shoe {b + 1}", len(tables.modes.stiffness))
-            own |= {"nodeNumbers": [node, modal], "inertia": inertia, **_elasticity(tables)}
-            body = mbs.AddObject(items.ObjectFFRFreducedOrder(**own))
+            values |= {"nodeNumbers": [node, modal], "inertia": inertia, **_elasticity(tables)}
+            body = mbs.AddObject(items.ObjectFFRFreducedOrder(**values))
             shoes.modal_nodes.append(modal)
         shoes.bodies.append(body)
         weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
         mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=gravity))
     for k, (b, place) in enumerate(zip(markers.body, markers.position, strict=True)):
-        body, mesh, shares = shoes.bodies[b], [*range(4 * k, 4 * k + 4)], [0.25] * 4
-        marker = (
-            items.MarkerBodyRigid(bodyNumber=body, localPosition=place)
-            if bodies.modal[b] < 0
-            else items.MarkerSuperElementRigid(bodyNumber=body, meshNodeNumbers=mesh, weightingFactors=shares)
-        )
+        body = shoes.bodies[b]
+        if bodies.modal[b] < 0:
+            marker = items.MarkerBodyRigid(bodyNumber=body, localPosition=place)
+        else:
+            mesh = [*range(4 * k, 4 * k + 4)]
+            marker = items.MarkerSuperElementRigid(
+                bodyNumber=body, meshNodeNumbers=mesh, weightingFactors=[0.25] * 4
+            )
         shoes.markers.append(mbs.AddMarker(marker))
     return shoes
 
 
 def _with_points(tables: Tables) -> Tables:
     """Tables whose markers are points all: a load's place and what that changes by per metre are added."""
-    markers, loads = tables.markers, tables.loads
+    markers = tables.markers
     added = np.eye(len(markers.body))
-    added[loads.beside, loads.marker] = 1.0
-    columns = markers.position, markers.displacement, markers.rotation
-    position, displacement, rotation = (np.tensordot(added, one, axes=1) for one in columns)
-    points = markers._replace(position=position, displacement=displacement, rotation=rotation)
+    added[tables.loads.beside, tables.loads.marker] = 1.0
+    points = markers._replace(
+        position=np.tensordot(added, markers.position, axes=1),
+        displacement=np.tensordot(added, markers.displacement, axes=1),
+        rotation=np.tensordot(added, markers.rotation, axes=1),
+    )
     return tables._replace(markers=points)
 
 
@@ -84,7 +91,9 @@ def _elasticity(tables: Tables) -> dict[str, object]:
     10.1007/s00707-020-02886-2), made of ``a~^T b = -a x b`` and ``a~^T b~ = (a . b) 1 - b a^T`` for places
     and mode shapes a and b.
     """
-    points, modes, m = tables.markers, tables.modes, len(tables.modes.stiffness)
+    points = tables.markers
+    modes = tables.modes
+    m = len(modes.stiffness)
     turned = np.cross(points.rotation[:, None], CORNERS[None, :, :, None], axis=2)
     cross = np.cross(np.eye(3)[:, None], np.eye(3))
     # x_a Psi_ck over (0, a, c, k), then Psi_aj Psi_ck over (j, a, c, k)
@@ -122,11 +131,16 @@ def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
 
     Units only tilt, so that angles serve them.
     """
-    terrain, ground = case.unit_terrain(), mbs.CreateGround()
-    axes, tilt, support = np.eye(3), terrain.tilt_axis, np.zeros((6, 6))
-    support[2, 2], support[3 + tilt, 3 + tilt] = terrain.spring_stiffness, terrain.column_tilt_stiffness
+    terrain = case.unit_terrain()
+    ground = mbs.CreateGround()
+    axes = np.eye(3)
+    tilt = terrain.tilt_axis
+    support = np.zeros((6, 6))
+    support[2, 2] = terrain.spring_stiffness
+    support[3 + tilt, 3 + tilt] = terrain.column_tilt_stiffness
     offset = terrain.spring_offset * axes[1 - tilt]
-    nodes, bodies = [], []
+    nodes = []
+    bodies = []
     for number, center in enumerate(terrain.even_centers, start=1):
         made = mbs.CreateRigidBody(
             name=f"unit {number}",
@@ -138,7 +152,8 @@ def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
             nodeType=exu.NodeType.RotationRxyz,
             returnDict=True,
         )
-        node, body = made["nodeNumber"], made["bodyNumber"]
+        node = made["nodeNumber"]
+        body = made["bodyNumber"]
         for place in (0.0 * offset,) if terrain.springs_per_unit == 1 else (-offset, offset):
             mbs.CreateRigidBodySpringDamper(
                 itemNumbers=[ground, body],

@@ -13,13 +13,15 @@ from typing import Any
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.engine import bodies, drive, euler_parameters, spheres
 from exudyn_crawler.ground import terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
-from exudyn_crawler.model import build, compiled_system, state, track_system
-from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.exudyn import bodies, drive, euler_parameters, spheres
+from exudyn_crawler.model import build, state, track_system
+from exudyn_crawler.model.diagnostics import NewtonError
+from exudyn_crawler.model.exudyn import exu, items
 from exudyn_crawler.model.forces.cells import CellWorkspace, OnCells, TrackOnCells
+from exudyn_crawler.model.layout import layout_of
 
 SHARPENING = 0.1
 """Of the residual that ends a step: with the Jacobian of an earlier step the iteration ends just below it,
@@ -49,10 +51,14 @@ class ExudynSystem(track_system.TrackSystem):
 
     def _assemble(self, parts: build.Parts, static: bool) -> None:
         """Add all items."""
-        mbs, case, tables, contact = self.mbs, self.case, parts.tables, self.contact
+        mbs = self.mbs
+        case = self.case
+        tables = parts.tables
+        contact = self.contact
         gravity = case.gravity_vector()
         # coordinates come in the order of the nodes
-        nodes, ground = bodies.add_shoe_nodes(mbs, tables), []
+        nodes = bodies.add_shoe_nodes(mbs, tables)
+        ground = []
         if isinstance(contact.coordinates, terrain.UnitCoordinates):
             ground = bodies.add_units(mbs, case)
         elif contact.coordinates.size:
@@ -60,15 +66,15 @@ class ExudynSystem(track_system.TrackSystem):
         shoes = bodies.add_shoes(mbs, tables, nodes, gravity)
         self._shoe_bodies = shoes.bodies
         for (link, side), pin in zip(parts.pins, tables.joints.pins, strict=True):
-            ends = [shoes.markers[k] for k in pin]
+            ends = [shoes.markers[end] for end in pin]
             mbs.CreateGenericJoint(state.pin_name(side, link), ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
         drive.add_loads(mbs, case, tables, shoes, static)
         if isinstance(contact, PairGroundContact):
             self._add_force([*nodes, *ground, *shoes.modal_nodes], contact.forces)
         elif isinstance(contact, CellGroundContact):
             work = CellWorkspace.allocate(tables.cells, contact.ground.shoes)
-            self._cells = TrackOnCells(contact.ground, OnCells(tables.bodies, tables.cells, work))
-            self._add_force([*nodes, *shoes.modal_nodes], self._cells.forces)
+            self.cells = TrackOnCells(contact.ground, OnCells(tables.bodies, tables.cells, work))
+            self._add_force([*nodes, *shoes.modal_nodes], self.cells.forces)
         else:
             self.general = spheres.add_spheres(mbs, case, shoes.bodies, ground, static)
         if static:
@@ -82,15 +88,18 @@ class ExudynSystem(track_system.TrackSystem):
         coordinates = self._coordinates
 
         def force(_mbs, _t, _item, q, q_t):
-            own = np.array(q)
-            return coordinates.forces_of_state(own, forces(*coordinates.to_state(own, np.array(q_t))))
+            places = np.array(q)
+            return coordinates.forces_of_state(places, forces(*coordinates.to_state(places, np.array(q_t))))
 
         massless = exu.MatrixContainer()
         self.mbs.AddObject(items.ObjectGenericODE2("contact", nodes, massless, forceUserFunction=force))
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:
-        """As of `TrackSystem`; cells remember each step first, and are covered for the next one."""
-        cells = self._cells
+        """Call a function after each step; cells remember the step first, and are covered for the next.
+
+        For the function see `TrackSystem`.
+        """
+        cells = self.cells
         if cells is None or report is None:
             super().after_step(report)
             return
@@ -111,20 +120,21 @@ class ExudynSystem(track_system.TrackSystem):
         Behind the joints of the compiled equations come Exudyn's other items; the norm of Euler parameters
         is none of the state's.
         """
-        data, own = self.mbs.systemData, compiled_system.layout_of(self.case, parts.tables, parts.pins)
+        data = self.mbs.systemData
+        compiled = layout_of(self.case, parts.tables, parts.pins)
         norms = {row for body in self._shoe_bodies for row in data.GetObjectLTGAE(body)}
-        rows: dict[str, list[int]] = {name: [] for name, _ in own.multipliers}
+        rows: dict[str, list[int]] = {name: [] for name, _ in compiled.multipliers}
         for number in range(data.NumberOfObjects()):
             of_item = [row for row in data.GetObjectLTGAE(number) if row not in norms]
             if len(of_item) == 6:
                 del of_item[FREE_ROTATION]
             rows[self.mbs.GetObject(number)["name"]] = of_item
         layout = dataclasses.replace(
-            own,
+            compiled,
             terrain=self.contact.coordinates.size,
             terrain_bodies=isinstance(self.contact.coordinates, terrain.UnitCoordinates),
             multipliers=tuple((name, len(of_item)) for name, of_item in rows.items() if len(of_item)),
-            contact=own.contact if self.general is None else 6,
+            contact=compiled.contact if self.general is None else 6,
         )
         return layout, np.concatenate([*rows.values()]).astype(int)
 
@@ -136,34 +146,31 @@ class ExudynSystem(track_system.TrackSystem):
 
     @property
     def multipliers(self) -> np.ndarray:
-        """As of `TrackSystem`."""
+        """Multipliers of all constraints; see `TrackSystem`."""
         return np.array(self.mbs.systemData.GetAECoordinates())[self._rows]
 
     def set_initial(self, q: np.ndarray) -> None:
-        """Start from rest at the coordinates `q`, on cells at that to which these settle there."""
-        if self._cells is not None:
-            twin = compiled_system.compiled_system(self.case)
-            q = twin.settled(q)
-            self._cells.ground.restore(twin.memory())
+        """Start from rest at the coordinates `q`."""
         self._start(np.stack((q, np.zeros_like(q), np.zeros_like(q))))
 
     def _start(self, state: np.ndarray, multipliers: np.ndarray | None = None) -> None:
-        data, initial = self.mbs.systemData, exu.ConfigurationType.Initial
-        own, own_t, own_tt = (values.tolist() for values in self._coordinates.of_state(*state))
-        data.SetODE2Coordinates(own, initial)
-        data.SetODE2Coordinates_t(own_t, initial)
-        data.SetODE2Coordinates_tt(own_tt, initial)
+        data = self.mbs.systemData
+        initial = exu.ConfigurationType.Initial
+        q, q_t, q_tt = (values.tolist() for values in self._coordinates.of_state(*state))
+        data.SetODE2Coordinates(q, initial)
+        data.SetODE2Coordinates_t(q_t, initial)
+        data.SetODE2Coordinates_tt(q_tt, initial)
         if self.general is not None:
             # Exudyn looked for touching spheres when it assembled the system, with none in the ground yet,
             # and would let the track fall through the first step
-            data.SetODE2Coordinates(own)
+            data.SetODE2Coordinates(q)
             self.general.UpdateContacts(self.mbs)
-        if self._cells is not None:
-            self._cells.put_down(state)
-            self._cells.cover(state)
+        if self.cells is not None:
+            self.cells.put_down(state)
+            self.cells.cover(state)
 
     def stored_contacts(self) -> np.ndarray:
-        """As of `TrackSystem`; of Exudyn's contact forces (N) and moments about the origins (N m)."""
+        """Forces (N) and moments about the origins (N m) of Exudyn's contact; see `TrackSystem`."""
         if self.general is None:
             return super().stored_contacts()
         forces = np.asarray(self.general.GetSystemODE2RhsContactForces(copy=True))
@@ -177,9 +184,10 @@ class ExudynSystem(track_system.TrackSystem):
             self.mbs.SetObjectParameter(item, "activeConnector", on and speed is not None)
 
     def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings; errors as of `TrackSystem.solve`."""
+        """Integrate between the times of the settings; for errors see `TrackSystem.solve`."""
         newton = settings.timeIntegration.newton
-        tolerance, newton.absoluteTolerance = newton.absoluteTolerance, SHARPENING * newton.absoluteTolerance
+        tolerance = newton.absoluteTolerance
+        newton.absoluteTolerance = SHARPENING * tolerance
         self._run(self.mbs.SolveDynamic, settings, newton, "dynamicSolver")
         newton.absoluteTolerance = tolerance
 
@@ -194,9 +202,10 @@ class ExudynSystem(track_system.TrackSystem):
         try:
             solve(settings)
         except (exu.SolverError, exu.InternalError) as error:  # the latter where a matrix is not finite
-            solver, q = self.mbs.sys[name], np.array(self.mbs.systemData.GetODE2Coordinates())
+            solver = self.mbs.sys[name]
+            q = np.array(self.mbs.systemData.GetODE2Coordinates())
             # the dynamic one multiplies the equations of motion by what makes accelerations of displacements
             scale = 1.0 if solver.IsStaticSolver() else solver.newmarkBeta * solver.it.currentStepSize**2
             forces, gaps = np.split(np.array(solver.GetSystemResidual()), [len(q)])
             residual = np.concatenate((self._coordinates.wrenches(q, forces / scale), gaps[self._rows]))
-            raise track_system.NewtonError(residual, bool(solver.conv.linearSolverFailed)) from error
+            raise NewtonError(residual, bool(solver.conv.linearSolverFailed)) from error

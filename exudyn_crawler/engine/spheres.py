@@ -4,7 +4,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground import sphere_contact
-from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.exudyn import exu, items
 
 CELL = 1.0
 """m, least side of the cells of the engine's search tree."""
@@ -20,7 +20,8 @@ def add_spheres(
     Damping and friction are those of `case.sphere_contact()`, the stiffness is `case.sphere_stiffness`.
     `static` leaves friction out: at rest there is none, and on the way to it the track would creep.
     """
-    spheres, terrain = case.sphere_contact(), case.unit_terrain()
+    spheres = case.sphere_contact()
+    terrain = case.unit_terrain()
     contact = mbs.AddGeneralContact()
     contact.frictionProportionalZone = spheres.friction_speed
     contact.SetFrictionPairings(np.array([[NO_FRICTION if static else max(spheres.friction, NO_FRICTION)]]))
@@ -28,7 +29,8 @@ def add_spheres(
     contact.sphereSphereContact = False
     # otherwise an edge pushes with half the force, as if two triangles shared it
     contact.excludeDuplicatedTrigSphereContactPoints = True
-    (low, high), tops = np.transpose(terrain.bounds), terrain.top_heights
+    low, high = np.transpose(terrain.bounds)
+    tops = terrain.top_heights
     contact.SetSearchTreeCellSize([*np.ceil((high - low) / CELL).astype(int), 1])
     contact.SetSearchTreeBox([*low, tops.min() - 1.0], [*high, tops.max() + 1.0])
     # the stiffnesses of both partners act in series, their dampings add; the last is their friction's number

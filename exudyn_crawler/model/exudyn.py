@@ -1,4 +1,4 @@
-"""The engine: the only import of Exudyn; its integrator beside compiled equations.
+"""The only import of Exudyn, and its integrator beside compiled equations.
 
 This is its build with range checks. The one without saves 5 % of a run's time, but its last digits depend on
 the processor's instruction set.
@@ -39,6 +39,21 @@ def predict(
         state[0] = data.GetODE2Coordinates() + h * rate + h * h * ((0.5 - beta) * before + beta * after)
         state[1] = rate + h * ((1.0 - gamma) * before + gamma * after)
     state[2] = 0.0
+
+
+def newton_settings(residual: float, iterations: int) -> "exu.SimulationSettings":
+    """Exudyn's settings for a rest or a motion, in silence; residual (N, root mean square) that is enough."""
+    settings = exu.SimulationSettings()
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.solution.file.write = False
+    for solver in (settings.staticSolver, settings.timeIntegration):
+        solver.verboseMode = 0
+        solver.newton.absoluteTolerance = residual
+        # the absolute tolerance alone decides: the first residual of a step is no measure
+        solver.newton.relativeTolerance = 1e-16
+        solver.newton.weightTolerancePerCoordinate = True
+        solver.newton.maxIterations = iterations
+    return settings
 
 
 def generic_node(mbs: "exu.MainSystem", name: str, size: int) -> int:

@@ -5,8 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile
-from exudyn_crawler.model.engine import EulerParameters2G, EulerParameters2RotationMatrix, exu, items
-from exudyn_crawler.model.exudyn import bodies, euler_parameters
+from exudyn_crawler.engine import bodies, euler_parameters
+from exudyn_crawler.model.exudyn import EulerParameters2G, EulerParameters2RotationMatrix, exu, items
 from exudyn_crawler.model.forces.loads import static_friction
 from exudyn_crawler.model.tables import Tables
 
@@ -18,7 +18,9 @@ def add_loads(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
 
     `static` keeps the loads as they are at t = 0: Exudyn's static solver asks for those at 1 s.
     """
-    loads, shift, down = tables.loads, case.loads.side_shift, case.terrain.down
+    loads = tables.loads
+    shift = case.loads.side_shift
+    down = case.terrain.down
     shares = (lambda time: 1.0 - shift.value(time)), shift.value
     for profile, *ends in zip(case.loads.of_shoes, loads.marker, loads.beside, strict=True):
         for end, share in zip(ends, shares, strict=True):
@@ -38,7 +40,8 @@ def add_hold(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Sh
     It is held where the drive will act: from another place the run would start with a jolt. Dashpots damp
     shoes on spheres on uneven ground critically; at rest they do nothing.
     """
-    shoe, ground = case.shoe, mbs.CreateGround()
+    shoe = case.shoe
+    ground = mbs.CreateGround()
     ends = [ground, shoes.markers[tables.joints.drive]]
     mbs.CreateGenericJoint("hold of the front shoe", ends, constrainedAxes=[1, 1, 0, 0, 0, 1])
     damping = 2.0 * np.sqrt(shoe.mass * case.mean_load / case.settled_penetration)
@@ -57,16 +60,18 @@ def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
 
     On velocity level a halved step leaves no error in the acceleration.
     """
-    k = tables.joints.drive
-    place, shapes = tables.markers.position[k], tables.markers.displacement[k]
+    place = tables.markers.position[tables.joints.drive]
+    shapes = tables.markers.displacement[tables.joints.drive]
     shoe = items.MarkerObjectODE2Coordinates(objectNumber=shoes.bodies[-1])
     ground = items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround()))
-    markers = [mbs.AddMarker(one) for one in (shoe, ground)]
+    markers = [mbs.AddMarker(marker) for marker in (shoe, ground)]
 
     def directions(q: list[float]) -> np.ndarray:
         """Factors of both in the rates of the shoe's coordinates, which come with those of reference."""
         e, z = np.split(np.array(q)[3:], [euler_parameters.SIZE - 3])
-        R, G, rows = EulerParameters2RotationMatrix(e), EulerParameters2G(e), shapes[:, : len(z)]
+        R = EulerParameters2RotationMatrix(e)
+        G = EulerParameters2G(e)
+        rows = shapes[:, : len(z)]
         along_x = np.concatenate((X, np.cross(R @ (place + rows @ z), X) @ G, R[0] @ rows))
         about_z = np.concatenate((0.0 * X, R[:, 2] @ G, 0.0 * z))
         return np.stack((along_x, about_z))

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from exudyn_crawler.ground import rotations
-from exudyn_crawler.model.engine import EulerParameters2G, EulerParameters2RotationMatrix
+from exudyn_crawler.model.exudyn import EulerParameters2G, EulerParameters2RotationMatrix
 
 UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 """Euler parameters of reference of every body."""
@@ -24,7 +24,8 @@ class BodyCoordinates:
     """
 
     def __init__(self, reference: np.ndarray) -> None:
-        self._turned = self._reference = reference[:, 3:]
+        self._reference = reference[:, 3:]
+        self._turned = self._reference
 
     def _split(self, values: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """First three numbers of every body, its others, and what follows the bodies."""
@@ -41,13 +42,14 @@ class BodyCoordinates:
         """Exudyn's coordinates, rates and accelerations of a state's."""
         split = [self._split(values, 6) for values in (q, q_t, q_tt)]
         angles, rates, accelerations = (turned for _, turned, _ in split)
-        self._turned = angles = self._reference + angles
+        angles = self._reference + angles
+        self._turned = angles
         e = np.asarray(Rotation.from_matrix(rotations.rotation_matrices(angles)).as_quat(scalar_first=True))
         G = EulerParameters2G(e.T)
         e_t = 0.25 * np.einsum("ijn,ni->nj", G, rotations.angular_velocity(angles, rates))
         alpha = rotations.angular_acceleration(angles, rates, accelerations)
         e_tt = 0.25 * np.einsum("ijn,ni->nj", G, alpha) - np.sum(e_t**2, axis=1)[:, None] * e
-        return [_joined(*one) for one in zip(split, (e - UNTURNED, e_t, e_tt), strict=True)]
+        return [_joined(*parts) for parts in zip(split, (e - UNTURNED, e_t, e_tt), strict=True)]
 
     def to_state(self, q: np.ndarray, *rates: np.ndarray) -> list[np.ndarray]:
         """A state's coordinates, rates and, where these are given, accelerations of Exudyn's.
@@ -60,11 +62,12 @@ class BodyCoordinates:
         self._turned = np.unwrap(np.stack((self._turned, angles)), axis=0)[1]
         turned = [self._turned - self._reference, rotations.angle_rates(angles, spin)]
         turned += [rotations.angle_accelerations(angles, turned[1], change) for change in changes]
-        return [_joined(*one) for one in zip(split, turned, strict=True)]
+        return [_joined(*parts) for parts in zip(split, turned, strict=True)]
 
     def forces_of_state(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Generalized forces on Exudyn's coordinates of those on a state's."""
-        (G, angles), split = self._turn(q), self._split(forces, 6)
+        G, angles = self._turn(q)
+        split = self._split(forces, 6)
         return _joined(split, np.einsum("ijn,ni->nj", G, rotations.moments_of(angles, split[1])))
 
     def wrenches(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
@@ -72,7 +75,8 @@ class BodyCoordinates:
 
         Gives six numbers a body, in one row.
         """
-        G, split = self._turn(q)[0], self._split(forces, SIZE)
+        G, _ = self._turn(q)
+        split = self._split(forces, SIZE)
         return _joined(split, 0.25 * np.einsum("ijn,nj->ni", G, split[1]))
 
 

@@ -1,0 +1,89 @@
+"""Compile the equations before a run, in two processes.
+
+The matrix does not call the residual, so that both are compiled at the same time; a step, which calls
+both, finds them cached. That takes three quarters of the time.
+"""
+
+import os
+import subprocess
+import sys
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba import typeof
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.model import elimination, equations, gear
+from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
+from fem.compiling import notify_compiling
+
+Call = tuple[Any, tuple]
+"""A compiled function and its arguments."""
+
+
+@cache
+def compile_equations() -> None:
+    """Compile residual and matrix, unless they are cached; once a process, and the same for all cases.
+
+    What fails beside this process, such as a disk that stores nothing, is compiled when it is called.
+    """
+    begun: list[subprocess.Popen] = []
+    with notify_compiling([equations.residual], lambda: begun.append(_beside())):
+        _compile("residual")
+    for process in begun:
+        process.wait()
+
+
+def compile_matrix() -> None:
+    """Compile the matrix, its elimination and the contacts that a history keeps."""
+    system = _compile("matrix")
+    none = np.zeros(system.layout.coordinate_count)
+    system.contact.results(none, none)
+
+
+def calls_of(system: CompiledSystem) -> dict[str, list[Call]]:
+    """Compiled functions with arguments as a run of the system calls them, by what they make."""
+    residual, values = system.scratch
+    inputs = tuple(system.inputs(0.0))
+    weights = (0.0, 0.0, 1.0, False, 1.0)
+    fronts = system.tables.fronts
+    state = np.zeros((3, system.layout.coordinate_count))
+    state[0] = system.first_guess()
+    multipliers = np.zeros(system.tables.multiplier_count)
+    forces = tuple(gear.GearForces.allocate(1, system.layout.shoes, 0, system.work))
+    no_drags = np.zeros((1, 0))
+    no_shoes = np.zeros(0, dtype=np.int64)
+    return {
+        "residual": [
+            (equations.residual, (system.block, state, multipliers, inputs, weights, residual)),
+            (
+                gear.write_gear_forces,
+                (system.block, state[:1].copy(), state[1:2].copy(), no_drags, no_shoes, forces),
+            ),
+        ],
+        "matrix": [
+            (equations.matrix, (system.block, state, inputs, weights, values)),
+            (elimination.eliminate, (fronts, values)),
+            (elimination.solve, (fronts, values, residual)),
+        ],
+    }
+
+
+def _compile(part: str) -> CompiledSystem:
+    """System of a case, with a part of its equations compiled."""
+    system = compiled_system(Case.translation())
+    for function, arguments in calls_of(system)[part]:
+        function.compile(tuple(typeof(argument) for argument in arguments))
+    return system
+
+
+def _beside() -> subprocess.Popen:
+    """Process that compiles the matrix; no fork, which threads do not survive, and no script run again."""
+    return subprocess.Popen(
+        [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix()"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )

@@ -1,0 +1,53 @@
+"""Name what fails where Newton's method finds no step or no rest."""
+
+import numpy as np
+
+from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.model.equations import STIFFNESS
+from exudyn_crawler.model.state import StateLayout
+from exudyn_crawler.model.track_system import TrackSystem
+
+
+class NewtonError(Exception):
+    """Newton's method failed at the least step, or found no equilibrium.
+
+    `residual` (equations,) is that of the last iteration: forces (N), moments (N m) and modal forces, then
+    the gaps of constraints; `singular` is true where the equations had no solution.
+    """
+
+    def __init__(self, residual: np.ndarray, singular: bool) -> None:
+        super().__init__("Newton's method failed")
+        self.residual = residual
+        self.singular = singular
+
+    def fault(self, layout: StateLayout) -> str:
+        """Name the equation that failed, such as "greatest residual at shoe 7 (z)".
+
+        Residuals are compared as they are: forces in N, moments in N m, modal forces, and the gaps of
+        constraints in m, rad and their rates.
+        """
+        singular = "the equations are singular, " if self.singular else ""
+        residual = np.abs(self.residual)
+        if not np.isfinite(residual).all():
+            # a single number makes all of them so in the next iteration
+            return f"{singular}the residual is not finite"
+        return f"{singular}greatest residual at {layout.equation(int(residual.argmax()))}"
+
+
+def in_units(layout: StateLayout, residual: np.ndarray) -> np.ndarray:
+    """Residual of `equations.residual` with gaps in m and rad; equations that it does not have are zero."""
+    equations = np.zeros(layout.equation_count)
+    equations[: len(residual)] = residual
+    equations[layout.coordinate_count :] /= STIFFNESS
+    return equations
+
+
+def no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
+    """Error of a search for rest that failed, with what failed and, where the ground is to hold, why."""
+    slides = ""
+    if system.sticks and system.case.terrain.is_even and failed.singular:
+        slides = "; the ground's shear may be too weak to hold the shoes: compare contact.law with the slope"
+    return EquilibriumError(
+        f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
+        f"{failed.fault(system.layout)}{slides}"
+    )

@@ -1,1 +1,0 @@
-"""The tables of a case as Exudyn's own bodies, joints, loads and contacts."""

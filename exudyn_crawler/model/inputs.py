@@ -1,0 +1,84 @@
+"""Loads and drive of a case at every time: what moves a system from outside."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.model.forces.loads import profiles_of, values_at
+from exudyn_crawler.model.tables import Inputs, Tables
+
+NOTHING = StepProfile.constant(0.0)
+
+
+class TimedInputs:
+    """Loads and drive of a case over time.
+
+    `commands` is a function of the time (s) whose speed (m/s) with rate of turning (rad/s), and wrench (6,)
+    on the side frame, take the place of the case's; None: the case's act.
+    """
+
+    def __init__(self, case: Case, tables: Tables) -> None:
+        self._case = case
+        self._load_count = len(tables.loads.marker)
+        self._motor_count = len(tables.closed.motors)
+        machine = [NOTHING] * 6 if case.machine is None else case.machine.components
+        turn = case.drive.turn_rate or NOTHING
+        profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
+        self._profiles = plain(profiles_of(profiles))
+        self._resistances = np.zeros(1) if case.running_gear is None else case.running_gear.resistances
+        self._middles = case.track_middles
+        self._gravity = tuple(case.gravity_vector().tolist())
+        self._down = case.terrain.down
+        self.commands: Callable[[float], tuple[np.ndarray, np.ndarray]] | None = None
+
+    def at(self, time: float, driven: bool) -> Inputs:
+        """Loads and drive at a time (s); a track that is not `driven` has no drive."""
+        case, count = self._case, self._case.track.shoe_count
+        shoes, speeds, machine = self._applied(time)
+        of_tracks = self._speeds_of_tracks(speeds)
+        loads = np.zeros((self._load_count, 6))
+        loads[:count, :3] = np.outer(shoes, self._down)
+        drag = np.zeros(1)
+        if case.running_gear is not None:
+            loads[count] = machine
+            drag = self._drags(of_tracks)
+        if case.undercarriage is not None:
+            tension = case.undercarriage.end_tension
+            loads[count + 1 :, 0] = -tension, tension
+        turning = driven and case.drive.turn_rate is not None
+        active = np.array([driven, turning], dtype=float)
+        motors = np.zeros(0)
+        if case.closed_track is not None:
+            active[:] = 0.0
+            motors = np.zeros(self._motor_count)  # what keeps sliding idlers from spinning last
+            motors[: len(of_tracks)] = of_tracks / case.closed_track.travel_per_angle(case.track)
+        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)
+
+    def drags_at(self, times: np.ndarray) -> np.ndarray:
+        """Rolling resistance over normal force of all wheels at times (s): array (times, wheels)."""
+        speeds = np.array([self._applied(time)[1] for time in times])
+        return self._drags(self._speeds_of_tracks(speeds))
+
+    def _applied(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Loads of the shoes, speed with rate of turning and side shift, wrench on the frame, at a time."""
+        count = self._case.track.shoe_count
+        values = np.zeros(count + 9)
+        values_at(self._profiles, time, values)
+        shoes, speeds, machine = np.split(values, [count, count + 3])
+        if self.commands is not None:
+            speeds[:2], machine = self.commands(time)
+        return shoes, speeds, machine
+
+    def _speeds_of_tracks(self, speeds: np.ndarray) -> np.ndarray:
+        """Speeds of the tracks (..., tracks), m/s: a turn makes the right one faster than the left one."""
+        return speeds[..., :1] - speeds[..., 1:2] * self._middles
+
+    def _drags(self, of_tracks: np.ndarray) -> np.ndarray:
+        """Rolling resistance over normal force of all wheels (..., wheels), with the sign of the travel."""
+        running_gear = self._case.running_gear
+        assert running_gear is not None
+        faded = np.hypot(of_tracks, running_gear.resistance_speed)
+        drags = of_tracks[..., None] * self._resistances / faded[..., None]
+        return drags.reshape(*of_tracks.shape[:-1], -1)

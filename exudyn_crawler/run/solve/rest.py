@@ -1,0 +1,208 @@
+"""Rest of a system of compiled equations: by Newton's method, by creeping, and settled on cells."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from exudyn_crawler.ground.rotations import Weights, moments_on_angles
+from exudyn_crawler.model.compiled_system import CompiledSystem
+from exudyn_crawler.model.diagnostics import NewtonError, in_units
+from exudyn_crawler.model.equations import STIFFNESS
+from exudyn_crawler.model.forces.loads import static_friction
+
+RESIDUAL = 1e-3
+"""N, root mean square, of a rest: 1e-9 of a shoe's load."""
+ITERATIONS = 50
+"""Most iterations of Newton's method for a rest."""
+
+COORDINATE_STEP = 1e-7
+"""m, rad and modal: half step of central differences, far below the 0.1 mm of the contact's damping law."""
+MULTIPLIER_STEP = 1e3
+"""N and N m: the same of multipliers, on which the forces depend linearly."""
+
+HELD = (1, 5)
+"""Coordinates of the front shoe that are held beside its drive point: y and the angle about z. Friction needs
+slip, so that nothing else holds a track at rest in the plane; on ground that sticks nothing is held."""
+
+DRAG = 100.0
+"""1/s, force over momentum that slows every body in creeping, so that shoes slip slowly."""
+CLOSED_DRAG = 8.0
+"""The same of a closed chain, whose runs swing slowly and stand no still shoes."""
+FIRST_DRAG = 1e5
+"""1/s, with which a closed chain starts to creep; it falls by half with every step that is found with some
+ease. Slow shoes hardly slip, and no damping is felt: from where it was assembled nothing else is found."""
+MOST_DRAG = 1e9
+"""1/s, beyond which steps become shorter where Newton's method fails."""
+
+FIRST_STEP = 5e-3
+"""s, of creeping."""
+SLOWED_STEP = 0.05
+"""s, of a chain whose drag still falls."""
+LONGEST_STEP = 0.2
+"""s, of creeping."""
+LEAST_STEP = 1e-7
+"""s, below which creeping fails."""
+
+EASY = 8
+"""Iterations below which the next step of creeping is longer."""
+FAIR = 12
+"""Iterations below which drag falls."""
+MOST = 25
+"""Most iterations of a step of creeping."""
+
+SETTLING = 4.0
+"""s in which shoes creep to their rest on cells that remember them."""
+UNEVEN_SETTLING = 60.0
+"""s, the same of dragged shoes, which tilt on edges of uneven cells."""
+SETTLING_RESIDUAL = 1e-2
+"""N, root mean square, that ends a step's search in settling."""
+
+
+def newton_rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
+    """Coordinates at which a track with its front shoe held rests, near to a guess, or a `NewtonError`.
+
+    Along x the shoe is held where the drive will pull: its force, which the drive takes over, bends the shoe,
+    and from another place the run would start with a jolt.
+    """
+    count = len(guess)
+    front = 6 * system.layout.shoes - 6
+    held = [] if system.sticks else [front + k for k in HELD]
+    start = pulled_place(system, np.zeros(count))
+    holds = 1 + len(held)
+
+    def balance(x: np.ndarray) -> np.ndarray:
+        q, multipliers, forces_held = np.split(x, [count, len(x) - holds])
+        residual, pulled = at_rest(system, q, multipliers)
+        residual[:count] += forces_held[0] * pulled
+        residual[held] += forces_held[1:]
+        gaps = [pulled_place(system, q) - start, *q[held]]
+        return np.concatenate((residual, STIFFNESS * np.array(gaps)))
+
+    def derivative(x: np.ndarray) -> np.ndarray:
+        """Central differences, a column for each argument."""
+        moved = x.copy()
+        columns = np.empty((len(x), len(x)))
+        for k, step in enumerate(steps):
+            moved[k] = x[k] + step
+            above = balance(moved)
+            moved[k] = x[k] - step
+            columns[k] = (above - balance(moved)) / (2.0 * step)
+            moved[k] = x[k]
+        return columns.T
+
+    x = np.concatenate((guess, np.zeros(system.pin_rows + holds)))
+    steps = np.repeat([COORDINATE_STEP, MULTIPLIER_STEP], [count, len(x) - count])
+    for _ in range(ITERATIONS):
+        residual = balance(x)
+        if not np.isfinite(residual).all() or np.sqrt(np.mean(residual**2)) < RESIDUAL:
+            break
+        try:
+            x = x - np.linalg.solve(derivative(x), residual)
+        except np.linalg.LinAlgError as error:
+            raise NewtonError(in_units(system.layout, residual[:-holds]), singular=True) from error
+    if not np.sqrt(np.mean(residual**2)) < RESIDUAL:
+        raise NewtonError(in_units(system.layout, residual[:-holds]), singular=False)
+    return x[:count]
+
+
+def pulled_place(system: CompiledSystem, q: np.ndarray) -> float:
+    """Displacement along x of the point that the drive moves, m, with that of its place in the shoe."""
+    front = q[6 * system.layout.shoes - 6 : 6 * system.layout.shoes]
+    modal = q[len(q) - system.point.rows.shape[1] :]
+    return float(front[0] + system.point.arm(front[3:], modal)[0])
+
+
+def at_rest(system: CompiledSystem, q: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residual at rest at t = 0 without the drive, and the drive's direction, as generalized force.
+
+    Of coordinates and the pins' multipliers (pin_rows,), N and N m. Gives arrays (coordinates + pin_rows,),
+    see `equations.residual`, and (coordinates,).
+    """
+    state = np.zeros((3, len(q)))
+    state[0] = q
+    if system.cells is not None:
+        system.cells.cover(state)
+    undriven = system.inputs(0.0)._replace(active=np.zeros(2))
+    out = system.residual(state, undriven, np.concatenate((multipliers, np.zeros(2))))
+    case = system.case
+    count = 6 * system.layout.shoes
+    if case.terrain.down[2] > -1.0 and not system.sticks:
+        shoes = out[:count].reshape(-1, 6)
+        angles = q[:count].reshape(-1, 6)[:, 3:]
+        force, moment = static_friction(case, system.tables.bodies.mass[: len(shoes)])
+        shoes[:, :3] -= force
+        shoes[:, 3:] -= moments_on_angles(angles, moment)
+    along = system.work.jacobian[system.pin_rows, 0]
+    direction = np.zeros(len(q))
+    direction[count - 6 : count] = along[:6]
+    modes = system.point.rows.shape[1]
+    if modes:
+        direction[-modes:] = along[6:]
+    return out[:-2], direction
+
+
+def creep(
+    system: CompiledSystem,
+    q: np.ndarray,
+    duration: float,
+    residual: float,
+    accepted: Callable[[], None] = lambda: None,
+) -> np.ndarray:
+    """Coordinates to which all bodies creep from `q` in a time (s), without inertia, under first loads.
+
+    A force in proportion to the momentum slows them; the time counts from where that drag is least.
+    `residual` (N, root mean square) ends a step's search, `accepted` is called after every step. A
+    `NewtonError` if steps become too short.
+    """
+    closed = system.case.is_closed
+    least = CLOSED_DRAG if closed else DRAG
+    drag = FIRST_DRAG if closed else DRAG
+    step = SLOWED_STEP if closed else FIRST_STEP
+    time = 0.0
+    multipliers = np.zeros(system.tables.multiplier_count)
+    inputs = system.inputs(0.0)
+    inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
+    while time < duration:
+        state = np.zeros((3, len(q)))
+        state[0] = q
+        after = multipliers.copy()
+        weights = Weights(1.0, 1.0 / step, drag / step, False, step)
+        converged, iterations = system.step(state, after, inputs, weights, (residual, MOST, False))
+        if converged and np.isfinite(state).all():
+            accepted()
+            q = state[0].copy()
+            multipliers = after
+            if drag > least:
+                drag = max(least, 0.5 * drag) if iterations < FAIR else drag
+            else:
+                time += step
+                step = min(1.5 * step, LONGEST_STEP) if iterations < EASY else step
+        elif least < drag < MOST_DRAG:
+            drag *= 4.0
+        else:
+            step *= 0.25
+            if step < LEAST_STEP:
+                raise system.failure()
+    return q
+
+
+def settle(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
+    """Rest near to one `q` on fresh ground, after cells have remembered that shoes were put down there.
+
+    Cells that two shoes share remember the deeper one; other ground leaves `q` as it is.
+    """
+    cells = system.cells
+    if cells is None:
+        return q
+    system.put_down()
+    state = np.zeros((3, len(q)))
+    state[0] = q
+    cells.cover(state)
+    system.residual(state, system.inputs(0.0))
+    cells.commit()
+    # what holds the front shoe without a drive is the ground alone
+    case = system.case
+    system.switch_drive(case.drive.drives_after(0.0))
+    tilts = case.running_gear is None and not case.terrain.is_even
+    duration = UNEVEN_SETTLING if tilts else SETTLING
+    return creep(system, q, duration, SETTLING_RESIDUAL, cells.commit)
