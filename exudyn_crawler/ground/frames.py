@@ -5,40 +5,16 @@ code keeps them in registers, where arrays would be allocated and counted.
 """
 
 import math
-from pathlib import Path
 from typing import Any, NamedTuple
 
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray
-from fem import compiling, sources
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
 FACING = 0.2
 """Cosine of a shoe's tilt below which its underside meets no ground: it goes round a loop, or back above."""
-
-SOURCES = (Path(__file__).parent, sources.FEM / "compiling.py", sources.FEM / "patches.py")
-"""Compiled functions of this room and what they call are here; the rest of `fem` does not make them stale."""
-
-compiled = compiling.compiler(*SOURCES, error_model="numpy")
-"""Compiles a function; dividing by zero gives what IEEE says in place of an exception.
-
-Every literal integer among a call's arguments compiles the function once more, so that counts that are handed
-on start as ``np.int64(0)``.
-"""
-
-allocating = compiling.compiler(*SOURCES, error_model="numpy", no_cpython_wrapper=True)
-"""Compiles a function for compiled callers alone: what Python would need to call it, and numba takes long to
-make, is left out, and calling it from Python ends the process.
-"""
-
-within = compiling.compiler(*SOURCES, error_model="numpy", no_cpython_wrapper=True, _nrt=False)
-"""The same without counts of references to arrays, which took a tenth of a step. Such a function makes no
-array, gives none back, not even a view, and calls none that gives one back: the counts would be wrong then.
-"""
-
-inlined = compiling.compiler(*SOURCES, error_model="numpy", inline="always")
-"""Compiles a function within its callers alone, which takes less time where these are one or two."""
 
 
 class Frame(NamedTuple):
@@ -53,55 +29,55 @@ class Frame(NamedTuple):
     omega: Vector
 
 
-@compiled
+@kernel
 def dot(a: Vector, b: Vector) -> float:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@compiled
+@kernel
 def cross(a: Vector, b: Vector) -> Vector:
     """Vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@compiled
+@kernel
 def along(a: Vector, factor: float, b: Vector) -> Vector:
     """``a + factor * b``."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
-@compiled
+@kernel
 def scaled(factor: float, a: Vector) -> Vector:
     """``factor * a``."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
-@compiled
+@kernel
 def basis(k: int) -> Vector:
     """Unit vector along axis k."""
     return 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0
 
 
-@compiled
+@kernel
 def norm(a: Vector) -> float:
     """Length of a vector."""
     return math.sqrt(dot(a, a))
 
 
-@compiled
+@kernel
 def turned(R: Matrix, a: Vector) -> Vector:
     """``R a``: global components of a vector given in a body's."""
     return dot(R[0], a), dot(R[1], a), dot(R[2], a)
 
 
-@compiled
+@kernel
 def upward(R: Matrix) -> Vector:
     """Axis z of a body."""
     return R[0][2], R[1][2], R[2][2]
 
 
-@compiled
+@kernel
 def turned_back(R: Matrix, a: Vector) -> Vector:
     """``R^T a``: a body's components of a global vector."""
     return (
@@ -111,7 +87,7 @@ def turned_back(R: Matrix, a: Vector) -> Vector:
     )
 
 
-@within
+@inner
 def write_turned_rows(R: Matrix, rows: FloatArray, count: int, factor: float, out: FloatArray) -> None:
     """Write first columns of rows (3, m) in a body's axes, global and times a factor, behind six others."""
     for r in range(3):
@@ -120,7 +96,7 @@ def write_turned_rows(R: Matrix, rows: FloatArray, count: int, factor: float, ou
             out[r, 6 + k] = factor * (x * rows[0, k] + y * rows[1, k] + z * rows[2, k])
 
 
-@compiled
+@kernel
 def velocity_at(body: Frame, place: Vector) -> Vector:
     """Velocity of a body's point that is at a place (m/s)."""
     return along(body.v, 1.0, cross(body.omega, along(place, -1.0, body.r)))

@@ -6,7 +6,7 @@ They are compiled, so that the contact of a whole track costs microseconds; plai
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground.frames import compiled
+from exudyn_crawler.ground.compiled import kernel
 
 
 class Impact(NamedTuple):
@@ -30,7 +30,7 @@ class Coulomb(NamedTuple):
     friction_speed: float
 
 
-@compiled
+@kernel
 def step(x: float, x0: float, h0: float, x1: float, h1: float) -> float:
     """Cubic step from `h0` at `x0` to `h1` at `x1`, constant outside (ADAMS/Solver STEP).
 
@@ -44,7 +44,7 @@ def step(x: float, x0: float, h0: float, x1: float, h1: float) -> float:
     return h0 + (h1 - h0) * d * d * (3.0 - 2.0 * d)
 
 
-@compiled
+@kernel
 def impact_force(law: Impact, penetration: float, penetration_rate: float) -> float:
     """Normal contact force (N) of the ADAMS IMPACT law (F-paper, contact section).
 
@@ -61,7 +61,7 @@ def impact_force(law: Impact, penetration: float, penetration_rate: float) -> fl
     return max(0.0, elastic + damped)
 
 
-@compiled
+@kernel
 def friction_per_slip(law: Coulomb, slip_speed: float) -> float:
     """Coefficient of friction of the ADAMS Coulomb curve over the slip speed (s/m; F-paper).
 
@@ -77,7 +77,7 @@ def friction_per_slip(law: Coulomb, slip_speed: float) -> float:
     return step(slip_speed, law.stiction_speed, law.static, law.friction_speed, law.dynamic) / slip_speed
 
 
-@compiled
+@kernel
 def friction_torque(law: Coulomb, spin: float, area: float, friction_force: float) -> float:
     """Friction torque (N m) about the contact normal, against the relative spin (rad/s; F-paper).
 

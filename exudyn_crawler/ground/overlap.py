@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import compiled, within
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray
 
 VERTICES = 12
@@ -49,7 +49,7 @@ GRADIENT = 10
 """Rows of `write_gradient`."""
 
 
-@within
+@inner
 def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float) -> int:
     """Keep the part of a polygon with ``sign * coordinate <= limit``; rows as of `overlap`.
 
@@ -74,7 +74,7 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
     return kept if kept > 2 else 0
 
 
-@within
+@inner
 def _side(a: FloatArray, b: FloatArray, half_x: float, half_y: float) -> int:
     """Axis across the unit's side on which the edge of two corners lies; -1 for none."""
     for axis in range(2):
@@ -84,13 +84,13 @@ def _side(a: FloatArray, b: FloatArray, half_x: float, half_y: float) -> int:
     return -1
 
 
-@within
+@inner
 def _along_side(a: FloatArray, b: FloatArray, axis: int) -> float:
     """Length of a polygon's edge on a side across an axis, with the sign of the side's outward normal."""
     return b[1] - a[1] if axis == 0 else a[0] - b[0]
 
 
-@within
+@inner
 def _integrated(points: FloatArray, count: int, cut: bool, half_x: float, half_y: float) -> Overlap:
     """Integrals of the depth over a polygon, a fan of triangles; and, where it is `cut`, over its edges."""
     area = 0.0
@@ -142,7 +142,7 @@ def _integrated(points: FloatArray, count: int, cut: bool, half_x: float, half_y
     )
 
 
-@compiled
+@kernel
 def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
     """Clip the underside to a unit's top face and integrate the depth over what is left.
 
@@ -171,7 +171,7 @@ def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
     return _integrated(points, count, not inside, half_x, half_y)
 
 
-@within
+@inner
 def _corner_speed(
     at: FloatArray, beyond: FloatArray, axis: int, direction: int, half_x: float, half_y: float
 ) -> float:
@@ -187,7 +187,7 @@ def _corner_speed(
     return 1.0 if direction != axis else -along_it / apart
 
 
-@compiled
+@kernel
 def write_gradient(
     points: FloatArray,
     count: int,

@@ -8,7 +8,8 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground import laws, overlap, pairs, terrain
-from exudyn_crawler.ground.frames import Frame, compiled, inlined, turned_back, within
+from exudyn_crawler.ground.compiled import inlined, inner, kernel
+from exudyn_crawler.ground.frames import Frame, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats4, Ints1
 
 FINGER_BLEND, REACH_STEP = 0.02, 1e-7
@@ -108,7 +109,7 @@ def fading_of(whole: pairs.Volume, outline: Outline) -> float:
     return (share_of_whole(whole.part.reach + REACH_STEP, outline) - whole.weight) / REACH_STEP
 
 
-@within
+@inner
 def finger_volume(
     right: float, left: float, whole: pairs.Volume, shoe: Frame, unit: Frame, length: float, work: FloatArray
 ) -> pairs.Volume:
@@ -119,7 +120,7 @@ def finger_volume(
     return pairs.Volume(part, 1.0 - whole.weight, own, whole.half)
 
 
-@compiled
+@kernel
 def patch_rectangle(part: overlap.Overlap, shoe: Frame, unit: Frame, top: float) -> pairs.Rectangle:
     """Rectangle in the shoe's axes about an overlap, m; the unit's face is at `top`.
 

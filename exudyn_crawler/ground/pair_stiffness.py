@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs, rotations
+from exudyn_crawler.ground.compiled import inlined, inner, kernel
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3
 from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
@@ -39,7 +40,7 @@ class UnitContacts(NamedTuple):
         )
 
 
-@frames.within
+@inner
 def _write_jacobian(
     contact: pairs.Contact,
     normal: Vector,
@@ -65,7 +66,7 @@ def _write_jacobian(
     by_unit[3, 0], by_unit[3, 1] = 0.0, -normal[tilt_axis]
 
 
-@frames.within
+@inner
 def _bend(
     bodies: pair_geometry.BodyStates, f: int, shoe: Frame, rows: FloatArray, jacobian: FloatArray
 ) -> pairs.Patch:
@@ -81,14 +82,14 @@ def _bend(
     return pairs.Patch(moved, moving)
 
 
-@frames.inlined
+@inlined
 def _wrench(contact: pairs.Contact, normal: Vector) -> tuple[float, float, float, float]:
     """Force (N) of a contact on its shoe and torque about its normal (N m)."""
     force = along(contact.normal_force, 1.0, contact.friction_force)
     return force[0], force[1], force[2], dot(contact.friction_torque, normal)
 
 
-@frames.within
+@inner
 def _write_stiffness(
     volume: pairs.Volume,
     contact: pairs.Contact,
@@ -137,7 +138,7 @@ def _write_stiffness(
     out[3, 3] = weights.velocity * (turned_more - torque) / RATE_STEP
 
 
-@frames.within
+@inner
 def _moved(volume: pairs.Volume, gradient: FloatArray, fading: float, u: Vector) -> pairs.Volume:
     """Clipped overlap after a small displacement u of the shoe along the unit's axes (m).
 
@@ -169,7 +170,7 @@ def _moved(volume: pairs.Volume, gradient: FloatArray, fading: float, u: Vector)
     return pairs.Volume(moved, volume.weight + fading * change[9], volume.footprint, volume.half)
 
 
-@frames.within
+@inner
 def _write_leaning_stiffness(
     volume: pairs.Volume,
     change: tuple[FloatArray, float],
@@ -214,7 +215,7 @@ def _write_leaning_stiffness(
                 out[r, c] += weight * (pushed[r] - start[r]) / h
 
 
-@frames.within
+@inner
 def _write_gradient(
     volume: pairs.Volume, finger: int, shoe: Frame, unit: Frame, work: FloatArray, gradient: FloatArray
 ) -> None:
@@ -233,7 +234,7 @@ def _write_gradient(
             gradient[9, k] = reach[k]
 
 
-@frames.compiled
+@kernel
 def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work: FloatArray) -> int:
     """Write wrenches of all contacts, their tangents and how the coordinates move them; gives their number.
 

@@ -11,6 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from exudyn_crawler.ground import frames, laws, overlap
+from exudyn_crawler.ground.compiled import inlined, inner, kernel
 from exudyn_crawler.ground.frames import Frame, Vector, along, dot, norm, turned, turned_back, upward
 from exudyn_crawler.ground.packed import FloatArray
 
@@ -107,7 +108,7 @@ RESULTS = 25
 NO_PATCH: Rectangle = (0.0, 0.0, 0.0, 0.0)
 
 
-@frames.compiled
+@kernel
 def pair_overlap(
     shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, work: FloatArray
 ) -> overlap.Overlap:
@@ -126,7 +127,7 @@ def pair_overlap(
     return overlap.overlap(work, half[0], half[1])
 
 
-@frames.inlined
+@inlined
 def share_of(volume: Volume, law: PairLaw) -> float:
     """Share of the law that an overlap has."""
     part = volume.part
@@ -136,19 +137,19 @@ def share_of(volume: Volume, law: PairLaw) -> float:
     return volume.weight * laws.step(width, 0.0, 0.0, law.edge_width, 1.0)
 
 
-@frames.inlined
+@inlined
 def contact_point(part: overlap.Overlap, unit: Frame, top: float) -> Vector:
     """Where a contact acts (m): above the centroid of the overlap, halfway up to the face at `top`."""
     return along(unit.r, 1.0, turned(unit.R, (part.xi, part.eta, top - 0.5 * part.depth)))
 
 
-@frames.inlined
+@inlined
 def leans(part: overlap.Overlap, law: PairLaw) -> bool:
     """Whether a law takes more of a clipped overlap than its depth at the centroid."""
     return part.cut > 0 and (law.area_normal or law.closest_points)
 
 
-@frames.inlined
+@inlined
 def normal_of(part: overlap.Overlap, unit: Frame, law: PairLaw) -> Vector:
     """Normal of a contact, global: from the unit to the shoe."""
     if not law.area_normal or (part.side_x == 0.0 and part.side_y == 0.0):
@@ -157,7 +158,7 @@ def normal_of(part: overlap.Overlap, unit: Frame, law: PairLaw) -> Vector:
     return turned(unit.R, along((0.0, 0.0, 0.0), 1.0 / norm(faces), faces))
 
 
-@frames.within
+@inner
 def _way_out(place: Vector, toward: Vector, footprint: Footprint) -> float:
     """Distance (m) of a place in the shoe's frame from the outline of its underside, along a direction."""
     way = math.inf
@@ -169,7 +170,7 @@ def _way_out(place: Vector, toward: Vector, footprint: Footprint) -> float:
     return max(0.0, way)
 
 
-@frames.within
+@inner
 def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
     """Distance of the closest points of both surfaces about a contact's point, m.
 
@@ -189,7 +190,7 @@ def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
     return mean / total
 
 
-@frames.compiled
+@kernel
 def pair_contact(
     volume: Volume, shoe: Frame, unit: Frame, patch: Patch, law: PairLaw, ratio: float
 ) -> Contact:
@@ -226,7 +227,7 @@ def pair_contact(
     )
 
 
-@frames.compiled
+@kernel
 def keep(contact: Contact, shoe: int, unit: int, finger: int, patch: Rectangle, row: FloatArray) -> None:
     """Write a contact into a row of results (RESULTS,)."""
     row[0], row[1], row[2] = shoe, unit, finger

@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross
+from exudyn_crawler.ground.compiled import kernel
+from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross
 from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3, Floats4, Ints1, Ints2
 
 
@@ -27,7 +28,7 @@ class Attitude(NamedTuple):
     axes: Matrix
 
 
-@compiled
+@kernel
 def attitude(roll: float, pitch: float, yaw: float) -> Attitude:
     """Attitude at angles about x, y and z (rad).
 
@@ -37,7 +38,7 @@ def attitude(roll: float, pitch: float, yaw: float) -> Attitude:
     return attitude_by(cosines, (math.sin(roll), math.sin(pitch), math.sin(yaw)))
 
 
-@compiled
+@kernel
 def attitude_by(cosines: Vector, sines: Vector) -> Attitude:
     """Attitude by the cosines and the sines of its angles."""
     (ca, cb, cc), (sa, sb, sc) = cosines, sines
@@ -49,14 +50,14 @@ def attitude_by(cosines: Vector, sines: Vector) -> Attitude:
     return Attitude(R, ((cc, sc, 0.0), (-sc * ca, cc * ca, sa), (0.0, 0.0, 1.0)))
 
 
-@compiled
+@kernel
 def spin(at: Attitude, rates: Vector) -> Vector:
     """Angular velocity (rad/s, global) of the rates of the angles."""
     nothing = (0.0, 0.0, 0.0)
     return along(along(along(nothing, rates[0], at.axes[0]), rates[1], at.axes[1]), rates[2], at.axes[2])
 
 
-@compiled
+@kernel
 def spin_rate(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
     """Angular acceleration (rad/s2, global) of the angles' first and second derivatives.
 
@@ -68,14 +69,14 @@ def spin_rate(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
     return along(change, rates[1], cross(both, at.axes[1]))
 
 
-@compiled
+@kernel
 def shoe_frame(q: FloatArray, q_t: FloatArray, at: Attitude) -> Frame:
     """Frame of a shoe at its six coordinates (position first) and their rates."""
     omega = spin(at, (q_t[3], q_t[4], q_t[5]))
     return Frame((q[0], q[1], q[2]), at.R, (q_t[0], q_t[1], q_t[2]), omega)
 
 
-@compiled
+@kernel
 def unit_frame(q: FloatArray, q_t: FloatArray, axis: int) -> Frame:
     """Frame of a unit at its position and tilt (4) and their rates; it tilts about axis 0 (x) or 1 (y)."""
     c, s = math.cos(q[3]), math.sin(q[3])
@@ -142,7 +143,7 @@ def _of_each(write: Callable, shape: tuple[int, ...], *vectors: FloatArray) -> F
     return out.reshape(*vectors[0].shape[:-1], *shape)
 
 
-@compiled
+@kernel
 def _write_rotations(angles, out):
     for n in range(angles.shape[0]):
         R = attitude(angles[n, 0], angles[n, 1], angles[n, 2]).R
@@ -150,7 +151,7 @@ def _write_rotations(angles, out):
             out[n, r, 0], out[n, r, 1], out[n, r, 2] = R[r]
 
 
-@compiled
+@kernel
 def _write_axes(angles, out):
     for n in range(angles.shape[0]):
         axes = attitude(angles[n, 0], angles[n, 1], angles[n, 2]).axes
@@ -158,7 +159,7 @@ def _write_axes(angles, out):
             out[n, r, 0], out[n, r, 1], out[n, r, 2] = axes[r]
 
 
-@compiled
+@kernel
 def _write_turning(angles, rates, out):
     """Write the part of the angular accelerations (rad/s2, global) that the rates make alone."""
     for n in range(angles.shape[0]):

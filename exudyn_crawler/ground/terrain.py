@@ -14,7 +14,7 @@ import numpy as np
 import scipy.linalg
 
 from exudyn_crawler.case import Case, Terrain
-from exudyn_crawler.ground.frames import compiled
+from exudyn_crawler.ground.compiled import kernel
 
 REACH = 1.0
 """m round the track at t = 0 within which contact is expected."""
@@ -74,7 +74,7 @@ def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
     return joints
 
 
-@compiled
+@kernel
 def modal_motion(heave, tilt, q, out):
     """Write heave and tilt of units (units, 4) by the first of some coordinates, or their rates."""
     for u in range(heave.shape[0]):

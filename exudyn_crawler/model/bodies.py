@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground import rotations
+from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, basis, cross, dot, turned, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Ints1
 from exudyn_crawler.ground.rotations import Attitude, Weights
-from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 
 
 class Bodies(NamedTuple):
@@ -58,7 +58,7 @@ class Inertia(NamedTuple):
     turning: FloatArray  # (3, m): of p x Psi, the moment of unit modal accelerations
 
 
-@solving_within
+@inner
 def moved(place: Vector, shapes: FloatArray, row: FloatArray) -> Vector:
     """Place (m, the body's frame) moved by shapes (3, m) at the body's coordinates and modes (6 + m,)."""
     x, y, z = place
@@ -69,7 +69,7 @@ def moved(place: Vector, shapes: FloatArray, row: FloatArray) -> Vector:
     return x, y, z
 
 
-@solving_within
+@inner
 def _moment_of(tensor: FloatArray) -> Vector:
     """Moment of ``integral p_a f_c``."""
     return tensor[1, 2] - tensor[2, 1], tensor[2, 0] - tensor[0, 2], tensor[0, 1] - tensor[1, 0]
@@ -83,7 +83,7 @@ class Motion(NamedTuple):
     acceleration: Vector  # of the origin less that of gravity, m/s2
 
 
-@solving_within
+@inner
 def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
     """Motion of the frame of a body at its coordinates, rates and accelerations (3, 6 + m)."""
     rates = (state[1, 3], state[1, 4], state[1, 5])
@@ -99,7 +99,7 @@ def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
     return Motion(w, turning, turned_back(at.R, upward))
 
 
-@solving_inside
+@inner(merged=True)
 def _sums(row: FloatArray, still: FloatArray, z: FloatArray) -> tuple[float, float, float, float]:
     """Sums of a row (m,) times modal coordinates, rates and accelerations (3, m); of another by the first.
 
@@ -114,7 +114,7 @@ def _sums(row: FloatArray, still: FloatArray, z: FloatArray) -> tuple[float, flo
     return place, rate, second, other
 
 
-@solving_allocating
+@inner(allocates=True)
 def _bend(
     modes: Modes,
     state: FloatArray,
@@ -162,7 +162,7 @@ def _bend(
     return force
 
 
-@solving_within
+@inner
 def add_body_matrix(
     bodies: Bodies,
     b: int,
@@ -208,7 +208,7 @@ def add_body_matrix(
         matrix[x + 6 + k, x + 6 + k] += factor + elastic
 
 
-@solving_inside
+@inner(merged=True)
 def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> None:
     """Write the coordinates of a body and its modes into one row (6 + m,); without modes these stay."""
     first, modal = bodies.coordinate[b], bodies.modal[b]
@@ -218,7 +218,7 @@ def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> No
         out[k] = values[modal + k - 6]
 
 
-@solving_inside
+@inner(merged=True)
 def add_body(bodies: Bodies, b: int, row: FloatArray, factor: float, residual: FloatArray) -> None:
     """Add a row (6 + m,) of a body's coordinates and modes, times a factor."""
     first, modal = bodies.coordinate[b], bodies.modal[b]
@@ -229,7 +229,7 @@ def add_body(bodies: Bodies, b: int, row: FloatArray, factor: float, residual: F
             residual[modal + k - 6] += factor * row[k]
 
 
-@solving_within
+@inner
 def write_angles(bodies: Bodies, q: FloatArray) -> None:
     """Write the cosines and sines of all bodies' angles at all coordinates, which take long to compute."""
     for b in range(bodies.mass.shape[0]):
@@ -238,14 +238,14 @@ def write_angles(bodies: Bodies, q: FloatArray) -> None:
             bodies.of_angles[b, 0, k], bodies.of_angles[b, 1, k] = math.cos(angle), math.sin(angle)
 
 
-@solving_inside
+@inner(merged=True)
 def attitude_of(bodies: Bodies, b: int) -> Attitude:
     """Attitude of a body at the coordinates of `write_angles`."""
     c, s = bodies.of_angles[b, 0], bodies.of_angles[b, 1]
     return rotations.attitude_by((c[0], c[1], c[2]), (s[0], s[1], s[2]))
 
 
-@solving_inside
+@inner(merged=True)
 def frame_of(bodies: Bodies, b: int, state: FloatArray, at: Attitude) -> Frame:
     """Place and motion of a body at all coordinates and rates (2 or more, coordinates)."""
     k, reference = bodies.coordinate[b], bodies.reference[b]
@@ -255,7 +255,7 @@ def frame_of(bodies: Bodies, b: int, state: FloatArray, at: Attitude) -> Frame:
     return Frame(place, at.R, (q_t[k], q_t[k + 1], q_t[k + 2]), omega)
 
 
-@solving_within
+@inner
 def add_bodies(
     bodies: Bodies,
     modes: Modes,

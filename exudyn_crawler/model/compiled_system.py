@@ -11,7 +11,7 @@ import numpy as np
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground import packed, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
-from exudyn_crawler.ground.cells.kernel import ShoePoints
+from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.rotations import NO_DERIVATIVES, Weights
 from exudyn_crawler.model import build, elimination, gear, joints, newton, track_system

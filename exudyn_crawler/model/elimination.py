@@ -7,32 +7,12 @@ couples them is data: more bodies, or a chain that closes, are more groups and n
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import SOURCES
+from exudyn_crawler.ground.compiled import inlined, inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, IntArray, Ints1
-from fem.compiling import compiler
-
-solving = compiler(Path(__file__).parent, *SOURCES, error_model="numpy")
-"""Compiles a function of this room. Sums are taken in their order: where the compiler may choose, processes
-that compile apart from each other get other last digits."""
-
-_OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True}
-
-solving_allocating = compiler(Path(__file__).parent, *SOURCES, **_OPTIONS)
-"""The same for compiled callers alone, as `ground.frames.allocating`."""
-
-solving_within = compiler(Path(__file__).parent, *SOURCES, **_OPTIONS, _nrt=False)
-"""The same without counts of references, as `ground.frames.within`."""
-
-solving_inside = compiler(Path(__file__).parent, *SOURCES, **_OPTIONS, _nrt=False, forceinline=True)
-"""The same, made part of its callers: handing over tables takes longer than what short functions do."""
-
-solving_viewing = compiler(Path(__file__).parent, *SOURCES, error_model="numpy", inline="always")
-"""Compiles what gives a view: it is made within the callers, and counted only where these count."""
 
 
 class Fronts(NamedTuple):
@@ -89,14 +69,14 @@ def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]
     )
 
 
-@solving_viewing
+@inlined
 def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
     """Matrix of front k, a view of the array of values."""
     n = places.first[k + 1] - places.first[k]
     return values[places.place[k] : places.place[k + 1]].reshape((n, n))
 
 
-@solving_viewing
+@inlined
 def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
     """Marks of front k, a view: not zero for each row behind its own that has a term, beside it or below.
 
@@ -107,7 +87,7 @@ def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
     return values[start + places.first[k] : start + places.first[k + 1]]
 
 
-@solving_inside
+@inner(merged=True)
 def _met(met: FloatArray, own: int, rows: IntArray) -> int:
     """Write which rows behind a front's own are marked; give how many."""
     count = 0
@@ -118,7 +98,7 @@ def _met(met: FloatArray, own: int, rows: IntArray) -> int:
     return count
 
 
-@solving_allocating
+@inner(allocates=True)
 def clear(places: Fronts, values: FloatArray) -> None:
     """Take the terms or what `eliminate` left out of all fronts."""
     rows = np.empty(places.unknowns.shape[0], dtype=np.int64)
@@ -129,7 +109,7 @@ def clear(places: Fronts, values: FloatArray) -> None:
         met[:] = 0.0
 
 
-@solving_inside
+@inner(merged=True)
 def _pivot(matrix: FloatArray, left: int, k: int, exchanged: FloatArray) -> None:
     """Bring the greatest pivot of column k into its row; above it, leave the factors that take it off."""
     p = k
@@ -146,7 +126,7 @@ def _pivot(matrix: FloatArray, left: int, k: int, exchanged: FloatArray) -> None
         matrix[r, k] *= matrix[k, k]
 
 
-@solving_within
+@inner
 def _factor(matrix: FloatArray, own: int, exchanged: FloatArray) -> None:
     """Factor the last `own` rows and columns in place, from the last one up (Gauss).
 
@@ -177,7 +157,7 @@ def _factor(matrix: FloatArray, own: int, exchanged: FloatArray) -> None:
                 matrix[r, c] -= matrix[r, k] * matrix[k, c]
 
 
-@solving_within
+@inner
 def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scratch: FloatArray) -> None:
     """Eliminate a front: gathered without the rows that have no term, factored, and stored again.
 
@@ -217,7 +197,7 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
                 to[rows[c]] += row[c]
 
 
-@solving
+@kernel
 def eliminate(fronts: Fronts, values: FloatArray) -> None:
     """Eliminate group by group, in place; a `LinAlgError` if the matrix of a group is singular.
 
@@ -231,7 +211,7 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
         _eliminate(fronts, values, k, rows, scratch)
 
 
-@solving_within
+@inner
 def _gather(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> int:
     """Write the unknowns of a front, those that are left first, and their values; give how many are left."""
     met, own, left = marks(fronts, values, k), fronts.own[k], 0
@@ -245,7 +225,7 @@ def _gather(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntAr
     return left
 
 
-@solving_within
+@inner
 def _forward(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
     """Take the own unknowns of a front out of the right-hand sides of those that are left."""
     left, met, start = _gather(fronts, values, k, x, at, y), marks(fronts, values, k), fronts.place[k]
@@ -266,7 +246,7 @@ def _forward(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntA
         x[at[r]] = y[r]
 
 
-@solving_within
+@inner
 def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
     """Find the own unknowns of a front from those that are left.
 
@@ -292,7 +272,7 @@ def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArra
         x[at[r]] = y[r]
 
 
-@solving
+@kernel
 def solve(fronts: Fronts, values: FloatArray, x: FloatArray) -> None:
     """Turn a right-hand side (unknowns,) into the solution, in place, after `eliminate`."""
     n = np.max(fronts.first[1:] - fronts.first[:-1])

@@ -12,11 +12,11 @@ them, so that they cost iterations and not accuracy.
 
 import numpy as np
 
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, IntArray
 from exudyn_crawler.ground.rotations import ForceRows, Weights
 from exudyn_crawler.model import bodies, elimination, joints
 from exudyn_crawler.model.bodies import Bodies, add_bodies, add_body, attitude_of, write_angles
-from exudyn_crawler.model.elimination import solving, solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces import cells, loads, teeth, units, wheels
 from exudyn_crawler.model.joints import ROWS, motor_speed, motor_torque
 from exudyn_crawler.model.tables import FrontRows, Inputs, Tables, Workspace, read_system
@@ -26,7 +26,7 @@ STIFFNESS = 1e9
 within a step of some ms takes of a shoe's mass."""
 
 
-@solving_within
+@inner
 def _add_rows(bodies: Bodies, rows: ForceRows, count: int, row: FloatArray, residual: FloatArray) -> None:
     """Take the forces of elements on their bodies off the residual; `row` (6 + m,) is scratch."""
     for p in range(count):
@@ -41,7 +41,7 @@ def _add_rows(bodies: Bodies, rows: ForceRows, count: int, row: FloatArray, resi
                 add_body(bodies, b, row, -1.0, residual)
 
 
-@solving_inside
+@inner(merged=True)
 def _add_pin(
     bodies: Bodies, b: int, jacobian: FloatArray, multipliers: FloatArray, residual: FloatArray
 ) -> None:
@@ -56,7 +56,7 @@ def _add_pin(
             residual[to + c] = force
 
 
-@solving_within
+@inner
 def _add_joints(
     system: IntArray, inputs: Inputs, multipliers: FloatArray, level: float, out: FloatArray
 ) -> None:
@@ -86,7 +86,7 @@ def _add_joints(
                 add_body(bodies, b, work.jacobian[r, side], multipliers[r], out)
 
 
-@solving_inside
+@inner(merged=True)
 def _gap_rate(tables: Tables, state: FloatArray, work: Workspace, row: int) -> float:
     """Rate (m/s or rad/s) of the gap of a constraint between two rigid bodies."""
     rate = 0.0
@@ -97,7 +97,7 @@ def _gap_rate(tables: Tables, state: FloatArray, work: Workspace, row: int) -> f
     return rate
 
 
-@solving_within
+@inner
 def _add_closed(
     system: IntArray,
     state: FloatArray,
@@ -133,7 +133,7 @@ def _add_closed(
                 out[place + c] += torque * work.motors[k, side, c]
 
 
-@solving
+@kernel
 def residual(
     system: IntArray,
     state: FloatArray,
@@ -184,7 +184,7 @@ def residual(
     _add_closed(system, state, inputs, multipliers, weights.level, out)
 
 
-@solving_within
+@inner
 def _write_motions(
     terrain: units.TerrainTable,
     rows: ForceRows,
@@ -218,7 +218,7 @@ def _write_motions(
                     force[c] += factor * row[c]
 
 
-@solving_within
+@inner
 def _add_block(
     places: FrontRows,
     fronts: elimination.Fronts,
@@ -250,7 +250,7 @@ def _add_block(
             met[into[r]] = 1.0
 
 
-@solving_allocating
+@inner(allocates=True)
 def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
     """Add the tangents of elements, those of the same bodies that follow each other at once: ``J^T K J``."""
     tables, work = read_system(system)
@@ -281,7 +281,7 @@ def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
         first = last
 
 
-@solving_within
+@inner
 def _add_joint_rows(system: IntArray, inputs: Inputs, weights: Weights, values: FloatArray) -> None:
     """Add the Jacobians of all constraints, and the directions of their forces, to the fronts."""
     tables, work = read_system(system)
@@ -321,7 +321,7 @@ def _add_joint_rows(system: IntArray, inputs: Inputs, weights: Weights, values: 
                 elimination.marks(fronts, values, f)[row] = 1.0
 
 
-@solving_within
+@inner
 def _add_turned(system: IntArray, by_place: float, values: FloatArray) -> None:
     """Add how the moments of the pins' forces change as their bodies turn to the fronts."""
     tables, work = read_system(system)
@@ -336,7 +336,7 @@ def _add_turned(system: IntArray, by_place: float, values: FloatArray) -> None:
                     own[place + r, place + c] += by_place * work.turned[p, side, r, c]
 
 
-@solving_within
+@inner
 def _add_closed_rows(
     system: IntArray, state: FloatArray, inputs: Inputs, weights: Weights, values: FloatArray
 ) -> None:
@@ -371,7 +371,7 @@ def _add_closed_rows(
                 matrix[place + c, row] += work.motors[k, side, c]
 
 
-@solving_within
+@inner
 def _add_masses(system: IntArray, weights: Weights, values: FloatArray) -> None:
     """Add masses, stiffness and damping of bodies and terrain to the fronts."""
     tables, work = read_system(system)
@@ -388,7 +388,7 @@ def _add_masses(system: IntArray, weights: Weights, values: FloatArray) -> None:
             whole[first + i, first + k] += supports
 
 
-@solving
+@kernel
 def matrix(system: IntArray, state: FloatArray, arguments: tuple, factors: tuple, fronts: FloatArray) -> None:
     """Write the weighted derivative of the residual into the values of the fronts (size,).
 

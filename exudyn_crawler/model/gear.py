@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, IntArray
 from exudyn_crawler.ground.rotations import NO_DERIVATIVES
 from exudyn_crawler.model.bodies import write_angles
-from exudyn_crawler.model.elimination import solving, solving_within
 from exudyn_crawler.model.forces import teeth, wheels
 from exudyn_crawler.model.tables import Workspace, read_system
 
@@ -46,13 +46,13 @@ class GearForces(NamedTuple):
         )
 
 
-@solving_within
+@inner
 def _copy(values: FloatArray, out: FloatArray) -> None:
     for k in range(out.shape[0]):
         out[k] = values[k]
 
 
-@solving
+@kernel
 def write_gear_forces(
     system: IntArray,
     coordinates: FloatArray,

@@ -12,11 +12,11 @@ frame alone, so that the direction of the force is not the gradient of what it k
 import math
 from typing import NamedTuple
 
+from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, norm, turned, turned_back, upward
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, Ints1, Ints2
 from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
-from exudyn_crawler.model.elimination import solving_inside, solving_within
 
 ROWS = 5
 """Equations of a pin: its place, and its axis y across the axes x and z of the shoe in front."""
@@ -72,7 +72,7 @@ class End(NamedTuple):
     factors: Vector  # as of `_factors`, of its length
 
 
-@solving_within
+@inner
 def _factors(angle: float) -> tuple[float, float, float]:
     """``sin a / a``, ``(1 - cos a) / a^2`` and ``(a - sin a) / a^3``."""
     if angle < SMALL:
@@ -82,7 +82,7 @@ def _factors(angle: float) -> tuple[float, float, float]:
     return s, (1.0 - math.cos(angle)) / angle**2, (1.0 - s) / angle**2
 
 
-@solving_inside
+@inner(merged=True)
 def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
     """Marker k at the coordinates of its body and its modes (6 + m,)."""
     position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
@@ -93,7 +93,7 @@ def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
     return End(lever, rotation, _factors(norm(rotation)))
 
 
-@solving_inside
+@inner(merged=True)
 def axis_of(end: End, at: Attitude, k: int) -> Vector:
     """Axis k of an end, global: ``R exp(rotation) e_k``."""
     t, (s, c, _) = end.rotation, end.factors
@@ -101,7 +101,7 @@ def axis_of(end: End, at: Attitude, k: int) -> Vector:
     return turned(at.R, along(along(basis(k), s, once), c, cross(t, once)))
 
 
-@solving_within
+@inner
 def _by_rotation(end: End, moment: Vector) -> Vector:
     """Part of a moment (the shoe's frame) that the rates of an end's rotation vector feel.
 
@@ -113,13 +113,13 @@ def _by_rotation(end: End, moment: Vector) -> Vector:
     return along(along(moment, -c, once), d, cross(t, once))
 
 
-@solving_inside
+@inner(merged=True)
 def _work(shapes: FloatArray, force: Vector, k: int) -> float:
     """Work of a force (the body's frame) along mode k of shapes (3, m)."""
     return force[0] * shapes[0, k] + force[1] * shapes[1, k] + force[2] * shapes[2, k]
 
 
-@solving_inside
+@inner(merged=True)
 def direction(
     markers: Markers,
     k: int,
@@ -149,7 +149,7 @@ def direction(
             out[6 + m] += sign * _work(shapes, own, m)
 
 
-@solving_inside
+@inner(merged=True)
 def plane_axis(at: Attitude, k: int) -> Vector:
     """Axis k of a chain's plane, global: along the ground, across the chain, and normal to both."""
     if k == 2:
@@ -157,7 +157,7 @@ def plane_axis(at: Attitude, k: int) -> Vector:
     return at.axes[k]
 
 
-@solving_inside
+@inner(merged=True)
 def _rigid_pin(
     levers: tuple[Vector, Vector],
     attitudes: tuple[Attitude, Attitude],
@@ -184,7 +184,7 @@ def _rigid_pin(
                 jacobian[3 + r, side, 3 + c] = sign * dot(at.axes[c], moments[r])
 
 
-@solving_within
+@inner
 def add_pins(
     bodies: Bodies,
     markers: Markers,
@@ -234,7 +234,7 @@ def add_pins(
             direction(markers, front, ahead, at_b, force, moment, 1.0, by[r, 1])
 
 
-@solving_within
+@inner
 def add_speeds(
     bodies: Bodies,
     markers: Markers,
@@ -265,7 +265,7 @@ def add_speeds(
         gap[first + k] = speed
 
 
-@solving_within
+@inner
 def add_holds(
     bodies: Bodies, joints: Joints, state: FloatArray, gap: FloatArray, jacobian: FloatArray
 ) -> None:
@@ -291,7 +291,7 @@ class Pull(NamedTuple):
     markers: Ints1  # (shoes,): middle of every shoe's front pins
 
 
-@solving_within
+@inner
 def write_pull(
     pull: Pull,
     bodies: Bodies,
@@ -327,7 +327,7 @@ def write_pull(
         pulled[1 + k] = s
 
 
-@solving_within
+@inner
 def write_turned(
     bodies: Bodies,
     markers: Markers,
@@ -359,7 +359,7 @@ def write_turned(
                 out[side, i, j] = (2.0 * side - 1.0) * dot(at.axes[i], moment)
 
 
-@solving_within
+@inner
 def turn_moments(
     bodies: Bodies, markers: Markers, pins: IntArray, change: FloatArray, multipliers: FloatArray
 ) -> None:
@@ -375,7 +375,7 @@ def turn_moments(
         multipliers[row], multipliers[row + 1] = c * a - s * b, s * a + c * b
 
 
-@solving_within
+@inner
 def motor_speed(bodies: Bodies, motor: IntArray, state: FloatArray, axes: FloatArray) -> float:
     """Speed (rad/s) of a motor's tumbler against its frame.
 
@@ -394,7 +394,7 @@ def motor_speed(bodies: Bodies, motor: IntArray, state: FloatArray, axes: FloatA
     return speed
 
 
-@solving_within
+@inner
 def motor_torque(closed: ClosedJoints, k: int, lag: float) -> tuple[float, float]:
     """Torque (N m) of a motor whose torque is limited, behind its speed by `lag` (rad/s), and its slope."""
     width = closed.lag[k]

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, IntArray
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.equations import matrix, residual
@@ -25,13 +26,13 @@ CLOSER = 0.25
 hundredth, and what an old one leaves adds up over steps."""
 
 
-@elimination.solving_allocating
+@inner(allocates=True)
 def _norm(residual: FloatArray) -> float:
     """Root mean square."""
     return np.sqrt(np.sum(residual * residual) / residual.shape[0])
 
 
-@elimination.solving
+@kernel
 def step(
     system: IntArray,
     state: FloatArray,

@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground import overlap, packed, pair_geometry, pair_stiffness
-from exudyn_crawler.ground.cells.kernel import ShoePoints
+from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.frames import Vector
 from exudyn_crawler.ground.packed import FloatArray
 from exudyn_crawler.ground.rotations import ForceRows

@@ -8,7 +8,7 @@ import pytest
 from exudyn_crawler import Case
 from exudyn_crawler.ground import packed
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
-from exudyn_crawler.ground.frames import allocating, compiled
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.model import equations
 from exudyn_crawler.model.compiled_system import compiled_system
 
@@ -34,12 +34,12 @@ KIND = packed.type_of(Whole)
 read = packed.reader(KIND)
 
 
-@allocating
+@inner(allocates=True)
 def _summed(part: Part) -> float:
     return part.places.sum() * part.law[1] + part.count + (0.25 if part.is_on else 0.5)
 
 
-@compiled
+@kernel
 def summed(block):
     """Sums of the parts, once in a loop and once by name; the first place of the last is written."""
     whole, total = read(block), 0.0

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
 from exudyn_crawler.ground import rotations
-from exudyn_crawler.ground.cells.kernel import ShoePoints
+from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.packed import nothing, pack
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.bodies import Bodies, second_moment

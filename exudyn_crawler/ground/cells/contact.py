@@ -7,9 +7,10 @@ import numpy as np
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground import pairs
 from exudyn_crawler.ground.cells.ground import CellGround
-from exudyn_crawler.ground.cells.kernel import BLOCK, GROUND, NORMAL, TRACTION, ShoePoints, arm_of, frame_at
 from exudyn_crawler.ground.cells.law import CellLaw
-from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, scaled, velocity_at
+from exudyn_crawler.ground.cells.pressing import BLOCK, GROUND, NORMAL, TRACTION, ShoePoints, arm_of, frame_at
+from exudyn_crawler.ground.compiled import kernel
+from exudyn_crawler.ground.frames import along, cross, dot, norm, scaled, velocity_at
 from exudyn_crawler.ground.packed import FloatArray
 from exudyn_crawler.ground.terrain import TerrainCoordinates, TerrainModes
 
@@ -61,7 +62,7 @@ class CellGroundContact:
         return np.asarray(slope * x + (heights - slope * along).max())
 
 
-@compiled
+@kernel
 def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> None:
     """Write a contact of every shoe (shoes, RESULTS or more) after it was pressed on the cells.
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import CrawlerError
-from exudyn_crawler.ground.cells import kernel, tiles
+from exudyn_crawler.ground.cells import pressing, tiles
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, SIDE, Tiles, commit
 
@@ -40,7 +40,7 @@ class CellGround:
         bending = np.zeros(shoes, dtype=np.int64)
         bending[list(flexible)] = np.arange(1, 1 + len(flexible))
         constants = law.constants(float(sides.min()))
-        self.shoes = kernel.ShoePoints.allocate(law.kernel, constants, underside, most, bending)
+        self.shoes = pressing.ShoePoints.allocate(law.kernel, constants, underside, most, bending)
         self._held = np.zeros(0, dtype=np.int64)
         self._names = np.zeros((0, 2), dtype=np.int64)
         self.tiles = Tiles(
@@ -57,8 +57,8 @@ class CellGround:
     def cover(self, frames: np.ndarray, before: np.ndarray) -> None:
         """Freeze which cells lie under the shoes, with their memory, for one step.
 
-        `frames` (shoes, `kernel.FRAME`) are predicted for the end of the step, those `before` are of the last
-        accepted one. CrawlerError if a shoe leaves the ground that has heights.
+        `frames` (shoes, `pressing.FRAME`) are predicted for the end of the step, those `before` are of the
+        last accepted one. CrawlerError if a shoe leaves the ground that has heights.
         """
         missing = tiles.cover(tuple(self.tiles), tuple(self.shoes), frames, before)
         if missing == tiles.NO_TILE:
@@ -74,9 +74,10 @@ class CellGround:
     def press(self, frames: np.ndarray, weights: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
         """Wrenches (shoes, 6) on the shoes at their frames, N and N m about the frames' origins, global.
 
-        `weights` as of `kernel.press`, which compiled equations call; the tangents are in ``shoes.tangent``.
+        `weights` are those of `pressing.press`, which compiled equations call; the tangents are in
+        ``shoes.tangent``.
         """
-        kernel.press(tuple(self.shoes), frames, np.array(weights, dtype=float))
+        pressing.press(tuple(self.shoes), frames, np.array(weights, dtype=float))
         return self.shoes.wrench
 
     def commit(self) -> None:
@@ -86,7 +87,7 @@ class CellGround:
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
         """Forces of the last `press` on a grid of each underside: ``(shoes, *COARSE, 3)``, N, shoes' axes."""
         out = np.zeros((len(self.shoes.counts), *COARSE, 3))
-        kernel.coarse_forces(tuple(self.shoes), frames, out)
+        pressing.coarse_forces(tuple(self.shoes), frames, out)
         return out
 
     def state(self) -> dict[str, np.ndarray]:

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from scipy.optimize import brentq
 
 from exudyn_crawler.case.parameters import base, terrain
-from exudyn_crawler.ground.frames import SOURCES, Vector
+from exudyn_crawler.ground.compiled import SOURCES
+from exudyn_crawler.ground.frames import Vector
 from fem.compiling import compiler
 
 if TYPE_CHECKING:
@@ -192,13 +193,6 @@ def _prepare(law, deepest, pressure):
 def _respond(law, probe, tangents, nearby):
     function = _KERNELS[law.instance_class].respond
     return lambda law, probe, tangents, nearby: function(law, probe, tangents, nearby)
-
-
-within_law = njit(error_model="numpy", no_cfunc_wrapper=True, forceinline=True, _nrt=False)
-"""Compiles a function that meets a law, as part of its entry alone (`compile_entry`): cached by itself it
-would outlive a change of the law, whose file may be anywhere. As part of it the compiler also knows how far
-apart the numbers of points are, and takes several points at once. It makes no arrays, as `frames.within`.
-"""
 
 
 def compile_entry(kernel: LawKernel, function: Callable, arguments: tuple) -> int:

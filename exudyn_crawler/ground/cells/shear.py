@@ -4,7 +4,8 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground.cells.law import Memory, Probe, Response
-from exudyn_crawler.ground.frames import Vector, along, compiled, dot, inlined, scaled
+from exudyn_crawler.ground.compiled import inlined, kernel
+from exudyn_crawler.ground.frames import Vector, along, dot, scaled
 
 COHESION_PRESSURE = 1e3
 """Pa, pressure at which half of the cohesion acts: strength then falls to nothing with the pressure, without
@@ -40,7 +41,7 @@ class Shear(NamedTuple):
     mobilized: float
 
 
-@compiled
+@kernel
 def shear_strength(law: Strength, pressure: float) -> tuple[float, float]:
     """Shear strength T (Pa) at a pressure, and its derivative: ``p (tan phi + c / (p + p_c))``."""
     share = 1.0 / (pressure + COHESION_PRESSURE)

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.cells import kernel, law
-from exudyn_crawler.ground.cells.kernel import BEFORE, BLOCK, DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION
-from exudyn_crawler.ground.frames import FACING, Frame, allocating, along, compiled, turned, within
+from exudyn_crawler.ground.cells import law, pressing
+from exudyn_crawler.ground.cells.pressing import BEFORE, BLOCK, DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION
+from exudyn_crawler.ground.compiled import inner, kernel
+from exudyn_crawler.ground.frames import FACING, Frame, along, turned
 from exudyn_crawler.ground.packed import FloatArray, IntArray
 
 BITS = 5
@@ -45,8 +46,8 @@ class Tiles(NamedTuple):
     loaded: FloatArray  # (tiles * SIDE * SIDE,): loaded area of a cell, zero between calls
 
 
-@within
-def gather(tiles: Tiles, shoes: kernel.ShoePoints) -> None:
+@inner
+def gather(tiles: Tiles, shoes: pressing.ShoePoints) -> None:
     """Write the cells' committed memory beside the points, whose areas `tiles.loaded` has summed.
 
     Where a cell is covered further than ever since its contact began, the fresh part is unsheared, and the
@@ -72,24 +73,24 @@ def gather(tiles: Tiles, shoes: kernel.ShoePoints) -> None:
             loaded[shoes.cells[s, a]] = 0.0
 
 
-@compiled
+@kernel
 def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) -> int:
     """List the points of all shoes, with the memory below; return their number, `NO_TILE` or `NO_HEIGHT`.
 
     `ground` and `values` are `Tiles` and `ShoePoints` as plain tuples. The outlines are at `frames` (shoes,
     FRAME), slip counts from those `before`.
     """
-    tiles, shoes = Tiles(*ground), kernel.ShoePoints(*values)
+    tiles, shoes = Tiles(*ground), pressing.ShoePoints(*values)
     outline, total = np.empty((4, 2)), 0
     for s in range(shoes.counts.shape[0]):
-        frame = kernel.frame_at(frames[s])
+        frame = pressing.frame_at(frames[s])
         meets = frame.R[2][2] >= FACING
         for a in range(4):
             corner = shoes.corners[a]
             place = along(frame.r, 1.0, turned(frame.R, (corner[0], corner[1], corner[2])))
             outline[a, 0], outline[a, 1] = place[0] / tiles.cell, place[1] / tiles.cell
             meets = meets and abs(place[0]) < FARTHEST and abs(place[1]) < FARTHEST
-        count = _cover_shoe(tiles, shoes, s, outline, frame, kernel.frame_at(before[s])) if meets else 0
+        count = _cover_shoe(tiles, shoes, s, outline, frame, pressing.frame_at(before[s])) if meets else 0
         if count < 0:
             tiles.loaded.fill(0.0)
             return count
@@ -99,7 +100,7 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
     return total
 
 
-@allocating
+@inner(allocates=True)
 def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
     """What the edges of an outline (4, 2), in cells, bound in the cells from (i, j) on.
 
@@ -134,9 +135,9 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
     return sums
 
 
-@allocating
+@inner(allocates=True)
 def _cover_shoe(
-    tiles: Tiles, shoes: kernel.ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
+    tiles: Tiles, shoes: pressing.ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
 ) -> int:
     """List the points of a shoe, and add their areas to `tiles.loaded`; their number as of `cover`."""
     points, areas, cells = shoes.points[s], shoes.areas[s], shoes.cells[s]
@@ -178,7 +179,7 @@ def _cover_shoe(
     return count
 
 
-@compiled
+@kernel
 def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
     """Write the trial memory into the cells; return the cells in contact now.
 
@@ -187,7 +188,7 @@ def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
     are `Tiles` and `ShoePoints` as plain tuples, `held` the cells that were in contact when the last step was
     accepted.
     """
-    tiles, shoes = Tiles(*ground), kernel.ShoePoints(*values)
+    tiles, shoes = Tiles(*ground), pressing.ShoePoints(*values)
     memory, loaded = tiles.memory, tiles.loaded
     now, count = np.empty(shoes.counts.sum(), dtype=np.int64), 0
     for s in range(shoes.counts.shape[0]):

@@ -10,12 +10,12 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground import packed, pairs
-from exudyn_crawler.ground.cells import contact, ground, kernel
+from exudyn_crawler.ground.cells import contact, ground, pressing
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import Vector, along, turned
 from exudyn_crawler.ground.packed import FloatArray, IntArray
 from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights, moments_on_angles
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
-from exudyn_crawler.model.elimination import solving, solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces.treads import write_point
 
 WRENCH = 6
@@ -33,25 +33,25 @@ class CellTable(NamedTuple):
 class CellWorkspace(NamedTuple):
     """Workspace of the cells' forces."""
 
-    shoes: Annotated[tuple, packed.type_of(kernel.ShoePoints, named=False)]
+    shoes: Annotated[tuple, packed.type_of(pressing.ShoePoints, named=False)]
     frames: packed.Floats2  # (shoes, FRAME): of the shoes at the last state
     # (flexible shoes, 2, along, across, 3): displacement of the grid's nodes by the modes (m), and its rate
     # (m/s), in the shoes' axes
     bent: packed.Floats5
-    # (flexible shoes, most points, 4): `kernel.Hats` of every point, which stay for a step
+    # (flexible shoes, most points, 4): `pressing.Hats` of every point, which stay for a step
     hats: packed.Floats3
     rigid: ForceRows  # rigid shoes: force, moment about the COM
     flexible: ForceRows  # flexible ones: forces at the nodes
 
     @classmethod
-    def allocate(cls, table: CellTable, shoes: kernel.ShoePoints) -> "CellWorkspace":
+    def allocate(cls, table: CellTable, shoes: pressing.ShoePoints) -> "CellWorkspace":
         """Workspace for these shoes."""
         flexible, modes = int((table.flexible >= 0).sum()), table.rows.shape[3]
         rigid = ForceRows.allocate(len(table.flexible) - flexible, WRENCH, modes)
         rigid.bodies[:, 0] = np.flatnonzero(table.flexible < 0)
         bending = ForceRows.allocate(flexible, table.nodes.size, modes)
         bending.bodies[:, 0] = np.flatnonzero(table.flexible >= 0)
-        frames = np.zeros((len(table.flexible), kernel.FRAME))
+        frames = np.zeros((len(table.flexible), pressing.FRAME))
         bent = np.zeros((flexible, 2, *table.nodes.shape))
         hats = np.zeros((flexible, shoes.areas.shape[1], 4))
         return cls(tuple(shoes), frames, bent, hats, rigid, bending)
@@ -69,23 +69,23 @@ ON_CELLS = packed.type_of(OnCells)
 _read = packed.reader(ON_CELLS)
 
 
-@solving_inside
-def _hats(values: FloatArray) -> kernel.Hats:
+@inner(merged=True)
+def _hats(values: FloatArray) -> pressing.Hats:
     """Mesh of a point, of its numbers (4,)."""
-    return kernel.Hats(int(values[0]), int(values[1]), values[2], values[3])
+    return pressing.Hats(int(values[0]), int(values[1]), values[2], values[3])
 
 
-@solving_within
-def _moved_by_nodes(hats: kernel.Hats, bent: FloatArray) -> Vector:
+@inner
+def _moved_by_nodes(hats: pressing.Hats, bent: FloatArray) -> Vector:
     """Value at a place of a field (along, across, 3) that is known at the nodes."""
     value = (0.0, 0.0, 0.0)
     for k in range(4):
         node = bent[hats.i + k // 2, hats.j + k % 2]
-        value = along(value, kernel.share_of(hats, k), (node[0], node[1], node[2]))
+        value = along(value, pressing.share_of(hats, k), (node[0], node[1], node[2]))
     return value
 
 
-@solving_within
+@inner
 def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: CellWorkspace) -> None:
     """Write the shoes' frames, and how the modes move the grid's nodes."""
     modes = table.rows.shape[3]
@@ -109,7 +109,7 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
                 bent[1, k] += rows[k, m] * z_t
 
 
-@solving
+@kernel
 def place_shoes(block: IntArray, state: FloatArray) -> None:
     """Write the frames of shoes at a state, and how these are bent; of a block of `OnCells`."""
     on = _read(block)
@@ -117,7 +117,7 @@ def place_shoes(block: IntArray, state: FloatArray) -> None:
     write_frames(on.bodies, on.table, state, on.work)
 
 
-@solving
+@kernel
 def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
     """Move where the points of flexible shoes were when the last step was accepted by how these were bent.
 
@@ -126,7 +126,7 @@ def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
     3), m, are those of then; `block` is one of `OnCells`.
     """
     _, table, work = _read(block)
-    shoes = kernel.ShoePoints(*work.shoes)
+    shoes = pressing.ShoePoints(*work.shoes)
     for s in range(table.flexible.shape[0]):
         f, row = table.flexible[s], frames[s]
         if f < 0:
@@ -135,48 +135,48 @@ def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
         last = table.nodes.shape[0] - 1, table.nodes.shape[1] - 1
         low, high = table.nodes[0, 0], table.nodes[last[0], last[1]]
         for a in range(shoes.counts[s]):
-            points, k, values = shoes.points[s, a // kernel.BLOCK], a % kernel.BLOCK, work.hats[f, a]
-            hats = kernel.hats_at(low, high, last, points[0, k], points[1, k])
+            points, k, values = shoes.points[s, a // pressing.BLOCK], a % pressing.BLOCK, work.hats[f, a]
+            hats = pressing.hats_at(low, high, last, points[0, k], points[1, k])
             values[0], values[1], values[2], values[3] = hats
             moved = turned(R, _moved_by_nodes(hats, bent[f]))
             for c in range(3):
-                points[kernel.BEFORE + c, k] += moved[c]
+                points[pressing.BEFORE + c, k] += moved[c]
 
 
-@solving_within
+@inner
 def _bend_points(table: CellTable, work: CellWorkspace) -> None:
     """Write how the modes move the points of flexible shoes."""
-    shoes = kernel.ShoePoints(*work.shoes)
+    shoes = pressing.ShoePoints(*work.shoes)
     for s in range(table.flexible.shape[0]):
         f = table.flexible[s]
         for a in range(shoes.counts[s] if f >= 0 else 0):
-            b, k, hats = a // kernel.BLOCK, a % kernel.BLOCK, _hats(work.hats[f, a])
+            b, k, hats = a // pressing.BLOCK, a % pressing.BLOCK, _hats(work.hats[f, a])
             for rate in range(2):
                 moved = _moved_by_nodes(hats, work.bent[f, rate])
                 for c in range(3):
                     shoes.bent[shoes.bending[s], b, 3 * rate + c, k] = moved[c]
 
 
-@solving
+@kernel
 def bend_shoes(block: IntArray) -> None:
     """Write how the modes move the points of flexible shoes; of a block of `OnCells`."""
     _, table, work = _read(block)
     _bend_points(table, work)
 
 
-@solving_allocating
+@inner(allocates=True)
 def cell_forces(
     table: CellTable, bodies: Bodies, state: FloatArray, weights: Weights, work: CellWorkspace
 ) -> None:
     """Press the shoes on the cells that were covered for the step, and write the elements."""
     if table.flexible.shape[0] == 0:
         return
-    shoes, rigid, flexible = kernel.ShoePoints(*work.shoes), work.rigid, work.flexible
+    shoes, rigid, flexible = pressing.ShoePoints(*work.shoes), work.rigid, work.flexible
     write_frames(bodies, table, state, work)
     _bend_points(table, work)
     # derivatives of what stands negative in the residual
     by = np.array((-weights.position, -weights.velocity))
-    kernel.press(work.shoes, work.frames, by)
+    pressing.press(work.shoes, work.frames, by)
     derive = by[0] != 0.0 or by[1] != 0.0
     count = 0
     for s in range(table.flexible.shape[0]):
@@ -196,9 +196,9 @@ def cell_forces(
         count += 1
 
 
-@solving_allocating
+@inner(allocates=True)
 def _add_nodal_tangent(
-    table: CellTable, shoes: kernel.ShoePoints, s: int, points: FloatArray, tangent: FloatArray
+    table: CellTable, shoes: pressing.ShoePoints, s: int, points: FloatArray, tangent: FloatArray
 ) -> None:
     """Add the tangents of a shoe's points at the nodes of its grid.
 
@@ -231,10 +231,10 @@ def _add_nodal_tangent(
                             tangent[first + r, second + c] += sums[i, j, product, 3 * r + c]
 
 
-@solving_within
+@inner
 def _write_nodal(
     table: CellTable,
-    shoes: kernel.ShoePoints,
+    shoes: pressing.ShoePoints,
     s: int,
     at: Attitude,
     grid: tuple[FloatArray, FloatArray],
@@ -252,7 +252,7 @@ def _write_nodal(
     low, high = nodes[0, 0], nodes[nodes.shape[0] - 1, across - 1]
     wrench.fill(0.0)
     at_nodes = wrench.reshape(nodes.shape)
-    kernel.spread_forces(shoes.points[s], shoes.force[s, :count], low, high, at_nodes)
+    pressing.spread_forces(shoes.points[s], shoes.force[s, :count], low, high, at_nodes)
     if derive:
         tangent.fill(0.0)
         _add_nodal_tangent(table, shoes, s, hats, tangent)

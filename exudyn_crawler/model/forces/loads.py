@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile
-from exudyn_crawler.ground import frames, laws
+from exudyn_crawler.ground import laws
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, Ints1
-from exudyn_crawler.model import elimination, joints
+from exudyn_crawler.model import joints
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
 
 
@@ -30,7 +31,7 @@ def profiles_of(profiles: Sequence[StepProfile]) -> Profiles:
     return Profiles(times, values)
 
 
-@frames.compiled
+@kernel
 def values_at(profiles: tuple, time: float, out: FloatArray) -> None:
     """Write the values (q,) of `Profiles` as a plain tuple at a time, s."""
     all_times, all_values = profiles
@@ -65,7 +66,7 @@ def static_friction(case: Case, masses: np.ndarray) -> tuple[np.ndarray, np.ndar
     return force, np.cross([*case.shoe.underside_center, height], force)
 
 
-@elimination.solving_allocating
+@inner(allocates=True)
 def add_loads(
     bodies: Bodies,
     markers: joints.Markers,

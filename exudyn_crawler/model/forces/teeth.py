@@ -14,11 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Ints1
 from exudyn_crawler.ground.rotations import ForceRows, Weights
-from exudyn_crawler.model import elimination, joints
+from exudyn_crawler.model import joints
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.forces.treads import law_slopes, stored_energy, write_point
 
@@ -78,7 +79,7 @@ class TeethWorkspace(NamedTuple):
         )
 
 
-@elimination.solving
+@kernel
 def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, float]:
     """Penetration of a lug's centre at x and z in the tumbler's axes into the teeth.
 
@@ -107,7 +108,7 @@ def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, fl
     return profile.lug - distance, ex / distance, ez / distance, -1.0 / distance
 
 
-@elimination.solving
+@kernel
 def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, float]:
     """Force (N) along y on what is off the middle by y (m), and its stiffness and damping."""
     beyond = abs(y) - flange.play
@@ -120,7 +121,7 @@ def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, f
     return -sign * force, stiffness, damping
 
 
-@elimination.solving_allocating
+@inner(allocates=True)
 def teeth_contacts(
     teeth: Teeth,
     bodies: Bodies,

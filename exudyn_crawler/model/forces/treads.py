@@ -13,10 +13,10 @@ elastic part has a potential. Rolling resistance lies along the rail.
 import math
 from typing import NamedTuple
 
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import Vector, cross, turned, write_turned_rows
 from exudyn_crawler.ground.laws import Impact, impact_force, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, Weights
-from exudyn_crawler.model.elimination import solving, solving_inside, solving_within
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
@@ -62,7 +62,7 @@ class Slopes(NamedTuple):
     drag: float
 
 
-@solving_within
+@inner
 def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, float]:
     """Normal force (N) of a law and its derivatives by depth and by its rate."""
     force = impact_force(law, depth, rate)
@@ -75,13 +75,13 @@ def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, fl
     return force, by_depth, law.damping * faded
 
 
-@solving_within
+@inner
 def stored_energy(law: Impact, depth: float) -> float:
     """Energy (J) in a contact of this law, none where nothing touches."""
     return law.stiffness / (law.exponent + 1.0) * depth ** (law.exponent + 1.0) if depth > 0.0 else 0.0
 
 
-@solving
+@kernel
 def tread_force(
     law: Impact, rail: Rail, disc: Pair, center: Pair, rates: Pair, bending: Bending, derive: bool
 ) -> Tread:
@@ -124,7 +124,7 @@ def tread_force(
     )
 
 
-@solving_within
+@inner
 def _by_place(found: Slopes, normal: Pair, deeper: float, turned: Pair, speeds: Triple) -> Pair:
     """Derivative of both forces by a place that makes the depth grow by `deeper` and turns the normal."""
     nx, nz = normal
@@ -136,7 +136,7 @@ def _by_place(found: Slopes, normal: Pair, deeper: float, turned: Pair, speeds: 
     )
 
 
-@solving_within
+@inner
 def _by_rate(found: Slopes, normal: Pair, faster: float) -> Pair:
     """Derivative of both forces by a rate that makes the depth's grow by `faster`."""
     nx, nz = normal
@@ -144,7 +144,7 @@ def _by_rate(found: Slopes, normal: Pair, faster: float) -> Pair:
     return more * (nx - found.drag * nz), more * (nz + found.drag * nx)
 
 
-@solving_inside
+@inner(merged=True)
 def write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> None:
     """Write the weighted tangent (3, 3) of a tread by the motion of its centre against the rail."""
     for r in range(3):
@@ -159,7 +159,7 @@ def write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> 
                 out[r, c] -= change[r] * R[c][2 * k]
 
 
-@solving_inside
+@inner(merged=True)
 def write_point(
     at: Attitude, arm: Vector, shapes: FloatArray, modes: int, sign: float, jacobian: FloatArray
 ) -> None:

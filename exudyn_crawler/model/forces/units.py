@@ -3,9 +3,10 @@
 from typing import Annotated, NamedTuple
 
 from exudyn_crawler.ground import pair_stiffness, rotations
+from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, type_of
 from exudyn_crawler.ground.terrain import modal_motion
-from exudyn_crawler.model import bodies, elimination
+from exudyn_crawler.model import bodies
 
 
 class TerrainTable(NamedTuple):
@@ -30,7 +31,7 @@ class UnitWorkspace(NamedTuple):
     overlap: Floats3  # scratch of the clipping
 
 
-@elimination.solving_allocating
+@inner(allocates=True)
 def unit_contacts(
     bodies: bodies.Bodies,
     flexible: IntArray,
@@ -69,7 +70,7 @@ def unit_contacts(
     return pair_stiffness.touching_pairs(places, contact, factors, work.contacts, work.overlap)
 
 
-@elimination.solving_within
+@inner
 def add_terrain(
     terrain: TerrainTable,
     rows: rotations.ForceRows,

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
 from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
-from exudyn_crawler.model.elimination import solving_allocating, solving_inside, solving_within
 from exudyn_crawler.model.forces import teeth, treads
 
 ASIDE = 0.3
@@ -80,7 +80,7 @@ class Strip(NamedTuple):
     arm: Vector  # from the shoe's origin to the foot, m, global
 
 
-@solving_allocating
+@inner(allocates=True)
 def wheel_contacts(
     wheels: Wheels,
     bodies: Bodies,
@@ -143,7 +143,7 @@ def wheel_contacts(
     return count
 
 
-@solving_within
+@inner
 def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: FloatArray) -> treads.Bending:
     """How modes, of coordinates and rates (2, 6 + m), bend a rail at a place.
 
@@ -183,7 +183,7 @@ def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: Flo
     return treads.Bending(rise, slope, rate, aside, aside_rate)
 
 
-@solving_inside
+@inner(merged=True)
 def _touch(
     wheels: Wheels,
     numbers: tuple[int, int],
@@ -230,7 +230,7 @@ def _touch(
     return Strip(tread, side, stiffness, damping, foot)
 
 
-@solving_inside
+@inner(merged=True)
 def _keep(
     wheels: Wheels,
     strip: Strip,

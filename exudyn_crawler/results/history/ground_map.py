@@ -11,7 +11,8 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground import frames, rotations
+from exudyn_crawler.ground import rotations
+from exudyn_crawler.ground.compiled import kernel
 from exudyn_crawler.results.history import History, catalogue
 
 MOST_STATES = 4000
@@ -145,7 +146,7 @@ def pressed_depths(
     return out
 
 
-@frames.compiled
+@kernel
 def _press_in(
     position: rotations.FloatArray,
     turn: rotations.FloatArray,

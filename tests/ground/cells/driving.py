@@ -6,9 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.ground.cells.ground import CellGround
-from exudyn_crawler.ground.cells.kernel import TRACTION
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.ground.cells.pressing import TRACTION
 
 LENGTH, WIDTH, LOAD, MASS = 0.65, 3.505, 435e3, 4490.0
 AREA = LENGTH * WIDTH

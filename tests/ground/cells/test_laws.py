@@ -186,14 +186,15 @@ from typing import ClassVar, Literal, NamedTuple
 
 from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Response
-from exudyn_crawler.ground.frames import along, compiled, inlined
+from exudyn_crawler.ground.compiled import inlined, kernel
+from exudyn_crawler.ground.frames import along
 
 
 class Winkler(NamedTuple):
     modulus: float
 
 
-@compiled
+@kernel
 def prepare(law, deepest, pressure):
     return 0.0, 0.0
 

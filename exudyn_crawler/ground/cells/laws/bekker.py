@@ -10,7 +10,7 @@ from typing import ClassVar, Literal, NamedTuple, Self
 from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Probe, Response
 from exudyn_crawler.ground.cells.shear import NOTHING, Strength, answer, lifted, shear_strength
-from exudyn_crawler.ground.frames import compiled, inlined
+from exudyn_crawler.ground.compiled import inlined, kernel
 
 ROUNDING = 1e-3
 """m, sinkage below which the curve is a parabola of the same value and slope: a power below 1 has no finite
@@ -33,7 +33,7 @@ class Bekker(NamedTuple):
     viscosity: float
 
 
-@compiled
+@kernel
 def backbone(law: Bekker, z: float) -> tuple[float, float]:
     """Pressure (Pa) of first loading at a sinkage (m), and its slope."""
     if z <= 0.0:
@@ -57,7 +57,7 @@ def deeper(law: Bekker, z: float, memory: Memory, nearby: bool) -> tuple[float, 
     return p, n * p / z
 
 
-@compiled
+@kernel
 def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]:
     """Modulus of unloading, and shear stiffness of the greatest pressure.
 

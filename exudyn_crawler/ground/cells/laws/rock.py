@@ -6,7 +6,7 @@ from typing import ClassVar, Literal, NamedTuple, Self
 from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Probe, Response
 from exudyn_crawler.ground.cells.shear import NOTHING, Strength, answer, lifted, shear_strength
-from exudyn_crawler.ground.frames import compiled, inlined
+from exudyn_crawler.ground.compiled import inlined, kernel
 
 
 class Rock(NamedTuple):
@@ -20,7 +20,7 @@ class Rock(NamedTuple):
     viscosity: float
 
 
-@compiled
+@kernel
 def prepare(law: Rock, _deepest: float, pressure: float) -> tuple[float, float]:
     """No modulus of unloading; shear stiffness of the greatest pressure."""
     strength = Strength(0.0, law.friction, law.deformation, law.viscosity)

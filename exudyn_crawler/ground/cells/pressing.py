@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler.ground import frames, packed
 from exudyn_crawler.ground.cells import law
-from exudyn_crawler.ground.cells.law import LawKernel, compile_entry, prepare, respond, within_law
+from exudyn_crawler.ground.cells.law import LawKernel, compile_entry, prepare, respond
+from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.packed import FloatArray, IntArray
 
@@ -95,7 +96,7 @@ class ShoePoints(NamedTuple):
         )
 
 
-@frames.within
+@inner
 def frame_at(row: FloatArray) -> frames.Frame:
     """Frame of its numbers."""
     rows = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
@@ -104,13 +105,13 @@ def frame_at(row: FloatArray) -> frames.Frame:
     )
 
 
-@frames.within
+@inner
 def arm_of(points: FloatArray, bent: FloatArray, k: int, R: frames.Matrix) -> frames.Vector:
     """Place of a point of a block from its shoe's origin, m, global."""
     return turned(R, (points[0, k] + bent[0, k], points[1, k] + bent[1, k], points[2, k] + bent[2, k]))
 
 
-@within_law
+@inner(merged=True, cached=False)
 def _move(points, bent, at, size, block):
     """Write how the points of a block move against the ground, the first rows of its workspace."""
     r, R, v, omega = at
@@ -128,7 +129,7 @@ def _move(points, bent, at, size, block):
             block[SLIP + c, k], block[VELOCITY + c, k], block[ARM + c, k] = slip[c], velocity[c], arm[c]
 
 
-@within_law
+@inner(merged=True, cached=False)
 def _probe(points, block, k):
     """`Probe` of a point of a block that moves."""
     shear = (points[SHEAR, k], points[SHEAR + 1, k], points[SHEAR + 2, k])
@@ -142,7 +143,7 @@ def _probe(points, block, k):
     )
 
 
-@within_law
+@inner(merged=True, cached=False)
 def _write_answer(law, points, tangents, nearby, block, trial, k):
     """Write what the law answers to a point."""
     answer = respond(law, _probe(points, block, k), tangents, nearby)
@@ -160,7 +161,7 @@ def _write_answer(law, points, tangents, nearby, block, trial, k):
             block[COUPLED + c, k], block[TOWARDS + c, k] = answer.tangential_by_depth[c], answer.direction[c]
 
 
-@within_law
+@inner(merged=True, cached=False)
 def _answer(law, points, tangents, size, block, trial):
     """Write what the law answers to a block that moves, and the memory on trial."""
     for k in range(size):
@@ -174,7 +175,7 @@ def _answer(law, points, tangents, size, block, trial):
         _write_answer(law, points, tangents, False, block, trial, int(block[AGAIN, j]))
 
 
-@within_law
+@inner(merged=True, cached=False)
 def _push(points, areas, size, block):
     """Write the forces of a block's points."""
     for k in range(size):
@@ -183,7 +184,7 @@ def _push(points, areas, size, block):
             block[FORCE + c, k] = areas[k] * (stress - block[DRAG, k] * block[VELOCITY + c, k])
 
 
-@within_law
+@inner(merged=True, cached=False)
 def _slope(points, areas, by_place, by_velocity, size, block):
     """Write the weighted derivatives of the forces of a block's points by displacements, its last rows.
 
@@ -216,7 +217,7 @@ class PressedShoe(NamedTuple):
     block: packed.Floats2
 
 
-@within_law
+@inner(merged=True, cached=False)
 def press_shoe(law, count, frame, weights, shoe):
     """Write the forces of the cells on a `PressedShoe` with `count` points at a frame (FRAME,).
 
@@ -250,7 +251,7 @@ def press_shoe(law, count, frame, weights, shoe):
         _write_tangent(points, at.R, by_place, slopes, (F, by_x, by_y), tangent)
 
 
-@frames.allocating
+@inner(allocates=True)
 def _write_tangent(points, R, by_place, slopes, forces, tangent):
     """Write the derivative of a wrench by motions of its shoe, of the derivatives (9, points) of its points.
 
@@ -278,7 +279,7 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
         tangent[3 + i, 3 + i] -= trace
 
 
-@frames.allocating
+@inner(allocates=True)
 def _congruence(sums, R, z, out):
     """Write the sum of ``B' g B`` with B = [1, -[arm]x], of sums (9, 6) of g as of `_write_tangent`."""
     first, second = np.empty((9, 3)), np.empty((9, 3, 3))
@@ -305,7 +306,7 @@ def _congruence(sums, R, z, out):
             )
 
 
-@within_law
+@inner(merged=True, cached=False)
 def prepare_points(law, count, points):
     """Write `Probe.prepared` of all points of one shoe."""
     for b in range(points.shape[0]):
@@ -350,7 +351,7 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
     )
 
 
-@frames.compiled
+@kernel
 def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
     """Write wrenches, tangents, forces and trial memory of all shoes at their frames (shoes, FRAME).
 
@@ -386,7 +387,7 @@ class Hats(NamedTuple):
     v: float
 
 
-@frames.within
+@inner
 def hats_at(low: FloatArray, high: FloatArray, last: tuple[int, int], x: float, y: float) -> Hats:
     """Mesh of a place (m, the shoe's frame) in a grid of which `low` and `high` are the corners."""
     u = (x - low[0]) / (high[0] - low[0]) * last[0]
@@ -395,14 +396,14 @@ def hats_at(low: FloatArray, high: FloatArray, last: tuple[int, int], x: float, 
     return Hats(i, j, u - i, v - j)
 
 
-@frames.within
+@inner
 def share_of(hats: Hats, k: int) -> float:
     """Share of a place that the k-th node of its mesh has."""
     u = hats.u if k >= 2 else 1.0 - hats.u
     return u * (hats.v if k % 2 == 1 else 1.0 - hats.v)
 
 
-@frames.within
+@inner
 def spread_forces(
     points: FloatArray,
     forces: FloatArray,
@@ -425,7 +426,7 @@ def spread_forces(
                 nodes[i, j, c] += share * forces[a, c]
 
 
-@frames.compiled
+@kernel
 def coarse_forces(values: tuple, frames: FloatArray, out: FloatArray) -> None:
     """Write the forces on a grid of the undersides (shoes, a, b, 3): N, in the axes of each shoe.
 
