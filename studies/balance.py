@@ -17,13 +17,9 @@ from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions as acting
+from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.load_map import loads_by_kind, unit_loads
-
-KINDS = ("weight", "load", "contact", "drive", "joint")
-ROLLED_KINDS = (*KINDS, "roller", "chain")
-ON_FLEXIBLE = ("roller", "idler", "carrier", "slide", "guide")
-CLOSED_KINDS = ("weight", "load", "contact", "joint", "wheel", "tooth", *ON_FLEXIBLE)
-"""Kinds of actions on shoes, in the order in which they are added; under a side frame; in a closed track."""
+from exudyn_crawler.results.loads.places import PINS, PinsOfShoe, Point
 
 
 class _Motion:
@@ -63,13 +59,13 @@ class _Motion:
         at = (slice(None), shoe - 1) if shoe else slice(None)
         return self.velocity[at] + np.cross(self.omega[at], points - self.origin[at])
 
-    def powers(self, loads: Iterable[acting.Action]) -> Mapping[str, np.ndarray]:
+    def powers(self, loads: Iterable[acting.Action]) -> Mapping[Kind, np.ndarray]:
         """Power (times,) of actions by their kind, W; zero of others."""
-        summed: dict[str, np.ndarray] = defaultdict(lambda: np.zeros(len(self.omega)))
-        for one in loads:
-            omega = self.omega[:, one.shoe - 1] if one.shoe else self.omega
-            moved = one.force * self.velocity_at(one.point, one.shoe)
-            summed[one.kind] += np.sum(moved + one.moment * omega, axis=-1)
+        summed: dict[Kind, np.ndarray] = defaultdict(lambda: np.zeros(len(self.omega)))
+        for action in loads:
+            omega = self.omega[:, action.shoe - 1] if action.shoe else self.omega
+            moved = action.force * self.velocity_at(action.point, action.shoe)
+            summed[action.kind] += np.sum(moved + action.moment * omega, axis=-1)
         return summed
 
 
@@ -152,17 +148,20 @@ def _rate(values: np.ndarray, time: np.ndarray) -> np.ndarray:
 
 
 def shoe_actions(history: History) -> xr.Dataset:
-    """What acts on shoes by kind: `force`, N, `moment` about the frame, N m, (source, time, shoe, axis)."""
+    """All that acts on shoes by kind: `force`, N, `moment` about the frame, N m, (source, time, shoe, axis).
+
+    Sources are the kinds of actions that a history has, in the order of their table.
+    """
     position = history.position.values
-    case = history.case
-    kinds = CLOSED_KINDS if case.is_closed else ROLLED_KINDS if case.is_rolled else KINDS
+    loads = acting.actions(history)
+    kinds = [kind for kind in Kind if kind in {action.kind for action in loads}]
     forces = np.zeros((len(kinds), *position.shape))
     moments = np.zeros_like(forces)
-    for action in acting.actions(history):
+    for action in loads:
         source, shoe = kinds.index(action.kind), action.shoe - 1
         forces[source, :, shoe] += action.force
         moments[source, :, shoe] += action.moment_about(position[:, shoe])
-    return _of_shoes(history, forces, moments, source=list(kinds))
+    return _of_shoes(history, forces, moments, source=[kind.value for kind in kinds])
 
 
 def shoe_momentum_rates(history: History) -> xr.Dataset:
@@ -198,7 +197,7 @@ def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.
     (time, axis); with flexible shoes the moment is NaN, see `shoe_momentum_rates`.
     """
     with xr.set_options(keep_attrs=True):
-        outside = shoe_actions(history).drop_sel(source="joint").sum("source")
+        outside = shoe_actions(history).drop_sel(source=Kind.JOINT.value).sum("source")
         one_by_one = shoe_momentum_rates(history) - outside
         arm = history.position.values - np.asarray(about, dtype=float)
         one_by_one["moment"] += np.cross(arm, one_by_one["force"].values)
@@ -299,15 +298,15 @@ def powers(history: History) -> xr.Dataset:
     case = history.case
     shoes = _shoes(history)
     supplied = shoes.powers(acting.actions(history))
-    named = {"drive": supplied["drive"], "machine_load": supplied["load"]}
+    named = {"drive": supplied[Kind.DRIVE], "machine_load": supplied[Kind.LOAD]}
     if case.contact.model == "cells":
         pressed = np.linalg.norm(history.normal_force.values, axis=-1) * history.penetration_rate.values
         named["pressure"] = pressed.sum(axis=1)
-        named["shear"] = -supplied["contact"] - named["pressure"]
+        named["shear"] = -supplied[Kind.CONTACT] - named["pressure"]
     else:
         named |= _unit_powers(history, shoes)
     if case.undercarriage is not None:
-        named |= _rolled_powers(history, case.undercarriage, shoes, supplied["chain"])
+        named |= _rolled_powers(history, case.undercarriage, shoes, supplied[Kind.CHAIN])
     if case.is_closed:
         named |= _closed_powers(history, shoes)
     return _over_time(history, "W", **named)
@@ -351,8 +350,12 @@ def _rolled_powers(
     front = shoes.velocity_at(pins(history, "front")[:, -1], last)
     tension = frame.end_tension * (front - shoes.velocity_at(pins(history, "rear")[:, 0], 1))[:, 0]
     _, resisted, damped = _treads(history, frame, motion, shoes)
-    supplied = {"drive": on_frame["pull"] + chain - tension, "machine_load": on_frame["machine"] + tension}
-    return supplied | {"rolling_resistance": resisted, "tread_damping": damped}
+    return {
+        "drive": on_frame[Kind.PULL] + chain - tension,
+        "machine_load": on_frame[Kind.MACHINE] + tension,
+        "rolling_resistance": resisted,
+        "tread_damping": damped,
+    }
 
 
 def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
@@ -360,11 +363,12 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     data, time, case, frame = history.dataset, history.time.values, history.case, _side_frame(history)
     tumblers, count = list(_others(history, frame)), case.loop.shoe_count
     taken = {}
-    for kind, stored in (("wheel", "wheel_load"), ("tooth", "tooth_force")):
+    wheels, teeth = ([frame] * len(tumblers), "wheel_load"), (tumblers, "tooth_force")
+    for kind, (carriers, stored) in ((Kind.WHEEL, wheels), (Kind.TOOTH, teeth)):
         force, moment = data[stored].values, data[f"{kind}_moment"].values
         lost = -np.gradient(data[f"{kind}_energy"].values, time)
         for shoe in range(data.sizes["shoe"]):
-            gear = frame if kind == "wheel" else tumblers[shoe // count]
+            gear = carriers[shoe // count]
             slip = shoes.velocity[:, shoe] - gear.velocity_at(shoes.origin[:, shoe])
             spin = shoes.omega[:, shoe] - gear.omega
             lost -= np.sum(force[:, shoe] * slip + moment[:, shoe] * spin, axis=-1)
@@ -374,7 +378,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     if (spring := case.closed_gear().idler.tensioner) is not None:
         rate = _rate(_of_tracks(history, "take_up").T, time)
         taken["tensioner_damping"] = spring.damping * np.sum(rate**2, axis=1)
-        idlers = [name.endswith("idler") for name in case.wheel_names]
+        idlers = [label.kind == "idler" for label in case.wheel_labels]
         pushed = data.wheel_force.values[:, idlers] @ frame.axes[..., :1]
         taken["wheel_losses"] -= np.sum(pushed[..., 0] * rate, axis=1)
     drive = np.sum(_of_tracks(history, "drive_moment") * _of_tracks(history, "tumbler_speed"), axis=0)
@@ -390,9 +394,9 @@ def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
     for shoe in flexible.shoes:
         velocity = history.modal_velocity.sel(flexible_shoe=shoe).values
         for kind, loads in loads_by_kind(history, shoe).items():
-            if kind in (*ON_FLEXIBLE, "tooth"):
-                name = "tooth_losses" if kind == "tooth" else "wheel_losses"
-                taken[name] -= np.sum((loads @ units.work @ units.integrated.inside) * velocity, axis=1)
+            if kind.gear is not None:
+                on_modes = loads @ units.work @ units.integrated.inside
+                taken[f"{kind.gear}_losses"] -= np.sum(on_modes * velocity, axis=1)
     damped: np.ndarray = np.sum(rates * history.modal_velocity.values**2, axis=(1, 2))
     return damped
 
@@ -441,7 +445,7 @@ def energy_balance(history: History) -> xr.Dataset:
 def middle_pins(history: History, end: str) -> np.ndarray:
     """Middle between the pins at an end, "front" or "rear", of every shoe: array (times, shoes, 3), m."""
     centers = history.case.track.joint_centers
-    place = np.mean([center for name, center in centers.items() if name.startswith(end)], axis=0)
+    place = np.mean([center for name, center in centers.items() if PINS[name].end == end], axis=0)
     return history.position.values + rotation_matrices(history.angles.values) @ place
 
 
@@ -457,19 +461,21 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
     zero = np.zeros_like(origin)
     for part in case.frame_parts:
         weight = zero + part.mass * case.gravity_vector()
-        yield acting.Action("weight", 0, "COM", origin + turn @ part.com, weight, zero)
-    yield acting.Action("machine", 0, "origin", origin, *case.machine_wrench(history.time.values))
+        center = origin + turn @ part.com
+        yield acting.Action(Kind.WEIGHT, 0, Point.CENTER, center, weight, zero)
+    wrench = case.machine_wrench(history.time.values)
+    yield acting.Action(Kind.MACHINE, 0, Point.ORIGIN, origin, *wrench)
     if case.is_closed:
         for shoe in case.track.shoes.tolist():
-            for one in acting.wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
-                yield replace(one, shoe=0, force=-one.force, moment=-one.moment)
+            for action in acting.wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
+                yield replace(action, shoe=0, force=-action.force, moment=-action.moment)
         return
     pulls, pins = acting.drive_pulls(history), middle_pins(history, "front")
     for shoe in case.track.shoes.tolist():
-        for one in acting.treads_on(history, shoe, *acting.shoe_frames(history, shoe)):
-            yield replace(one, shoe=0, force=-one.force)
+        for action in acting.treads_on(history, shoe, *acting.shoe_frames(history, shoe)):
+            yield replace(action, shoe=0, force=-action.force)
         pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
-        yield acting.Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero)
+        yield acting.Action(Kind.PULL, 0, PinsOfShoe(shoe), pins[:, shoe - 1], pull, zero)
 
 
 def _only_known(history: History) -> None:

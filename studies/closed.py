@@ -122,12 +122,13 @@ def loads_round_the_loop(history: History) -> pd.DataFrame:
         for part in dict.fromkeys(along.part.values.tolist())
     ]
     wheel = history.wheel_force.isel(time=late)
-    kinds = {
-        kind: wheel.isel(wheel=[str(name).startswith(kind) for name in wheel.wheel.values])
+    labels = history.case.wheel_labels
+    forces = {
+        kind: wheel.isel(wheel=[label.kind == kind for label in labels])
         for kind in ("roller", "idler", "carrier")
     }
-    kinds["teeth on a shoe"] = history.tooth_force.isel(time=late)
-    for name, force in kinds.items():
+    forces["teeth on a shoe"] = history.tooth_force.isel(time=late)
+    for name, force in forces.items():
         size = np.linalg.norm(force.transpose(..., "axis").values, axis=-1) / KILO
         acts = size[size > 0.0]
         row = {"least in kN": size.min(), "mean in kN": acts.mean(), "greatest in kN": size.max()}

@@ -7,18 +7,19 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.actions import actions
-from exudyn_crawler.results.loads.load_map import INERTIA, coordinates, loads_by_kind, unit_loads
+from exudyn_crawler.results.loads.kinds import Kind
+from exudyn_crawler.results.loads.load_map import coordinates, loads_by_kind, unit_loads
 from tests.model.both import residual_of
 from tests.states import row_of
 
-GEAR = {"roller", "idler", "carrier", "tooth", "guide"}
+GEAR = {Kind.ROLLER, Kind.IDLER, Kind.CARRIER, Kind.TOOTH, Kind.GUIDE}
 """Kinds of actions by which a side frame presses on shoes."""
 
 
 def modal_loads(history: History, shoe: int) -> np.ndarray:
     """Loads (times, M) of all modes by all that acts on the shoe, N kg^-0.5."""
     acting = loads_by_kind(history, shoe)
-    del acting[INERTIA]
+    del acting[Kind.INERTIA]
     return sum(acting.values()) @ unit_loads(history.case).work
 
 

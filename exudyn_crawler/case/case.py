@@ -14,7 +14,7 @@ from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, SoilLaw, Terrain
 from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Track
-from exudyn_crawler.case.parameters.undercarriage import Part, Undercarriage
+from exudyn_crawler.case.parameters.undercarriage import Part, Undercarriage, WheelLabel
 
 NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 Model = TypeVar("Model", bound=Parameters)
@@ -173,8 +173,15 @@ class Case(NamedCases):
     @property
     def wheel_names(self) -> list[str]:
         """Names of the wheels of closed tracks, "right idler" where there are two; none of open ones."""
-        names = [] if self.closed_track is None else self.closed_track.wheel_names
-        return names if self.car_body is None else [f"{side} {name}" for side in SIDES for name in names]
+        return [label.words for label in self.wheel_labels] if self.is_closed else []
+
+    @property
+    def wheel_labels(self) -> list[WheelLabel]:
+        """Kinds and numbers of all wheels, in the order of `wheel_names`; of an open track, its rollers."""
+        labels = [] if self.running_gear is None else self.running_gear.wheel_labels
+        if self.car_body is None:
+            return labels
+        return [label._replace(track=side) for side in SIDES for label in labels]
 
     @property
     def frame_parts(self) -> list[Part]:

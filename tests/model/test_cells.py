@@ -10,6 +10,7 @@ from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
+from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_loads
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
@@ -180,8 +181,8 @@ def test_modal_loads_of_histories_are_those_of_the_equations():
     case = Case.stress("coarse").on_cells(SAND)
     run = simulate(case, 4e-3, False)
     loads, units = loads_by_kind(run, 13), unit_loads(case)
-    inertia = loads[INERTIA][[0]].toarray()[0, units.families[INERTIA]]
-    ground = (loads["contact"][[0]] @ units.work @ units.integrated.inside)[0]
+    inertia = loads[Kind.INERTIA][[0]].toarray()[0, units.families[INERTIA]]
+    ground = (loads[Kind.CONTACT][[0]] @ units.work @ units.integrated.inside)[0]
     # at rest the modes have neither momentum nor damping: their loads are their elastic forces, but for
     # forces at nodes that are stored in single precision
     assert np.abs(inertia).max() < 3e-5 * np.abs(ground).max()

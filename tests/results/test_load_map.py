@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import History, simulate
+from exudyn_crawler.case.parameters.undercarriage import WheelLabel
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.shoe_mesh import cubic_weights, pulled_node, rail_rows, station_spacing
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.actions import (
     Action,
-    AtDrivePoint,
+    AtDriveNode,
     AtInterface,
     OnRail,
     OverRectangle,
@@ -26,7 +27,9 @@ from exudyn_crawler.results.loads.exports import (
     roller_loads,
     shoe_loads,
 )
+from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.load_map import GROUND, RAILS, coordinates, loads_by_kind, unit_loads
+from exudyn_crawler.results.loads.places import OnTread
 from exudyn_crawler.results.stress.basis import ground_grid, rail_stations, static_loads
 from fem import Partition
 from fem.stress import von_mises
@@ -82,7 +85,7 @@ def test_actions_enter_a_flexible_shoe_by_name(history):
     acting = actions(history, 13)
     entries = {one.kind: one.entry for one in acting if (one.kind, one.where) != ("drive", "frame")}
     assert [type(entries[kind]) for kind in ("joint", "contact")] == [AtInterface, OverRectangle]
-    assert [entries[kind] for kind in ("load", "weight", "drive")] == [OverSurface(), None, AtDrivePoint()]
+    assert [entries[kind] for kind in ("load", "weight", "drive")] == [OverSurface(), None, AtDriveNode()]
 
 
 def test_contacts_are_those_by_shoe(translation):
@@ -135,7 +138,7 @@ def test_modal_loads_are_the_virtual_work_of_the_actions(history):
             expected += force @ rows[:3] + moment @ rows[3:]
         elif isinstance(action.entry, OverSurface):
             expected += whole.load(history.case.flexible.load_surface, force)
-        elif isinstance(action.entry, AtDrivePoint):
+        elif isinstance(action.entry, AtDriveNode):
             expected += force @ whole.modes[pulled_node(history.case, whole.mesh)]
         elif isinstance(action.entry, OverRectangle):
             # the faces that the rectangle cuts are left to the nodes within, or less than 1 cm beside it
@@ -197,7 +200,8 @@ def test_a_force_anywhere_on_a_rail_moves_modes_as_in_the_equations():
     for line, rows in enumerate(rail_rows(units.whole, case.running_gear, rails)):
         at = cubic_weights((x - rails.rear) / station_spacing(rails)) @ rows.reshape(len(rows), -1)
         expected = np.einsum("tc,tcm->tm", force, at.reshape(41, 3, -1))
-        action = Action("roller", 5, "", np.zeros((41, 3)), force, np.zeros((41, 3)), OnRail(line, x))
+        zero, place = np.zeros((41, 3)), OnTread(WheelLabel("roller", 1), "right")
+        action = Action(Kind.ROLLER, 5, place, zero, force, zero, OnRail(line, x))
         found = coordinates(units, action, np.tile(np.eye(3), (41, 1, 1))) @ units.work
         np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
 
@@ -229,7 +233,7 @@ def test_rollers_are_among_the_loads_of_a_rolled_shoe():
     """What the stations of both rails bear is what the rollers press with."""
     history = simulate(small_flexible_case(), 0.02)
     at = unit_loads(history.case).families[RAILS]
-    own = loads_by_kind(history, 5)["roller"][:, at].toarray()
+    own = loads_by_kind(history, 5)[Kind.ROLLER][:, at].toarray()
     pressed = roller_loads(history, 5).force.sum(("roller", "rail")).values
     assert np.abs(pressed).max() > 1e5
     np.testing.assert_allclose(own.reshape(len(own), -1, 3).sum(axis=1), pressed, atol=1e-6)

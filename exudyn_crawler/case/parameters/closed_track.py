@@ -288,13 +288,15 @@ class ClosedTrack(undercarriage.RunningGear):
         return cls(tumbler=Tumbler.ph4100c(), idler=Idler.ph4100c(), **ph4100c.CLOSED_TRACK)
 
     @property
-    def upper(self) -> dict[str, Wheel]:
-        """X and z of the axes of carriers, and of the lines of slides on which rails rub, by name, m."""
-        found = {f"carrier {number}": place for number, place in enumerate(self.carriers, start=1)}
+    def upper(self) -> dict[undercarriage.WheelLabel, Wheel]:
+        """X and z of the axes of carriers, and of the lines of slides on which rails rub, m."""
+        label = undercarriage.WheelLabel
+        found = {label("carrier", number): place for number, place in enumerate(self.carriers, start=1)}
         for number, (rear, front, top) in enumerate(self.slides, start=1):
             x = np.linspace(rear, front, 1 + max(1, math.floor((front - rear) / self.slide_step + 1e-9)))
             z = top - self.carrier_radius
-            found |= {f"slide {number}, line {k}": (one, z) for k, one in enumerate(x.tolist(), start=1)}
+            lines = enumerate(x.tolist(), start=1)
+            found |= {label("slide", number, line): (place, z) for line, place in lines}
         return found
 
     @property
@@ -355,10 +357,9 @@ class ClosedTrack(undercarriage.RunningGear):
         return axis, math.hypot(self.idler.radius + rise, 0.5 * pitch)
 
     @property
-    def wheel_names(self) -> list[str]:
-        """Names of the wheels in their order."""
-        rollers = [f"roller {number}" for number in range(1, len(self.rollers) + 1)]
-        return [*rollers, "idler", *self.upper]
+    def wheel_labels(self) -> list[undercarriage.WheelLabel]:
+        """Kinds and numbers of lower rollers, idler, carriers and lines of slides."""
+        return [*super().wheel_labels, undercarriage.WheelLabel("idler"), *self.upper]
 
     def chain_pitch(self, chain: track.Track) -> float:
         """Distance of the pins of a shoe, m."""

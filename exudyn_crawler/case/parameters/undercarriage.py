@@ -13,6 +13,24 @@ from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, Sever
 MARGIN = 4.0  # m of ground ahead of the track
 FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
 TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
+WheelKind = Literal["roller", "idler", "carrier", "slide"]
+
+
+class WheelLabel(NamedTuple):
+    """Kind and number of a wheel, and the words for it that tables and histories have."""
+
+    kind: WheelKind
+    number: int = 0  # from 1, rear to front; 0: there is no other
+    line: int = 0  # of a slide, from 1, rear to front
+    track: str = ""  # "right" or "left" of a machine on two tracks
+
+    @property
+    def words(self) -> str:
+        """Name for readers, such as "roller 3", "slide 1, line 2" or "right idler"."""
+        number = f" {self.number}" if self.number else ""
+        line = f", line {self.line}" if self.line else ""
+        track = f"{self.track} " if self.track else ""
+        return f"{track}{self.kind}{number}{line}"
 
 
 class RunningGear(Parameters):
@@ -43,6 +61,11 @@ class RunningGear(Parameters):
         # two resist tilting at the Gauss points as an evenly spread contact does
         points, _ = np.polynomial.legendre.leggauss(self.strips)
         return 0.5 * self.tread_width * points
+
+    @property
+    def wheel_labels(self) -> list[WheelLabel]:
+        """Kinds and numbers of the wheels in their order."""
+        return [WheelLabel("roller", number) for number in range(1, len(self.rollers) + 1)]
 
     @property
     def resistances(self) -> np.ndarray:

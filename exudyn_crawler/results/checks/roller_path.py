@@ -148,7 +148,7 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
     else:
         read, names = ["tread_force", "tread_foot", "roller_shoe"], history.roller.values
         radii = np.full(len(names), frame_of(history).radius)
-    rolls = np.char.find(names.astype(str), "slide") < 0
+    rolls = np.array([label.kind != "slide" for label in case.wheel_labels])
     keys, found, done = ["shoe", "roller", "rail", "place"], [], 0
     for part in blocks(history.dataset[[*read, "position", "angles"]]):
         on = treads(part)

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
+from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.stress.basis import StressBasis, parts_of, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
 from fem import Counting, Cycles, Shapes, SNCurve, damage
@@ -18,7 +19,6 @@ from fem.rainflow import repeated_cycles
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
 LEAST_TIMES = 3  # stored times that can hold a cycle
 CLASSES = 32  # of a rainflow matrix, along either side
-STATIC = "check cases"  # load to which these count
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[Used
         q[1, columns.index(case.case)] = case.load
         if case.after != UNLOADED:
             q[::2, columns.index(case.after)] = case.load
-        loads = {place: {STATIC: csr_array(q)} for place in places}
+        loads = {place: {Kind.CHECK_CASES: csr_array(q)} for place in places}
         basis = StressBasis(shapes, loads, np.eye(len(columns)), dict.fromkeys(places, q), 0.0)
         used.append(UsedRun(case, basis, case.an_hour, pd.Categorical([case.case] * 3), np.arange(3.0)))
     return used

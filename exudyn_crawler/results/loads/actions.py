@@ -11,10 +11,23 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import SIDES, Case, Undercarriage
+from exudyn_crawler.case import SIDES, Case, Track, Undercarriage
+from exudyn_crawler.case.parameters.undercarriage import WheelKind
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.loads.kinds import Kind
+from exudyn_crawler.results.loads.places import (
+    ENDS,
+    MIDWAY,
+    PINS,
+    GroundUnit,
+    OnTread,
+    Pin,
+    Place,
+    Point,
+    words,
+)
 
 
 class AtInterface(NamedTuple):
@@ -51,34 +64,52 @@ class OnRail(NamedTuple):
     roller: int = 0  # number from 0
 
 
-class AtDrivePoint(NamedTuple):
-    """Enters a flexible shoe at the point that the drive moves."""
+class AtDriveNode(NamedTuple):
+    """Enters a flexible shoe at the node that the drive moves, if there is one, else its frame."""
 
 
-Entry = AtInterface | OverSurface | OverRectangle | AtGridNode | AtDrivePoint | OnRail
+class AtPins(NamedTuple):
+    """Enters a flexible shoe at the centres of some of its interfaces, in equal parts."""
+
+    names: tuple[str, ...]
+
+
+Entry = AtInterface | OverSurface | OverRectangle | AtGridNode | AtDriveNode | AtPins | OnRail
+
+ON_RAILS: dict[WheelKind, Kind] = {
+    "roller": Kind.ROLLER,
+    "idler": Kind.IDLER,
+    "carrier": Kind.CARRIER,
+    "slide": Kind.SLIDE,
+}
 
 
 @dataclass(frozen=True)
 class Action:
     """One thing that acts on one body.
 
-    Kinds on shoes are "joint", "weight", "load", "contact" and "drive", under a side frame also "roller" and
-    "chain" (pull of the drive, tension of the ends), in a closed track "wheel" and "tooth", each with its
-    flanges, on its flexible shoes "roller", "idler", "carrier", "slide" and "tooth" without, and "guide" of
-    all flanges; on the frame "weight", "machine", "roller" and "pull".
+    Kinds on shoes are joint, weight, load, contact and drive, under a side frame also roller and chain (pull
+    of the drive, tension of the ends), in a closed track wheel and tooth, each with its flanges, on its
+    flexible shoes roller, idler, carrier, slide and tooth without, and guide of all flanges; on the frame
+    weight, machine, roller and pull.
     """
 
-    kind: str
+    kind: Kind
     shoe: int  # its number; 0 is the side frame
-    where: str  # place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on)
+    place: Place
     point: np.ndarray  # (times, 3), m, where the force acts; on a flexible shoe a point of the unbent one
     force: np.ndarray  # (times, 3), N, on the body
     moment: np.ndarray  # (times, 3), N m, beside that of the force
     entry: Entry | None = None  # into a flexible shoe; None by its frame or as its mass: no mode is loaded
 
-    def moment_about(self, place: np.ndarray) -> np.ndarray:
-        """Moment about a place (times, 3) or (3,), m: array (times, 3), N m."""
-        return np.cross(self.point - place, self.force) + self.moment
+    @property
+    def where(self) -> str:
+        """Place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on)."""
+        return words(self.place)
+
+    def moment_about(self, center: np.ndarray) -> np.ndarray:
+        """Moment about a point (times, 3) or (3,), m: array (times, 3), N m."""
+        return np.cross(self.point - center, self.force) + self.moment
 
 
 class ShoeMass(NamedTuple):
@@ -98,7 +129,7 @@ def shoe_mass(case: Case, shoe: int) -> ShoeMass:
         return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point), left)
     body = whole_reduction(case).body
     weights = body.weights(flexible.load_surface)
-    right, left = (one @ body.nodes / one.sum() for one in side_weights(weights, body.nodes))
+    right, left = (half @ body.nodes / half.sum() for half in side_weights(weights, body.nodes))
     beside = (left - right) / (left[1] - right[1])
     return ShoeMass(body.mass, body.center_of_mass, weights @ body.nodes, beside)
 
@@ -110,13 +141,14 @@ def shoe_frames(history: History, shoe: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def actions(history: History, shoe: int | None = None) -> list[Action]:
-    """All that acts on the shoes of a history, or on one of them, as of `Action.kind`."""
+    """All that acts on the shoes of a history, or on one of them; see `Action` for the kinds."""
     shoes = history.case.track.shoes.tolist() if shoe is None else [shoe]
     return [action for number in shoes for action in _on_shoe(history, number)]
 
 
 def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
-    (position, frames), flexible = shoe_frames(history, shoe), history.case.flexible
+    position, frames = shoe_frames(history, shoe)
+    flexible = history.case.flexible
     bends = flexible is not None and shoe in flexible.shoes
     yield from _joints(history, shoe, position, frames)
     yield from _weight_and_load(history, shoe, position, frames)
@@ -135,44 +167,51 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
 
 def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Joints of both links; a link of two rigid shoes has one, at its right pin, in a closed track midway."""
-    track, closed = history.case.track, history.case.closed_track
+    track = history.case.track
+    closed = history.case.closed_track
     ends = dict(zip(history.case.links[:, 1].tolist(), history.case.joints.tolist(), strict=True))
     # the link ahead acts on its rear shoe as stored, the link behind with the opposite
-    for end, joint, sign in (("front", shoe, 1.0), ("rear", ends.get(shoe, 0), -1.0)):
+    for end, joint, sign in zip(ENDS, (shoe, ends.get(shoe, 0)), (1.0, -1.0), strict=True):
         if joint not in history.case.joints:
             continue
         link = history.dataset.sel(joint=joint)
         reactions = [link.joint_force.values, link.joint_torque.values]
         if "pin_force" in link and bool(link.pin_force.notnull().all()):
             reactions = [link.pin_force.values, link.pin_torque.values]
-        force, torque = (sign * one.reshape(len(position), -1, 3) for one in reactions)
-        for side in range(force.shape[1]):
-            where = f"{end} {SIDES[side]}"
-            place, pushed = np.array(track.joint_centers[where]), force[:, side]
-            if closed is not None and force.shape[1] == 1:
-                centers = [c for name, c in track.joint_centers.items() if name.startswith(end)]
-                place = np.mean(centers, axis=0)
-            moment = torque[:, side]
+        force, torque = (sign * pair.reshape(len(position), -1, 3) for pair in reactions)
+        pins = [Pin(end, side) for side in SIDES[: force.shape[1]]]
+        if closed is not None and len(pins) == 1:
+            pins = [Pin(end, MIDWAY)]
+        for number, pin in enumerate(pins):
+            pushed = force[:, number]
+            moment = torque[:, number]
             if closed is not None and end == "rear":  # a worn pin is farther back
                 wear = (track.pitch - closed.chain_pitch(track)) * frames[:, :, 0]
                 moment = moment + np.cross(wear, pushed)
-            point = position + frames @ place
-            yield Action("joint", shoe, where, point, pushed, moment, AtInterface(where))
+            point = position + frames @ _center(track, pin)
+            yield Action(Kind.JOINT, shoe, pin, point, pushed, moment, AtInterface(words(pin)))
+
+
+def _center(track: Track, pin: Pin) -> np.ndarray:
+    """Joint centre (3,) of a pin in the shoe's frame, m."""
+    if pin.side == MIDWAY:
+        return np.mean([track.joint_centers[words(Pin(pin.end, side))] for side in SIDES], axis=0)
+    return np.array(track.joint_centers[words(pin)])
 
 
 def _weight_and_load(
     history: History, shoe: int, position: np.ndarray, frames: np.ndarray
 ) -> Iterator[Action]:
-    own = shoe_mass(history.case, shoe)
+    body = shoe_mass(history.case, shoe)
     zero = np.zeros_like(position)
-    weight = zero + own.mass * history.case.gravity_vector()
+    weight = zero + body.mass * history.case.gravity_vector()
     load = history.shoe_load.sel(shoe=shoe).values[:, None] * history.case.terrain.down
-    yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero)
+    yield Action(Kind.WEIGHT, shoe, Point.CENTER, position + frames @ body.center, weight, zero)
     shift = history.case.loads.side_shift.value(history.time.values)
-    place = own.load_point + shift[:, None] * own.beside
+    place = body.load_point + shift[:, None] * body.beside
     point = position + (frames @ place[..., None])[..., 0]
     entry = OverSurface(shift if np.any(shift) else None)
-    yield Action("load", shoe, "top", point, load, zero, entry)
+    yield Action(Kind.LOAD, shoe, Point.TOP, point, load, zero, entry)
 
 
 def _grid(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
@@ -183,55 +222,64 @@ def _grid(history: History, shoe: int, position: np.ndarray, frames: np.ndarray)
     for node, (i, j) in enumerate(np.ndindex(forces.shape[1:3])):
         place = np.linspace(x0, x1, forces.shape[1])[i], np.linspace(y0, y1, forces.shape[2])[j], z
         force = np.einsum("tij,tj->ti", frames, forces[:, i, j])
-        yield Action("contact", shoe, "cells", position + frames @ place, force, zero, AtGridNode(node))
+        point = position + frames @ place
+        yield Action(Kind.CONTACT, shoe, Point.CELLS, point, force, zero, AtGridNode(node))
 
 
 def _contacts(history: History, shoe: int, bends: bool) -> Iterator[Action]:
     """Contact with every unit that the shoe ever met, or with the cells."""
-    own = np.flatnonzero(history.contact_shoe.values == shoe)
+    columns = np.flatnonzero(history.contact_shoe.values == shoe)
     # read once, for histories larger than memory
     area, point, normal, friction, torque = (
-        history.dataset[name].isel(contact=own).values
+        history.dataset[name].isel(contact=columns).values
         for name in ("area", "point", "normal_force", "friction_force", "friction_torque")
     )
-    patch = history.patch.isel(contact=own).values if bends else None
-    for column, unit in enumerate(history.contact_unit.values[own].tolist()):
+    patch = history.patch.isel(contact=columns).values if bends else None
+    for column, unit in enumerate(history.contact_unit.values[columns].tolist()):
         entry = None
         if patch is not None:
             entry = OverRectangle(patch[:, column, 0::2], patch[:, column, 1::2], area[:, column] > 0.0)
         force = normal[:, column] + friction[:, column]
-        where = f"unit {unit}" if unit else "cells"
-        yield Action("contact", shoe, where, point[:, column], force, torque[:, column], entry)
+        place = GroundUnit(unit) if unit else Point.CELLS
+        yield Action(Kind.CONTACT, shoe, place, point[:, column], force, torque[:, column], entry)
 
 
 def _drive(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Drive along x at its point, and the turn about the shoe's own z axis, on its frame."""
-    zero, force = np.zeros_like(position), np.zeros_like(position)
+    zero = np.zeros_like(position)
+    force = np.zeros_like(position)
     force[:, 0] = history.drive_force.values
     moment = history.drive_torque.values[:, None] * frames[:, :, 2]
-    at = history.case.drive.point
-    yield Action("drive", shoe, at, history.drive_point.values, force, zero, AtDrivePoint())
-    yield Action("drive", shoe, "frame", position, zero, moment)
+    moved = Point(history.case.drive.point)
+    entry: Entry = AtDriveNode()
+    if moved is Point.FRONT_PINS:
+        entry = AtPins(tuple(name for name, pin in PINS.items() if pin.end == "front"))
+    yield Action(Kind.DRIVE, shoe, moved, history.drive_point.values, force, zero, entry)
+    yield Action(Kind.DRIVE, shoe, Point.FRAME, position, zero, moment)
 
 
 def wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Iterator[Action]:
     """Wrenches about the COM of all wheels of a closed track on the shoe, and of its tumbler."""
-    on_shoe = history.dataset.sel(shoe=shoe)
-    yield Action("wheel", shoe, "COM", position, on_shoe.wheel_load.values, on_shoe.wheel_moment.values)
-    yield Action("tooth", shoe, "COM", position, on_shoe.tooth_force.values, on_shoe.tooth_moment.values)
+    acting = history.dataset.sel(shoe=shoe)
+    wheels = acting.wheel_load.values, acting.wheel_moment.values
+    teeth = acting.tooth_force.values, acting.tooth_moment.values
+    yield Action(Kind.WHEEL, shoe, Point.CENTER, position, *wheels)
+    yield Action(Kind.TOOTH, shoe, Point.CENTER, position, *teeth)
 
 
 def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Teeth on the lugs of a flexible shoe, which the bores next to them hold, and their flange."""
-    on_shoe, track = history.dataset.sel(flexible_shoe=shoe), history.case.track
-    guide = on_shoe.lug_guide.values
-    for kind, forces in (("tooth", on_shoe.lug_force.values - guide), ("guide", guide)):
-        for lug, (where, place) in enumerate(history.case.closed_gear().lugs(track)):
-            force, center = forces[:, lug], np.array(track.joint_centers[where])
+    acting = history.dataset.sel(flexible_shoe=shoe)
+    track = history.case.track
+    guide = acting.lug_guide.values
+    for kind, forces in ((Kind.TOOTH, acting.lug_force.values - guide), (Kind.GUIDE, guide)):
+        for lug, (name, place) in enumerate(history.case.closed_gear().lugs(track)):
+            force = forces[:, lug]
+            center = np.array(track.joint_centers[name])
             if force.any():
                 moment = np.cross(frames @ (place - center), force)
                 point = position + frames @ center
-                yield Action(kind, shoe, where, point, force, moment, AtInterface(where))
+                yield Action(kind, shoe, PINS[name], point, force, moment, AtInterface(name))
 
 
 class Treads(NamedTuple):
@@ -252,61 +300,70 @@ def treads(dataset: xr.Dataset) -> Treads:
         force, foot = (dataset[f"tread_{name}"].transpose(*dims).values for name in ("force", "foot"))
         # a tread presses on the shoe behind its roller's axis and on the one ahead of that
         shoe = dataset.roller_shoe.transpose("time", "roller").values[..., None] + np.arange(force.shape[2])
-        wheel, guide = np.arange(force.shape[1])[:, None], np.broadcast_to(0.0, force.shape)
+        wheel = np.arange(force.shape[1])[:, None]
+        guide = np.broadcast_to(0.0, force.shape)
     else:
         force, foot, guide = (dataset[f"strip_{name}"].values for name in ("force", "foot", "guide"))
-        shoe, wheel = dataset.flexible_shoe.values[:, None], dataset.strip_wheel.values - 1
+        shoe = dataset.flexible_shoe.values[:, None]
+        wheel = dataset.strip_wheel.values - 1
     times, *slots = force.shape[:3]
-    numbers = (np.broadcast_to(one, (times, *slots)).reshape(times, -1) for one in (shoe, wheel))
-    return Treads(*numbers, *(one.reshape(times, -1, *one.shape[3:]) for one in (force, foot, guide)))
+    numbers = (np.broadcast_to(array, (times, *slots)).reshape(times, -1) for array in (shoe, wheel))
+    return Treads(*numbers, *(array.reshape(times, -1, *array.shape[3:]) for array in (force, foot, guide)))
 
 
 def treads_on(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Every strip of a tread that was ever on the shoe, and its flange; a flexible one in a closed track."""
-    if closed := history.case.is_closed:
-        names = history.wheel.values.tolist()
-    else:
-        names = [f"roller {number}" for number in history.roller.values]
-    found = treads(history.dataset.sel(flexible_shoe=[shoe]) if closed else history.dataset)
-    wheels, force, foot, guide = np.where(found.shoe == shoe, found.wheel, -1), *found[2:]
-    for wheel, rail, strip in np.ndindex(len(names), *force.shape[2:4]):
-        here = (wheels == wheel) & force[:, :, rail, strip].any(axis=-1)
-        if not here.any():
+    labels = history.case.wheel_labels
+    closed = history.case.is_closed
+    strips = treads(history.dataset.sel(flexible_shoe=[shoe]) if closed else history.dataset)
+    wheels = np.where(strips.shoe == shoe, strips.wheel, -1)
+    for wheel, rail, strip in np.ndindex(len(labels), *strips.force.shape[2:4]):
+        touches = (wheels == wheel) & strips.force[:, :, rail, strip].any(axis=-1)
+        if not touches.any():
             continue
-        pressed, sideways, point = np.zeros_like(position), np.zeros_like(position), position.copy()
-        for slot in np.flatnonzero(here.any(axis=0)):
-            on, at = here[:, slot], (here[:, slot], slot, rail, strip)
-            sideways[on], point[on] = guide[at], foot[at]
-            pressed[on] = force[at] - guide[at]
+        pressed = np.zeros_like(position)
+        sideways = np.zeros_like(position)
+        point = position.copy()
+        for slot in np.flatnonzero(touches.any(axis=0)):
+            times = touches[:, slot]
+            rows = (times, slot, rail, strip)
+            sideways[times] = strips.guide[rows]
+            point[times] = strips.foot[rows]
+            pressed[times] = strips.force[rows] - strips.guide[rows]
         x = np.einsum("ti,ti->t", point - position, frames[:, :, 0])
-        entry, where = OnRail(rail * force.shape[3] + strip, x, wheel), f"{names[wheel]} {SIDES[rail]}"
+        entry = OnRail(rail * strips.force.shape[3] + strip, x, wheel)
+        tread = OnTread(labels[wheel], SIDES[rail])
         if pressed.any():
-            # with two tracks wheels are "right idler" and so on
-            kind = next(kind for kind in ("roller", "idler", "carrier", "slide") if kind in where)
-            yield Action(kind, shoe, where, point, pressed, np.zeros_like(position), entry)
+            kind = ON_RAILS[tread.wheel.kind]
+            yield Action(kind, shoe, tread, point, pressed, np.zeros_like(position), entry)
         if sideways.any():
-            where = f"flange of {where}"
-            yield Action("guide", shoe, where, point, sideways, np.zeros_like(position), entry)
+            flange = tread._replace(flange=True)
+            yield Action(Kind.GUIDE, shoe, flange, point, sideways, np.zeros_like(position), entry)
 
 
 def _chain(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Pull of the drive at the shoe's front pins, and the tension of the chain at the outermost ones."""
-    track, zero, tension = history.case.track, np.zeros_like(position), frame_of(history).end_tension
+    track = history.case.track
+    zero = np.zeros_like(position)
+    tension = frame_of(history).end_tension
     pulls = {"front": -drive_pulls(history)[:, shoe - 1], "rear": zero[:, 0]}
     if shoe == track.shoe_count:
         pulls["front"] = pulls["front"] + tension
     if shoe == 1:
         pulls["rear"] = pulls["rear"] - tension
-    for where, center in track.joint_centers.items():
+    for name, center in track.joint_centers.items():
+        pin = PINS[name]
         force = zero.copy()
-        force[:, 0] = 0.5 * pulls[where.split()[0]]
+        force[:, 0] = 0.5 * pulls[pin.end]
         if force.any():
-            yield Action("chain", shoe, where, position + frames @ center, force, zero, AtInterface(where))
+            point = position + frames @ center
+            yield Action(Kind.CHAIN, shoe, pin, point, force, zero, AtInterface(name))
 
 
 def drive_pulls(history: History) -> np.ndarray:
     """Pull of the drive at each shoe's front pins, backward, N: array (times, shoes)."""
-    track, frame = history.case.track, frame_of(history)
+    track = history.case.track
+    frame = frame_of(history)
     first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead
     tumbler = history.side_frame_position.sel(axis="x").values + frame.tumbler
     shares = frame.shares_of_links(tumbler - first, track.shoe_count - 1, track.pitch)

@@ -11,6 +11,8 @@ import xarray as xr
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions, load_map
+from exudyn_crawler.results.loads.kinds import Kind
+from exudyn_crawler.results.loads.places import Pin, Point
 from fem import ElasticBody, Interface, Program, interfaces, write_load_deck
 
 
@@ -70,11 +72,11 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     for action in actions.actions(now, shoe):
         force, moment = action.force[0] @ frame, action.moment[0] @ frame
         if force.any() or moment.any():
-            words.append((action.kind, action.where))
+            words.append((action.kind.value, action.where))
             vectors.append(np.concatenate(((action.point[0] - origin) @ frame, force, moment)))
     center = actions.shoe_mass(now.case, shoe).center
     force, moment = _sums(np.array(vectors))
-    words += [("inertia", "COM"), ("sum", "")]
+    words += [(Kind.INERTIA.value, Point.CENTER.value), ("sum", "")]
     vectors.append(np.concatenate((center, -force, np.cross(center, force) - moment)))
     vectors.append(np.concatenate((np.zeros(3), *_sums(np.array(vectors)))))
     names = [f"{axis} in the shoe in m" for axis in "xyz"]
@@ -154,10 +156,11 @@ def pin_forces(history: History, shoe: int) -> xr.Dataset:
     _, frames = actions.shoe_frames(history, shoe)
     names = list(track.joint_centers)
     loads = np.full((2, len(frames), len(names), 3), np.nan)
-    found = [one for one in actions.actions(history, shoe) if one.kind == "joint"]
-    ends = [one.where.split()[0] for one in found]
-    for action, end in zip(found, ends, strict=True):
-        if ends.count(end) > 1:
+    acting = actions.actions(history, shoe)
+    joints = [(one, one.place) for one in acting if one.kind is Kind.JOINT and isinstance(one.place, Pin)]
+    ends = [pin.end for _, pin in joints]
+    for action, pin in joints:
+        if ends.count(pin.end) > 1:
             vectors = np.stack((action.force, action.moment))
             loads[:, :, names.index(action.where)] = np.einsum("tji,vtj->vti", frames, vectors)
     dims, text = ("time", "pin", "axis"), "on the shoe at the joint centre, in the shoe's axes"

@@ -35,6 +35,7 @@ from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.model import flexible_shoes, shoe_mesh
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions
+from exudyn_crawler.results.loads.kinds import Kind
 from fem import ElasticBody, Nested, ReducedBody, patches
 
 JOINTS, MACHINE, GROUND, RAILS, DRIVE, INERTIA = "joints", "machine", "ground", "rails", "drive", "inertia"
@@ -181,12 +182,12 @@ def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, np.nda
             return GROUND, points, shares * pressed[:, None]
         case actions.OnRail(line, x) if units.strips is not None:
             return RAILS, *units.strips.shares(line, x)
-        case actions.AtDrivePoint() if DRIVE in units.spread:
+        case actions.AtDriveNode() if DRIVE in units.spread:
             return DRIVE, np.zeros((1, 1), dtype=int), np.ones((1, 1))
-        case actions.AtDrivePoint() if action.where == "front pins":
-            pins = [number for number, name in enumerate(joints) if name.startswith("front")]
+        case actions.AtPins(names):
+            pins = [number for number, name in enumerate(joints) if name in names]
             return JOINTS, np.array([pins]), np.full((1, len(pins)), 1.0 / len(pins))
-        case actions.AtDrivePoint() | None:
+        case actions.AtDriveNode() | None:
             return None
     raise TypeError(f"no unit loads for an action that enters by {action.entry}")
 
@@ -209,10 +210,10 @@ def coordinates(units: ShoeUnitLoads, action: actions.Action, frames: np.ndarray
     return found
 
 
-def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
-    """Coordinates (times, k) of the unit loads of a flexible shoe by kind of action, as of `Action.kind`.
+def loads_by_kind(history: History, shoe: int) -> dict[Kind, csr_array]:
+    """Coordinates (times, k) of the unit loads of a flexible shoe by kind of action.
 
-    "inertia" is the momentum of the integrated modes with their damping, ``k q - P^T f``: with the loads f of
+    Inertia is the momentum of the integrated modes with their damping, ``k q - P^T f``: with the loads f of
     all modes, stiffness k and coordinates q of the integrated ones and their columns P in the whole basis.
     The elastic forces of all modes are then ``f - P P^T f + P k q``: what P cannot move answers its loads at
     once, what it can has the elastic forces that were integrated. ValueError if the shoe is not flexible.
@@ -220,7 +221,7 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
     check_flexible(history.case, shoe)
     units = unit_loads(history.case)
     _, frames = actions.shoe_frames(history, shoe)
-    by_kind: dict[str, csr_array] = {}
+    by_kind: dict[Kind, csr_array] = {}
     for action in actions.actions(history, shoe):
         loads = coordinates(units, action, frames)
         if loads.nnz:
@@ -230,7 +231,7 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
     acting = sum(by_kind.values(), start=csr_array((len(q), units.size)))
     momentum = elastic - acting @ units.work @ units.integrated.inside
     before = csr_array((len(q), units.families[INERTIA].start))
-    return by_kind | {INERTIA: hstack((before, csr_array(momentum)), format="csr")}
+    return by_kind | {Kind.INERTIA: hstack((before, csr_array(momentum)), format="csr")}
 
 
 def check_flexible(case: Case, shoe: int) -> None:

@@ -24,6 +24,7 @@ from exudyn_crawler.files import writable_folder
 from exudyn_crawler.model import flexible_shoes, reductions
 from exudyn_crawler.results.history import History, files
 from exudyn_crawler.results.loads import load_map
+from exudyn_crawler.results.loads.kinds import Kind
 from fem import patches, rank
 
 TOLERANCE = 1e4
@@ -32,9 +33,6 @@ MOST_FIELDS = 0.4  # greatest number of fields over that of modes
 LONG, PART = rank.SEGMENT, 2**12
 """Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms; and of a
 longer one, of whose contacts with units there are 30 kB a time."""
-LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
-LOADS |= {"carrier": "carriers", "slide": "slides"}
-"""Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
 GROUND_SPACING = 0.2  # m, at most, between points of the ground's grid: a fifth of a unit
 RAIL_REACH = 0.1
 """m, half the length over which a force on a rail is spread: about an element; a roller's line is shorter."""
@@ -126,8 +124,8 @@ class StressBasis:
     """Columns of displacement and stress with their coordinates."""
 
     shapes: fem.Shapes  # modes, and static fields beside them
-    loads: Mapping[int, Mapping[str, csr_array]] | None
-    """Coordinates (times, loads) by shoe, as of `loads_by_kind`; None for a long run, which has them anew."""
+    loads: Mapping[int, Mapping[Kind, csr_array]] | None
+    """Coordinates (times, loads) by shoe, see `loads_by_kind`; None for a long run, made when asked for."""
     answers: np.ndarray  # (loads, columns), coordinates of the columns that a unit of each load makes
     coordinates: Mapping[int, np.ndarray]  # (times, columns), their products by shoe; in files of a long run
     bound: float | None
@@ -137,20 +135,20 @@ class StressBasis:
     def by_load(self, shoe: int, rows: np.ndarray | slice = slice(None)) -> dict[str, np.ndarray]:
         """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).
 
-        They add up to those of all; loads that make nothing are left out. By words of `LOADS` for kinds of
-        actions, or those kinds; "inertia" is that of the integrated modes.
+        They add up to those of all; loads that make nothing are left out. The words are those of `Kind.load`;
+        "inertia" is that of the integrated modes.
         """
-        found: dict[str, np.ndarray] = {}
+        by_load: dict[str, np.ndarray] = {}
         if self.loads is not None:
             kinds = {kind: loads[rows] for kind, loads in self.loads[shoe].items()}
         else:
             assert self.history is not None
             kinds = load_map.loads_by_kind(_in_memory(self.history, rows), shoe)
         for kind, loads in kinds.items():
-            load, own = LOADS.get(kind, kind), np.asarray(loads @ self.answers)
-            if own.any():
-                found[load] = found.get(load, 0.0) + own
-        return found
+            coordinates = np.asarray(loads @ self.answers)
+            if coordinates.any():
+                by_load[kind.load] = by_load.get(kind.load, 0.0) + coordinates
+        return by_load
 
 
 def _in_memory(history: History, rows: np.ndarray | slice) -> History:
@@ -197,7 +195,7 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
     """
     chosen = list(history.case.flexible_shoes().shoes if shoes is None else shoes)
     units, static = load_map.unit_loads(history.case), static_loads(history.case)
-    by_kind: dict[int, dict[str, csr_array]] | None = None
+    by_kind: dict[int, dict[Kind, csr_array]] | None = None
     loads: Iterable[tuple[int, csr_array]] = _Again(lambda: _long_loads(history, chosen))
     if history.time.size <= LONG:
         by_kind = {shoe: load_map.loads_by_kind(history, shoe) for shoe in chosen}

@@ -22,6 +22,8 @@ GAP, MARK = 0.03, 0.012
 TEETH, SLIDE, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.12, 0.3, 16, 7
 """m, width of drawn teeth and lugs, height of drawn slides; radius of the tumbler's shaft over that of its
 pins' circle; sides of a drawn lug; points along a gap between two teeth."""
+TURNING = {"roller": "rollers", "idler": "idler", "carrier": "carriers"}
+"""Titles of the kinds of wheels that turn; slides do not."""
 
 
 def poses(dataset: xr.Dataset, of: str = "") -> tuple[np.ndarray, np.ndarray]:
@@ -91,15 +93,15 @@ def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
     """Names of the wheels of each kind, and x, z and radius of theirs in the frame (n, 3), m."""
     frame, _ = frame_on_rails(case)
     if isinstance(frame, ClosedTrack):
-        labels, table = list(frame.wheel_names), frame.wheels(case.assembled.take_up)
+        table = frame.wheels(case.assembled.take_up)
     else:
-        labels = [f"roller {number}" for number in range(1, len(frame.rollers) + 1)]
         table = np.array([(x, 0.0, frame.radius) for x in frame.rollers])
-    found = {}
-    for name in ("rollers", "idler", "carriers"):  # slides do not turn
-        if own := [k for k, label in enumerate(labels) if label.startswith(name.removesuffix("s"))]:
-            found[name] = [labels[k] for k in own], table[own]
-    return found
+    wheels = {}
+    for kind, title in TURNING.items():
+        rows = [row for row, label in enumerate(frame.wheel_labels) if label.kind == kind]
+        if rows:
+            wheels[title] = [frame.wheel_labels[row].words for row in rows], table[rows]
+    return wheels
 
 
 def slide_solids(history: History) -> list[Solid]:
