@@ -266,7 +266,7 @@ def closed():
             "shoe": case.track.shoes,
             "joint": case.joints,
             "axis": ["x", "y", "z"],
-            "wheel": case.closed_track.wheel_names,
+            "wheel": case.wheel_names,
         },
     )
     return History(case, data)
