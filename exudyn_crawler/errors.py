@@ -27,6 +27,10 @@ class ParameterError(CrawlerError, ValueError):
         return str(self).splitlines()
 
 
+class LeftMapError(CrawlerError):
+    """A shoe is at a place where no height was measured."""
+
+
 class EquilibriumError(CrawlerError):
     """No static equilibrium was found before the run."""
 

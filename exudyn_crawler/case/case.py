@@ -17,6 +17,7 @@ from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Track
 from exudyn_crawler.case.parameters.undercarriage import Part, Undercarriage, WheelLabel
 
 NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
+CREEP = 0.05  # m, by which a shoe may move on the ground before it rests
 Model = TypeVar("Model", bound=Parameters)
 
 
@@ -76,6 +77,7 @@ class Case(NamedCases):
                 self.frame_parts, gear.rollers, aside, self.gravity_vector()
             )
         yield from self._support_errors(0.0)
+        yield from self._map_errors(np.zeros(1))
 
     def _unit_errors(self, terrain: Terrain) -> Errors:
         """What does not go with a terrain of units."""
@@ -354,9 +356,24 @@ class Case(NamedCases):
 
     def check_support(self, duration: float) -> None:
         """Refuse, by a `ValueError`, a drive off the terrain, or a frame off the track, in `duration` (s)."""
-        for time in np.linspace(0.0, duration, 101 if duration > 0.0 else 1):
+        times = np.linspace(0.0, duration, 101 if duration > 0.0 else 1)
+        for time in times:
             for error in self._support_errors(time):
                 raise ValueError(error)
+        for error in self._map_errors(times):
+            raise ValueError(error)
+
+    def _map_errors(self, times: np.ndarray) -> Errors:
+        """Yield where measured heights do not carry the track."""
+        measured, terrain = self.terrain.relief.measured, self.terrain
+        if measured is None or not isinstance(terrain, CellTerrain):
+            return
+        corners = np.array([self.outline(time) for time in times])
+        # heights are those of the middles of cells, of which a shoe covers the edges; it creeps to its rest
+        sides = corners - corners.mean(axis=1, keepdims=True)
+        corners = corners + np.sign(sides) * (0.5 * terrain.cell + CREEP)
+        if misfit := measured.misfit(corners, self.terrain.bounds):
+            yield f"terrain.relief.measured: {misfit}"
 
     def _support_errors(self, time: float) -> Errors:
         if (frame := self.undercarriage) is not None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.engine import bodies, drive, euler_parameters, spheres
+from exudyn_crawler.errors import LeftMapError
 from exudyn_crawler.ground import terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
@@ -46,6 +47,7 @@ class ExudynSystem(track_system.TrackSystem):
         super().__init__(case, parts)
         self._coordinates = euler_parameters.BodyCoordinates(parts.tables.bodies.reference)
         self.general: exu.GeneralContact | None = None
+        self._cause = ""  # that ends a run
         self._assemble(parts, static)
         self.layout, self._rows = self._layout_of(parts)
 
@@ -109,8 +111,11 @@ class ExudynSystem(track_system.TrackSystem):
             cells.forces(*state[:2])
             cells.commit()
             goes_on = report(time)
-            cells.cover(state)
-            return goes_on
+            try:
+                cells.cover(state)
+            except LeftMapError as error:
+                self._cause = str(error)
+            return goes_on and not self._cause
 
         super().after_step(remembered)
 
@@ -167,7 +172,10 @@ class ExudynSystem(track_system.TrackSystem):
             self.general.UpdateContacts(self.mbs)
         if self.cells is not None:
             self.cells.put_down(state)
-            self.cells.cover(state)
+            try:
+                self.cells.cover(state)
+            except LeftMapError as error:
+                raise NewtonError(np.zeros(self.layout.equation_count), False, str(error)) from error
 
     def stored_contacts(self) -> np.ndarray:
         """Forces (N) and moments about the origins (N m) of Exudyn's contact; see `TrackSystem`."""
@@ -190,6 +198,8 @@ class ExudynSystem(track_system.TrackSystem):
         newton.absoluteTolerance = SHARPENING * tolerance
         self._run(self.mbs.SolveDynamic, settings, newton, "dynamicSolver")
         newton.absoluteTolerance = tolerance
+        if self._cause:
+            raise NewtonError(np.zeros(self.layout.equation_count), False, self._cause)
 
     def rest(self, settings: "exu.SimulationSettings") -> np.ndarray:
         """Coordinates at rest of a system built for statics, from its initial ones, or a `NewtonError`."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.errors import LeftMapError
 from exudyn_crawler.ground import packed, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.pressing import ShoePoints
@@ -61,6 +62,7 @@ class CompiledSystem(track_system.TrackSystem):
         self.timed_inputs = TimedInputs(case, self.tables)
         self._limits = (0.0, 0)
         self._singular = False
+        self._cause = ""  # of a failure, where it is known
         # weights of the factored matrix with which the next step begins; None where that makes its own
         self._factored: Weights | None = None
         self.put_down()
@@ -137,7 +139,18 @@ class CompiledSystem(track_system.TrackSystem):
 
     def failure(self) -> NewtonError:
         """Error of the last step that was tried."""
-        return NewtonError(in_units(self.layout, self.scratch[0]), self._singular)
+        return NewtonError(in_units(self.layout, self.scratch[0]), self._singular, self._cause)
+
+    def cover(self, state: np.ndarray) -> None:
+        """Freeze which cells lie under the shoes at a state; a `NewtonError` where one leaves the map."""
+        self._cause = ""
+        if self.cells is None:
+            return
+        try:
+            self.cells.cover(state)
+        except LeftMapError as error:
+            self._cause = str(error)
+            raise self.failure() from error
 
     def residual(
         self,
@@ -164,8 +177,10 @@ class CompiledSystem(track_system.TrackSystem):
 
         Gives whether Newton's method found it, and its iterations. Cells are covered first.
         """
-        if self.cells is not None:
-            self.cells.cover(state)
+        try:
+            self.cover(state)
+        except NewtonError:
+            return False, 0
         try:
             converged, iterations, *_ = newton.step(
                 self.block, state, multipliers, tuple(inputs), tuple(weights), limits, self.scratch
@@ -214,8 +229,7 @@ class CompiledSystem(track_system.TrackSystem):
         """Write accelerations and multipliers of a track that starts."""
         self._state[2] = 0.0
         self._multipliers[:] = 0.0
-        if self.cells is not None:
-            self.cells.cover(self._state)
+        self.cover(self._state)
         inputs = self.inputs(time)
         weights = Weights(0.0, 0.0, 1.0, False, 1.0)
         values = self.scratch[1]

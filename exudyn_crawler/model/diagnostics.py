@@ -12,20 +12,24 @@ class NewtonError(Exception):
     """Newton's method failed at the least step, or found no equilibrium.
 
     `residual` (equations,) is that of the last iteration: forces (N), moments (N m) and modal forces, then
-    the gaps of constraints; `singular` is true where the equations had no solution.
+    the gaps of constraints; `singular` is true where the equations had no solution. A known `cause` stands
+    for all of it.
     """
 
-    def __init__(self, residual: np.ndarray, singular: bool) -> None:
-        super().__init__("Newton's method failed")
+    def __init__(self, residual: np.ndarray, singular: bool, cause: str = "") -> None:
+        super().__init__(cause or "Newton's method failed")
         self.residual = residual
         self.singular = singular
+        self.cause = cause
 
     def fault(self, layout: StateLayout) -> str:
-        """Name the equation that failed, such as "greatest residual at shoe 7 (z)".
+        """Name the cause, or the equation that failed, such as "greatest residual at shoe 7 (z)".
 
         Residuals are compared as they are: forces in N, moments in N m, modal forces, and the gaps of
         constraints in m, rad and their rates.
         """
+        if self.cause:
+            return self.cause
         singular = "the equations are singular, " if self.singular else ""
         residual = np.abs(self.residual)
         if not np.isfinite(residual).all():
@@ -47,7 +51,5 @@ def no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
     slides = ""
     if system.sticks and system.case.terrain.is_even and failed.singular:
         slides = "; the ground's shear may be too weak to hold the shoes: compare contact.law with the slope"
-    return EquilibriumError(
-        f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
-        f"{failed.fault(system.layout)}{slides}"
-    )
+    fault = failed.cause or f"Newton's method failed, {failed.fault(system.layout)}{slides}"
+    return EquilibriumError(f"no static equilibrium of case {system.case.name!r} was found: {fault}")

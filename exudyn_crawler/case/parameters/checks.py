@@ -112,6 +112,19 @@ def _sinking(case: Case) -> Iterator[str]:
         yield f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, {half}"
 
 
+def _map(case: Case) -> Iterator[str]:
+    """Warn of measured heights of which hardly any lie below the track."""
+    measured = case.terrain.relief.measured
+    if measured is None:
+        return
+    apart, width = max(measured.sides), case.shoe.width
+    if apart > width:
+        yield (
+            f"terrain.relief.measured: heights of {measured.file.name} are {apart:.4g} m apart, a shoe is "
+            f"{width:.3g} m wide and feels their mean slope alone; place_unit says in which unit places are"
+        )
+
+
 def warn_implausible(case: Case, duration: float | None = None) -> None:
     """Warn, by an `ImplausibleWarning` each, of what no machine and no ground is known to have."""
     warn_of(implausible(case, duration))
@@ -141,7 +154,7 @@ def out_of_range(parameters: BaseModel) -> Iterator[str]:
 def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
     """Everything in a case that no machine and no ground is known to have, a line each."""
     yield from out_of_range(case)
-    for check in (_loads, _inertia, _gear_inertia, _tumbler, _sinking):
+    for check in (_loads, _inertia, _gear_inertia, _tumbler, _sinking, _map):
         yield from check(case)
     step = case.solver.step
     if duration is not None and duration < step:

@@ -1,20 +1,17 @@
 """Heights of the ground before any shoe came: a plane, ridges, ruts, ramps, waves, stones, rough, measured.
 
 All parts add up. Units follow them along x; cells know no walls: whatever rises does so over a flank of some
-cells, and has slopes of its own. Measured heights come from ESRI ASCII grids, NPY, NetCDF, and GeoTIFF where
-rasterio is installed.
+cells, and has slopes of its own.
 """
 
 import math
-from functools import lru_cache
-from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
-from scipy import interpolate, ndimage
 
-from exudyn_crawler.case.parameters.base import Errors, File, Name, Parameters, Place, option, quantity
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Place, option, quantity
+from exudyn_crawler.case.parameters.measured import MeasuredGrid
 from exudyn_crawler.errors import ParameterError
 
 FLANK = 2.0
@@ -142,148 +139,6 @@ class Roughness(Parameters):
             sums = [one.sum(axis=-1) for one in (np.cos(phase), sine * kx, sine * ky)]
             out += math.sqrt(2.0 * square / DIRECTIONS) * np.stack(sums, axis=-1)
         return out
-
-
-STEEPEST = 1.0  # rise over run beyond which heights are a wall, which cells do not know
-STEP = 0.2
-"""Second difference of slopes, twice that of a step: unsmoothed splines swing by 1 % of a spacing."""
-
-
-Grid = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Places x (nx,) and y (ny,) that rise evenly, and heights (nx, ny); m."""
-
-
-class MeasuredGrid(Parameters):
-    """Heights of a file, smoothed: a step between two of them has no slope of its own."""
-
-    file: File = quantity("", "ESRI ASCII grid (.asc), NumPy array (.npy), NetCDF (.nc) or GeoTIFF (.tif)")
-    smoothing: float = quantity(
-        "m", "standard deviation of the Gaussian that smooths; about a cell", ge=0, le=100, default=0.1
-    )
-    spacing: float | None = quantity(
-        "m", "of the places of an array (x, y) in an NPY file, which has none", gt=0, le=1e4, default=None
-    )
-    origin: tuple[Place, Place] = quantity(
-        "m", "x and y of the first place of an NPY file; shift of those of other files", default=(0.0, 0.0)
-    )
-
-    def _errors(self) -> Errors:
-        try:
-            *places, z = self._heights[0]
-            sides = [one[1] - one[0] for one in places]
-            steepest, bend = (
-                [abs(np.diff(z, n, axis=k)).max() / side for k, side in enumerate(sides)] for n in (1, 3)
-            )
-        except (OSError, KeyError, ValueError) as error:
-            yield f"file: {self.file} cannot be used: {' '.join(str(error).split())}"
-            return
-        least = 0.5 * max((side for side, one in zip(sides, bend, strict=True) if one > STEP), default=0.0)
-        if max(steepest) > STEEPEST:
-            yield (
-                f"smoothing: heights of {self.file} must not rise by more than {STEEPEST:g} m a metre, since "
-                f"cells know no walls, got {max(steepest):.3g} with smoothing = {self.smoothing:g} m"
-            )
-        elif self.smoothing < least:
-            yield (
-                f"smoothing: must be at least {least:g} m, half a spacing of {self.file}, since its heights "
-                f"have steps, got {self.smoothing:g} m"
-            )
-
-    @property
-    def _heights(self) -> tuple[Grid, interpolate.RectBivariateSpline]:
-        """Smoothed heights; a file that changes is read again."""
-        stamp = self.file.stat().st_mtime_ns
-        return _smoothed(self.file, stamp, self.spacing, self.origin, self.smoothing)
-
-    def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes as of `Heights.sample`."""
-        (xs, ys, _), spline = self._heights
-        ev = spline.ev
-        out = np.stack([ev(x, y), ev(x, y, dx=1), ev(x, y, dy=1)], axis=-1)
-        out[(x < xs[0]) | (x > xs[-1]) | (y < ys[0]) | (y > ys[-1])] = np.nan
-        return out
-
-
-@lru_cache(maxsize=4)
-def _smoothed(
-    file: Path, _stamp: int, spacing: float | None, origin: tuple[float, float], smoothing: float
-) -> tuple[Grid, interpolate.RectBivariateSpline]:
-    """Heights of a file as of `MeasuredGrid`, and what goes through them."""
-    if file.suffix.lower() not in READERS:
-        raise ValueError(f"its name must end with one of {', '.join(READERS)}")
-    x, y, z = READERS[file.suffix.lower()](file, spacing)
-    if min(z.shape) < 4:
-        raise ValueError(f"at least 4 x 4 heights are needed, got {z.shape[0]} x {z.shape[1]}")
-    holes = np.argwhere(~np.isfinite(z))
-    if len(holes):
-        first = f"the first at x = {x[holes[0, 0]]:g} m, y = {y[holes[0, 1]]:g} m"
-        raise ValueError(f"heights are missing at {len(holes)} places, {first}")
-    x, y = x + origin[0], y + origin[1]
-    z = ndimage.gaussian_filter(z, [smoothing / (one[1] - one[0]) for one in (x, y)], mode="nearest")
-    return (x, y, z), interpolate.RectBivariateSpline(x, y, z)
-
-
-def _ascii(path: Path, _spacing: float | None) -> Grid:
-    words = path.read_text(encoding="ascii").lower().split()
-    head: dict[str, float] = {}
-    while len(words) > 1 and words[0][0].isalpha() and words[0] != "nan":
-        name, value, *words = words
-        head[name] = float(value)
-    missing = [name for name in ("ncols", "nrows", "cellsize") if name not in head]
-    if missing:
-        raise ValueError(f"its head has no {' and no '.join(missing)}")
-    columns, rows, side = int(head["ncols"]), int(head["nrows"]), head["cellsize"]
-    if len(words) != columns * rows:
-        raise ValueError(f"{columns} x {rows} heights are announced, got {len(words)}")
-    z = np.array(words, dtype=float).reshape(rows, columns)[::-1].T
-    z[z == head.get("nodata_value", -9999.0)] = np.nan
-    x, y = (
-        head[f"{axis}llcenter"] if f"{axis}llcenter" in head else head[f"{axis}llcorner"] + 0.5 * side
-        for axis in "xy"
-    )
-    return x + side * np.arange(columns), y + side * np.arange(rows), z
-
-
-def _npy(path: Path, spacing: float | None) -> Grid:
-    if spacing is None:
-        raise ValueError("an NPY file needs a spacing")
-    z = np.load(path, allow_pickle=False).astype(float)
-    if z.ndim != 2:
-        raise ValueError(f"its array must have 2 axes, got {z.ndim}")
-    return spacing * np.arange(z.shape[0]), spacing * np.arange(z.shape[1]), z
-
-
-def _netcdf(path: Path, _spacing: float | None) -> Grid:
-    import xarray
-
-    with xarray.open_dataset(path) as data:
-        fields = [one for one in data.data_vars.values() if set(one.dims) == {"x", "y"}]
-        if len(fields) != 1:
-            raise ValueError(f"it must have one variable over x and y, got {len(fields)}")
-        field = fields[0].sortby(["x", "y"]).transpose("x", "y").astype(float)
-        x, y = field["x"].values.astype(float), field["y"].values.astype(float)
-        if any(np.ptp(np.diff(one)) > 1e-6 * np.ptp(one) for one in (x, y) if len(one) > 1):
-            raise ValueError("the steps of x and of y must be even")
-        return x, y, field.values
-
-
-def _tiff(path: Path, _spacing: float | None) -> Grid:
-    try:
-        import rasterio
-    except ImportError:
-        raise ValueError("GeoTIFF needs the package rasterio, which is not installed") from None
-    with rasterio.open(path) as data:
-        move = data.transform
-        if move.b != 0.0 or move.d != 0.0 or move.a <= 0.0 or move.e >= 0.0:
-            raise ValueError("its rows must run from north to south, its columns from west to east")
-        z = data.read(1, masked=True).astype(float).filled(np.nan)
-    x = move.c + move.a * (np.arange(z.shape[1]) + 0.5)
-    y = move.f + move.e * (np.arange(z.shape[0]) + 0.5)
-    return x, y[::-1], z[::-1].T
-
-
-READERS = {".asc": _ascii, ".npy": _npy, ".nc": _netcdf, ".tif": _tiff, ".tiff": _tiff}
-"""Readers by the ending of a file's name."""
 
 
 Part = Annotated[Ridge | Ramp | Waves | Stone, Field(discriminator="model")]

@@ -36,7 +36,7 @@ micro- = 1/1000000 = µ- = u-
 kilo- = 1000 = k-
 mega- = 1000000 = M-
 giga- = 1000000000 = G-
-metre = [length] = m
+metre = [length] = m = meter
 second = [time] = s
 gram = [mass] = g
 radian = [angle] = rad
@@ -53,7 +53,7 @@ newton = 1000 * gram * metre / second ** 2 = N
 pascal = newton / metre ** 2 = Pa
 bar = 100000 * pascal
 inch = 0.0254 * metre = in
-foot = 12 * inch = ft
+foot = 12 * inch = ft = feet
 mile = 5280 * foot = mi
 mph = mile / hour
 pound = 453.59237 * gram = lb

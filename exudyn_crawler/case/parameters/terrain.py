@@ -3,6 +3,7 @@
 import json
 import math
 from importlib.metadata import entry_points
+from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
@@ -79,7 +80,7 @@ class Terrain(Ground):
             return
         tops = self._tops
         if not np.isfinite(tops).all():
-            yield "relief must have heights over the whole terrain, got measured ones that end before"
+            yield f"relief must have heights over the whole terrain: {self._gap}"
             return
         if np.ptp(tops, axis=1).max() > ACROSS:
             got = f"heights that differ by {np.ptp(tops, axis=1).max():.3g} m; model 'cells' takes any"
@@ -110,6 +111,13 @@ class Terrain(Ground):
         """
         terrain = cls(**ph4100c.FINE_TERRAIN)
         return terrain if seams == "margin" else terrain.with_({"origin[0]": ph4100c.FITTED_SEAMS_X})
+
+    @property
+    def _gap(self) -> str:
+        """Why measured heights do not cover the terrain, and what would."""
+        corners = np.array([[x, y] for x, y in product(*self.bounds)])[[0, 2, 3, 1]]
+        measured = self.relief.measured
+        return "" if measured is None else measured.misfit(corners[None], self.bounds)
 
     @property
     def _tops(self) -> np.ndarray:

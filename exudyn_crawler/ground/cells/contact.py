@@ -58,6 +58,9 @@ class CellGroundContact:
         along = np.arange(x0 - shoe.length, x1 + shoe.length, self.ground.tiles.cell)
         across = self._middle + np.linspace(-0.5, 0.5, ACROSS) * shoe.width
         heights = self._case.cell_terrain().surface(*np.meshgrid(along, across)).max(axis=0)
+        # beyond the chain's ends a measured map may end
+        known = np.isfinite(heights)
+        along, heights = along[known], heights[known]
         slope = np.polyfit(along, heights, 1)[0]
         return np.asarray(slope * x + (heights - slope * along).max())
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from exudyn_crawler.case.parameters.heights import Heights
-from exudyn_crawler.errors import CrawlerError
+from exudyn_crawler.errors import LeftMapError
 from exudyn_crawler.ground.cells import pressing, tiles
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, SIDE, Tiles, commit
@@ -58,7 +58,7 @@ class CellGround:
         """Freeze which cells lie under the shoes, with their memory, for one step.
 
         `frames` (shoes, `pressing.FRAME`) are predicted for the end of the step, those `before` are of the
-        last accepted one. CrawlerError if a shoe leaves the ground that has heights.
+        last accepted one. LeftMapError if a shoe leaves the ground that has heights.
         """
         missing = tiles.cover(tuple(self.tiles), tuple(self.shoes), frames, before)
         if missing == tiles.NO_TILE:
@@ -66,7 +66,7 @@ class CellGround:
             missing = tiles.cover(tuple(self.tiles), tuple(self.shoes), frames, before)
         if missing == tiles.NO_HEIGHT:
             x, y = frames[:, 0], frames[:, 1]
-            raise CrawlerError(
+            raise LeftMapError(
                 f"a shoe left the measured ground: the track is at x = {x.min():.4g} to {x.max():.4g} m, "
                 f"y = {y.min():.4g} to {y.max():.4g} m"
             )

@@ -34,14 +34,17 @@ def begin(system: TrackSystem) -> None:
     An EquilibriumError if it finds none.
     """
     q = static_equilibrium(system.case)
-    if isinstance(system, CompiledSystem):
-        system.set_initial(settle(system, q))
-        return
-    if system.sticks:
-        twin = compiled_system(system.case)
-        q = settle(twin, q)
-        system.remember(twin.memory())
-    system.set_initial(q)
+    try:
+        if isinstance(system, CompiledSystem):
+            system.set_initial(settle(system, q))
+            return
+        if system.sticks:
+            twin = compiled_system(system.case)
+            q = settle(twin, q)
+            system.remember(twin.memory())
+        system.set_initial(q)
+    except NewtonError as failed:
+        raise no_rest(system, failed) from failed
 
 
 def static_equilibrium(case: Case) -> np.ndarray:

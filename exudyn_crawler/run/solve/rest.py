@@ -120,8 +120,7 @@ def at_rest(system: CompiledSystem, q: np.ndarray, multipliers: np.ndarray) -> t
     """
     state = np.zeros((3, len(q)))
     state[0] = q
-    if system.cells is not None:
-        system.cells.cover(state)
+    system.cover(state)
     undriven = system.inputs(0.0)._replace(active=np.zeros(2))
     out = system.residual(state, undriven, np.concatenate((multipliers, np.zeros(2))))
     case = system.case
@@ -197,7 +196,7 @@ def settle(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
     system.put_down()
     state = np.zeros((3, len(q)))
     state[0] = q
-    cells.cover(state)
+    system.cover(state)
     system.residual(state, system.inputs(0.0))
     cells.commit()
     # what holds the front shoe without a drive is the ground alone

@@ -235,7 +235,7 @@ def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watc
         system.solve(settings)
     except NewtonError as failed:
         least, fault = system.case.solver.minimum_step, failed.fault(system.layout)
-        reason = f"Newton's method failed at the least step {least:g} s; {fault}"
+        reason = failed.cause or f"Newton's method failed at the least step {least:g} s; {fault}"
         if watch.chain is not None and (wrong := watch.chain.fault(system.state())):
             reason = f"{wrong}; {reason}"
     return watch.fault or reason

@@ -13,7 +13,6 @@ from tests.ground.cells.driving import DOWN, LOAD, ROCK, Driven, Shoe, ground
 
 X, Y = (axis.ravel() for axis in np.meshgrid(np.linspace(-3, 3, 41), np.linspace(-2, 2, 33), indexing="ij"))
 GRID = 0.05 * np.sin(np.arange(5))[:, None] + 0.02 * np.arange(4)
-HOLE = "heights are missing at 1 places, the first at x = 12.25 m, y = 20.25 m"
 GRID_X, GRID_Y = 10.25 + 0.5 * np.arange(5), 20.25 + 0.5 * np.arange(4)
 ASCII = "ncols 5\nnrows 4\nxllcorner 10\nyllcorner 20\ncellsize 0.5\nNODATA_value -9999\n"
 
@@ -108,8 +107,8 @@ def test_a_geotiff_holds_the_same_heights(tmp_path):
     assert_allclose(sampled, GRID.T, atol=1e-14)
     holed = GRID.copy()
     holed[1, 2] = -9999.0
-    with pytest.raises(ParameterError, match=r"missing at 1 places, the first at x = 10\.75 m, y = 21\.25 m"):
-        written("b.tif", holed)
+    beside = written("b.tif", holed).sample(np.array([10.5, 11.5]), np.array([21.5, 21.5]))[:, 0]
+    assert np.isnan(beside).tolist() == [True, False]
 
 
 def test_a_step_is_smoothed_to_a_gaussians_integral(tmp_path):
@@ -167,7 +166,6 @@ def test_steps_and_single_cells_of_a_file_are_smoothed_or_refused(tmp_path, alon
     [
         ("a.asc", ASCII + "1 " * 19, "5 x 4 heights are announced, got 19"),
         ("a.asc", "ncols 5\n" + "1 " * 20, "its head has no nrows and no cellsize"),
-        ("a.asc", ASCII + "0 " * 19 + "-9999", HOLE),
         ("a.asc", ASCII + "0 0 0 0 0 " * 2 + "9 9 9 9 9 " * 2, "must not rise by more than 1 m a metre"),
         ("a.xyz", "", "its name must end with one of .asc, .npy, .nc, .tif, .tiff"),
         ("a.npy", "no array", "cannot be used: an NPY file needs a spacing"),
