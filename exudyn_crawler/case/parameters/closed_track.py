@@ -278,8 +278,8 @@ class ClosedTrack(undercarriage.RunningGear):
     def _overlaps(self, chain: track.Track, take_up: float) -> Errors:
         """Rollers, idler and carriers in each other, or in what of the tumbler is within its gaps."""
         _, center, arc, _, _ = self.tumbler.profile(chain)
-        named = zip(self.wheel_names, self.wheels(take_up).tolist(), strict=True)
-        wheels = [sizes.Round(name, *wheel) for name, wheel in named if not name.startswith("slide")]
+        labelled = zip(self.wheel_labels, self.wheels(take_up).tolist(), strict=True)
+        wheels = [sizes.Round(label.words, *wheel) for label, wheel in labelled if label.kind != "slide"]
         yield from sizes.overlap_errors([sizes.Round("tumbler", *self.tumbler.place, center - arc), *wheels])
 
     @classmethod
@@ -412,6 +412,10 @@ def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Asse
     return Assembled(take_up, sag, frame, shoes, tumbler)
 
 
+ROLLERS = (1, 2)
+"""Numbers of the outer rollers among the wheels of a `_Loop`."""
+
+
 class _Loop(NamedTuple):
     """Wheels that the pins of a closed chain lie about, and how a take-up of the idler moves them."""
 
@@ -423,9 +427,15 @@ class _Loop(NamedTuple):
     @property
     def names(self) -> list[str]:
         """Names of the wheels in their order round the loop; the last of each run alone shape it."""
+        labels = self.closed.wheel_labels
+        rollers = [label.words for label in labels if label.kind == "roller"]
+        return ["tumbler", rollers[0], rollers[-1], "idler", *(label.words for label in self.upper_ends)]
+
+    @property
+    def upper_ends(self) -> list[undercarriage.WheelLabel]:
+        """Last carriers, or lines of slides, of the upper run, front to rear."""
         upper = sorted(self.closed.upper.items(), key=lambda item: item[1])
-        ends = [name for name, _ in upper[:: -max(1, len(upper) - 1)]]
-        return ["tumbler", "roller 1", f"roller {len(self.closed.rollers)}", "idler", *ends]
+        return [label for label, _ in upper[:: -max(1, len(upper) - 1)]]
 
     def circles(self, take_up: float) -> list[assembly.Circle]:
         """Circles of the pins about these wheels."""
@@ -435,7 +445,7 @@ class _Loop(NamedTuple):
         wheels = [(*closed.tumbler.place, closed.tumbler.radius(self.new_pitch))]
         wheels += [(closed.rollers[k], 0.0, rollers) for k in (0, -1)]
         wheels.append((x, z, on_idler))
-        return wheels + [(*places[name], carriers) for name in self.names[4:]]
+        return wheels + [(*places[label], carriers) for label in self.upper_ends]
 
     def belt(self, take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
         """Belt about them; a `MisfitError` that names the wheel which lies within it, and what would do."""
@@ -447,7 +457,7 @@ class _Loop(NamedTuple):
             name = self.names[error.number]
             lies = f"{name} at x = {x:.4g} m, z = {z:.4g} m lies {1e3 * error.depth:.0f} mm within the chain"
             remedy = f"it touches the chain at z = {error.height:.4g} m"
-            if name.startswith("roller"):
+            if error.number in ROLLERS:
                 end = 0 if error.number == 1 else 3
                 remedy = f"it touches the chain with {self.names[end]}.place at z = {self._lift(end):.4g} m"
             raise assembly.MisfitError(f"{lies} about the others; {remedy}") from error
