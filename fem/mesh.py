@@ -39,6 +39,8 @@ CUBIC_POINTS = np.vstack([np.full(4, 0.25), np.full((4, 4), 1.0 / 6.0) + np.eye(
 """Barycentric points of the five-point rule that is exact for cubic functions in a tetrahedron."""
 CUBIC_WEIGHTS = np.array([-0.8, 0.45, 0.45, 0.45, 0.45]) / 6.0
 """Weights of that rule; their sum is the volume of the unit tetrahedron."""
+STIFFNESS_POINTS = np.full((4, 4), (5.0 - 5.0**0.5) / 20.0) + np.eye(4) / 5.0**0.5
+"""Barycentric points at which programs integrate the stiffness of a tetrahedron of 10 nodes."""
 
 
 def jacobian_determinants(nodes: Floats, elements: Integers, points: Floats | None = None) -> Floats:
@@ -149,12 +151,7 @@ class Mesh:
         if not used.all():
             loose = np.flatnonzero(~used)
             raise MeshError(f"nodes must belong to an element, got {len(loose)} loose ones: {listed(loose)}")
-        bad = np.flatnonzero(jacobian_determinants(nodes, elements).min(axis=1) <= 0.0)
-        if len(bad):
-            raise MeshError(
-                f"elements must be neither inverted nor flat, got {len(bad)} of {len(elements)} "
-                f"that are: {listed(bad)}"
-            )
+        self._check_shape()
         _, first, times = np.unique(
             np.sort(elements[:, :4], axis=1), axis=0, return_index=True, return_counts=True
         )
@@ -165,6 +162,28 @@ class Mesh:
             )
         self._check_connection()
         self._check_surfaces()
+
+    def _check_shape(self) -> None:
+        nodes = self.nodes
+        bad = np.flatnonzero(jacobian_determinants(nodes, self.elements).min(axis=1) <= 0.0)
+        if len(bad) == 0:
+            return
+        straight = jacobian_determinants(nodes, self.elements[bad, :4]).min(axis=1)
+        inside = jacobian_determinants(nodes, self.elements[bad], STIFFNESS_POINTS).min(axis=1)
+        inverted = bad[np.minimum(straight, inside) <= 0.0]
+        first = inverted[0] if len(inverted) else bad[0]
+        where = f"the first is at {nodes[self.elements[first, :4]].mean(axis=0).round(4).tolist()}"
+        if len(inverted):
+            raise MeshError(
+                f"elements must be neither inverted nor flat, got {len(inverted)} of {len(self.elements)} "
+                f"that are: {listed(inverted)}; {where}"
+            )
+        raise MeshError(
+            f"edges of elements must not be so curved that they fold, got {len(bad)} of {len(self.elements)} "
+            f"elements that are inverted at a node, though not at their integration points: {listed(bad)}; "
+            f"{where}; straighten their edges (fem.read_volume(file).straightened()), or mesh finer there "
+            "(gmsh: Mesh.HighOrderOptimize = 2)"
+        )
 
     def _check_connection(self) -> None:
         corners, count = self.elements[:, :4], len(self.nodes)

@@ -6,12 +6,13 @@ whole or not at all: of one that is left out the notes say why.
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fem.distortion import straighten_distorted
 from fem.mesh import TETRA_FACES, Floats, Integers, Mesh, MeshError, boundary_faces, listed
 
 TRIANGLES = ("triangle", "triangle6")
@@ -97,6 +98,13 @@ class VolumeMesh:
         """Checked mesh of one body; lengths are taken for m. A MeshError says what is wrong with it."""
         left_out = [f"surface {name!r} is left out: {reason}" for name, reason in self.unread.items()]
         return Mesh(self.nodes, self.elements, self.surfaces, (*left_out, *self.notes))
+
+    def straightened(self) -> Self:
+        """Volume mesh with straight edges where curved ones fold an element, or nearly."""
+        if self.elements.shape[1] == 4:
+            return self
+        nodes, count = straighten_distorted(self.nodes, self.elements)
+        return replace(self, nodes=nodes, notes=(*self.notes, f"{count} elements have straight edges"))
 
 
 def volume_mesh(content: FileContent) -> VolumeMesh:

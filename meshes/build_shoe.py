@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from fem.mesh import TETRA_EDGES, Floats, Integers, Mesh, jacobian_determinants
+from fem.distortion import straighten_distorted
+from fem.mesh import Mesh
 from fem.mesh_files import write_mesh
 from meshes.geometry import COM_HEIGHT, JOINT_CENTERS, SHOE_SIZES, ShoeDimensions
 from meshes.solid import build_solid
@@ -20,8 +21,6 @@ from meshes.solid import build_solid
 FROM_NETGEN = [1, 0, 2, 3, 4, 5, 7, 8, 6, 9]
 """Nodes of a tetrahedron of netgen's, which has the other sense and order of edges, as VTK has them."""
 FROM_NETGEN_TRIANGLE = [0, 1, 2, 5, 3, 4]
-LEAST_JACOBIAN_RATIO = 0.15
-"""Elements whose Jacobian varies more than this from node to node get straight edges."""
 LEVEL = 1e-5
 """m, within which a face is level."""
 FLANGE = "flange"
@@ -86,37 +85,6 @@ def _set_sizes(body: Any, size: ElementSizes, shoe: ShoeDimensions) -> None:
             face.maxh = size.at_bores
         elif is_root and LEVEL < high.x - low.x < 1.5 * shoe.rear_root_fillet:
             face.maxh = size.at_rear_roots
-
-
-def straighten_distorted(nodes: Floats, elements: Integers) -> tuple[Floats, int]:
-    """Give straight edges to those elements that a curved edge turns inside out.
-
-    Parameters
-    ----------
-    nodes : array (n, 3)
-        Coordinates in m.
-    elements : int array (m, 10)
-        Node numbers.
-
-    Returns
-    -------
-    nodes : array (n, 3)
-        Coordinates with the mid-side nodes moved.
-    count : int
-        Number of elements that were straightened.
-    """
-    nodes = nodes.copy()
-    straightened = 0
-    while True:
-        determinant = jacobian_determinants(nodes, elements)
-        bad = determinant.min(axis=1) < LEAST_JACOBIAN_RATIO * determinant.max(axis=1)
-        middles = nodes[elements[:, TETRA_EDGES]].mean(axis=2)
-        bent = np.linalg.norm(nodes[elements[:, 4:]] - middles, axis=2).max(axis=1)
-        bad &= bent > 1e-9
-        if not bad.any():
-            return nodes, straightened
-        nodes[elements[bad, 4:]] = middles[bad]
-        straightened += int(bad.sum())
 
 
 def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes = "study") -> Mesh:

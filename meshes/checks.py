@@ -1,8 +1,12 @@
-"""Checks of the mesh of any shoe: in m, with the surfaces for the ground and the machine."""
+"""Checks of the mesh of any shoe: in m, with the surfaces for the ground and the machine, and these whole."""
+
+import warnings
 
 import numpy as np
 
-from fem.mesh import Mesh
+from fem.borders import BoundaryFaces, bore_beyond, boundary_of, flat_beyond
+from fem.mesh import Floats, Integers, Mesh, MeshError, MeshWarning
+from fem.surfaces import surface_weights
 from meshes.load_surfaces import LOAD_SURFACES
 
 LARGEST = 50.0
@@ -11,6 +15,9 @@ LEAST_LIKELY, GREATEST_LIKELY = 0.3, 8.0
 """m, usual range of the width of shoes."""
 MISTAKEN = {"mm": 1e-3, "cm": 1e-2, "inch": 0.0254}
 """Units of meshes by mistake, m."""
+LEAST_WIDTH = 0.5
+"""Of the shoe's width: what the whole top plausibly reaches over."""
+MENDING = "name all of it in the program that meshed the shoe (docs/howto/own_shoe_mesh.md)"
 
 
 def check_extent(mesh: Mesh, name: str = "") -> None:
@@ -59,9 +66,99 @@ def check_surfaces(mesh: Mesh, load_surface: str, name: str = "") -> None:
         )
 
 
+def check_whole(mesh: Mesh, name: str = "") -> None:
+    """Check by their geometry that named surfaces are whole.
+
+    Parameters
+    ----------
+    name : str
+        Of the mesh, for messages.
+
+    Raises
+    ------
+    MeshError
+        If the underside ends inside a flat, or a bore's surface inside the bore.
+
+    Warns
+    -----
+    MeshWarning
+        If faces that carry the machine end inside a flat, or do not reach over the shoe, or if a part of a
+        bore belongs to no surface.
+    """
+    boundary = boundary_of(mesh)
+    if "underside" in mesh.surfaces:
+        _refuse_beyond(mesh, name, "underside", "a flat", flat_beyond(boundary, mesh.surfaces["underside"]))
+    _check_bores(boundary, name)
+    for surface in ("top", "roller path"):
+        beyond = (
+            flat_beyond(boundary, mesh.surfaces[surface]) if surface in mesh.surfaces else mesh.boundary[:0]
+        )
+        if len(beyond):
+            _warn(f"{_ends_inside(mesh, name, surface, 'a flat', beyond)}; if it is larger, {MENDING}")
+    if "whole top" in mesh.surfaces:
+        width = _width(mesh.nodes[mesh.nodes_of("whole top")])
+        if width < LEAST_WIDTH * _width(mesh.nodes):
+            _warn(
+                f"the surface 'whole top' of {_the_mesh(name)}, which follows from 'top', is "
+                f"{width:.3g} m wide on a shoe of {_width(mesh.nodes):.3g} m; if a part of 'top' is missing, "
+                f"{MENDING}"
+            )
+
+
+def _check_bores(boundary: BoundaryFaces, name: str) -> None:
+    mesh = boundary.mesh
+    bores = {surface: faces for surface, faces in mesh.surfaces.items() if surface.startswith("bore ")}
+    seen = {face for faces in bores.values() for face in _keys(faces)}
+    parts = {}
+    for surface, faces in bores.items():
+        joined, parts[surface] = bore_beyond(boundary, faces)
+        _refuse_beyond(mesh, name, surface, "the bore", joined)
+    for surface, apart in parts.items():
+        keys = _keys(apart)
+        beside = apart[[key not in seen for key in keys]]
+        seen |= set(keys)
+        if len(beside):
+            _warn(
+                f"on the axis of the surface {surface!r} of {_the_mesh(name)} lies a part of a bore that "
+                f"belongs to no surface, {_size_and_place(mesh, beside)}; if the pin is in it, {MENDING}"
+            )
+
+
+def _keys(faces: Integers) -> list[tuple[int, ...]]:
+    """Corners, ascending, of each face."""
+    return list(map(tuple, np.sort(faces[:, :3], axis=1).tolist()))
+
+
+def _refuse_beyond(mesh: Mesh, name: str, surface: str, inside: str, beyond: Integers) -> None:
+    if len(beyond):
+        raise MeshError(f"{_ends_inside(mesh, name, surface, inside, beyond)}; {MENDING}")
+
+
+def _ends_inside(mesh: Mesh, name: str, surface: str, inside: str, beyond: Integers) -> str:
+    area = surface_weights(mesh, mesh.surface(surface)).sum()
+    return (
+        f"the surface {surface!r} of {_the_mesh(name)}, {area:.4g} m2, ends inside {inside}, of which it "
+        f"leaves out {_size_and_place(mesh, beyond)}"
+    )
+
+
+def _size_and_place(mesh: Mesh, faces: Integers) -> str:
+    place = mesh.nodes[faces[0, :3]].mean(axis=0).round(3).tolist()
+    return f"{surface_weights(mesh, faces).sum():.4g} m2, at {place} for one"
+
+
+def _width(nodes: Floats) -> float:
+    return float(np.ptp(nodes[:, 1]))
+
+
+def _warn(text: str) -> None:
+    warnings.warn(text, MeshWarning, stacklevel=4)
+
+
 def _the_mesh(name: str) -> str:
     return f"the mesh {name!r}" if name else "the mesh"
 
 
 def _has(mesh: Mesh) -> str:
-    return f"which has {sorted(mesh.surfaces) or 'none'}"
+    left_out = "; ".join(("", *mesh.notes)) if mesh.notes else ""
+    return f"which has {sorted(mesh.surfaces) or 'none'}{left_out}"

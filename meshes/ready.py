@@ -4,6 +4,7 @@ from pathlib import Path
 
 from fem.mesh import Mesh
 from fem.mesh_files import read_mesh
+from meshes.checks import check_whole
 from meshes.geometry import SHOE_SIZES
 from meshes.load_surfaces import with_load_surfaces
 
@@ -34,6 +35,8 @@ def shoe_mesh(size: str = "study") -> Mesh:
 def mesh_named(name: str) -> Mesh:
     """Ready mesh of the shoe by its size, or any mesh by its path, with `LOAD_SURFACES`.
 
-    Errors are those of `fem.read_mesh`.
+    Errors and warnings are those of `fem.read_mesh` and `checks.check_whole`.
     """
-    return with_load_surfaces(read_mesh(mesh_path(name)))
+    mesh = with_load_surfaces(read_mesh(mesh_path(name)))
+    check_whole(mesh, name)
+    return mesh

@@ -5,8 +5,12 @@ import gzip
 import meshio
 import numpy as np
 import pytest
+from skfem import ElementTetP1
+from skfem.quadrature import get_quadrature
 
 import fem
+from fem.elasticity import STIFFNESS_ORDER
+from fem.mesh import STIFFNESS_POINTS
 from meshes import STEEL
 from tests.fem.bodies import box_mesh
 from tests.fem.refusals import refused
@@ -50,6 +54,27 @@ def test_faults_are_named(cube):
     told = "'odd' must lie on the boundary, got 1 of 2 triangles off it: 1"
     refused(told, fem.Mesh, nodes, elements, odd, error=fem.MeshError)
     refused(r"surface must be one of .* got 'lid'", cube.surface, "lid", error=KeyError)
+
+
+def test_elements_that_fold_at_a_node_alone_are_told_apart_and_straightened(cube):
+    """The mid-side node nearer to a corner than a quarter of the edge folds it there."""
+    corner, other, middle = cube.elements[3, [0, 1, 4]]
+    away = cube.nodes[corner] - cube.nodes[other]
+    bent = changed(cube.nodes, middle, cube.nodes[middle] + 0.27 * away)
+    words = (
+        r"inverted at a node, though not at their integration points: .*; the first is at \[.*straightened"
+    )
+    refused(words, fem.Mesh, bent, cube.elements, {}, error=fem.MeshError)
+    content = fem.VolumeMesh(bent, cube.elements, {}, {}, {}, ())
+    mesh = content.straightened().mesh()
+    np.testing.assert_allclose(mesh.nodes, cube.nodes, atol=1e-12)
+    assert mesh.notes[0].endswith("elements have straight edges")
+
+
+def test_integration_points_are_those_of_the_stiffness():
+    points, _ = get_quadrature(ElementTetP1, STIFFNESS_ORDER)
+    expected = np.column_stack((1.0 - points.sum(axis=0), *points))
+    np.testing.assert_allclose(sorted(STIFFNESS_POINTS.tolist()), sorted(expected.tolist()), atol=1e-9)
 
 
 def test_volume_is_that_of_the_elements_curved_edges_included(cube):

@@ -8,8 +8,9 @@ import pytest
 import fem
 import meshes
 from exudyn_crawler import Shoe
+from fem.distortion import straighten_distorted
 from meshes import LOAD_SURFACES, STEEL, ShoeDimensions
-from meshes.build_shoe import main, straighten_distorted
+from meshes.build_shoe import main
 from meshes.geometry import NODES, VOLUMES
 
 THICKER = 0.010

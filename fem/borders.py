@@ -1,0 +1,148 @@
+"""Borders of named surfaces: a surface that ends inside a flat or inside a bore is seldom the whole of it."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from fem.mesh import Floats, Integers, Mesh
+
+SAME_PLANE = np.radians(0.1)
+"""Angle between neighbouring faces up to which they are flat; the ready shoe's wings bend by 0.3 degrees."""
+STRAIGHT = 1e-3
+"""Of its longest edge: how far a mid-side node of a flat face is off its corners' plane at most."""
+ROUND = 0.05
+"""Of a bore's radius: how far corners of its faces are off the circle at most."""
+INWARD = 0.7
+"""Least cosine of the angle between a bore's faces and the way to its axis."""
+
+
+class BoundaryFaces(NamedTuple):
+    """Faces of a mesh's boundary.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    corners : array (k, 3, 3)
+        m.
+    normals : array (k, 3)
+        Of unit length, outward.
+    pairs : int array (p, 2)
+        Faces that share an edge.
+    """
+
+    mesh: Mesh
+    corners: Floats
+    normals: Floats
+    pairs: Integers
+
+
+def boundary_of(mesh: Mesh) -> BoundaryFaces:
+    """Faces of a mesh's boundary with their neighbours."""
+    corners = mesh.nodes[mesh.boundary[:, :3]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    edges = np.sort(mesh.boundary[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    owner = np.repeat(np.arange(len(corners)), 3)
+    order = np.lexsort(edges.T)
+    same = (edges[order[1:]] == edges[order[:-1]]).all(axis=1)
+    pairs = np.column_stack((owner[order[:-1]], owner[order[1:]]))[same]
+    return BoundaryFaces(mesh, corners, normals, pairs)
+
+
+def flat_beyond(boundary: BoundaryFaces, faces: Integers) -> Integers:
+    """Faces outside of a surface that go on, without a bend, in a flat in which the surface ends.
+
+    Parameters
+    ----------
+    boundary : BoundaryFaces
+    faces : int array (k, 3 or 6)
+        Faces of the surface.
+
+    Returns
+    -------
+    int array (j, 3 or 6)
+        Rows of `Mesh.boundary`; none where the surface ends at edges.
+    """
+    mesh = boundary.mesh
+    flat = _is_flat(boundary)
+    cosines = np.einsum("pc,pc->p", *(boundary.normals[boundary.pairs[:, side]] for side in (0, 1)))
+    level = flat[boundary.pairs].all(axis=1) & (cosines > np.cos(SAME_PLANE))
+    return _beyond(mesh, faces, boundary.pairs[level])
+
+
+def bore_beyond(
+    boundary: BoundaryFaces, faces: Integers, axis: ArrayLike = (0.0, 1.0, 0.0)
+) -> tuple[Integers, Integers]:
+    """Faces of a bore that a surface leaves out: those that go on where it ends, and those apart from it.
+
+    Parameters
+    ----------
+    boundary : BoundaryFaces
+    faces : int array (k, 3 or 6)
+        Faces of a part of a bore.
+    axis : array (3,)
+        Direction of its axis.
+
+    Returns
+    -------
+    joined, apart : int arrays (j, 3 or 6)
+        Rows of `Mesh.boundary` on the same cylinder that look at its axis.
+    """
+    mesh = boundary.mesh
+    on_bore = _is_on_bore(boundary, faces, np.asarray(axis, dtype=float))
+    inside = _is_among(mesh, faces)
+    joined = _beyond(mesh, faces, boundary.pairs[(on_bore | inside)[boundary.pairs].all(axis=1)])
+    apart = on_bore & ~inside & ~_is_among(mesh, joined)
+    return joined, mesh.boundary[apart]
+
+
+def _is_flat(boundary: BoundaryFaces) -> np.ndarray:
+    """True for faces (k,) whose mid-side nodes lie in their corners' plane."""
+    middles = boundary.mesh.nodes[boundary.mesh.boundary[:, 3:]] - boundary.corners[:, :1]
+    off = np.abs(np.einsum("kmc,kc->km", middles, boundary.normals)).max(axis=1, initial=0.0)
+    edges = np.linalg.norm(boundary.corners - np.roll(boundary.corners, 1, axis=1), axis=2)
+    return np.asarray(off <= STRAIGHT * edges.max(axis=1))
+
+
+def _is_on_bore(boundary: BoundaryFaces, faces: Integers, axis: Floats) -> np.ndarray:
+    """True for faces (k,) of the boundary that are on the cylinder about the nodes of some faces."""
+    across = np.linalg.svd(axis[None])[2][1:].T
+    circle = boundary.mesh.nodes[np.unique(faces[:, :3])] @ across
+    # x^2 + y^2 = 2 a x + 2 b y + c of all nodes, by least squares
+    terms = np.column_stack((2.0 * circle, np.ones(len(circle))))
+    a, b, c = np.linalg.lstsq(terms, (circle**2).sum(axis=1), rcond=None)[0]
+    radius = np.sqrt(max(c + a * a + b * b, 0.0))
+    ways = np.array([a, b]) - boundary.corners @ across
+    round_ = np.abs(np.linalg.norm(ways, axis=2) - radius).max(axis=1) < ROUND * radius
+    middle = ways.mean(axis=1)
+    inward = np.einsum("kc,kc->k", boundary.normals @ across, middle) > INWARD * np.linalg.norm(
+        middle, axis=1
+    )
+    return np.asarray(round_ & inward)
+
+
+def _is_among(mesh: Mesh, faces: Integers) -> np.ndarray:
+    """True for faces (k,) of the boundary that are among others."""
+    return np.isin(_face_numbers(mesh, mesh.boundary), _face_numbers(mesh, faces))
+
+
+def _face_numbers(mesh: Mesh, faces: Integers) -> Integers:
+    """Number of each face (k,) by its corners."""
+    count = len(mesh.nodes)
+    low, middle, high = np.sort(faces[:, :3], axis=1).T
+    return (low * count + middle) * count + high
+
+
+def _beyond(mesh: Mesh, faces: Integers, pairs: Integers) -> Integers:
+    """Faces outside of a surface that pairs of neighbours link with it."""
+    inside = _is_among(mesh, faces)
+    outer = pairs[~inside[pairs].any(axis=1)]
+    count = len(inside)
+    links = coo_array((np.ones(len(outer), dtype=np.int8), (outer[:, 0], outer[:, 1])), shape=(count, count))
+    _, label = connected_components(links, directed=False)
+    across = pairs[inside[pairs].sum(axis=1) == 1]
+    first = across[~inside[across]]
+    return mesh.boundary[~inside & np.isin(label, label[first])]
