@@ -6,10 +6,10 @@
 (6,)
 """
 
-import ast
 import importlib.util
 from pathlib import Path
-from typing import Any
+
+import lazy_loader
 
 
 def _check_neighbours() -> None:
@@ -25,25 +25,6 @@ def _check_neighbours() -> None:
             )
 
 
-def _modules_of_names() -> dict[str, str]:
-    """Modules of the public names, which the stub beside this file states."""
-    stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-    imports = [line for line in stub.body if isinstance(line, ast.ImportFrom)]
-    return {alias.name: str(line.module) for line in imports for alias in line.names}
-
-
 _check_neighbours()
-_MODULES = _modules_of_names()
-__all__ = sorted(_MODULES)
-
-
-def __getattr__(name: str) -> Any:
-    """Import what is asked for when it is: the engine alone takes a second, and help needs none of it."""
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(_MODULES[name]), name)
-
-
-def __dir__() -> list[str]:
-    """Public names, for completion: they are not here before they are asked for."""
-    return [*__all__, *(name for name in globals() if name.startswith("__"))]
+# the engine alone takes a second, and help needs none of it
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,6 +8,8 @@ import sys
 import pytest
 
 import exudyn_crawler
+import fem
+import meshes
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.life.life import LifeResults
 from exudyn_crawler.results.stress.recovery import StressResults
@@ -21,13 +23,28 @@ def test_every_public_name_is_there_and_told(name):
 def test_names_are_in_order_no_module_hides_one_and_others_are_refused():
     assert exudyn_crawler.__all__ == sorted(exudyn_crawler.__all__)
     assert len(exudyn_crawler.__all__) <= 30
-    with pytest.raises(AttributeError, match="has no attribute 'gravity'"):
+    with pytest.raises(AttributeError, match="No exudyn_crawler attribute gravity"):
         _ = exudyn_crawler.gravity
     for name in exudyn_crawler.__all__:
         public = getattr(exudyn_crawler, name)
         importlib.import_module(public.__module__)
         assert getattr(exudyn_crawler, name) is public
         assert not inspect.ismodule(public)
+
+
+@pytest.mark.parametrize("package", [fem, meshes], ids=lambda package: package.__name__)
+def test_names_of_finite_elements_and_meshes_are_there_and_in_completion(package):
+    assert dir(package) == package.__all__ == sorted(package.__all__)
+    assert [name for name in package.__all__ if inspect.ismodule(getattr(package, name))] == []
+    with pytest.raises(AttributeError, match="attribute gravity"):
+        _ = package.gravity
+
+
+@pytest.mark.parametrize("name", ["exudyn_crawler", "fem", "meshes"])
+def test_importing_a_package_imports_nothing_that_takes_time(name):
+    script = f"import sys, {name}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert not {"numpy", "scipy", "numba", "exudyn", "xarray"} & set(done.stdout.split())
 
 
 def test_completion_shows_the_public_names_and_no_helpers():

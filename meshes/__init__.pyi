@@ -1,0 +1,19 @@
+# The public names, stated once: editors and type checkers read them here, so does __init__.py.
+from .build_shoe import mesh_shoe as mesh_shoe
+from .geometry import COM_HEIGHT as COM_HEIGHT
+from .geometry import FRONT_PIN_X as FRONT_PIN_X
+from .geometry import JOINT_CENTERS as JOINT_CENTERS
+from .geometry import PIN_HEIGHT as PIN_HEIGHT
+from .geometry import PIN_Y as PIN_Y
+from .geometry import PITCH as PITCH
+from .geometry import REAR_PIN_X as REAR_PIN_X
+from .geometry import SHOE_SIZES as SHOE_SIZES
+from .geometry import ShoeDimensions as ShoeDimensions
+from .load_surfaces import LOAD_SURFACES as LOAD_SURFACES
+from .load_surfaces import with_load_surfaces as with_load_surfaces
+from .ready import mesh_named as mesh_named
+from .ready import mesh_path as mesh_path
+from .ready import shoe_mesh as shoe_mesh
+from .ready import shoe_path as shoe_path
+from .shoe import STEEL as STEEL
+from .shoe import joint_interfaces as joint_interfaces
