@@ -31,14 +31,13 @@ SHOES, PROCESSES, RUNS = (38, 40), 6, 5
 
 def longer_loop(case: Case, shoes: int) -> Case:
     """A closed track of so many shoes, whose tumbler and idler stand half of what is added farther out."""
-    frame = case.closed_track
-    assert frame is not None
+    frame = case.closed_gear()
     more = 0.25 * (shoes - case.track.shoe_count) * case.track.pitch
     (rear, height), (front, low) = frame.tumbler.place, frame.idler.place
     return case.with_(
         track=case.track.with_(shoe_count=shoes),
         loads=LoadCycle.constant([0.0] * shoes),
-        closed_track=frame.with_(
+        gear=frame.with_(
             tumbler=frame.tumbler.with_(place=(rear - more, height)),
             idler=frame.idler.with_(place=(front + more, low)),
         ),

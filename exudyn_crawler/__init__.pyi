@@ -1,18 +1,20 @@
 # The public names, stated once: editors and type checkers read them here, so does __init__.py.
 from .case import Case as Case
 from .case import CaseFile as CaseFile
+from .case import Closed as Closed
 from .case import Drive as Drive
 from .case import FlexibleShoes as FlexibleShoes
 from .case import LoadCycle as LoadCycle
+from .case import Machine as Machine
 from .case import MachineCycle as MachineCycle
 from .case import PairContact as PairContact
 from .case import Phase as Phase
+from .case import Rolled as Rolled
 from .case import Shoe as Shoe
 from .case import SphereContact as SphereContact
 from .case import StepProfile as StepProfile
 from .case import Terrain as Terrain
 from .case import Track as Track
-from .case import Undercarriage as Undercarriage
 from .case import read_case as read_case
 from .case import write_case as write_case
 from .case_run import run_case as run_case

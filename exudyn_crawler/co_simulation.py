@@ -13,10 +13,10 @@ from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, FmuBuilder, R
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import Case, CaseFile, MachineCycle, read_case, write_case
-from exudyn_crawler.case.parameters.undercarriage import MachinePhase, length_errors
+from exudyn_crawler.case import Case, CaseFile, MachineCycle, MachinePhase, read_case, write_case
 from exudyn_crawler.model import compiled_system, compiling, diagnostics
 from exudyn_crawler.results.history import History, states
+from exudyn_crawler.results.history.catalogue import QUANTITIES
 from exudyn_crawler.run.solve import equilibrium, simulation
 
 AXES = "xyz"
@@ -24,6 +24,8 @@ STEP = 0.01  # s, step of communication that a unit proposes
 CASE, SCRIPT = "case.toml", "machine_on_track"
 """Files within a unit: the case, and the module that pythonfmu looks for."""
 LINES = f"from {__name__} import MachineOnTrack, hold\n\nhold(globals())\n"
+DRIVES = {"drive_moment": "N m, on the tumbler", "drive_pull": "N, on the chain"}
+"""Quantities of the drive of a machine."""
 FRAME = {
     "position": "m, position of the side frame's origin",
     "velocity": "m/s, its velocity",
@@ -40,11 +42,6 @@ def hold(names: dict[str, object]) -> None:
     _held.append(names)
 
 
-def _check_machine(case: Case) -> None:
-    if case.running_gear is None:
-        raise ValueError("the case must have a machine: rolled (undercarriage) or a closed_track")
-
-
 class SteppedRun:
     """Run of a machine on its track from rest, whose speed and load come from outside, step by step.
 
@@ -57,7 +54,7 @@ class SteppedRun:
 
     @threadpool_limits.wrap(limits=1, user_api="blas")
     def __init__(self, case: Case, wrench: np.typing.ArrayLike) -> None:
-        _check_machine(case)
+        case.running_gear()
         force, moment = np.asarray(wrench, dtype=float).reshape(2, 3).tolist()
         self.case = case
         if any((*force, *moment)) or case.machine is not None:
@@ -90,9 +87,8 @@ class SteppedRun:
         A ValueError if the rollers would leave the track; SimulationStopped if a step fails at the least.
         """
         end, travel = self.time + step, self.travel + 0.5 * step * (self._after[0] + speed)
-        if self.case.undercarriage is not None:
-            for error in length_errors(self.case.undercarriage, self.case.track, travel, end):
-                raise ValueError(error)
+        for error in self.case.gear.reach_errors(self.case.track, travel, end):
+            raise ValueError(error)
         self._span, self._before = (self.time, end), self._after
         self._after = np.array([speed, turn_rate, *np.asarray(wrench, dtype=float)])
         simulation.set_times(self._settings, self.case.solver, self.time, end)
@@ -113,15 +109,25 @@ def outputs(history: History) -> dict[str, float]:
     """What a unit says of an instant, by name: drive, frame, links and the ground under every shoe."""
     data = history.dataset.isel(time=-1)
     ground = history.contacts_by_shoe().contact_force.isel(time=-1).transpose("shoe", "axis")
-    drive = data.drive_moment if history.case.is_closed else data.drive_pull
-    found = [drive, *(data[f"side_frame_{name}"] for name in FRAME), data.joint_force, ground]
+    found = [
+        data[_drive_name(history.case)],
+        *(data[f"side_frame_{name}"] for name in FRAME),
+        data.joint_force,
+        ground,
+    ]
     values = np.concatenate([np.ravel(one) for one in found]).tolist()
     return dict(zip(_output_names(history.case), values, strict=True))
 
 
+def _drive_name(case: Case) -> str:
+    """Quantity of the drive that the case has."""
+    return next(name for name in DRIVES if not QUANTITIES[name].lacking(case))
+
+
 def _output_names(case: Case) -> dict[str, str]:
     """Names of `outputs` and what they are; of two closed tracks the right one's drive comes first."""
-    named = {"drive_moment": "N m, on the tumbler"} if case.is_closed else {"drive_pull": "N, on the chain"}
+    name = _drive_name(case)
+    named = {name: DRIVES[name]}
     if case.tracks > 1:
         named = {f"drive_moment[{track}]": "N m, on its tumbler" for track in (1, 2)}
     vectors = {f"side_frame_{name}": meaning for name, meaning in FRAME.items()}
@@ -183,7 +189,7 @@ def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) ->
     A ValueError if the case has no machine; a FileExistsError if the file is there and not to be replaced.
     """
     path = Path(path)
-    _check_machine(case_file.case)
+    case_file.case.running_gear()
     with files.whole_file(path, overwrite) as temporary, tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / f"{SCRIPT}.py"
         script.write_text(LINES, encoding="utf-8")

@@ -127,7 +127,7 @@ def roller_paths(found: results.LifeResults) -> dict[str, pd.DataFrame]:
     paths = {
         name: roller_path.roller_path(history, [duty.material])
         for name, history in histories.items()
-        if history is not None and history.case.is_rolled
+        if history is not None and roller_path.has_treads(history)
     }
     if duty.cases:
         check, names = _check_of(duty), set(duty_runs.check_cases_of(duty))

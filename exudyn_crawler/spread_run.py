@@ -113,7 +113,7 @@ def nudged(case: Case, times: int) -> Case:
 def laws_beside(case: Case) -> dict[str, Case]:
     """Same case with laws of contact that could stand for the same ground, by name."""
     contact = case.contact
-    if not isinstance(contact, PairContact) or case.is_rolled:
+    if not isinstance(contact, PairContact) or case.gear.kind == "rolled":
         return {}
     other = "area" if contact.sharing == "pair" else "pair"
     return {f"law by {other}": case.with_(contact=contact.with_(sharing=other))}

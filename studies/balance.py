@@ -12,7 +12,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Undercarriage
+from exudyn_crawler.case import Rolled
+from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
 from exudyn_crawler.results.history.history import History
@@ -20,6 +21,9 @@ from exudyn_crawler.results.loads import actions as acting
 from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.load_map import loads_by_kind, unit_loads
 from exudyn_crawler.results.loads.places import PINS, PinsOfShoe, Point
+
+FREEDOMS = ("travel", "sway", "heave", "roll", "pitch", "yaw")
+"""Balances of a side frame in the order of its coordinates."""
 
 
 class _Motion:
@@ -98,8 +102,9 @@ def _of_tracks(history: History, name: str) -> np.ndarray:
 def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
     """Motions of tumblers, which turn in their side frame, then of idlers that slide along it."""
     case, time = history.case, history.time.values
-    if (closed := case.closed_track) is None:
+    if not case.gear.tumblers:
         return
+    closed = case.closed_gear()
     places, take_up = _of_tracks(history, "tumbler_position"), _of_tracks(history, "take_up")
     inertia, still = inertia_tensor(closed.tumbler.inertia), np.zeros_like(take_up)
     angle = case.assembled.tumbler[4] + _of_tracks(history, "tumbler_angle")
@@ -224,7 +229,7 @@ def frame_imbalance(history: History) -> xr.Dataset:
     forces = _over_time(history, "N", travel=force[:, 0], sway=force[:, 1], heave=force[:, 2])
     turned = _over_time(history, "N m", roll=angles[:, 0], pitch=angles[:, 1], yaw=angles[:, 2])
     found = forces.assign(turned)
-    return found if case.car_body is not None else found.drop_vars(["sway", "yaw"])
+    return found.drop_vars([FREEDOMS[held] for held in case.gear.holds])
 
 
 def tumbler_imbalance(history: History) -> np.ndarray:
@@ -251,7 +256,7 @@ def energies(history: History) -> xr.Dataset:
     shoes. ValueError for flexible shoes of an open track, or on cells.
     """
     _only_known(history)
-    case, frame, gravity = history.case, history.case.undercarriage, history.case.gravity_vector()
+    case, gravity = history.case, history.case.gravity_vector()
     kinetic, height = (one.sum(axis=1) for one in _shoes(history).energies(gravity))
     stored = {"kinetic": kinetic, "gravitational": height}
     if case.contact.model != "cells":
@@ -262,15 +267,15 @@ def energies(history: History) -> xr.Dataset:
         height -= terrain.unit_mass * heave.sum(axis=1) * gravity[2]
         springs = 0.5 * terrain.heave_stiffness * np.sum(heave**2, axis=1)
         stored["springs"] = springs + 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
-    if case.running_gear is not None:
+    if case.frame_parts:
         side = _side_frame(history)
         both = [motion.energies(gravity) for motion in (side, *_others(history, side))]
         stored["frame_kinetic"], stored["frame_gravitational"] = (sum(one) for one in zip(*both, strict=True))
-    if frame is not None:
-        stored["treads"], _, _ = _treads(history, frame, side, _shoes(history))
-    if case.closed_track is not None:
+    if history.has("tread_force"):
+        stored["treads"], _, _ = _treads(history, case.rolled_gear(), side, _shoes(history))
+    if history.has("wheel_energy"):
         stored["treads"], stored["teeth"] = history.wheel_energy.values, history.tooth_energy.values
-        if (spring := case.closed_track.idler.tensioner) is not None:
+        if (spring := case.closed_gear().idler.tensioner) is not None:
             push = spring.preload - spring.stiffness * _of_tracks(history, "take_up")
             stored["tensioners"] = 0.5 * np.sum(push**2, axis=0) / spring.stiffness
     if case.flexible is not None:
@@ -305,9 +310,9 @@ def powers(history: History) -> xr.Dataset:
         named["shear"] = -supplied[Kind.CONTACT] - named["pressure"]
     else:
         named |= _unit_powers(history, shoes)
-    if case.undercarriage is not None:
-        named |= _rolled_powers(history, case.undercarriage, shoes, supplied[Kind.CHAIN])
-    if case.is_closed:
+    if history.has("tread_force"):
+        named |= _rolled_powers(history, case.rolled_gear(), shoes, supplied[Kind.CHAIN])
+    if history.has("wheel_energy"):
         named |= _closed_powers(history, shoes)
     return _over_time(history, "W", **named)
 
@@ -341,7 +346,7 @@ def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
 
 
 def _rolled_powers(
-    history: History, frame: Undercarriage, shoes: _Motion, chain: np.ndarray
+    history: History, frame: Rolled, shoes: _Motion, chain: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Powers about a side frame over rigid shoes, on whose pins the chain has a power (times,)."""
     motion = _side_frame(history)
@@ -402,7 +407,7 @@ def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def _treads(
-    history: History, frame: Undercarriage, motion: _Motion, shoes: _Motion
+    history: History, frame: Rolled, motion: _Motion, shoes: _Motion
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Energy in the treads, J, and the power that their resistance and damping take, W: arrays (times,)."""
     energy, resisted, damped = np.zeros((3, history.time.size))
@@ -454,8 +459,8 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
 
     In closed tracks with what acts on tumblers and on idlers that slide, but for the weight of these.
     """
-    case, gear = history.case, history.case.running_gear
-    if gear is None or (case.closed_track is not None and case.closed_track.support == "posts"):
+    case = history.case
+    if not case.frame_parts or case.gear.holds == POSTS:
         raise ValueError(f"{case.name!r} must have a side frame that no posts hold")
     origin, turn = history.side_frame_position.values, rotation_matrices(history.side_frame_angles.values)
     zero = np.zeros_like(origin)
@@ -465,7 +470,7 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
         yield acting.Action(Kind.WEIGHT, 0, Point.CENTER, center, weight, zero)
     wrench = case.machine_wrench(history.time.values)
     yield acting.Action(Kind.MACHINE, 0, Point.ORIGIN, origin, *wrench)
-    if case.is_closed:
+    if history.has("wheel_load"):
         for shoe in case.track.shoes.tolist():
             for action in acting.wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
                 yield replace(action, shoe=0, force=-action.force, moment=-action.moment)
@@ -480,7 +485,7 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
 
 def _only_known(history: History) -> None:
     case = history.case
-    if case.flexible is not None and (case.contact.model == "cells" or not case.is_closed):
+    if case.flexible is not None and (case.contact.model == "cells" or not case.gear.loops):
         raise ValueError(
             "an open track, or one on cells, must have rigid shoes: the energy balance leaves out their modes"
         )

@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, History, LoadCycle, StepProfile
-from exudyn_crawler.case import Drive, Undercarriage, ph4100c
+from exudyn_crawler.case import Drive, Rolled, ph4100c
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -50,13 +50,13 @@ def revolution(case: Case) -> float:
 def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
     """Rolled open track with rollers, ground and contact of the closed one; tension of its ends in N."""
     closed, case = closed_case(), Case.rolled()
-    frame = Undercarriage.ph4100c().with_(rollers=closed.closed_gear().rollers, end_tension=tension)
+    frame = Rolled.ph4100c().with_(rollers=closed.closed_gear().rollers, end_tension=tension)
     return case.with_(
         track=case.track.with_(shoe_count=OPEN_SHOES),
         loads=LoadCycle.constant([0.0] * OPEN_SHOES),
         terrain=closed.terrain,
         contact=closed.contact,
-        undercarriage=frame,
+        gear=frame,
         solver=case.solver.with_(output_interval=INTERVAL),
     )
 
@@ -90,15 +90,13 @@ def study_cases(
 
 def peaks_in_mid_track(history: History) -> dict[str, float]:
     """Forces on the shoes between the axes of the outer rollers, kN: greatest, and mean of those that act."""
-    case, gear = history.case, history.case.running_gear
-    assert gear is not None
-    rollers = gear.rollers
+    rollers = history.case.running_gear().rollers
     frame = history.side_frame_position.transpose("time", "axis").values
     place = history.position.transpose("time", "shoe", "axis").values - frame[:, None]
     below = (place[..., 0] > rollers[0]) & (place[..., 0] < rollers[-1]) & (place[..., 2] < 0.0)
     below &= (history.time.values >= min(START, 0.5 * history.duration))[:, None]
     links = history.joint_force.transpose("time", "joint", "axis").values
-    names = ["contact_force", "wheel_load" if case.is_closed else "rail_force"]
+    names = ["contact_force", "wheel_load" if history.has("wheel_load") else "rail_force"]
     values = [one.transpose("time", "shoe", "axis").values for one in history.over_time(names).values()]
     found: dict[str, float] = {}
     kinds = ("ground on a shoe", "wheels on a shoe", "link")

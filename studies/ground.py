@@ -119,9 +119,7 @@ def work_balance(history: History) -> dict[str, float]:
 
     Mean forces over the way of the machine, in kN; the first is unknown on units.
     """
-    case, frame = history.case, history.case.undercarriage
-    if frame is None:
-        raise ValueError(f"case {case.name!r} has no undercarriage")
+    case, frame = history.case, history.case.rolled_gear()
     x, height = (history.side_frame_position.sel(axis=axis).values for axis in "xz")
     resistance = frame.rolling_resistance * frame.mass * case.gravity
     shoes = history.position.sel(axis="z").sum("shoe").values
@@ -191,9 +189,7 @@ def powers_over_way(history: History) -> dict[str, float]:
     than this, the chain by what drive and tension give as they move it.
     """
     case, work = history.case, energy_balance(history).isel(time=-1)
-    frame, x = case.undercarriage, history.side_frame_position.sel(axis="x").values
-    if frame is None:
-        raise ValueError(f"case {case.name!r} has no undercarriage")
+    frame, x = case.rolled_gear(), history.side_frame_position.sel(axis="x").values
     pulled = np.trapezoid(history.drive_pull.values, x)
     rolling = frame.rolling_resistance * frame.mass * case.gravity * (x[-1] - x[0])
     works = {

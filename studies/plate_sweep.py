@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, CaseFile, FatigueMaterial, FlexibleShoes, Shoe
-from exudyn_crawler.case import Undercarriage
+from exudyn_crawler.case import Rolled
 from exudyn_crawler.sweep.answers import Answer, Life
 from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.results import SweepRun
@@ -55,7 +55,7 @@ def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str]
 def passing_case(mesh: str = SIZE) -> CaseFile:
     """Machine that rolls over one flexible shoe by the distance of two rollers, from the end of its start."""
     case = Case.rolled()
-    rollers, speed = Undercarriage.ph4100c().rollers, case.drive.speed
+    rollers, speed = Rolled.ph4100c().rollers, case.drive.speed
     case = case.with_(
         name="plate",
         flexible=FlexibleShoes.ph4100c(mesh).with_(shoes=(FLEXIBLE,)),

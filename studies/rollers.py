@@ -13,8 +13,8 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, StepProfile, simulate
-from exudyn_crawler.case import MachineCycle, Rails, Undercarriage, ph4100c
-from exudyn_crawler.case.parameters.undercarriage import ground_below
+from exudyn_crawler.case import MachineCycle, Rails, Rolled, ph4100c
+from exudyn_crawler.case.gear.rolled import ground_below
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE, region_table
@@ -49,21 +49,21 @@ def rolled_case(mesh: str = "study") -> Case:
         terrain=ground_below(track, case.unit_terrain()),
         loads=LoadCycle.constant([0.0] * COUNT),
         flexible=FlexibleShoes.ph4100c(mesh).with_(shoes=FLEXIBLE),
-        undercarriage=Undercarriage.ph4100c().with_(start=BEFORE),
+        gear=Rolled.ph4100c().with_(start=BEFORE),
     )
 
 
 def loading_case(mesh: str = "study", ahead: float = 0.0) -> Case:
     """Loading cycle of the machine that stands `ahead` m of the flexible shoes, from the end of propel."""
     case = rolled_case(mesh)
-    frame = Undercarriage.ph4100c().with_(start=ABOVE + ahead)
+    frame = Rolled.ph4100c().with_(start=ABOVE + ahead)
     whole = MachineCycle.shovel(frame)
     start = whole.phases[0].end
     phases = tuple(phase.with_(end=phase.end - start) for phase in whole.phases)
     return case.with_(
         name="loading",
         drive=case.drive.with_(speed=StepProfile.constant(0.0)),
-        undercarriage=frame,
+        gear=frame,
         machine=MachineCycle(phases=phases),
     )
 
@@ -126,13 +126,13 @@ def study(
         return runs, table
 
 
-def _with_rollers(frame: Undercarriage, count: int, spacing: float) -> Undercarriage:
+def _with_rollers(frame: Rolled, count: int, spacing: float) -> Rolled:
     return frame.with_(rollers=tuple(spacing * (k - 0.5 * (count - 1)) for k in range(count)))
 
 
 def choices() -> dict[str, Case]:
     """Rigid machine as it is, with each open choice changed, and on firmer ground than the papers'."""
-    case, frame = Case.rolled(), Undercarriage.ph4100c()
+    case, frame = Case.rolled(), Rolled.ph4100c()
     changed = {
         "as it is": frame,
         "7 rollers over the same length": _with_rollers(frame, 7, 8.75 / 6.0),
@@ -144,7 +144,7 @@ def choices() -> dict[str, Case]:
         "no end tension": frame.with_(end_tension=0.0),
         "tumbler in front": frame.with_(tumbler=-frame.tumbler),
     }
-    cases = {name: case.with_(name=name, undercarriage=one) for name, one in changed.items()}
+    cases = {name: case.with_(name=name, gear=one) for name, one in changed.items()}
     springs = case.unit_terrain().with_(spring_stiffness=FIRM * case.unit_terrain().spring_stiffness)
     contact = case.pair_contact()
     contact = contact.with_(stiffness=FIRM * contact.stiffness)

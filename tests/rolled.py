@@ -1,7 +1,7 @@
 """Small cases of a side frame that rolls over a few shoes."""
 
 from exudyn_crawler import Case, FlexibleShoes, LoadCycle, StepProfile
-from exudyn_crawler.case import Undercarriage
+from exudyn_crawler.case import Rolled
 from studies.grounds import pitching
 
 ROLLERS = (-1.2, 0.0, 1.2)
@@ -12,7 +12,7 @@ SPEED = StepProfile(times=(0.0, 0.1), values=(0.0, 0.5))
 
 def small_case(**frame):
     """Three rollers under a part of the machine on ten rigid shoes and a few large units."""
-    whole, case = Undercarriage.ph4100c(), Case.rolled()
+    whole, case = Rolled.ph4100c(), Case.rolled()
     part = len(ROLLERS) / len(whole.rollers)
     inertia = tuple(part * one for one in (whole.inertia[0], 0.1 * whole.inertia[1], 0.1 * whole.inertia[2]))
     values = {
@@ -32,7 +32,7 @@ def small_case(**frame):
         terrain=terrain,
         drive=case.drive.with_(speed=SPEED),
         solver=case.solver.with_(step=2e-3, output_interval=2e-3),
-        undercarriage=whole.with_(**values | frame),
+        gear=whole.with_(**values | frame),
     )
 
 

@@ -5,7 +5,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 
 from exudyn_crawler import Case, CaseFile, Drive, StepProfile, simulate
-from exudyn_crawler.case.parameters.undercarriage import MachineCycle, MachinePhase
+from exudyn_crawler.case import MachineCycle, MachinePhase
 from exudyn_crawler.co_simulation import SteppedRun, outputs, write_fmu
 
 pytestmark = pytest.mark.simulation
@@ -86,9 +86,9 @@ def test_a_unit_starts_at_rest_under_its_load_and_sinks_under_more(loaded):
 
 
 def test_refuses_what_has_no_machine_and_rollers_off_the_track(tmp_path, loaded):
-    with pytest.raises(ValueError, match="must have a machine"):
+    with pytest.raises(ValueError, match=r"gear\.kind must be .*, got 'dragged'"):
         write_fmu(CaseFile(case=Case.translation(), duration=1.0), tmp_path / "none.fmu")
-    with pytest.raises(ValueError, match="must have a machine"):
+    with pytest.raises(ValueError, match=r"gear\.kind must be .*, got 'dragged'"):
         SteppedRun(Case.translation(), WRENCH)
     with pytest.raises(ValueError, match="track must be long enough"):
         SteppedRun(loaded, WRENCH).advance(100.0, 1.0, WRENCH)
@@ -107,6 +107,6 @@ def test_closed_tracks_are_units_too(base, tmp_path):
     for end in np.arange(0.01, 0.11, 0.01):
         run.advance(0.01, float(end), 0.0 * WRENCH, 0.1 * float(end) * (case.tracks - 1))
     speed = np.atleast_1d(run.history().tumbler_speed.values[0])
-    expected = (0.1 - 0.01 * case.track_middles) / case.closed_track.travel_per_angle(case.track)
+    expected = (0.1 - 0.01 * case.track_middles) / case.gear.travel_per_angle(case.track)
     np.testing.assert_allclose(speed, expected, rtol=1e-6)
     assert ("turn_rate" in {one.name for one in variables}) == (case.tracks == 2)

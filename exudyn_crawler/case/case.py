@@ -5,16 +5,19 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 
+from exudyn_crawler.case.gear.assembled import Assembled
+from exudyn_crawler.case.gear.base import RunningGear, WheelLabel
+from exudyn_crawler.case.gear.closed import Closed
+from exudyn_crawler.case.gear.rolled import Rolled
 from exudyn_crawler.case.named import NamedCases
-from exudyn_crawler.case.parameters import fields, sizes, undercarriage
-from exudyn_crawler.case.parameters.base import Errors, Parameters, inertia_tensor
-from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled
+from exudyn_crawler.case.parameters import fields, sizes
+from exudyn_crawler.case.parameters.base import Errors, Parameters
+from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, SoilLaw, Terrain
 from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Track
-from exudyn_crawler.case.parameters.undercarriage import Part, Undercarriage, WheelLabel
 
 NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 CREEP = 0.05  # m, by which a shoe may move on the ground before it rests
@@ -26,11 +29,15 @@ def _part(name: str, kind: type[Model]) -> Callable[["Case"], Model]:
 
     def part(case: "Case") -> Model:
         """Part of the case; a ValueError if it has none, or one of another class."""
-        if isinstance(found := getattr(case, name), kind):
-            return found
-        if found is None:
+        value = getattr(case, name)
+        if isinstance(value, kind):
+            return value
+        if value is None:
             raise ValueError(f"{name} must be given, got {case.name!r} without it")
-        raise ValueError(f"{name}.model must be {fields.tag_of(kind)!r}, got {found.model!r}")
+        held = fields.models_of(Case.model_fields[name].annotation)
+        tags = " or ".join(repr(fields.tag_of(one)) for one in held if issubclass(one, kind))
+        tag = fields.tag_field(type(value))
+        raise ValueError(f"{name}.{tag} must be {tags}, got {getattr(value, tag)!r}")
 
     return part
 
@@ -61,21 +68,11 @@ class Case(NamedCases):
             yield f"contact.model must be 'cells' on terrain.model 'cells' and on no other, {got}"
         elif contact.model == "cells" and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain of cells, which has no joints"
-        if self.machine is not None and self.running_gear is None:
-            yield "machine must be None without an undercarriage or a closed_track, on which it acts"
-        if self.car_body is not None and (self.closed_track is None or count % 2):
-            yield "car_body needs a closed_track, and shoes for two tracks: an even track.shoe_count"
-        if (gear := self.running_gear) is not None:
-            yield from self._gear_errors(gear)
+        yield from self.gear.errors(self)
         if self.formulation == "compiled" and not self.is_compiled:
             yield f"formulation must be 'engine' or None with {NOT_COMPILED}"
         if isinstance(contact, SphereContact):
             yield from self._sphere_errors(contact.radius)
-        if self.machine is not None and gear is not None:
-            aside = undercarriage.TIPPING if self.car_body is None else 0.5 * self.car_body.track_distance
-            yield from self.machine.balance_errors(
-                self.frame_parts, gear.rollers, aside, self.gravity_vector()
-            )
         yield from self._support_errors(0.0)
         yield from self._map_errors(np.zeros(1))
 
@@ -88,30 +85,6 @@ class Case(NamedCases):
             yield f"contact.normal must be 'face' on units of {sides}: they push each other"
         if not terrain.is_even and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
-
-    def _gear_errors(self, gear: ClosedTrack | Undercarriage) -> Errors:
-        """What does not go with a side frame, on an open or a closed track."""
-        name, tread = "undercarriage" if isinstance(gear, Undercarriage) else "closed_track", gear.tread_width
-        if self.closed_track is not None and self.undercarriage is not None:
-            yield "undercarriage must be None with a closed_track, which has a side frame of its own"
-        if not self.is_compiled:
-            yield f"formulation 'engine', {NOT_COMPILED} do not go with {name}"
-        if (rails := self.shoe.rails) is None:
-            yield f"shoe.rails must be given with {name}, whose wheels run on them"
-        elif tread > rails.width:
-            yield f"{name}.tread_width must not exceed the rails' width {rails.width} m, got {tread}"
-        if self.drive.on is not None:
-            yield f"drive.on must be None with {name}, always moved or held; a speed of zero is a brake"
-        if self.drive.turn_rate is not None and self.car_body is None:
-            yield f"drive.turn_rate must be None with {name} and without a car_body: one track does not turn"
-        if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
-            yield f"loads must be zero on every shoe with {name}, whose rollers carry the machine"
-        if self.car_body is not None and isinstance(gear, ClosedTrack) and gear.support == "posts":
-            yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
-        if self.car_body is not None and self.car_body.track_distance < self.shoe.width:
-            width, apart = self.shoe.width, self.car_body.track_distance
-            yield f"car_body.track_distance must be at least the shoes' width of {width:g} m, got {apart:g} m"
-        yield from gear.track_errors(self.shoe, self.loop)
 
     def _sphere_errors(self, radius: float) -> Errors:
         """Spheres that cannot carry the shoes."""
@@ -130,141 +103,101 @@ class Case(NamedCases):
 
     @property
     def assembled(self) -> Assembled:
-        """Where a closed track starts; raises `ValueError` if the track is open."""
-        return assembled(self.closed_gear(), self.shoe, self.loop)
+        """Where the chain of a closed track starts; raises `ValueError` if the track is open."""
+        return self.closed_gear().assembled(self.shoe, self.track)
 
     @property
     def tracks(self) -> int:
         """Number of tracks; of two the right one comes first."""
-        return 1 if self.car_body is None else 2
+        return self.gear.tracks
 
     @property
     def loop(self) -> Track:
-        """Track with the shoes of one of them."""
-        return self.track.with_(shoe_count=self.track.shoe_count // self.tracks)
+        """Chain of one of the tracks."""
+        return self.gear.loop(self.track)
 
     @property
     def track_middles(self) -> np.ndarray:
         """Y of the middles of the tracks in the axes of the side frame or of the machine: (tracks,), m."""
-        return np.zeros(1) if self.car_body is None else np.array(self.car_body.middles)
-
-    def of_track(self, side: str) -> "Case":
-        """One of two closed tracks, "right" or "left", with its own side frame and without a turn."""
-        apart = self.track_middles[SIDES.index(side)] - self.track_middles[0]
-        one, (x, y), first = self.loop, self.track.first_com, SIDES.index(side) * self.loop.shoe_count
-        pins = {"spherical_y": one.spherical_y + apart, "parallel_y": one.parallel_y + apart}
-        bent = [] if self.flexible is None else [number - first for number in self.flexible.shoes]
-        bent = [number for number in bent if 0 < number <= one.shoe_count]
-        return self.with_(
-            name=f"{self.name}, {side} track",
-            track=one.with_(first_com=(x, y + apart), **pins),
-            loads=LoadCycle.constant([0.0] * one.shoe_count),
-            drive=self.drive.with_(turn_rate=None),
-            machine=None,
-            car_body=None,
-            flexible=self.flexible.with_(shoes=bent) if self.flexible and bent else None,
-        )
-
-    @property
-    def links(self) -> np.ndarray:
-        """Shoes behind and ahead of every link: array (links, 2), numbers as of `joints`."""
-        # behind the last of an open track is no link, so that none goes on at its first shoe
-        rear, count = self.joints, self.track.shoe_count // self.tracks
-        return np.column_stack((rear, np.where(rear % count, rear + 1, rear + 1 - count)))
+        return self.gear.middles
 
     @property
     def wheel_names(self) -> list[str]:
-        """Names of the wheels of closed tracks, "right idler" where there are two; none of open ones."""
-        return [label.words for label in self.wheel_labels] if self.is_closed else []
+        """Names of the wheels that press on rails, "right idler" where there are two tracks."""
+        return self.gear.wheel_names
 
     @property
     def wheel_labels(self) -> list[WheelLabel]:
-        """Kinds and numbers of all wheels, in the order of `wheel_names`; of an open track, its rollers."""
-        labels = [] if self.running_gear is None else self.running_gear.wheel_labels
-        if self.car_body is None:
-            return labels
-        return [label._replace(track=side) for side in SIDES for label in labels]
+        """Kinds and numbers of these wheels."""
+        return self.gear.wheel_labels
 
     @property
     def frame_parts(self) -> list[Part]:
         """Rigid parts of the side frame, or of the machine on two tracks."""
-        gear = self.running_gear
-        if gear is None:
-            return []
-        frame = Part(gear.mass, np.array(gear.com), inertia_tensor(gear.inertia))
-        return [frame] if self.car_body is None else self.car_body.parts(frame)
-
-    @property
-    def tumbler_reference(self) -> np.ndarray:
-        """Centres of the tumblers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
-        return self._beside(self.assembled.tumbler[None])
-
-    @property
-    def has_tensioners(self) -> bool:
-        """Whether springs push the idlers of closed tracks, which then are bodies."""
-        return self.closed_track is not None and self.closed_track.idler.tensioner is not None
-
-    @property
-    def idler_reference(self) -> np.ndarray:
-        """Centres of the idlers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
-        (x, z), start = self.closed_gear().idler.place, self.assembled
-        center = start.frame + np.array([x + start.take_up, 0.0, z])
-        return self._beside(np.array([[*center, 0.0, 0.0, 0.0]]))
-
-    def _beside(self, rows: np.ndarray) -> np.ndarray:
-        """Rows (n, 6) of one track, global, for every track: array (tracks n, 6)."""
-        middles = self.track_middles
-        beside = np.tile(rows, (self.tracks, 1))
-        beside[:, 1] += np.repeat(middles - middles[0], len(rows))
-        return beside
-
-    @property
-    def running_gear(self) -> ClosedTrack | Undercarriage | None:
-        """Side frame whose wheels run on the shoes' rails, of an open or a closed track; None: none."""
-        return self.closed_track or self.undercarriage
-
-    @property
-    def shoe_reference(self) -> np.ndarray:
-        """Positions of the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
-        if self.closed_track is not None:
-            return self._beside(self.assembled.shoes)
-        coms = self.track.com_positions(self.shoe.com_height)
-        return np.hstack((coms, np.zeros_like(coms)))
+        return self.gear.frame_parts
 
     @property
     def joints(self) -> np.ndarray:
         """Link numbers; link i joins shoes i and i + 1, the last one of a closed track its last and first."""
-        return self.track.joints if self.closed_track is None else self.track.shoes
+        return self.gear.joints(self.track)
+
+    @property
+    def links(self) -> np.ndarray:
+        """Shoes behind and ahead of every link: array (links, 2), for the numbers see `joints`."""
+        # behind the last of an open track is no link, so that none goes on at its first shoe
+        rear = self.joints
+        count = self.track.shoe_count // self.tracks
+        return np.column_stack((rear, np.where(rear % count, rear + 1, rear + 1 - count)))
+
+    @property
+    def shoe_reference(self) -> np.ndarray:
+        """Positions of the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
+        return self.gear.shoe_reference(self.shoe, self.track)
 
     @property
     def frame_start(self) -> np.ndarray:
         """Origin of the side frame, or the machine, at t = 0, on rails that have not settled: (3,), m."""
-        if self.closed_track is not None:
-            return self.assembled.frame - np.array([0.0, self.track_middles[0], 0.0])
-        frame, rails = self.undercarriage, self.shoe.rails
-        if frame is None or rails is None:
-            raise ValueError("the case has no undercarriage")
-        height = self.shoe.com_height + rails.height + frame.radius
-        return np.array([frame.start, self.track.first_com[1], height])
+        return self.running_gear().frame_start(self.shoe, self.track)
 
     @property
-    def is_rolled(self) -> bool:
-        """Whether a side frame rolls over shoes that stand; else the drive drags the front shoe."""
-        return self.undercarriage is not None
+    def tumbler_reference(self) -> np.ndarray:
+        """Centres of the tumblers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
+        return self.closed_gear().tumbler_reference(self.shoe, self.track)
 
     @property
-    def is_closed(self) -> bool:
-        """Whether the track is closed round its side frame."""
-        return self.closed_track is not None
+    def idler_reference(self) -> np.ndarray:
+        """Centres of the idlers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
+        return self.closed_gear().idler_reference(self.shoe, self.track)
+
+    def of_track(self, side: str) -> "Case":
+        """One of two closed tracks, "right" or "left", with its own side frame and without a turn."""
+        apart = self.track_middles[SIDES.index(side)] - self.track_middles[0]
+        chain = self.loop
+        x, y = chain.first_com
+        first = SIDES.index(side) * chain.shoe_count
+        pins = {"spherical_y": chain.spherical_y + apart, "parallel_y": chain.parallel_y + apart}
+        bent = [] if self.flexible is None else [number - first for number in self.flexible.shoes]
+        bent = [number for number in bent if 0 < number <= chain.shoe_count]
+        return self.with_(
+            name=f"{self.name}, {side} track",
+            track=chain.with_(first_com=(x, y + apart), **pins),
+            gear=self.gear.single,
+            loads=LoadCycle.constant([0.0] * chain.shoe_count),
+            drive=self.drive.with_(turn_rate=None),
+            machine=None,
+            flexible=self.flexible.with_(shoes=bent) if self.flexible and bent else None,
+        )
 
     @property
     def is_compiled(self) -> bool:
-        """Whether a run takes the compiled equations of motion."""
+        """True where a run takes the compiled equations of motion."""
         can_be = not isinstance(self.contact, SphereContact) and self.terrain_formulation == "reduced"
         return can_be and self.formulation != "engine"
 
     flexible_shoes = _part("flexible", FlexibleShoes)
-    closed_gear = _part("closed_track", ClosedTrack)
+    running_gear = _part("gear", RunningGear)
+    rolled_gear = _part("gear", Rolled)
+    closed_gear = _part("gear", Closed)
     unit_terrain = _part("terrain", Terrain)
     cell_terrain = _part("terrain", CellTerrain)
     cell_contact = _part("contact", CellContact)
@@ -282,15 +215,7 @@ class Case(NamedCases):
     @property
     def first_loads(self) -> np.ndarray:
         """Loads on the shoes at t = 0: array (shoes,), N; a side frame weighs evenly on those below it."""
-        loads, frame = self.loads.loads(0.0)[0], self.running_gear
-        if frame is None:
-            return loads
-        start, half = self.frame_start, 0.5 * self.track.pitch
-        coms = self.shoe_reference
-        rear, front = frame.rollers[0] + start[0], frame.rollers[-1] + start[0]
-        under = (coms[:, 0] >= rear - half) & (coms[:, 0] <= front + half) & (coms[:, 2] < start[2])
-        carried = sum(part.mass for part in self.frame_parts)
-        return loads + under * carried * self.gravity / max(1, under.sum())
+        return self.gear.first_loads(self)
 
     def machine_wrench(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) on a side frame's origin beside its weight, global: (times, 3) each."""
@@ -347,12 +272,7 @@ class Case(NamedCases):
         corners = np.array([[rear, right], [front, right], [front, left], [rear, left]])
         middle, angle = corners.mean(axis=0), self.drive.turn(time)
         c, s = np.cos(angle), np.sin(angle)
-        travel = np.array([0.0 if self.is_rolled else self.drive.travel(time), 0.0])
-        if self.car_body is not None and self.drive.turn_rate is not None:
-            times = np.linspace(0.0, time, 501)
-            speed, heading = self.drive.speed.value(times), self.drive.turn_rate.integral(times)
-            travel = np.trapezoid(speed * np.array([np.cos(heading), np.sin(heading)]), times)
-        return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
+        return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + self.gear.way(self.drive, time)
 
     def check_support(self, duration: float) -> None:
         """Refuse, by a `ValueError`, a drive off the terrain, or a frame off the track, in `duration` (s)."""
@@ -376,8 +296,7 @@ class Case(NamedCases):
             yield f"terrain.relief.measured: {misfit}"
 
     def _support_errors(self, time: float) -> Errors:
-        if (frame := self.undercarriage) is not None:
-            yield from undercarriage.length_errors(frame, self.track, self.drive.travel(time), time)
+        yield from self.gear.reach_errors(self.track, self.drive.travel(time), time)
         corners = self.outline(time)
         for name, places, (least, greatest) in zip("xy", corners.T, self.terrain.bounds, strict=True):
             low, high = places.min(), places.max()

@@ -7,14 +7,14 @@ A case file may name one of those without arguments as its `base`. `Case` inheri
 from typing import Literal, Self
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import undercarriage
-from exudyn_crawler.case.parameters.closed_track import ClosedTrack
+from exudyn_crawler.case.gear.closed import Closed
+from exudyn_crawler.case.gear.machine import Machine
+from exudyn_crawler.case.gear.rolled import Rolled, ground_below
 from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import FlexibleShoes, Rails, Shoe, Track
-from exudyn_crawler.case.parameters.undercarriage import CarBody, Undercarriage
 from exudyn_crawler.case.sections import Sections
 
 
@@ -68,12 +68,12 @@ class NamedCases(Sections):
             name="rolled",
             shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
             track=track,
-            terrain=undercarriage.ground_below(track, Terrain.stress()),
+            terrain=ground_below(track, Terrain.stress()),
             # shoes that tilt under the rollers stand on several units
             contact=PairContact.oil_sand(sharing="area"),
             drive=Drive.translation(),
             loads=LoadCycle.constant([0.0] * shoe_count),
-            undercarriage=Undercarriage.ph4100c(),
+            gear=Rolled.ph4100c(),
             # shoes stand: steps of 2 ms give the same pull within 0.5 %
             solver=Solver(step=5e-3, output_interval=5e-3),
         )
@@ -86,23 +86,16 @@ class NamedCases(Sections):
             shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
             track=Track.ph4100c().with_(shoe_count=shoe_count),
             loads=LoadCycle.constant([0.0] * shoe_count),
-            closed_track=ClosedTrack.ph4100c(),
+            gear=Closed.ph4100c(),
         )
 
     @classmethod
     def shovel(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
-        """Straight propel of the whole machine on two closed tracks of `shoe_count` rigid shoes each.
-
-        The tracks go at `drive.speed` more or less half of `track_distance` times `drive.turn_rate`.
-        """
+        """Straight propel of the whole machine on two closed tracks of `shoe_count` rigid shoes each."""
         half = cls.closed(shoe_count)
-        frame = ClosedTrack.ph4100c()
-        mass = ph4100c.SIDE_FRAME_MASS
-        inertia = tuple(value * mass / frame.mass for value in frame.inertia)
         return half.with_(
             name="shovel",
             track=half.track.with_(shoe_count=2 * shoe_count),
             loads=LoadCycle.constant([0.0] * (2 * shoe_count)),
-            closed_track=frame.with_(mass=mass, inertia=inertia),
-            car_body=CarBody.ph4100c(),
+            gear=Machine.ph4100c(),
         )

@@ -5,14 +5,15 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.gear import AnyGear
+from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.parameters.base import Name, Parameters, option, quantity
-from exudyn_crawler.case.parameters.closed_track import ClosedTrack
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.loads import LoadCycle
+from exudyn_crawler.case.parameters.machine_cycle import MachineCycle
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, Terrain
 from exudyn_crawler.case.parameters.track import FlexibleShoes, Shoe, Track
-from exudyn_crawler.case.parameters.undercarriage import CarBody, MachineCycle, Undercarriage
 
 AnyTerrain = Annotated[Terrain | CellTerrain, Field(discriminator="model")]
 Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]
@@ -25,6 +26,10 @@ class Sections(Parameters):
     name: Name = option("name of the case in results and figures", "case")
     shoe: Shoe
     track: Track
+    gear: AnyGear = option(
+        "what moves the track: kind dragged, rolled, closed, or machine on two closed ones",
+        Dragged(),
+    )
     terrain: AnyTerrain = option("ground: model units or cells")
     contact: Contact = option("how shoes and terrain touch: model pair, spheres or cells")
     drive: Drive
@@ -39,13 +44,4 @@ class Sections(Parameters):
         None,
     )
     gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
-    undercarriage: Undercarriage | None = option(
-        "side frame that rolls over the shoes at the drive's speed; none: this drags the front shoe", None
-    )
     machine: MachineCycle | None = option("what the machine does on the side frame; none: its weight", None)
-    closed_track: ClosedTrack | None = option(
-        "side frame, tumbler, idler and rollers that the track is closed round; none: it is open", None
-    )
-    car_body: CarBody | None = option(
-        "of a machine on two closed tracks, which share `track.shoe_count`, the right first; none: one", None
-    )

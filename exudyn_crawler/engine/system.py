@@ -33,7 +33,7 @@ FREE_ROTATION = 4
 
 
 class ExudynSystem(track_system.TrackSystem):
-    """Multibody system of a case of Exudyn's items; a ValueError if it is rolled.
+    """Multibody system of a case of Exudyn's items; a ValueError if it has bodies beside its shoes.
 
     `static` holds the front shoe in x, y and about z instead of driving it, keeps loads as they are at t = 0,
     and adds what helps to find a rest: friction on slopes, dashpots on uneven ground. `general` is Exudyn's
@@ -41,8 +41,9 @@ class ExudynSystem(track_system.TrackSystem):
     """
 
     def __init__(self, case: Case, static: bool = False) -> None:
-        if case.is_rolled:
-            raise ValueError("the case must not be rolled for a system of Exudyn's items")
+        if case.gear.bodies:
+            kind = case.gear.kind
+            raise ValueError(f"gear.kind must be 'dragged' for a system of Exudyn's items, got {kind!r}")
         parts = build.parts_of(case)
         super().__init__(case, parts)
         self._coordinates = euler_parameters.BodyCoordinates(parts.tables.bodies.reference)

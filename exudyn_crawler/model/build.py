@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Case, ClosedTrack
+from exudyn_crawler.case import Case, Closed, Rolled
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground import packed, pair_geometry
@@ -23,8 +23,6 @@ from exudyn_crawler.model.joints import ROWS, ClosedJoints, Joints, Markers, Pul
 from exudyn_crawler.model.tables import FrontRows, Tables
 from fem.patches import hat_grid
 
-FRAME_HOLDS = (1, 5)
-"""Coordinates of a side frame that stay as they are: y and yaw."""
 ACROSS_CHAIN = np.array([0.0, 1.0, 0.0, 1.0, 1.0])
 """Equations of a pin that are redundant in a closed chain."""
 
@@ -63,7 +61,8 @@ class _Builder:
         self.flexible[flexible_shoes(case)] = True
         self.modes = 0 if floating is None else floating.mode_count
         self._markers: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]] = []
-        self.frame, self.closed = case.undercarriage, case.closed_track
+        self.frame = case.gear if isinstance(case.gear, Rolled) else None
+        self.closed = case.gear if isinstance(case.gear, Closed) else None
         # a side frame, or the machine on two tracks, and the tumblers of closed ones
         self.tumblers = self.shoes + 1 + np.arange(case.tracks if self.closed else 0)
         self.tensioner = self.closed.idler.tensioner if self.closed else None
@@ -169,22 +168,20 @@ class _Builder:
                 where = "middle" if closed is not None and not bends else side
                 pins.append((self._pin(rear, f"front {where}"), self._pin(front, f"rear {where}")))
                 names.append((rear + 1, side))
-        last, gear = self.shoes - 1, self.case.running_gear
+        last = self.shoes - 1
         joined = self.case.links - 1
         bodies = [tuple(joined[link - 1].tolist()) for link, _ in names for _ in range(ROWS)]
         for body, axis in zip(self.turning, self._axes(), strict=True):
             pins.append((self._add(self.shoes, axis), self._add(body, np.zeros(3))))
             names.append((self.shoes - body, SIDES[0]))
             bodies += [(self.shoes, body)] * ROWS
-        if gear is not None:
-            drive = self._add(self.shoes, np.zeros(3))
+        if self.case.gear.bodies:
+            driven, drive = self.shoes, self._add(self.shoes, np.zeros(3))
         else:
             rows = self.point.rows if self.point.rows.size else None
-            drive = self._add(last, self.point.place, rows)
-        on_posts = closed is not None and closed.support == "posts"
-        held = range(6) if on_posts else FRAME_HOLDS if self.case.car_body is None else ()
-        holds = [] if gear is None else [(self.shoes, k) for k in held]
-        bodies += [(self.shoes if gear is not None else last, -1), (last, -1)]
+            driven, drive = last, self._add(last, self.point.place, rows)
+        holds = [(self.shoes, k) for k in self.case.gear.holds]
+        bodies += [(driven, -1), (last, -1)]
         bodies += [(body, -1) for body, _ in holds]
         joints = Joints(
             pins=np.array(pins, dtype=np.int64).reshape(-1, 2),
@@ -205,7 +202,7 @@ class _Builder:
                 places.append((place, self._add(s, floating.beside, floating.beside_rows)))
             else:
                 places.append((self._add(s, self.case.shoe.load_point), self._add(s, (0.0, 1.0, 0.0))))
-        if self.case.running_gear is not None:
+        if self.case.gear.bodies:
             places.append((self._add(self.shoes, np.zeros(3)), -1))
         if self.frame is not None:
             places += [(self._pin_middle(0, "rear"), -1), (self._pin_middle(self.shoes - 1, "front"), -1)]
@@ -271,18 +268,14 @@ class _Builder:
 
     def wheels(self) -> Wheels:
         """Wheels of a side frame on the rails of the shoes; rollers of an open track have no flanges."""
-        gear, rails = self.case.running_gear, self.case.shoe.rails
-        if gear is None or rails is None:
+        rails = self.case.shoe.rails
+        if rails is None or not self.case.gear.wheel_names:
             return packed.nothing(Wheels)
+        gear = self.case.running_gear()
         lines = shoe_mesh.strip_lines(gear, rails)
         middles, count = self.case.track_middles, self.shoes // self.case.tracks
-        if isinstance(gear, ClosedTrack):
-            wheels, height = gear.wheels(self.case.assembled.take_up), gear.guide_height
-            guides = np.array([gear.guide_stiffness, gear.guide_damping]) / len(lines)
-            flange = (gear.guide_play, *guides.tolist())
-        else:
-            wheels = np.array([(x, 0.0, gear.radius) for x in gear.rollers])
-            flange, height = (0.0, 0.0, 0.0), 0.0
+        wheels = gear.first_wheels(self.case.shoe, self.case.track)
+        play, stiffness, damping = gear.flange
         first = count * np.repeat(np.arange(len(middles)), len(wheels))
         frames, beside = np.full(len(first), self.shoes), np.repeat(middles, len(wheels))
         places = [[(x, y + m, z) for y in lines] for m in middles for x, z, _ in wheels]
@@ -299,8 +292,8 @@ class _Builder:
             middles=beside,
             radii=np.tile(wheels[:, 2], len(middles)),
             law=(gear.stiffness / strips, gear.exponent, gear.damping / strips, gear.damping_depth),
-            flange=flange,
-            height=height,
+            flange=(play, stiffness / len(lines), damping / len(lines)),
+            height=gear.flange_height,
             rail=(rails.rear, rails.front, rails.height),
             rows=shoe_mesh.rail_rows(reduced, gear, rails),
             spacing=shoe_mesh.station_spacing(rails),

@@ -71,7 +71,7 @@ class CompiledSystem(track_system.TrackSystem):
         """Forces of the gear; see `TrackSystem`."""
         count = self.layout.shoes
         shoes = np.arange(count)
-        if self.case.is_closed:
+        if self.case.gear.loops:
             shoes = np.flatnonzero(self.tables.bodies.modal[:count] >= 0)
         forces = gear.GearForces.allocate(len(times), count, len(shoes), self.work)
         drags = self.timed_inputs.drags_at(times)
@@ -82,7 +82,7 @@ class CompiledSystem(track_system.TrackSystem):
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""
-        self._driven = on or self.case.running_gear is not None
+        self._driven = on
 
     def inputs(self, time: float) -> Inputs:
         """Loads and drive at a time, s."""
@@ -96,12 +96,9 @@ class CompiledSystem(track_system.TrackSystem):
             self.cells.put_down(state)
 
     def set_initial(self, q: np.ndarray) -> None:
-        """Start from rest at the coordinates `q`; a side frame has its speed."""
+        """Start from rest at the coordinates `q`."""
         self._state[0] = q
         self._state[1:] = 0.0
-        if self.case.undercarriage is not None:
-            first = self.tables.bodies.coordinate[self.tables.pull.frame]
-            self._state[1, first] = self.case.drive.speed.value(0.0)
         self._multipliers[:] = 0.0
         self._hand_over(exu.ConfigurationType.Initial)
 
@@ -215,7 +212,7 @@ class CompiledSystem(track_system.TrackSystem):
         limits = (*self._limits, starts_factored)
         inputs = self.inputs(solver.it.currentTime)
         converged, iterations = self.step(self._state, self._multipliers, inputs, weights, limits)
-        keeps_matrix = self.case.is_closed or (self.case.is_rolled and self.cells is not None)
+        keeps_matrix = self.case.gear.loops or (self.case.gear.bodies and self.cells is not None)
         self._factored = weights if keeps_matrix and converged and iterations == 1 else None
         if not converged:
             self._multipliers[:] = start

@@ -85,7 +85,7 @@ def check_shoe(case: Case) -> None:
     """Refuse a mesh of the flexible shoes that does not fit the track, its shoes or the machine's memory."""
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
-    rails = None if case.running_gear is None else case.shoe.rails
+    rails = case.shoe.rails if case.gear.wheel_names else None
     shoe_mesh.check_fit(body.mesh, flexible.mesh, case.shoe, rails)
 
 

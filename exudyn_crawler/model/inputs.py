@@ -22,12 +22,10 @@ class TimedInputs:
     def __init__(self, case: Case, tables: Tables) -> None:
         self._case = case
         self._load_count = len(tables.loads.marker)
-        self._motor_count = len(tables.closed.motors)
         machine = [NOTHING] * 6 if case.machine is None else case.machine.components
         turn = case.drive.turn_rate or NOTHING
         profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
         self._profiles = plain(profiles_of(profiles))
-        self._resistances = np.zeros(1) if case.running_gear is None else case.running_gear.resistances
         self._middles = case.track_middles
         self._gravity = tuple(case.gravity_vector().tolist())
         self._down = case.terrain.down
@@ -40,26 +38,16 @@ class TimedInputs:
         of_tracks = self._speeds_of_tracks(speeds)
         loads = np.zeros((self._load_count, 6))
         loads[:count, :3] = np.outer(shoes, self._down)
-        drag = np.zeros(1)
-        if case.running_gear is not None:
-            loads[count] = machine
-            drag = self._drags(of_tracks)
-        if case.undercarriage is not None:
-            tension = case.undercarriage.end_tension
-            loads[count + 1 :, 0] = -tension, tension
-        turning = driven and case.drive.turn_rate is not None
-        active = np.array([driven, turning], dtype=float)
-        motors = np.zeros(0)
-        if case.closed_track is not None:
-            active[:] = 0.0
-            motors = np.zeros(self._motor_count)  # what keeps sliding idlers from spinning last
-            motors[: len(of_tracks)] = of_tracks / case.closed_track.travel_per_angle(case.track)
+        loads[count:] = case.gear.wrenches(machine)
+        drag = case.gear.drags(of_tracks)
+        active = case.gear.active(driven, driven and case.drive.turn_rate is not None)
+        motors = case.gear.motors(of_tracks, case.track)
         return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)
 
     def drags_at(self, times: np.ndarray) -> np.ndarray:
         """Rolling resistance over normal force of all wheels at times (s): array (times, wheels)."""
         speeds = np.array([self._applied(time)[1] for time in times])
-        return self._drags(self._speeds_of_tracks(speeds))
+        return self._case.gear.drags(self._speeds_of_tracks(speeds))
 
     def _applied(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Loads of the shoes, speed with rate of turning and side shift, wrench on the frame, at a time."""
@@ -74,11 +62,3 @@ class TimedInputs:
     def _speeds_of_tracks(self, speeds: np.ndarray) -> np.ndarray:
         """Speeds of the tracks (..., tracks), m/s: a turn makes the right one faster than the left one."""
         return speeds[..., :1] - speeds[..., 1:2] * self._middles
-
-    def _drags(self, of_tracks: np.ndarray) -> np.ndarray:
-        """Rolling resistance over normal force of all wheels (..., wheels), with the sign of the travel."""
-        running_gear = self._case.running_gear
-        assert running_gear is not None
-        faded = np.hypot(of_tracks, running_gear.resistance_speed)
-        drags = of_tracks[..., None] * self._resistances / faded[..., None]
-        return drags.reshape(*of_tracks.shape[:-1], -1)

@@ -8,9 +8,8 @@ from exudyn_crawler.model.tables import Tables
 
 def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> state.StateLayout:
     """Layout of the states of a case; `pins` name link (from 1) and side of each."""
-    turned = state.TUMBLERS[case.tracks] if case.is_closed else ()
-    turned += state.IDLERS[case.tracks] if case.has_tensioners else ()
-    others = turned if case.running_gear is None else (state.SIDE_FRAME, *turned)
+    turned = case.gear.tumblers + case.gear.sliding_idlers
+    others = case.gear.bodies
     names = [*(f"shoe {number}" for number in case.track.shoes), *others]
 
     def pin(link: int, side: str) -> str:

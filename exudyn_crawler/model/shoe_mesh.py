@@ -144,7 +144,7 @@ class DrivePoint:
 def pulled_node(case: Case, mesh: Mesh) -> int | None:
     """Node of the flexible shoes' mesh that has all of the drive's force; None where none has."""
     flexible = case.flexible
-    if flexible is None or case.is_closed or case.drive.point != "com node":
+    if flexible is None or case.gear.loops or case.drive.point != "com node":
         return None
     if case.track.shoe_count not in flexible.shoes:
         return None

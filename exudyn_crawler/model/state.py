@@ -13,20 +13,14 @@ from math import prod
 
 import numpy as np
 
-VERSION = 7
-"""Of the layout's text; another version is an error."""
+VERSION = 8
+"""Of the layout's text and of the case beside it; another version is an error."""
 
 RATES = ("", " rate", " acceleration")
 """Suffixes of the names of coordinates, of their first and of their second rates."""
 
 BODY_COORDINATES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
-SIDE_FRAME = "side frame"
-"""Body that rolls over the track; of a machine on two tracks all of it but shoes and tumblers."""
-TUMBLERS = {1: ("tumbler",), 2: ("right tumbler", "left tumbler")}
-"""Drive wheels of closed tracks, by the number of these."""
-IDLERS = {1: ("idler",), 2: ("right idler", "left idler")}
-"""Idlers of closed tracks that tensioners push, the same."""
 BEARING, MOTOR = "bearing of the {}", "motor of the {}"
 """Joints between frame and a tumbler, or an idler: its slide, and what keeps it from spinning."""
 

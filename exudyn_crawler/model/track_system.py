@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exudyn_crawler.case import Case, Terrain
+from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.model.build import Parts
 from exudyn_crawler.model.exudyn import exu
 from exudyn_crawler.model.forces.cells import TrackOnCells
@@ -60,19 +61,19 @@ class TrackSystem(ABC):
         sag = 0.0
         q = np.zeros(self.layout.coordinate_count)
         shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
-        if case.closed_track is not None and case.closed_track.support == "posts":
+        if case.gear.holds == POSTS:
             return q
         if isinstance(case.terrain, Terrain):
             sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
             terrain = q[shoes.size : shoes.size + self.contact.coordinates.size]
             terrain[:] = self.contact.coordinates.sunk_evenly(-sag)
-        if case.is_closed:
+        if case.gear.loops:
             loaded = float(case.settled_depths(case.pressed(case.first_loads)).max())
             bodies = [*range(len(shoes)), *range(-len(self.layout.bodies), 0)]
             q[[6 * body + 2 for body in bodies]] = -sag - loaded
             return q
         # rails of neighbours at one height: rollers may be on either
-        loads = case.pressed(case.loads.loads(0.0)[0] if case.is_rolled else case.first_loads)
+        loads = case.pressed(case.loads.loads(0.0)[0])
         shoes[:, 2] = -sag - case.settled_depths(loads)
         x = self.contact.shoe_reference[:, 0]
         half = 0.5 * case.shoe.length
@@ -80,7 +81,7 @@ class TrackSystem(ABC):
         front = self.contact.surface(x + half)
         shoes[:, 2] += 0.5 * (rear + front)
         shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
-        if case.is_rolled:  # the frame's coordinates come last
+        if case.gear.bodies:  # the frame's coordinates come last
             q[-4] = shoes[0, 2] - FIRST_DEPTH
         return q
 

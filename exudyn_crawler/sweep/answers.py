@@ -219,7 +219,7 @@ def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
         # a link has two pins where one of its shoes is flexible
         "pin": [one for one in links if {one, one % case.track.shoe_count + 1} & {*flexible}],
         "unit": case.terrain.units.tolist(),
-        "roller": [*range(1, len(case.undercarriage.rollers) + 1)] if case.undercarriage else [],
+        "roller": [*range(1, len(case.gear.wheel_names) + 1)],
     }
     what = "shoe" if quantity.by_shoe else quantity.per
     return what, counted.get(what, [])

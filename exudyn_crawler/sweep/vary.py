@@ -186,7 +186,7 @@ class Vary(Parameters):
                 continue
             if fields.is_table(entry.value):
                 raise ValueError(f"{path} is a table; key must be the path of a value in it")
-            if entry.place[-1] == fields.TAG:
+            if entry.place[-1] in fields.TAGS:
                 raise ValueError(f"{path} cannot vary: each has values of its own; make a sweep of each")
             # settings are computed: their unit is that of what they stand for
             if self.settings is None:

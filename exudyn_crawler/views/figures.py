@@ -224,7 +224,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
     of_shoes, of_links = [f"shoe {one}" for one in shoes], [f"link {one}-{one + 1}" for one in links]
     items = [*of_shoes, *of_links]
     panels = {name: _panels(found, labels, items) for name, labels in OF_RUNS.items() if labels[0] in found}
-    if case.is_rolled:
+    if LABEL["roller_force"] in found:
         force, on_shoes = LABEL["roller_force"], LABEL["rail_force"]
         sides = [ON_RAILS.format(side) for side in history.rail.values]
         panels[force] = _panels(found, [force, *sides], axis="z")
@@ -235,7 +235,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
         pull, turning = (_panels(found, [LABEL[name]]) for name in ("drive_pull", "side_frame_angles"))
         panels["side frame"] = [*pull, *rising, *turning]
     figures = {}
-    if case.is_closed:
+    if LABEL["wheel_force"] in found:
         wheels = found[LABEL["wheel_force"]]
         others = [one for one in wheels.items if "roller" not in one]
         panels["force on the rollers"] = wheels.panels([one for one in wheels.items if one not in others])

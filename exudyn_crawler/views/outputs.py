@@ -36,7 +36,7 @@ def write_tables(history: History, stresses: Stresses, folder: Path, outputs: Ou
         found["highest_stresses"] = hot_spots.highest_by_phase(history, data)
         found["highest_by_region"] = hot_spots.region_table(stresses.by_region, data)
         found |= {f"hot_spots_shoe_{k}": hot_spots.hot_spot_table(one, data) for k, one in spots.items()}
-    if roller_path.has_treads(history) and (history.case.is_closed or history.tread_force.any()):
+    if roller_path.treads_press(history):
         found[figures.ROLLER_PATH] = roller_path.roller_path(history)
     for name, table in found.items():
         tables.write_table(table, folder / f"{name}.csv", overwrite=True)
@@ -158,17 +158,23 @@ def _track(moment: History) -> Iterator[tuple[str, meshio.Mesh]]:
     yield "terrain", _ground(moment)
     pressing = track.single_forces(moment.dataset)
     yield from _vertices("contacts", *pressing.pop("contacts")[:2])
-    if moment.case.is_rolled:
-        beam = gear.beam(moment)
-        yield beam.name, _cells(beam)
-        treads = moment.roller_force.isel(time=0).sum("rail").transpose("roller", "axis"), moment.roller
-        force, number = (np.repeat(one.values, moment.dataset.sizes["rail"], axis=0) for one in treads)
-        yield "rollers", _cells(gear.wheel_solids(moment)[0], roller=number, force=force)
-    elif moment.case.is_closed:
-        for solid in gear.gear_solids(moment):
-            yield solid.name, _cells(solid)
+    of_rollers = _roller_fields(moment)
+    for solid in gear.gear_solids(moment):
+        yield solid.name, _cells(solid, **(of_rollers if solid.name == "rollers" else {}))
     for name, (places, forces, _) in pressing.items():
         yield from _vertices(name, places, forces)
+
+
+def _roller_fields(moment: History) -> dict[str, np.ndarray]:
+    """Number and force of every roller of an open track in one instant, on each of its treads."""
+    if not moment.has("roller_force"):
+        return {}
+    force = moment.roller_force.isel(time=0).sum("rail").transpose("roller", "axis")
+    count = moment.dataset.sizes["rail"]
+    return {
+        "roller": np.repeat(moment.roller.values, count),
+        "force": np.repeat(force.values, count, axis=0),
+    }
 
 
 def _ground(moment: History) -> meshio.Mesh:

@@ -9,7 +9,7 @@ from exudyn_crawler import Case
 from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, StepProfile
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.closed_track import Tensioner
-from exudyn_crawler.case.parameters.undercarriage import Pose
+from exudyn_crawler.case.parameters.machine_cycle import Pose
 from exudyn_crawler.case.ph4100c import MACHINE_MASS
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -22,7 +22,7 @@ RATES = {"speed": 0.3, "turn_rate": 0.05}
 def openings(case):
     """By how much the front pin of every shoe is apart from the rear pin of the next one, m."""
     shoes, track = case.shoe_reference, case.track
-    turn, pitch = rotation_matrices(shoes[:, 3:]), case.closed_track.chain_pitch(track)
+    turn, pitch = rotation_matrices(shoes[:, 3:]), case.gear.chain_pitch(track)
     front = shoes[:, :3] + turn @ [track.pin_ahead, 0.0, track.pin_height]
     rear = shoes[:, :3] + turn @ [track.pin_ahead - pitch, 0.0, track.pin_height]
     behind, ahead = case.links.T - 1
@@ -31,13 +31,13 @@ def openings(case):
 
 @pytest.mark.parametrize("changes", [
     {},
-    {"closed_track.idler.slack": 0.0},
-    {"closed_track.idler.slack": 0.005},
-    {"closed_track.idler.sag": 0.06},
-    {"closed_track.idler.pretension": 500e3},
-    {"closed_track.idler.take_up": 0.03},
-    {"closed_track.pitch_growth": 0.01},
-    {"closed_track.carriers": ()},
+    {"gear.idler.slack": 0.0},
+    {"gear.idler.slack": 0.005},
+    {"gear.idler.sag": 0.06},
+    {"gear.idler.pretension": 500e3},
+    {"gear.idler.take_up": 0.03},
+    {"gear.pitch_growth": 0.01},
+    {"gear.carriers": ()},
 ])  # fmt: skip
 def test_chain_closes_to_rounding(changes):
     case = Case.closed().with_(changes)
@@ -49,22 +49,22 @@ def test_chain_closes_to_rounding(changes):
     assert case.shoe_reference[0, 0] == pytest.approx(case.track.first_com[0], abs=1e-12)
 
 
-TAUT = {"closed_track.idler.slack": 0.0}
+TAUT = {"gear.idler.slack": 0.0}
 
 
 def with_slides(**changes):
     """Slides where the carriers are, the first from the first to the second of them."""
-    closed = Case.closed().closed_track
+    closed = Case.closed().gear
     (x, z), top = closed.carriers[0], closed.carriers[0][1] + closed.carrier_radius
     values = {"carriers": (), "slides": ((x, x + 1.8, top), (x + 3.6, x + 5.4, top))} | changes
     assert z < top
-    return Case.closed().with_({f"closed_track.{name}": value for name, value in values.items()})
+    return Case.closed().with_({f"gear.{name}": value for name, value in values.items()})
 
 
 def test_slides_are_lines_that_do_not_turn_at_even_steps():
     """Between the outer lines the belt is that over carriers at the same places."""
     case = with_slides().with_(TAUT)
-    closed, wheels = case.closed_track, case.closed_track.wheels(0.0)
+    closed, wheels = case.gear, case.gear.wheels(0.0)
     assert openings(case).max() < 1e-12
     assert case.assembled.take_up == pytest.approx(Case.closed().with_(TAUT).assembled.take_up, abs=1e-12)
     first = [name.startswith("slide 1, line ") for name in case.wheel_names]
@@ -94,7 +94,7 @@ def test_other_numbers_of_shoes_move_the_idler(count):
 
 def test_take_up_of_a_slack_chain_is_short_of_that_of_a_taut_one():
     taut = Case.closed().with_(TAUT).assembled
-    slack = Case.closed().with_({"closed_track.idler.slack": 0.01}).assembled
+    slack = Case.closed().with_({"gear.idler.slack": 0.01}).assembled
     assert taut.sag == 0.0
     assert taut.take_up - slack.take_up == pytest.approx(0.01, abs=1e-12)
     assert slack.sag > 0.05
@@ -105,7 +105,7 @@ def test_tension_at_rest_is_a_sag_or_a_pretension_or_a_place_of_the_idler():
 
     def stands_back(**idler):
         taut = Case.closed().with_(TAUT).assembled.take_up
-        changes = {f"closed_track.idler.{name}": value for name, value in idler.items()}
+        changes = {f"gear.idler.{name}": value for name, value in idler.items()}
         return taut - Case.closed().with_(changes).assembled.take_up
 
     assert stands_back(sag=0.06) == pytest.approx(4.0 * stands_back(sag=0.03), rel=1e-9)
@@ -114,7 +114,7 @@ def test_tension_at_rest_is_a_sag_or_a_pretension_or_a_place_of_the_idler():
     assert stands_back(pretension=2e5) > 2.0 * stands_back(pretension=4e5)
     weight = Case.closed().shoe.mass * 9.81 / Case.closed().track.pitch
     pull = weight * 1.8**2 / (8.0 * 0.06)
-    even = pull - weight * Case.closed().closed_track.idler.radius
+    even = pull - weight * Case.closed().gear.idler.radius
     assert stands_back(pretension=even) == pytest.approx(stands_back(sag=0.06), rel=1e-9)
 
 
@@ -136,36 +136,43 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
 @pytest.mark.parametrize(
     ("case", "changes", "message"),
     [
-        (CLOSED, {"closed_track.tumbler.reach": 0.199}, "leaving lugs hook under it"),
-        (CLOSED, {"closed_track.tumbler.reach": 0.5}, "must let the addendum circle"),
-        (CLOSED, {"shoe.rails": None}, "shoe.rails must be given with closed_track"),
-        (CLOSED, {"closed_track.rollers": (0.0, 0.5)}, "rollers must stand in order and a diameter"),
-        (CLOSED, {"closed_track.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
+        (CLOSED, {"gear.tumbler.reach": 0.199}, "leaving lugs hook under it"),
+        (CLOSED, {"gear.tumbler.reach": 0.5}, "must let the addendum circle"),
+        (CLOSED, {"shoe.rails": None}, "shoe.rails must be given with gear.kind 'closed'"),
+        (CLOSED, {"gear.rollers": (0.0, 0.5)}, "rollers must stand in order and a diameter"),
+        (CLOSED, {"gear.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
         (CLOSED, {"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
-        (CLOSED, {"closed_track.idler.take_up": 0.3}, "too short by"),
+        (CLOSED, {"gear.idler.take_up": 0.3}, "too short by"),
         (
             CLOSED,
-            {"closed_track.idler.take_up": 0.03, "closed_track.idler.sag": 0.04},
+            {"gear.idler.take_up": 0.03, "gear.idler.sag": 0.04},
             "sag and take_up must not be given together",
         ),
         (
             CLOSED,
             {
-                "closed_track.idler.tensioner": Tensioner(mass=8e3, stiffness=2e8, preload=3e7),
-                "closed_track.idler.pretension": 4e5,
+                "gear.idler.tensioner": Tensioner(mass=8e3, stiffness=2e8, preload=3e7),
+                "gear.idler.pretension": 4e5,
             },
             "pretension must be none with a tensioner",
         ),
         (
             CLOSED,
-            {"closed_track.fold_limit": 0.6},
+            {"gear.fold_limit": 0.6},
             "fold_limit must be greater than 2 pi / teeth = 0.6283 rad",
         ),
-        (CLOSED, {"drive": Drive.turning()}, r"drive.turn_rate must be None .* without a car_body"),
-        (SHOVEL, {"track.shoe_count": 75, "loads": LoadCycle.constant([0.0] * 75)}, "even track.shoe_count"),
+        (
+            CLOSED,
+            {"drive": Drive.turning()},
+            "drive.turn_rate must be None with gear.kind 'closed': one track",
+        ),
+        (
+            SHOVEL,
+            {"track.shoe_count": 75, "loads": LoadCycle.constant([0.0] * 75)},
+            "track.shoe_count must be even",
+        ),
         (SHOVEL, {"track.shoe_count": 72, "loads": LoadCycle.constant([0.0] * 72)}, "a chain of 36 shoes"),
-        (SHOVEL, {"closed_track": None}, "car_body needs a closed_track"),
-        (SHOVEL, {"closed_track.support": "posts"}, "must be 'ground' with a car_body"),
+        (SHOVEL, {"gear.support": "posts"}, "gear.support must be 'ground' with gear.kind 'machine'"),
     ],
 )
 def test_what_does_not_go_with_one_or_two_closed_tracks_is_refused(case, changes, message):
@@ -174,16 +181,16 @@ def test_what_does_not_go_with_one_or_two_closed_tracks_is_refused(case, changes
 
 
 def test_case_file_with_base_closed(read, refused):
-    found = read('base = "closed"\nduration = 1.0\n[closed_track]\nsupport = "posts"\n').case
-    assert found == Case.closed().with_({"closed_track.support": "posts"})
-    (fault,) = refused('base = "closed"\n[closed_track.tumbler]\nteeth = 12\n')
+    found = read('base = "closed"\nduration = 1.0\n[gear]\nsupport = "posts"\n').case
+    assert found == Case.closed().with_({"gear.support": "posts"})
+    (fault,) = refused('base = "closed"\n[gear.tumbler]\nteeth = 12\n')
     assert "mm within the chain about the others" in fault
 
 
 def test_travel_of_the_chain_is_that_of_its_pitches():
     case = Case.closed()
-    radius = case.closed_track.tumbler.radius(case.track.pitch)
-    travel = case.closed_track.travel_per_angle(case.track)
+    radius = case.gear.tumbler.radius(case.track.pitch)
+    travel = case.gear.travel_per_angle(case.track)
     # a polygon's side is shorter than its arc: 0.9836 of the radius at 10 gaps
     assert travel / radius == pytest.approx(math.sin(math.pi / 10) / (math.pi / 10), rel=1e-12)
 
@@ -192,17 +199,17 @@ def test_machine_has_two_closed_loops_side_by_side_and_its_parts_weigh_what_it_w
     case = Case.shovel()
     assert openings(case).max() < 1e-12
     right, left = case.shoe_reference.reshape(2, 38, 6)
-    apart = [0.0, case.car_body.track_distance, 0.0, 0.0, 0.0, 0.0]
+    apart = [0.0, case.gear.car_body.track_distance, 0.0, 0.0, 0.0, 0.0]
     assert left - right == pytest.approx(np.tile(apart, (38, 1)))
     assert case.frame_start[1] == pytest.approx(0.5 * (right + left)[0, 1])
     assert case.links[[37, 75]].tolist() == [[38, 1], [76, 39]]
     assert case.wheel_names[0] == "right roller 1"
     mass = sum(part.mass for part in case.frame_parts)
-    assert mass + 76 * case.shoe.mass + 2 * case.closed_track.tumbler.mass == pytest.approx(MACHINE_MASS)
+    assert mass + 76 * case.shoe.mass + 2 * case.gear.tumbler.mass == pytest.approx(MACHINE_MASS)
 
 
 def test_upper_structure_takes_its_weight_and_inertia_along_as_it_slews():
-    body = Case.shovel().car_body
+    body = Case.shovel().gear.car_body
     com, inertia = body.upper_at(0.5 * math.pi)
     ahead, straight = body.upper_at(0.0)
     assert com == pytest.approx([0.0, ahead[0], ahead[2]])
@@ -223,13 +230,13 @@ def test_machine_goes_where_it_heads():
 
 def test_slewing_upper_structure_moves_the_weight_of_the_machine():
     case = Case.shovel()
-    weight = case.car_body.upper_mass * case.gravity
+    weight = case.gear.car_body.upper_mass * case.gravity
     pose = Pose("dump", 5.0, 0.5 * math.pi, reach=15.0, height=9.0, payload=9e4)
-    (phase,) = MachineCycle.slewing(case.car_body, [pose]).phases
+    (phase,) = MachineCycle.slewing(case.gear.car_body, [pose]).phases
     assert phase.force == pytest.approx([0.0, 0.0, -9e4 * case.gravity])
     # from 1 m behind the axis to 1 m beside it, and a payload 15 m to the left
     assert phase.moment == pytest.approx([weight - 15.0 * 9e4 * case.gravity, weight, 0.0])
     assert case.with_(machine=MachineCycle.slewing()).machine is not None
-    far = MachineCycle.slewing(case.car_body, [pose._replace(payload=6e5)])
+    far = MachineCycle.slewing(case.gear.car_body, [pose._replace(payload=6e5)])
     with pytest.raises(ParameterError, match=r"beside the middle of the track, more than 4\.648 m"):
         case.with_(machine=far)

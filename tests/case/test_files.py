@@ -12,7 +12,14 @@ from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, PairContact
 from exudyn_crawler.case import CellContact, CellTerrain, Outputs, read_case, write_case
 from exudyn_crawler.case.case_file import case_text
 from exudyn_crawler.case.files import case_schema
-from exudyn_crawler.case.parameters.fields import case_rows, key_paths, named_values, number_text
+from exudyn_crawler.case.parameters.fields import (
+    case_rows,
+    key_paths,
+    models_of,
+    named_values,
+    number_text,
+    tag_of,
+)
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed
@@ -129,6 +136,7 @@ def test_named_values_are_the_constructors_that_need_nothing():
 
 CELLS = {*key_paths(CellTerrain, "terrain."), *key_paths(CellContact, "contact.")}
 """Paths of a ground of cells."""
+GEARS = models_of(Case.model_fields["gear"].annotation)
 OF_SPHERES = {*key_paths(SphereContact, "contact.")} - {*key_paths(PairContact, "contact.")}
 
 
@@ -152,6 +160,9 @@ def test_a_misspelt_key_is_named_with_the_one_that_was_meant(read, refused, path
         head, start = f"[[{table}]]\n", f"{table}[0]."
     elif path in OF_SPHERES:
         head += 'model = "spheres"\n'
+    elif table.startswith("gear"):
+        kind = next(tag_of(kind) for kind in GEARS if path in key_paths(kind, "gear."))
+        head = f'[gear]\nkind = "{kind}"\n{"" if table == "gear" else head}'
     faults = refused(f'base = "turning"\n{head}{wrong} = 1\n')
     assert f"{start}{wrong}: unknown key; did you mean {start}{name}?" in faults
 

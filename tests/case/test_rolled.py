@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, LoadCycle, Shoe
-from exudyn_crawler.case import CaseFile, MachineCycle, Rails, Undercarriage, ph4100c, read_case, write_case
+from exudyn_crawler.case import CaseFile, MachineCycle, Rails, Rolled, ph4100c, read_case, write_case
 from exudyn_crawler.case.parameters.checks import implausible
-from exudyn_crawler.case.parameters.undercarriage import MachinePhase, Pose
+from exudyn_crawler.case.parameters.machine_cycle import MachinePhase, Pose
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.flexible_shoes import check_shoe
 from meshes import mesh_named
@@ -16,7 +16,7 @@ from meshes.rails import rail_outline, station_weights
 from tests.rolled import SHOES, small_case, small_flexible_case
 
 ROLLED = Case.rolled()
-FRAME = Undercarriage.ph4100c()
+FRAME = Rolled.ph4100c()
 DOWN = np.array([0.0, 0.0, -1.0])
 NOTHING = (0.0, 0.0, 0.0)
 SHOVEL, PAYLOAD = ph4100c.SHOVEL, 9e4
@@ -26,7 +26,7 @@ LEVER = (SHOVEL["front"] + PAYLOAD) * 15.0 + SHOVEL["upper"] * SHOVEL["upper_pla
 
 
 def test_machine_is_plausible_and_rollers_carry_half_of_it_without_its_shoes():
-    assert (Case.translation().is_rolled, ROLLED.is_rolled) == (False, True)
+    assert (Case.translation().gear.kind, ROLLED.gear.kind) == ("dragged", "rolled")
     assert list(implausible(ROLLED, 10.0)) == []
     assert FRAME.mass == pytest.approx(630_185, abs=1.0)
     assert ROLLED.shoe.rails == Rails.ph4100c()
@@ -36,8 +36,8 @@ def test_machine_is_plausible_and_rollers_carry_half_of_it_without_its_shoes():
 def test_case_file_gives_the_case_again(read, tmp_path):
     whole = CaseFile(case=ROLLED, duration=3.0)
     assert read_case(write_case(whole, tmp_path / "case.toml")) == whole
-    short = 'base = "rolled"\nduration = 3.0\n[undercarriage]\nbase = "ph4100c"\nradius = 0.38\n'
-    assert read(short).case.undercarriage.radius == 0.38
+    short = 'base = "rolled"\nduration = 3.0\n[gear]\nbase = "ph4100c"\nradius = 0.38\n'
+    assert read(short).case.gear.radius == 0.38
 
 
 @pytest.mark.parametrize(
@@ -54,11 +54,11 @@ def test_case_file_gives_the_case_again(read, tmp_path):
         (ROLLED, {"drive": Drive.turning()}, "drive.turn_rate must be None"),
         (ROLLED, {"drive": Drive.to_rest()}, "drive.on must be None"),
         (ROLLED, {"loads": LoadCycle.propel(24)}, "loads must be zero"),
-        (ROLLED, {"undercarriage.tread_width": 0.3}, "tread_width must not exceed the rails' width"),
-        (ROLLED, {"undercarriage.start": 12.0}, "track must be long enough for the drive: at t = 0 s"),
+        (ROLLED, {"gear.tread_width": 0.3}, "tread_width must not exceed the rails' width"),
+        (ROLLED, {"gear.start": 12.0}, "track must be long enough for the drive: at t = 0 s"),
         (
             ROLLED,
-            {"shoe.rails.rear": 0.1, "undercarriage.radius": 0.2},
+            {"shoe.rails.rear": 0.1, "gear.radius": 0.2},
             "must leave a gap from shoe to shoe that rollers cross",
         ),
         (ROLLED, {"shoe.rails.left": -0.1}, "left must be beyond right = -0.24 by the width 0.22, got -0.1"),
@@ -153,7 +153,7 @@ def test_machine_that_tips_over_a_track_has_odd_times_or_no_frame_is_refused():
         MachineCycle.shovel(poses=[pose(np.pi / 2, payload=1e6)])
     with pytest.raises(ParameterError, match="the phases' ends must increase"):
         MachineCycle.shovel(poses=[pose(0.0, payload=0.0), pose(0.1, payload=0.0)])
-    with pytest.raises(ParameterError, match="machine must be None without an undercarriage"):
+    with pytest.raises(ParameterError, match=r"machine must be None with gear\.kind 'dragged'"):
         Case.translation().with_(machine=MachineCycle.shovel())
 
 

@@ -13,7 +13,7 @@ from exudyn_crawler.errors import ParameterError
 
 CLOSED = Case.closed()
 SHOVEL = Case.shovel()
-TUMBLER = CLOSED.closed_track.tumbler
+TUMBLER = CLOSED.gear.tumbler
 
 
 @pytest.mark.parametrize(
@@ -29,17 +29,17 @@ TUMBLER = CLOSED.closed_track.tumbler
         (CLOSED, {"track.pin_height": -0.3}, r"pin_height must be above the shoe's underside at -0\.2025 m"),
         (
             SHOVEL,
-            {"car_body.track_distance": 2.8},
+            {"gear.car_body.track_distance": 2.8},
             r"track_distance must be at least the shoes' width of 3\.505",
         ),
         (
             CLOSED,
-            {"closed_track.rollers": (-4.4, 0.0, 4.4)},
+            {"gear.rollers": (-4.4, 0.0, 4.4)},
             "tumbler and roller 1 must not overlap, they do by 728 mm",
         ),
         (
             CLOSED,
-            {"closed_track.rollers": (-2.0, 0.0, 3.6)},
+            {"gear.rollers": (-2.0, 0.0, 3.6)},
             r"roller 3 and idler must not overlap, they do by \d+ mm",
         ),
         (
@@ -57,27 +57,27 @@ def test_what_does_not_fit_in_size_is_refused(case, changes, message):
 @pytest.mark.parametrize(
     ("case", "changes", "words"),
     [
-        (CLOSED, {"closed_track.tumbler.mass": 2.5e3}, "Iyy is 11257.5 kg m2, more than the 6974 of 2500 kg"),
+        (CLOSED, {"gear.tumbler.mass": 2.5e3}, "Iyy is 11257.5 kg m2, more than the 6974 of 2500 kg"),
         (CLOSED, {"shoe.mass": 1000.0}, "shoe.inertia: Ixx is 3995.7 kg m2, more than the 3501 of 1000 kg"),
-        (CLOSED, {"closed_track.tumbler.mass": 2e5}, "tumbler.inertia: Ixx + Iyy + Izz is 2.477e+04 kg m2"),
+        (CLOSED, {"gear.tumbler.mass": 2e5}, "tumbler.inertia: Ixx + Iyy + Izz is 2.477e+04 kg m2"),
         (
             CLOSED,
-            {"closed_track.mass": 15e3},
-            "closed_track.inertia: it gives a radius of gyration of 25.9 m",
+            {"gear.mass": 15e3},
+            "gear.inertia: it gives a radius of gyration of 25.9 m",
         ),
         (
             SHOVEL,
-            {"car_body.upper_mass": 1e4},
+            {"gear.car_body.upper_mass": 1e4},
             "upper structure.inertia: it gives a radius of gyration of 52.4",
         ),
         (
             CLOSED,
-            {"closed_track.tumbler.pitch_radius": 0.9},
+            {"gear.tumbler.pitch_radius": 0.9},
             "its pitch, 2 pitch_radius sin(pi / teeth), is 0.5562 m, the chain's 0.6557 m",
         ),
         (
             CLOSED,
-            {"closed_track.tumbler.pitch_radius": 1.061, "closed_track.tumbler.teeth": 9},
+            {"gear.tumbler.pitch_radius": 1.061, "gear.tumbler.teeth": 9},
             "is 0.7258 m, the chain's 0.6557 m",
         ),
     ],
@@ -98,10 +98,10 @@ def test_second_machine_fits():
 
 
 def test_worn_chain_on_a_tumbler_of_its_pitch_fits():
-    worn = CLOSED.with_({"closed_track.pitch_growth": 0.02})
+    worn = CLOSED.with_({"gear.pitch_growth": 0.02})
     assert list(implausible(worn)) == []
-    radius = worn.closed_track.chain_pitch(worn.track) / (2.0 * math.sin(math.pi / TUMBLER.teeth))
-    assert list(implausible(worn.with_({"closed_track.tumbler.pitch_radius": radius}))) == []
+    radius = worn.gear.chain_pitch(worn.track) / (2.0 * math.sin(math.pi / TUMBLER.teeth))
+    assert list(implausible(worn.with_({"gear.tumbler.pitch_radius": radius}))) == []
 
 
 def test_ball_of_steel_has_the_least_inertia():
@@ -123,23 +123,23 @@ def test_teeth_that_do_not_do_are_refused_with_values_that_do():
     with pytest.raises(
         ParameterError, match=r"hook under it; reach = 0\.1424 m or depth = 0\.2649 m would do"
     ):
-        CLOSED.with_({"closed_track.tumbler.reach": 0.199})
-    CLOSED.with_({"closed_track.tumbler.reach": 0.1424})
-    CLOSED.with_({"closed_track.tumbler.reach": 0.199, "closed_track.tumbler.depth": 0.2649})
+        CLOSED.with_({"gear.tumbler.reach": 0.199})
+    CLOSED.with_({"gear.tumbler.reach": 0.1424})
+    CLOSED.with_({"gear.tumbler.reach": 0.199, "gear.tumbler.depth": 0.2649})
     with pytest.raises(ParameterError, match=r"meet the arcs .*, got 0\.5; reach = 0\.1423 m would do"):
-        CLOSED.with_({"closed_track.tumbler.reach": 0.5})
+        CLOSED.with_({"gear.tumbler.reach": 0.5})
     with pytest.raises(ParameterError, match=r"gaps overlap, .*; backlash = 0\.0998 m would do"):
-        CLOSED.with_({"closed_track.tumbler.backlash": 0.2})
-    CLOSED.with_({"closed_track.tumbler.backlash": 0.0998})
+        CLOSED.with_({"gear.tumbler.backlash": 0.2})
+    CLOSED.with_({"gear.tumbler.backlash": 0.0998})
 
 
 def test_wheel_within_the_chain_is_named_with_the_height_that_fits():
-    carriers = list(CLOSED.closed_track.carriers)
+    carriers = list(CLOSED.gear.carriers)
     carriers[0] = (carriers[0][0], 1.24)
     with pytest.raises(ParameterError, match=r"carrier 1 at .* lies 38 mm within .* at z = 1\.278 m"):
-        CLOSED.with_({"closed_track.carriers": tuple(carriers)})
+        CLOSED.with_({"gear.carriers": tuple(carriers)})
     carriers[0] = (carriers[0][0], 1.279)
-    CLOSED.with_({"closed_track.carriers": tuple(carriers)})
-    teeth = {"closed_track.tumbler.teeth": 12}
+    CLOSED.with_({"gear.carriers": tuple(carriers)})
+    teeth = {"gear.tumbler.teeth": 12}
     with pytest.raises(ParameterError, match=r"roller 1 .* 43 mm within .* tumbler\.place at z = 0\.6908 m"):
         CLOSED.with_(teeth)

@@ -220,7 +220,7 @@ def test_exudyns_bodies_move_alike_on_cells(dragged):
 
 
 def test_exudyns_bodies_do_not_roll():
-    with pytest.raises(ParameterError, match=r"formulation 'engine', .* do not go with undercarriage"):
+    with pytest.raises(ParameterError, match=r"formulation 'engine', .* do not go with gear.kind 'rolled'"):
         Case.rolled().on_cells(SAND).with_(formulation="engine")
 
 

@@ -10,7 +10,7 @@ from exudyn_crawler import Case
 from exudyn_crawler.model.exudyn import exu, items
 from exudyn_crawler.model.forces.teeth import Flange, Profile, flange_force, tooth
 
-PROFILE = Profile(*Case.closed().closed_track.tumbler.profile(Case.closed().track))
+PROFILE = Profile(*Case.closed().gear.tumbler.profile(Case.closed().track))
 
 
 def depth(place):
@@ -44,7 +44,7 @@ def test_normal_turns_by_what_is_returned():
 
 
 def test_lug_has_its_seat_without_play_and_gaps_repeat():
-    radius = Case.closed().closed_track.tumbler.radius(Case.closed().track.pitch)
+    radius = Case.closed().gear.tumbler.radius(Case.closed().track.pitch)
     for k in range(int(PROFILE.gaps)):
         angle = 2.0 * math.pi * k / PROFILE.gaps
         assert depth((radius * math.cos(angle), radius * math.sin(angle))) == pytest.approx(0.0, abs=1e-12)
@@ -130,7 +130,7 @@ def test_polygon_effect_of_a_light_chain_that_is_pulled_over_the_teeth():
     pitches that the tumbler has turned by.
     """
     case = Case.closed()
-    tumbler, pitch = case.closed_track.tumbler, case.track.pitch
+    tumbler, pitch = case.gear.tumbler, case.track.pitch
     profile, radius, count = Profile(*tumbler.profile(case.track)), tumbler.radius(pitch), tumbler.teeth
     gap, push, stiffness = 2.0 * np.pi / count, 1.0, 1e6  # a millionth of a metre deep
 

@@ -289,7 +289,7 @@ def test_every_tread_of_a_run_is_counted_by_its_place(rolled):
     # two rails, three rollers and the shoe behind and ahead of each at most, more while they roll on
     assert table["passes"].min() >= 1
     worst = table.loc[table[PRESSURE].idxmax()]
-    frame = rolled.case.undercarriage
+    frame = rolled.case.gear
     q = worst["greatest force in kN"] * 1e3 * worst["edge over mean"] / frame.tread_width
     modulus = 200e9 / 2.0 / 0.91
     assert worst[PRESSURE] * 1e6 == pytest.approx((q * modulus / np.pi / frame.radius) ** 0.5)
@@ -328,7 +328,9 @@ def test_stress_of_the_structure_is_that_of_the_node_below_the_tread(bent):
 
 
 def test_a_track_without_rollers_has_no_roller_path(translation):
-    with pytest.raises(ValueError, match="undercarriage"):
+    with pytest.raises(
+        ValueError, match="need a side frame on an open track, or a closed track's flexible shoes"
+    ):
         roller_path(translation)
 
 

@@ -5,7 +5,7 @@ from typing import get_args
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case.parameters.undercarriage import WheelKind, WheelLabel
+from exudyn_crawler.case.gear.base import WheelKind, WheelLabel
 from exudyn_crawler.results.loads.actions import ON_RAILS
 from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.places import (

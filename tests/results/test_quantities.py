@@ -63,8 +63,12 @@ def test_derived_quantities_are_attributes_as_the_catalogue_tells(translation, r
 
 def test_what_a_history_cannot_give_is_refused_with_what_it_needs(translation, rolled):
     for history, name, told in (
-        (translation, "rail_force", r"rail_force needs a rolled case \(undercarriage\), the case has none"),
-        (rolled, "drive_force", "drive_force needs a dragged track, the case has an undercarriage"),
+        (
+            translation,
+            "rail_force",
+            r"rail_force needs a side frame on an open track, the case has another gear\.kind",
+        ),
+        (rolled, "drive_force", r"drive_force needs a dragged front shoe, the case has another gear\.kind"),
         (translation, "highest_von_mises", "highest_von_mises needs flexible shoes, the case has none"),
         (translation, "rail_forc", "there is no quantity 'rail_forc'; the nearest is 'rail_force'"),
     ):

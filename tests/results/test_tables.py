@@ -191,7 +191,7 @@ def test_a_rolled_track_is_asked_for_rollers_and_pull(rolled):
     assert found.loc["distance travelled", ["of", "value"]].tolist() == ["side frame", way]
     start, case = found.loc["residual force at the start"], rolled.case
     shoes = case.shoe.mass * np.linalg.norm(rolled.acceleration.values[0], axis=-1)
-    frame = case.undercarriage.mass * np.linalg.norm(rolled.side_frame_acceleration.values[0])
+    frame = case.gear.mass * np.linalg.norm(rolled.side_frame_acceleration.values[0])
     greatest = {f"shoe {shoes.argmax() + 1}": shoes.max(), "side frame": frame}
     assert start["of"] == max(greatest, key=greatest.get)
     assert 1e3 * start["value"] == pytest.approx(max(greatest.values()))

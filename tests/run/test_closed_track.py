@@ -26,7 +26,7 @@ from tests.states import row_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
-ON_POSTS = {"closed_track.support": "posts"}
+ON_POSTS = {"gear.support": "posts"}
 
 
 def risen(speed, seconds):
@@ -58,17 +58,17 @@ def on_ground():
 
 
 @pytest.mark.parametrize("changes", [
-    {"closed_track.pitch_growth": 0.001},
-    {"closed_track.pitch_growth": 0.02},
-    {"closed_track.carriers": ()},
-    {"closed_track.idler.slack": 0.005},
+    {"gear.pitch_growth": 0.001},
+    {"gear.pitch_growth": 0.02},
+    {"gear.carriers": ()},
+    {"gear.idler.slack": 0.005},
     {"shoe.mass": 4489.63},
 ])  # fmt: skip
 def test_worn_slack_and_light_chains_find_their_rest(changes):
     """On the papers' ground, which carries frame, tumbler and shoes; what creeps on is slow."""
     case = Case.closed().with_(changes)
     carried = rest_of(case).normal_force.sel(axis="z").sum().item()
-    tumbler, gear = case.closed_track.tumbler.mass, case.closed_track.mass
+    tumbler, gear = case.gear.tumbler.mass, case.gear.mass
     weight = (gear + tumbler + case.track.shoe_count * case.shoe.mass) * case.gravity
     assert carried == pytest.approx(weight, rel=1e-3)
 
@@ -101,10 +101,10 @@ def test_chain_stays_closed(rig):
 def test_a_spring_holds_the_idler_as_shims_at_its_place_do():
     taut = Case.closed().with_(ON_POSTS)
     place = taut.assembled.take_up - 2e-3
-    shims = rest_of(taut.with_({"closed_track.idler.take_up": place}))
+    shims = rest_of(taut.with_({"gear.idler.take_up": place}))
     push, stiffness = -shims.wheel_force.sel(wheel="idler", axis="x").item(), 2e8
     spring = Tensioner(mass=8e3, stiffness=stiffness, preload=push + stiffness * place)
-    sprung = rest_of(taut.with_({"closed_track.idler.tensioner": spring}))
+    sprung = rest_of(taut.with_({"gear.idler.tensioner": spring}))
     assert sprung.take_up.item() == pytest.approx(place, abs=1e-6)
     np.testing.assert_allclose(sprung.joint_force, shims.joint_force, rtol=0.0, atol=1e-3 * push)
 
@@ -112,7 +112,7 @@ def test_a_spring_holds_the_idler_as_shims_at_its_place_do():
 def test_the_tensioners_row_is_its_spring_and_damper():
     """Its matrix is the derivative of its residual by places and rates of frame and idler."""
     spring = Tensioner(mass=8e3, stiffness=2e8, preload=3e7, damping=1e6)
-    case = Case.closed().with_(ON_POSTS | {"closed_track.idler.tensioner": spring})
+    case = Case.closed().with_(ON_POSTS | {"gear.idler.tensioner": spring})
     system, velocity = compiled_system(case), 700.0
     q, weights = static_equilibrium(case), (1.0, velocity, 0.0, False, 1.0)
     still = np.zeros_like(q)
@@ -133,7 +133,7 @@ def test_the_tensioners_row_is_its_spring_and_damper():
 def test_upper_run_of_an_m113_hangs_as_a_catenary():
     """A second machine with a spring: its push on the idler is the pull of both runs, by curvature too."""
     case = read_case("studies/m113.toml").case
-    rest, spring = rest_of(case), case.closed_track.idler.tensioner
+    rest, spring = rest_of(case), case.gear.idler.tensioner
     on_idler = rest.wheel_force.sel(wheel="idler").isel(time=0).values
     assert -on_idler[0] == pytest.approx(spring.preload - spring.stiffness * rest.take_up.item(), rel=1e-4)
     place = (rest.position - rest.side_frame_position).isel(time=0).values
@@ -168,15 +168,15 @@ def test_a_driven_m113_has_the_torque_of_its_tension_and_hangs_as_a_catenary_on_
 def test_travel_a_radian_is_that_of_the_pitches(rig):
     rows, angle = crossings(rig), rig.tumbler_angle.values
     travel = (len(rows) - 1) * rig.case.track.pitch / (angle[rows[-1]] - angle[rows[0]])
-    teeth = rig.case.closed_track.tumbler.teeth
+    teeth = rig.case.gear.tumbler.teeth
     assert travel == pytest.approx(teeth * rig.case.track.pitch / (2.0 * math.pi), rel=2e-3)
 
 
 def test_a_worn_chain_travels_further_a_radian():
     """By its growth: over a pitch of the tumbler its hanging shoes go a grown pitch."""
     growth = 0.01
-    case = Case.closed().with_(ON_POSTS | {"closed_track.pitch_growth": growth})
-    data, teeth = driven(case, 0.3, 0.5, 3.6).dataset, case.closed_track.tumbler.teeth
+    case = Case.closed().with_(ON_POSTS | {"gear.pitch_growth": growth})
+    data, teeth = driven(case, 0.3, 0.5, 3.6).dataset, case.gear.tumbler.teeth
     place = data.position.values - data.tumbler_position.values[:, None]
     hanging = (place[..., 2] < 0.0) & (abs(place[..., 0] - 4.2) < 3.0)
     speed = np.mean(abs(data.velocity.values[..., 0]), axis=1, where=hanging)
@@ -229,7 +229,7 @@ def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration(speed):
 
 def test_compliance_of_pins_across_hardly_changes_forces_in_the_chains_plane():
     """Ten times as much, and a tenth: links, teeth and torque; across the chain it does share the loads."""
-    cases = [Case.closed().with_({"closed_track.compliance": one}) for one in (1e-10, 1e-11, 1e-9)]
+    cases = [Case.closed().with_({"gear.compliance": one}) for one in (1e-10, 1e-11, 1e-9)]
     first, *others = (driven(case, 0.1, 0.1, 0.1) for case in cases)
     greatest = float(first.link_tension.max())
     for other in others:
@@ -246,7 +246,7 @@ def test_sand_carries_a_closed_track_and_each_shoe_is_in_balance():
     """Cells with memory below all shoes, from the first instant on."""
     history = simulate(Case.closed().on_cells(BekkerSoil.lete_sand()), 0.1, progress=False)
     case = history.case
-    mass = case.closed_track.mass + case.closed_track.tumbler.mass + case.track.shoe_count * case.shoe.mass
+    mass = case.gear.mass + case.gear.tumbler.mass + case.track.shoe_count * case.shoe.mass
     carried = (history.normal_force + history.friction_force).sel(axis="z").sum("contact").values
     assert carried == pytest.approx(mass * case.gravity, rel=1e-3)
     acts, left = shoe_actions(history), shoe_imbalance(history)
@@ -268,14 +268,14 @@ def test_work_of_the_torque_is_losses_and_what_is_stored(on_ground):
         assert float(abs(balance[name]).max()) > 1e-2 * work.max(), name
 
 
-@pytest.mark.filterwarnings("ignore:closed_track.slide_friction")
+@pytest.mark.filterwarnings("ignore:gear.slide_friction")
 def test_a_slide_carries_the_upper_run_and_rubs_on_it():
     """Lines bear the weight between them; tension and work of the torque have its friction."""
-    closed, speed, friction = Case.closed().closed_track, 0.1, 0.3
+    closed, speed, friction = Case.closed().gear, 0.1, 0.3
     slide = (-2.7, 2.7, closed.carriers[0][1] + closed.carrier_radius)
-    changes, supplied = ON_POSTS | {"closed_track.carriers": (), "closed_track.slides": (slide,)}, []
+    changes, supplied = ON_POSTS | {"gear.carriers": (), "gear.slides": (slide,)}, []
     for rubbing in (0.0, friction):
-        case = Case.closed().with_(changes | {"closed_track.slide_friction": rubbing})
+        case = Case.closed().with_(changes | {"gear.slide_friction": rubbing})
         # slow from the start on: else the hanging run swings, and stores a tenth of the work for a while
         history = driven(case, speed, 1.0, 7.6)
         # a pitch at the full speed
@@ -307,9 +307,9 @@ def test_all_that_acts_on_frame_and_tumbler_is_the_rate_of_their_momentum(tensio
     if tensioner:
         push = 1.3e6 + 1e8 * case.assembled.take_up
         spring = Tensioner(mass=8e3, stiffness=1e8, preload=push, damping=1e6)
-        history = driven(case.with_({"closed_track.idler.tensioner": spring}), 0.3, 0.3, 0.6)
+        history = driven(case.with_({"gear.idler.tensioner": spring}), 0.3, 0.3, 0.6)
     late = history.time.values > 0.01
-    left, weight = frame_imbalance(history), case.closed_track.mass * case.gravity
+    left, weight = frame_imbalance(history), case.gear.mass * case.gravity
     # the acceleration of an idler that slides is known by differences of its place
     within = 5e-3 if tensioner else 1e-4
     for name, values in left.items():
@@ -342,9 +342,9 @@ def test_a_film_and_a_page_of_a_closed_track_show_its_gear(tmp_path):
 
 def test_drive_with_a_limited_torque_keeps_to_it():
     limit = 4e5
-    case = Case.closed().with_({"closed_track.torque_limit": limit})
+    case = Case.closed().with_({"gear.torque_limit": limit})
     history = driven(case, 0.3, 0.2, 0.4)
-    closed, torque = case.closed_track, history.drive_moment.values
+    closed, torque = case.gear, history.drive_moment.values
     wanted = risen(0.3, 0.2).speed.value(history.time.values)
     lag = wanted / closed.travel_per_angle(case.track) - history.tumbler_speed.values
     assert 0.95 * limit < torque.max() < limit
@@ -361,7 +361,7 @@ def test_drive_with_a_limited_torque_keeps_to_it():
         (
             {"idler.slack": 0.05, "rolling_resistance": 0.7},
             2.0,
-            r"the chain folded: shoes \d+ and \d+ are at .* beyond closed_track.fold_limit = 1 rad; likely",
+            r"the chain folded: shoes \d+ and \d+ are at .* beyond gear.fold_limit = 1 rad; likely",
         ),
         # teeth that reach 10 mm beyond the pins
         (
@@ -381,7 +381,7 @@ def test_drive_with_a_limited_torque_keeps_to_it():
 )
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_chain_that_fails_ends_the_run_with_shoe_time_and_cause(changes, speed, message):
-    case = Case.closed().with_(ON_POSTS | {f"closed_track.{name}": value for name, value in changes.items()})
+    case = Case.closed().with_(ON_POSTS | {f"gear.{name}": value for name, value in changes.items()})
     if "offset_limit" in changes:
         case = case.with_({"terrain.side_slope": 0.2})
     with pytest.raises(SimulationStopped, match=message) as stopped:

@@ -93,7 +93,7 @@ def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
 
     The frame stands aside, so that flanges push; the chain is worn, so that pins are off their bores.
     """
-    case = flexible_case(FLEXIBLE).with_({"closed_track.pitch_growth": 0.005})
+    case = flexible_case(FLEXIBLE).with_({"gear.pitch_growth": 0.005})
     q = static_equilibrium(case)
     q[[-11, -5]] += 0.012  # y of frame and tumbler
     lifted = q.copy()
@@ -144,7 +144,7 @@ def test_lugs_beside_the_pins_load_the_bores_next_to_them():
     track = Case.closed().track
     rear, front = (track.joint_centers[f"{end} right"] for end in ("rear", "front"))
     lugs = tuple((float(x + beside), float(z)) for (x, _, z), beside in ((rear, 0.05), (front, -0.05)))
-    case = flexible_case((ON_TUMBLER,)).with_({"closed_track.tumbler.lugs": lugs})
+    case = flexible_case((ON_TUMBLER,)).with_({"gear.tumbler.lugs": lugs})
     history = simulate(case, 0.1, progress=False)
     assert history.lug_force.sizes["lug"] == 4
     balanced_forces(history)
@@ -161,7 +161,7 @@ def test_roller_path_of_a_closed_track_is_hertz_of_its_treads(bent):
     assert "idler" in set(table["roller"])
     assert table["roller"].str.startswith("roller").any()
     row = table.loc[table[PRESSURE].idxmax()]
-    closed = bent.case.closed_track
+    closed = bent.case.gear
     radius = closed.idler.radius if row["roller"] == "idler" else closed.roller_radius
     steel = Material(bent.case.flexible.youngs_modulus, bent.case.flexible.poissons_ratio, 7850.0)
     line_load = row["edge over mean"] * row["greatest force in kN"] * 1e3 / closed.tread_width

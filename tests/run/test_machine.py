@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, FlexibleShoes, History, MachineCycle, StepProfile, recover_stresses, simulate
-from exudyn_crawler.case import Drive, LoadCycle
-from exudyn_crawler.case.parameters.undercarriage import CarBody, MachinePhase, Part
+from exudyn_crawler.case import CarBody, Drive, LoadCycle, Machine, MachinePhase, Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.catalogue import link_name
@@ -23,10 +22,10 @@ FRICTION = 0.3
 
 def twice(case):
     """Two of a closed track, whose side frames have the machine between them."""
-    small = {"mass": 1e3, "inertia": (1e3, 1e3, 1e3, 0.0, 0.0, 0.0), "com": case.closed_track.com}
+    small = {"mass": 1e3, "inertia": (1e3, 1e3, 1e3, 0.0, 0.0, 0.0), "com": case.gear.com}
     body = CarBody(track_distance=9.0, **small, **{f"upper_{name}": value for name, value in small.items()})
-    changes = {"track.shoe_count": 76, "closed_track.mass": case.closed_track.mass - 1e3}
-    return case.with_(changes, loads=LoadCycle.constant([0.0] * 76), car_body=body)
+    gear = Machine.of(case.gear.with_(mass=case.gear.mass - 1e3), body)
+    return case.with_({"track.shoe_count": 76}, loads=LoadCycle.constant([0.0] * 76), gear=gear)
 
 
 def test_straight_each_of_two_tracks_is_a_single_one():
@@ -75,15 +74,15 @@ def test_flexible_shoes_of_two_tracks_are_those_of_one():
 def spot():
     """Turn on the spot, on rollers that are a pitch apart: shoes come under all of them alike."""
     case = Case.shovel()
-    closed, pitch, count, radius = case.closed_track, case.track.pitch, 12, 0.32
+    closed, pitch, count, radius = case.gear, case.track.pitch, 12, 0.32
     up = closed.roller_radius - radius
     places = {
-        "closed_track.rollers": tuple(pitch * (k - 0.5 * (count - 1)) for k in range(count)),
-        "closed_track.roller_radius": radius,
-        "closed_track.tumbler.place[1]": closed.tumbler.place[1] + up,
-        "closed_track.idler.place[1]": closed.idler.place[1] + up,
-        "closed_track.carriers": tuple((x, z + up) for x, z in closed.carriers),
-        "car_body.upper_com": (0.0, 0.0, 4.5),
+        "gear.rollers": tuple(pitch * (k - 0.5 * (count - 1)) for k in range(count)),
+        "gear.roller_radius": radius,
+        "gear.tumbler.place[1]": closed.tumbler.place[1] + up,
+        "gear.idler.place[1]": closed.idler.place[1] + up,
+        "gear.carriers": tuple((x, z + up) for x, z in closed.carriers),
+        "gear.car_body.upper_com": (0.0, 0.0, 4.5),
         "contact.static_friction": FRICTION,
         "contact.dynamic_friction": FRICTION,
         "solver.output_interval": 0.01,
@@ -108,7 +107,7 @@ def test_moment_of_turning_on_the_spot(spot):
     along, _ = in_machine(spot, arm)
     pull, across = in_machine(spot, data.friction_force.values)
     pressed = np.linalg.norm(data.normal_force.values, axis=-1)
-    length = len(case.closed_track.rollers) * case.track.pitch
+    length = len(case.gear.rollers) * case.track.pitch
     even = FRICTION * pressed[late].sum(axis=1).mean() * length / 4.0
     # pressure is even enough that it has this moment where tracks slip across alone
     assert FRICTION * (pressed * abs(along))[late].sum(axis=1).mean() == pytest.approx(even, rel=0.05)
@@ -116,7 +115,7 @@ def test_moment_of_turning_on_the_spot(spot):
     assert moment == pytest.approx(even, rel=0.1)
     # slip along the tracks over that across at their ends
     rate = data.side_frame_angular_velocity.values[late, 2].mean()
-    slip = (0.05 - rate) * 0.5 * case.car_body.track_distance / (0.5 * rate * length)
+    slip = (0.05 - rate) * 0.5 * case.gear.car_body.track_distance / (0.5 * rate * length)
     share = np.sqrt(1.0 + slip**2) - slip**2 * np.arcsinh(1.0 / slip)
     assert moment == pytest.approx(share * even, rel=0.03)
     # both tracks pull against each other
@@ -132,7 +131,7 @@ def test_all_forces_on_the_machine_are_the_rate_of_its_momentum(spot):
     spin, change = data.side_frame_angular_velocity.values, data.side_frame_angular_acceleration.values
     parts = [(part.mass, part.com) for part in case.frame_parts]
     tumblers = case.tumbler_reference[:, :3] - case.frame_start
-    parts += [(case.closed_track.tumbler.mass, place) for place in tumblers]
+    parts += [(case.gear.tumbler.mass, place) for place in tumblers]
     rate = case.shoe.mass * data.acceleration.sum("shoe").values
     mass = case.shoe.mass * case.track.shoe_count
     for own, place in parts:
@@ -164,7 +163,7 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     assert link_name(left.joint, 38) == "link 38-1"
     assert spot.shoe_track.sel(shoe=39) == spot.joint_track.sel(joint=76) == "left"
     apart = left.side_frame_position.values - spot.side_frame_position.values
-    assert np.linalg.norm(apart, axis=-1) == pytest.approx(0.5 * spot.case.car_body.track_distance)
+    assert np.linalg.norm(apart, axis=-1) == pytest.approx(0.5 * spot.case.gear.car_body.track_distance)
     place = (left.tumbler_position - left.side_frame_position).values
     start = left.case.tumbler_reference[0, :3] - left.case.frame_start
     assert np.linalg.norm(place, axis=1) == pytest.approx(np.linalg.norm(start), rel=1e-3)
@@ -175,7 +174,7 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     assert {"car body", "right tumbler", "left tumbler", "left lugs"} <= names
 
 
-@pytest.mark.parametrize("changes", [{"car_body.slew": 0.5 * np.pi}, {"terrain.side_slope": 0.1}])
+@pytest.mark.parametrize("changes", [{"gear.car_body.slew": 0.5 * np.pi}, {"terrain.side_slope": 0.1}])
 def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
     """As on two supports; shoes that lean carry a little beside their middles."""
     case = Case.shovel().with_(changes, drive=STILL)
@@ -183,7 +182,7 @@ def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
     parts = [*case.frame_parts, Part(76 * case.shoe.mass, np.array([0.0, 0.0, 0.4]), np.eye(3))]
     down, ground = case.terrain.down, case.frame_start[2]
     aside = sum(part.mass * (part.com[1] - (part.com[2] + ground) * down[1] / down[2]) for part in parts)
-    expected = 0.5 + aside / sum(part.mass for part in parts) / case.car_body.track_distance
+    expected = 0.5 + aside / sum(part.mass for part in parts) / case.gear.car_body.track_distance
     pressed = [history.of_track(side).normal_force.isel(time=-1).sum() for side in ("right", "left")]
     assert float(pressed[1] / (pressed[0] + pressed[1])) == pytest.approx(expected, abs=0.004)
     assert abs(expected - 0.5) > 0.02
@@ -200,7 +199,9 @@ def test_digging_loads_are_shared_by_the_tracks_and_held_by_the_ground():
         held = (history.normal_force + history.friction_force).isel(time=-1)
         left = held.where(history.contact_shoe > 38, 0.0)
         carried.append(held.sum("contact").values)
-        moments.append(float((2.0 * left - held).sel(axis="z").sum()) * 0.5 * still.car_body.track_distance)
+        moments.append(
+            float((2.0 * left - held).sel(axis="z").sum()) * 0.5 * still.gear.car_body.track_distance
+        )
     weight = carried[0][2]
     # the ground gives as it takes the pull up
     assert carried[1] - carried[0] == pytest.approx(-force, abs=5e-3 * weight)
@@ -227,7 +228,7 @@ def test_a_machine_stands_on_a_grade_by_friction_and_leans_to_its_rear():
     place, turn = data.side_frame_position.values, rotation_matrices(data.side_frame_angles.values)
     parts = [(part.mass, place + turn @ part.com) for part in case.frame_parts]
     tumblers = data.tumbler_position.transpose("track", "axis").values
-    parts += [(case.closed_track.tumbler.mass, one) for one in tumblers]
+    parts += [(case.gear.tumbler.mass, one) for one in tumblers]
     parts += [(case.shoe.mass, one) for one in data.position.values]
     mass, down = sum(part[0] for part in parts), case.gravity_vector()
     middle = sum(part[0] * part[1] for part in parts) / mass

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.simulation
 
 
 def weight(history):
-    return history.case.undercarriage.mass * history.case.gravity
+    return history.case.gear.mass * history.case.gravity
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +130,7 @@ def beams(case, k, weight_of_shoe):
     Each shoe is a beam from pin to pin on an even bed of stiffness k; rollers are springs between it and the
     frame. Unknown are the depth of every pin, with the track's two free ends, and the frame's motion.
     """
-    frame, track, shoe = case.undercarriage, case.track, case.shoe
+    frame, track, shoe = case.gear, case.track, case.shoe
     n = track.shoe_count
     pins = track.first_com[0] + track.pin_ahead + track.pitch * np.arange(-1, n)
     matrix, load, rows = np.zeros((n + 3, n + 3)), np.zeros(n + 3), []

@@ -17,7 +17,7 @@ def test_chain_goes_once_round_in_the_whole_run():
 
 def test_all_rollers_pass_a_shoe_in_the_middle_of_the_open_track():
     case = closed.study_cases()[closed.ROLLED].case
-    frame, way = case.undercarriage, case.drive.travel(closed.OPEN_DURATION)
+    frame, way = case.gear, case.drive.travel(closed.OPEN_DURATION)
     middle = case.track.com_positions(0.0)[case.track.shoe_count // 2 - 1, 0]
     assert frame.start + frame.rollers[-1] < middle
     assert frame.start + way + frame.rollers[0] > middle
@@ -27,11 +27,11 @@ def test_all_rollers_pass_a_shoe_in_the_middle_of_the_open_track():
 def test_rolled_track_differs_from_its_trial_by_the_tension_alone():
     cases = closed.study_cases()
     whole, rolled, trial = (cases[name].case for name in (closed.CLOSED, closed.ROLLED, closed.TRIAL))
-    assert trial.undercarriage == rolled.undercarriage.with_(end_tension=closed.TENSION)
-    assert trial.with_(name=rolled.name, undercarriage=rolled.undercarriage) == rolled
-    assert rolled.undercarriage.rollers == whole.closed_track.rollers
+    assert trial.gear == rolled.gear.with_(end_tension=closed.TENSION)
+    assert trial.with_(name=rolled.name, gear=rolled.gear) == rolled
+    assert rolled.gear.rollers == whole.gear.rollers
     assert (rolled.terrain, rolled.contact) == (whole.terrain, whole.contact)
-    assert closed.rolled_case(closed.TENSION).undercarriage == trial.undercarriage
+    assert closed.rolled_case(closed.TENSION).gear == trial.gear
 
 
 def test_one_track_stands_in_a_turn_about_it_and_both_go_against_each_other_on_the_spot():

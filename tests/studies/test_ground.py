@@ -76,7 +76,7 @@ def test_every_ground_carries_the_machine(name):
     case = CASES[name]
     history = simulate(case, 0.05, False)
     carried = (history.normal_force + history.friction_force).sum("contact").values[:, 2]
-    frame, shoes = case.undercarriage, case.track.shoe_count
+    frame, shoes = case.gear, case.track.shoe_count
     weight = (frame.mass + shoes * case.shoe.mass) * case.gravity
     # what is still falling into its place takes less than a hundredth
     np.testing.assert_allclose(carried, weight, rtol=0.01)
@@ -119,7 +119,7 @@ def test_lives_on_a_floor_are_those_of_the_page(tmp_path):
 
 def test_what_the_page_says_of_pulls_follows_from_its_table():
     pulls, text = printed("mean pull")["mean pull, kN"].astype(float), " ".join(PAGE.split())
-    frame, gravity = CASES[PAPERS].undercarriage, CASES[PAPERS].gravity
+    frame, gravity = CASES[PAPERS].gear, CASES[PAPERS].gravity
     resistance = frame.rolling_resistance * frame.mass * gravity / 1e3
     assert f"the rolling resistance is {resistance:.1f} kN ({frame.rolling_resistance} of" in text
     assert f"weight of {frame.mass * gravity / 1e6:.2f} MN" in text

@@ -25,7 +25,7 @@ def coarse():
 
 def test_pass_begins_behind_the_flexible_shoes_and_ends_beyond_them(coarse):
     whole = coarse["pass"]
-    case, frame = whole.case, whole.case.undercarriage
+    case, frame = whole.case, whole.case.gear
     places = case.track.first_com[0] + (np.array(rollers.FLEXIBLE) - 1) * case.track.pitch
     rails = case.shoe.rails
     assert frame.start + frame.rollers[-1] < places[0] + rails.rear
@@ -43,7 +43,7 @@ def test_machine_passes_and_digs_over_shoes_whose_rails_overhang(name, lower, co
     middles = case.track.first_com[0] + (np.array(rollers.FLEXIBLE) - 1) * case.track.pitch
     above = []
     for part in rollers.STANDS:
-        frame = coarse[f"loading {name} {part}"].case.undercarriage
+        frame = coarse[f"loading {name} {part}"].case.gear
         under = frame.start + np.array(frame.rollers)
         low, high = middles[0] - 0.5 * case.track.pitch, middles[-1] + 0.5 * case.track.pitch
         above.append((under > low) & (under < high))
@@ -54,17 +54,17 @@ def test_machine_passes_and_digs_over_shoes_whose_rails_overhang(name, lower, co
 def test_machine_digs_above_the_flexible_shoes(coarse):
     case = coarse["loading"].case
     middle = case.track.first_com[0] + (np.mean(rollers.FLEXIBLE) - 1) * case.track.pitch
-    assert case.undercarriage.start == pytest.approx(middle, abs=0.1)
+    assert case.gear.start == pytest.approx(middle, abs=0.1)
     assert case.machine.phases[0].end == 0.0
 
 
 def test_open_choices_differ_from_what_is_chosen_by_one_thing():
     cases = rollers.choices()
     for name in (rollers.FIRM_SPRINGS, rollers.FIRM_CONTACT):
-        assert cases.pop(name).undercarriage == cases["as it is"].undercarriage
-    chosen = cases.pop("as it is").undercarriage.model_dump()
+        assert cases.pop(name).gear == cases["as it is"].gear
+    chosen = cases.pop("as it is").gear.model_dump()
     for name, case in cases.items():
-        changed = [key for key, value in case.undercarriage.model_dump().items() if value != chosen[key]]
+        changed = [key for key, value in case.gear.model_dump().items() if value != chosen[key]]
         assert len(changed) == 1, name
 
 
@@ -135,7 +135,7 @@ def test_the_ready_duty_has_shoes_that_wear_and_cases_that_there_are():
 
 def test_machine_rolls_by_the_distance_of_two_rollers_over_the_flexible_shoe():
     whole = passing_case()
-    case, frame = whole.case, whole.case.undercarriage
+    case, frame = whole.case, whole.case.gear
     begin = case.drive.speed.times[-1]
     way = case.drive.travel(whole.duration) - case.drive.travel(begin)
     assert way == pytest.approx(np.diff(frame.rollers)[0])

@@ -107,7 +107,11 @@ SMALL, STRESS = small_case(), CaseFile(case=Case.stress("coarse"), duration=1.0)
     [
         (SMALL, Answer(quantity="pin_force"), "pin_force needs flexible shoes, the case has none"),
         (SMALL, Answer(quantity="highest_von_mises"), "needs flexible shoes"),
-        (SMALL, Answer(quantity="rail_force"), r"needs a rolled case \(undercarriage\), the case has none"),
+        (
+            SMALL,
+            Answer(quantity="rail_force"),
+            r"needs a side frame on an open track, the case has another gear\.kind",
+        ),
         (SMALL, Answer(quantity="joint_force", of=(2, 3)), r"of must be links of \[1, 2\], got \[3\]"),
         (
             SMALL,

@@ -317,7 +317,7 @@ def test_paraview_has_frame_rollers_and_treads(bent, bent_stress, tmp_path):
         assert own.mean(axis=0) == pytest.approx(hub, abs=1e-4)
         force = rollers.cell_data["force"][0][whose == number][0]
         assert force == pytest.approx(now.roller_force.sel(roller=number).sum("rail").values[0])
-    frame, ends = meshio.read(files["side frame"]), bent.case.undercarriage.ends
+    frame, ends = meshio.read(files["side frame"]), bent.case.gear.ends
     assert np.linalg.norm(frame.points[1] - frame.points[0]) == pytest.approx(ends[1] - ends[0])
     treads = meshio.read(files["treads"])
     total = now.roller_force.sum(("roller", "rail")).values[0]

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.colors import to_hex
 from PIL import Image
 
-from exudyn_crawler.case.parameters.undercarriage import MachineCycle, MachinePhase
+from exudyn_crawler.case import MachineCycle, MachinePhase
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.views.figures import history_series, run_figures, stress_figures
 from exudyn_crawler.views.pages.runs import comparison_figures, write_comparison

@@ -63,7 +63,7 @@ def outlines(surfaces, kinds=("rigid shoes", "flexible shoes")):
 def axes_of_rollers(history, now):
     """Middles of the rollers' axes as the motion of the frame has them: array (rollers, 3)."""
     along = rotation_matrices(now.side_frame_angles.values[0])[:, 0]
-    return now.side_frame_position.values + np.outer(history.case.undercarriage.rollers, along)
+    return now.side_frame_position.values + np.outer(history.case.gear.rollers, along)
 
 
 def treads(surface):
@@ -171,7 +171,7 @@ def test_a_ground_figure_shows_what_every_shoe_carries(step):
 def test_rollers_stand_where_the_frame_has_them_and_press_where_the_history_says(rolled):
     now = last(rolled)
     surfaces, arrows = side(rolled, force_scale=1e-6)
-    hubs, radius = axes_of_rollers(rolled, now), rolled.case.undercarriage.radius
+    hubs, radius = axes_of_rollers(rolled, now), rolled.case.gear.radius
     assert treads(surfaces["rollers"]).mean(axis=1)[:, [0, 2]] == pytest.approx(hubs[:, [0, 2]], abs=1e-4)
     assert hubs[:, 2].max() + radius < windows(rolled)[1][3]
     total = rolled.roller_force.isel(time=-1).sum("rail").transpose("roller", "axis").values
@@ -193,7 +193,7 @@ def test_rollers_roll_without_slip(rolled):
         spokes.append((ends[1] - ends[0])[[0, 2]])
     turned = np.arctan2(*spokes[1]) - np.arctan2(*spokes[0])
     way = float(np.ptp(rolled.side_frame_position.sel(axis="x").values))
-    assert turned * rolled.case.undercarriage.radius == pytest.approx(way, rel=1e-3)
+    assert turned * rolled.case.gear.radius == pytest.approx(way, rel=1e-3)
 
 
 def test_rollers_keep_their_depth_in_rails_where_the_ground_is_magnified(rolled):
@@ -212,7 +212,7 @@ def test_rollers_keep_their_depth_in_rails_where_the_ground_is_magnified(rolled)
 
 
 def test_a_tread_is_a_closed_surface_with_the_volume_of_its_disc(rolled):
-    frame = rolled.case.undercarriage
+    frame = rolled.case.gear
     tread, _ = wheel_solids(last(rolled))
     points, triangles = tread.points, tread.triangles
     a, b, c = (points[triangles[:, k]] for k in range(3))
@@ -266,7 +266,7 @@ def closed():
             "shoe": case.track.shoes,
             "joint": case.joints,
             "axis": ["x", "y", "z"],
-            "wheel": case.wheel_names,
+            "wheel": case.gear.wheel_names,
         },
     )
     return History(case, data)
@@ -278,7 +278,7 @@ def gear_of(history):
 
 def test_outline_of_the_teeth_is_where_lugs_touch(closed):
     case = closed.case
-    profile = Profile(*case.closed_track.tumbler.profile(case.track))
+    profile = Profile(*case.gear.tumbler.profile(case.track))
     for x, z in tooth_outline(case):
         assert np.hypot(x, z) <= profile.addendum + 1e-12
         # a lug that touches there from within its gap has no depth
@@ -291,7 +291,7 @@ def test_outline_of_the_teeth_is_where_lugs_touch(closed):
 def test_lugs_sit_in_the_gaps_of_the_tumbler_and_turn_with_it(closed):
     found, case = gear_of(closed), closed.case
     wheel, lugs = found["tumbler"], found["lugs"]
-    profile = Profile(*case.closed_track.tumbler.profile(case.track))
+    profile = Profile(*case.gear.tumbler.profile(case.track))
     local = np.einsum("nj,jk->nk", lugs.origin[0] - wheel.origin[0, 0], wheel.turn[0, 0])
     near = np.hypot(local[:, 0], local[:, 2]) < profile.addendum
     assert near.sum() >= 8  # four shoes with a lug on either side
@@ -301,7 +301,7 @@ def test_lugs_sit_in_the_gaps_of_the_tumbler_and_turn_with_it(closed):
 
 def test_wheels_stand_below_the_rails_and_roll_with_the_chain(closed):
     found, case = gear_of(closed), closed.case
-    table = case.closed_track.wheels(case.assembled.take_up)
+    table = case.gear.wheels(case.assembled.take_up)
     kinds = ("rollers", "idler", "carriers")
     axes = np.concatenate([found[name].origin[0, ::2] for name in kinds]) - case.assembled.frame
     assert axes[:, [0, 2]] == pytest.approx(table[:, :2])
@@ -310,14 +310,14 @@ def test_wheels_stand_below_the_rails_and_roll_with_the_chain(closed):
     assert np.concatenate([slid["rollers"], slid["carriers"]]) == pytest.approx(0.0)
     radii = [np.abs(found[name].points[:, 2]).max() for name in kinds]
     assert radii == pytest.approx([0.4, 0.9, 0.25])
-    way = ANGLE * case.closed_track.travel_per_angle(case.track)
+    way = ANGLE * case.gear.travel_per_angle(case.track)
     for name, radius in zip(kinds, radii, strict=True):
         turn = found[name].turn[0, 0].T @ found[name].turn[1, 0]
         assert turn[0, 2] == pytest.approx(np.sin(way / radius))
 
 
 def test_slides_are_bars_below_the_upper_run(closed):
-    case = closed.case.with_({"closed_track.carriers": (), "closed_track.slides": ((-2.0, 1.0, 1.9),)})
+    case = closed.case.with_({"gear.carriers": (), "gear.slides": ((-2.0, 1.0, 1.9),)})
     found = gear_of(History(case, closed.dataset))
     bar, (x, z) = found["slide 1"], closed.case.assembled.frame[[0, 2]]
     points = bar.points + bar.origin[0, 0]

@@ -237,7 +237,8 @@ def _message(one: Mapping[str, Any], model: type[pydantic.BaseModel]) -> str:
         return head + message
     if kind.startswith("union_tag") and isinstance(given, dict):
         tags = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
-        return f"{path}.{fields.TAG}: must be {tags}, got {shown(given.get(fields.TAG))}"
+        tag = fields.tag_field(spot.held[0])
+        return f"{path}.{tag}: must be {tags}, got {shown(given.get(tag))}"
     if kind.startswith(("model", "union_tag")):
         is_profile = any(getattr(held, "is_value", False) for held in spot.held)
         table = f"a table ({' or '.join(held.__name__ for held in spot.held)})"
@@ -253,8 +254,18 @@ def _message(one: Mapping[str, Any], model: type[pydantic.BaseModel]) -> str:
     return f"{head}{message}, got {shown(given)}{cause}"
 
 
+RENAMED = {
+    "undercarriage": "is now [gear] with kind = 'rolled'",
+    "closed_track": "is now [gear] with kind = 'closed', or 'machine' for two tracks",
+    "car_body": "is now [gear.car_body] of a [gear] with kind = 'machine'",
+}
+"""Keys of older case files, and where their values are now."""
+
+
 def unknown_key(path: fields.KeyPath, allowed: Sequence[str]) -> str:
-    """What is wrong with a path whose last name is none of those that are allowed there."""
+    """Say what is wrong with a path whose last name is none of those that are allowed there."""
+    if len(path) == 1 and path[0] in RENAMED:
+        return RENAMED[str(path[0])]
     near = difflib.get_close_matches(str(path[-1]), allowed, n=1)
     meant = fields.path_text((*path[:-1], *near))
     return f"unknown key; did you mean {meant}?" if near else f"unknown key; allowed are {', '.join(allowed)}"

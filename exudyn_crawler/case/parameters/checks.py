@@ -20,8 +20,6 @@ LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0  # m, radii of gyration of a shoe
 SHALLOWEST = 1e-5  # m that a shoe plausibly sinks into a unit at least
 DEEPEST = 0.5  # of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit
 GREATEST_SAG = 0.5  # of a unit's height: how far its weight and its share of the track press it down
-MISFIT = 0.01  # of a chain's pitch by which that of its tumbler plausibly differs from it, new or worn
-UPPER_REACH = 3.0  # crawler's lengths: radius of gyration of an upper structure with its boom, at most
 
 
 def _loads(case: Case) -> Iterator[str]:
@@ -34,7 +32,7 @@ def _loads(case: Case) -> Iterator[str]:
         if loads.min() < 0.0:
             lifted = f"{_newtons(loads.min())} {end} lifts shoe {loads.argmin() + 1}"
             yield f"{at}.loads: {lifted}; loads press down and are positive"
-        elif case.running_gear is None and not LEAST_LOAD <= whole / len(loads) <= GREATEST_LOAD:
+        elif not case.gear.frame_parts and not LEAST_LOAD <= whole / len(loads) <= GREATEST_LOAD:
             cause = f"{_newtons(whole)} in all; loads are in N"
             if whole == 0.0:
                 cause = "nothing, so that the ground carries the shoes alone"
@@ -56,44 +54,9 @@ def _inertia(case: Case) -> Iterator[str]:
     yield from sizes.thin_inertia("shoe", case.shoe.mass, case.shoe.inertia)
 
 
-def _gear_inertia(case: Case) -> Iterator[str]:
-    """Inertias of a machine's parts that do not go with their masses, or with the crawler's length."""
-    if (gear := case.running_gear) is None:
-        return
-    name = "undercarriage" if case.is_rolled else "closed_track"
-    rear, front = gear.rollers[0], gear.rollers[-1]
-    if case.closed_track is not None:
-        tumbler = case.closed_track.tumbler
-        rear, front = tumbler.place[0], case.closed_track.idler.place[0]
-        radius = tumbler.radius(case.track.pitch) + tumbler.reach
-        turning = f"{name}.tumbler", tumbler.mass, tumbler.inertia
-        yield from sizes.wide_inertia(*turning, (radius, 0.5 * case.shoe.width, radius))
-        yield from sizes.thin_inertia(*turning)
-    parts = [(name, gear.mass, gear.inertia, front - rear)]
-    if (body := case.car_body) is not None:
-        parts.append(("car_body", body.mass, body.inertia, front - rear))
-        reach = UPPER_REACH * (front - rear)
-        parts.append(("car_body, upper structure", body.upper_mass, body.upper_inertia, reach))
-    for part in parts:
-        yield from sizes.thin_inertia(*part[:3])
-        yield from sizes.far_inertia(*part)
-
-
-def _tumbler(case: Case) -> Iterator[str]:
-    """Tumbler whose pins' circle is of another pitch than the chain's, new or worn."""
-    if case.closed_track is None or (pitch := case.closed_track.tumbler.pitch) is None:
-        return
-    tumbler, chain = case.closed_track.tumbler, case.closed_track.chain_pitch(case.track)
-    new = case.track.pitch
-    if (1.0 - MISFIT) * min(new, chain) <= pitch <= (1.0 + MISFIT) * max(new, chain):
-        return
-    fits = new / (2.0 * np.sin(np.pi / tumbler.teeth))
-    pitches = f"{new:.4g} m" if chain == new else f"{new:.4g} m new and {chain:.4g} m worn"
-    yield (
-        f"closed_track.tumbler: its pitch, 2 pitch_radius sin(pi / teeth), is {pitch:.4g} m, the chain's "
-        f"{pitches}: shoes climb its {tumbler.teeth} teeth and stretch the chain; pitch_radius none, or "
-        f"{fits:.4g} m, fits"
-    )
+def _gear(case: Case) -> Iterator[str]:
+    """Inertias of a machine's parts, and teeth, that do not go with the rest of it."""
+    yield from case.gear.implausible(case.shoe, case.track)
 
 
 def _sinking(case: Case) -> Iterator[str]:
@@ -154,7 +117,7 @@ def out_of_range(parameters: BaseModel) -> Iterator[str]:
 def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
     """Everything in a case that no machine and no ground is known to have, a line each."""
     yield from out_of_range(case)
-    for check in (_loads, _inertia, _gear_inertia, _tumbler, _sinking, _map):
+    for check in (_loads, _inertia, _gear, _sinking, _map):
         yield from check(case)
     step = case.solver.step
     if duration is not None and duration < step:

@@ -17,7 +17,7 @@ KeyPath = tuple[int | str, ...]  # names and numbers on the way to a value: ("lo
 EVERY = "*"  # in place of a number: all items of a list
 BASE = "base"  # key of a file: the named value that gives what its table leaves out
 NONE = "none"  # what a file says where a field has no value, which TOML cannot
-TAG = "model"  # field that tells which class of several a part is of
+TAGS = ("model", "kind")  # fields of which one tells which class of several a part is of
 BESIDE = object()
 """Marks, in the annotation of a field, that a file has its fields beside those of the class that holds it."""
 NAME = r"[A-Za-z_]\w*(?:\[(?:\d+|\*)\])*"
@@ -124,9 +124,14 @@ def models_of(annotation: Any) -> tuple[type[BaseModel], ...]:
     return tuple(model for part in get_args(annotation) for model in models_of(part))
 
 
+def tag_field(kind: type[BaseModel]) -> str:
+    """Field that tells, in a class that is one of several, which one."""
+    return next(name for name in TAGS if name in kind.model_fields)
+
+
 def tag_of(kind: type[BaseModel]) -> str:
-    """What the field `model` says in a class that is one of several."""
-    return str(kind.model_fields[TAG].default)
+    """Value of this field in a class that is one of several."""
+    return str(kind.model_fields[tag_field(kind)].default)
 
 
 def allows_none(annotation: Any) -> bool:

@@ -117,14 +117,18 @@ def filled(
     of values over time.
     """
     below = below or {}
-    tag = content.get(fields.TAG, below.get(fields.TAG))
-    kind = next((one for one in kinds if len(kinds) > 1 and fields.tag_of(one) == tag), kinds[0])
-    # values of another class say nothing of this one
-    values = dict(below) if len(kinds) == 1 or below.get(fields.TAG) == fields.tag_of(kind) else {}
+    values = dict(below)
+    kind = kinds[0]
+    if len(kinds) > 1:
+        tag_field = fields.tag_field(kind)
+        tag = content.get(tag_field, below.get(tag_field))
+        kind = next((one for one in kinds if fields.tag_of(one) == tag), kind)
+        # values of another class say nothing of this one
+        values = values if below.get(tag_field) == fields.tag_of(kind) else {}
     if fields.BASE in content:
         values = _named(content[fields.BASE], kind, path)
     if len(kinds) > 1:
-        values.setdefault(fields.TAG, fields.tag_of(kind))
+        values.setdefault(tag_field, fields.tag_of(kind))
     given = {name: value for name, value in content.items() if name != fields.BASE}
     exponent = (values | given).get("exponent")
     for name, value in given.items():

@@ -18,7 +18,7 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.checks.cases import CheckCase, ShoeCheck
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import FatigueMaterial
-from exudyn_crawler.results.loads.actions import frame_of, treads
+from exudyn_crawler.results.loads.actions import treads
 from exudyn_crawler.results.stress.basis import stress_basis
 from fem import Material
 from meshes import STEEL, rails
@@ -88,11 +88,11 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
     goes over the run. In closed tracks rollers, idler and carriers are read on flexible shoes alone, whose
     strips a history has. A ValueError without such treads, or if none ever pressed.
     """
-    case, gear, steel = history.case, history.case.running_gear, STEEL
-    if gear is None or not has_treads(history):
-        raise ValueError(
-            f"roller paths need an undercarriage, or a closed track's flexible shoes; {case.name!r} has none"
-        )
+    case, steel = history.case, STEEL
+    if not has_treads(history):
+        needs = "a side frame on an open track, or a closed track's flexible shoes"
+        raise ValueError(f"roller paths need {needs}; {case.name!r} has none")
+    gear = case.running_gear()
     if (bent := case.flexible) is not None:
         steel = replace(STEEL, youngs_modulus=bent.youngs_modulus, poissons_ratio=bent.poissons_ratio)
     passes = _passes(history, gear)
@@ -136,18 +136,23 @@ def has_treads(history: History) -> bool:
     return "tread_force" in history.dataset or "strip_force" in history.dataset
 
 
+def treads_press(history: History) -> bool:
+    """True where a tread presses at a stored instant."""
+    stored = [name for name in ("tread_force", "strip_force") if name in history.dataset]
+    return any(bool(history.dataset[name].any()) for name in stored)
+
+
 def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
     """Greatest force per width and radius (N/m2) of every shoe, roller, rail and place of a run: a row each.
 
     Beside it when (s and row), where on the rail (m), the tread's force (N) and to which side it leans.
     """
     edges, case = _places(history.case), history.case
-    if case.is_closed:
-        read = ["strip_force", "strip_foot", "strip_guide", "strip_wheel"]
-        names, radii = np.array(case.wheel_names), np.tile(case.closed_gear().wheels(0.0)[:, 2], case.tracks)
-    else:
-        read, names = ["tread_force", "tread_foot", "roller_shoe"], history.roller.values
-        radii = np.full(len(names), frame_of(history).radius)
+    of_strips = "strip_force", "strip_foot", "strip_guide", "strip_wheel"
+    of_treads = "tread_force", "tread_foot", "roller_shoe"
+    read = [name for name in (*of_strips, *of_treads) if name in history.dataset]
+    names = history.dataset["wheel" if "wheel" in history.dataset.dims else "roller"].values
+    radii = np.tile(gear.first_wheels(case.shoe, case.track)[:, 2], case.tracks)
     rolls = np.array([label.kind != "slide" for label in case.wheel_labels])
     keys, found, done = ["shoe", "roller", "rail", "place"], [], 0
     for part in blocks(history.dataset[[*read, "position", "angles"]]):

@@ -34,13 +34,13 @@ CATALOGUE = Path(__file__).with_name("quantities.csv")
 """Columns as the fields of `Quantity`; several words in one with spaces between."""
 SEVERAL = ("dimensions", "files", "derived_from", "needs", "curve_axes")  # columns of several words
 DTYPES = {"double": "f8", "single": "f4"}  # of real numbers in files
-GEAR = "undercarriage or closed_track"
+GEAR = "the case has another gear.kind"
 NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
     "flexible": (lambda case: case.flexible is not None, "flexible shoes, the case has none"),
-    "rolled": (lambda case: case.is_rolled, "a rolled case (undercarriage), the case has none"),
-    "dragged": (lambda case: case.running_gear is None, f"a dragged track, the case has an {GEAR}"),
-    "frame": (lambda case: case.running_gear is not None, f"a side frame ({GEAR}), the case has none"),
-    "closed": (lambda case: case.is_closed, "a closed_track, the case has none"),
+    "rolled": (lambda case: "rolled" in case.gear.quantities, f"a side frame on an open track, {GEAR}"),
+    "dragged": (lambda case: "dragged" in case.gear.quantities, f"a dragged front shoe, {GEAR}"),
+    "frame": (lambda case: "frame" in case.gear.quantities, f"a side frame, {GEAR}"),
+    "closed": (lambda case: "closed" in case.gear.quantities, f"a closed track, {GEAR}"),
     "units": (lambda case: case.terrain.model == "units", "a terrain of units, the case has one of cells"),
     "cells": (lambda case: case.terrain.model == "cells", "a terrain of cells, the case has one of units"),
     # by the run, of which a case says nothing

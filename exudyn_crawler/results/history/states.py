@@ -8,10 +8,11 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import SIDES
+from exudyn_crawler.case.gear.base import SIDE_FRAME
 from exudyn_crawler.ground import rotations, terrain
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
-from exudyn_crawler.model.state import IDLERS, MOTOR, RATES, SIDE_FRAME, TUMBLERS, VERSION, pin_name
+from exudyn_crawler.model.state import MOTOR, RATES, VERSION, pin_name
 from exudyn_crawler.results.history import History, catalogue, files
 
 if TYPE_CHECKING:
@@ -54,25 +55,25 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     """History of states (times, layout.size) of a system."""
     case, states = system.case, _States(system, rows)
     time = states.part("time")
-    # the shoes of an open track start level
-    start = case.shoe_reference if case.is_closed else case.shoe_reference[:, :3]
+    start = case.shoe_reference
+    if not start[:, 3:].any():  # the shoes of an open track start level
+        start = start[:, :3]
     contacts, pairs = _contacts(states)
     values = _motion(states, "shoes", start)
     values |= _reactions(states, values) | _terrain(states) | contacts
     values["shoe_load"] = case.loads.loads(time)
-    if case.running_gear is not None:
-        found = system.gear_forces(time, *map(states.part, COORDINATES))
-        values |= _motion(states, SIDE_FRAME, case.frame_start, "side_frame_")
-        values |= (_closed if case.is_closed else _rolled)(states, values, found)
+    of_gear = OF_GEAR[case.gear.kind]
+    values |= of_gear.values(states, values)
     dataset = xr.Dataset(
         {name: catalogue.variable(name, one) for name, one in values.items()},
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
-            "joint": ("joint", case.joints, {"long_name": catalogue.LINKS[case.is_closed * case.tracks]}),
+            "joint": ("joint", case.joints, {"long_name": catalogue.LINKS[case.gear.loops]}),
             **({"unit": case.terrain.units} if len(case.terrain.units) else {}),
             "axis": AXES,
             **_coordinates(system),
+            **of_gear.coordinates(system),
             **files.contact_coordinates(pairs),
         },
         attrs={"title": case.name, **VERSIONS, files.LAYOUT_VERSION: VERSION},
@@ -121,7 +122,7 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     columns = first[:, None] + np.arange(dict(layout.multipliers)[present[0]])
     reaction, link = states.part("multipliers")[:, columns], np.nonzero(has)[0]
     force, torque = np.zeros((2, len(reaction), *has.shape, 3))
-    if case.is_closed:
+    if case.gear.loops:
         yaw = angles[..., 2]
         level = np.stack((np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)), axis=-1)
         axes = level, y0, np.cross(level, y0)
@@ -134,17 +135,12 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
 
 
 def _reactions(states: _States, motion: Arrays) -> Arrays:
-    """Forces and torques of links and drive; of a track with flexible shoes those of each pin, too."""
-    layout, point, angles = states.system.layout, states.system.point, motion["angles"]
-    force, torque, has = _pins(states, angles)
-    # the front shoe is the last of the flexible ones, if it is one of them
-    modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(angles), 0))
+    """Forces and torques of links; of a track with flexible shoes those of each pin, too."""
+    layout = states.system.layout
+    force, torque, has = _pins(states, motion["angles"])
     named = {
         "joint_force": force[:, :, 0] + force[:, :, 1],
         "joint_torque": torque[:, :, 0] + torque[:, :, 1],
-        "drive_force": -states.part("drive")[:, 0] * (not states.system.case.is_rolled),
-        "drive_point": motion["position"][:, -1] + point.arm(angles[:, -1], modal),
-        "drive_torque": -states.part("turn")[:, 0] if layout.has("turn") else np.zeros(len(angles)),
     }
     if layout.flexible_shoes:
         # a rigid link has one joint, whose reaction is no pin's
@@ -201,12 +197,31 @@ def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
     return tables, pairs
 
 
-def _rolled(states: _States, motion: Arrays, found: "GearForces") -> Arrays:
-    """Forces of the rollers of a side frame and pull of its drive."""
-    case, frame = states.system.case, states.system.case.undercarriage
-    assert frame is not None
-    turned = rotations.rotation_matrices(motion["side_frame_angles"])[:, 0, 0]
-    axes = motion["side_frame_position"][:, :1] + np.outer(turned, frame.rollers)
+def _dragged(states: _States, motion: Arrays) -> Arrays:
+    """Force, place and torque of the drive on the front shoe."""
+    layout, point, angles = states.system.layout, states.system.point, motion["angles"]
+    # the front shoe is the last of the flexible ones, if it is one of them
+    modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(angles), 0))
+    return {
+        "drive_force": -states.part("drive")[:, 0],
+        "drive_point": motion["position"][:, -1] + point.arm(angles[:, -1], modal),
+        "drive_torque": -states.part("turn")[:, 0] if layout.has("turn") else np.zeros(len(angles)),
+    }
+
+
+def _side_frame(states: _States) -> tuple[Arrays, "GearForces"]:
+    """Motion of the side frame, and forces of its wheels."""
+    found = states.system.gear_forces(states.part("time"), *map(states.part, COORDINATES))
+    return _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_"), found
+
+
+def _rolled(states: _States, motion: Arrays) -> Arrays:
+    """Motion of a side frame over an open track, forces of its rollers and pull of its drive."""
+    case = states.system.case
+    frame = case.rolled_gear()
+    of_frame, found = _side_frame(states)
+    turned = rotations.rotation_matrices(of_frame["side_frame_angles"])[:, 0, 0]
+    axes = of_frame["side_frame_position"][:, :1] + np.outer(turned, frame.rollers)
     behind = np.floor((axes - motion["position"][:, :1, 0]) / case.track.pitch).astype(int)
     behind = np.clip(behind, 0, case.track.shoe_count - len(NEIGHBOURS))
     rollers, when = np.arange(axes.shape[1]), np.arange(len(axes))[:, None, None]
@@ -218,7 +233,7 @@ def _rolled(states: _States, motion: Arrays, found: "GearForces") -> Arrays:
         np.where(has, forces[when, shoes], 0.0).sum(axis=3).reshape(split).transpose(0, 1, 3, 4, 2, 5)
         for forces in (found.strip_force, found.strip_foot)
     )
-    return {
+    return of_frame | {
         "drive_pull": -states.part("drive")[:, 0],
         "roller_shoe": behind + 1,
         "roller_force": force.sum(axis=(3, 4)),
@@ -227,10 +242,12 @@ def _rolled(states: _States, motion: Arrays, found: "GearForces") -> Arrays:
     }
 
 
-def _closed(states: _States, motion: Arrays, found: "GearForces") -> Arrays:
-    """Motion of the tumbler of a closed track, drive, wheels and teeth."""
+def _closed(states: _States, motion: Arrays) -> Arrays:
+    """Motion of side frame and tumblers of closed tracks, drive, wheels and teeth."""
     case = states.system.case
-    names, start = TUMBLERS[case.tracks], case.tumbler_reference
+    of_frame, found = _side_frame(states)
+    names = case.gear.tumblers
+    start = case.tumbler_reference
     place = states.parts(names)[..., :3] + start[:, :3]
     torque = -states.parts(map(MOTOR.format, names))[..., 0]
     pitch, rate = (
@@ -240,7 +257,7 @@ def _closed(states: _States, motion: Arrays, found: "GearForces") -> Arrays:
     take_up = _take_up(states)
     if case.tracks == 1:
         place, torque, pitch, rate, take_up = (one[:, 0] for one in (place, torque, pitch, rate, take_up))
-    named = {
+    named = of_frame | {
         "tumbler_position": place,
         "tumbler_angle": pitch,
         "tumbler_speed": rate,
@@ -278,10 +295,10 @@ def _take_up(states: _States) -> np.ndarray:
     """Take-up of the idlers of closed tracks, which shims keep: array (times, tracks), m."""
     case = states.system.case
     take_up = np.full((len(states.rows), case.tracks), case.assembled.take_up)
-    if not case.has_tensioners:
+    if not case.gear.sliding_idlers:
         return take_up
     frame, start = states.part(SIDE_FRAME), case.idler_reference[:, :3] - case.frame_start
-    for k, name in enumerate(IDLERS[case.tracks]):
+    for k, name in enumerate(case.gear.sliding_idlers):
         apart = states.part(name)[:, :3] - frame[:, :3] + start[k]
         turn = rotations.rotation_matrices(frame[:, 3:])
         take_up[:, k] += np.einsum("tik,ti->tk", turn, apart)[:, 0] - start[k, 0]
@@ -289,26 +306,56 @@ def _take_up(states: _States) -> np.ndarray:
 
 
 def _coordinates(system: "TrackSystem") -> dict[str, object]:
-    """Coordinates of the dimensions of flexible shoes, and of rollers and treads."""
-    named, flexible = dict[str, object](), system.frequencies is not None
-    if flexible:
+    """Coordinates of the dimensions of flexible shoes, and of two tracks."""
+    named = dict[str, object]()
+    if system.frequencies is not None:
         named["flexible_shoe"] = list(system.layout.flexible_shoes)
         named["mode"] = np.arange(1, system.layout.modes + 1)
         named["frequency"] = ("mode", system.frequencies, {"units": "Hz"})
         named["pin"] = list(SIDES)
-    if system.case.closed_track is not None:
-        named["wheel"] = system.case.wheel_names
     if system.case.tracks > 1:
         side = np.repeat(SIDES, system.case.loop.shoe_count)
         named |= {catalogue.TRACK: list(SIDES), "shoe_track": ("shoe", side), "joint_track": ("joint", side)}
-    gear = system.case.running_gear
-    if gear is not None and (system.case.is_rolled or flexible):
-        strips = np.arange(1, gear.strips + 1)
-        named["rail"] = list(SIDES)
-        named["strip"] = ("strip", strips, {"long_name": "of a tread, from right to left"})
-    if system.case.undercarriage is not None:
-        rollers = np.arange(1, len(system.case.undercarriage.rollers) + 1)
-        under = "shoe under a roller's axis, or the next"
-        named["roller"] = ("roller", rollers, {"long_name": "from rear to front"})
-        named["neighbour"] = ("neighbour", list(NEIGHBOURS), {"long_name": under})
     return named
+
+
+def _tread_coordinates(system: "TrackSystem") -> dict[str, object]:
+    """Coordinates of the dimensions of treads."""
+    strips = np.arange(1, system.case.running_gear().strips + 1)
+    return {
+        "rail": list(SIDES),
+        "strip": ("strip", strips, {"long_name": "of a tread, from right to left"}),
+    }
+
+
+def _roller_coordinates(system: "TrackSystem") -> dict[str, object]:
+    """Coordinates of the dimensions of rollers and their treads."""
+    rollers = np.arange(1, len(system.case.running_gear().rollers) + 1)
+    under = "shoe under a roller's axis, or the next"
+    return _tread_coordinates(system) | {
+        "roller": ("roller", rollers, {"long_name": "from rear to front"}),
+        "neighbour": ("neighbour", list(NEIGHBOURS), {"long_name": under}),
+    }
+
+
+def _wheel_coordinates(system: "TrackSystem") -> dict[str, object]:
+    """Coordinates of the dimensions of wheels, and of their treads, which flexible shoes alone have."""
+    named: dict[str, object] = {"wheel": system.case.gear.wheel_names}
+    return named if system.frequencies is None else named | _tread_coordinates(system)
+
+
+class _OfGear(NamedTuple):
+    """Part of a history that its gear makes."""
+
+    values: Callable[[_States, Arrays], Arrays]  # of the states and the motion of the shoes
+    coordinates: Callable[["TrackSystem"], dict[str, object]]
+
+
+_CLOSED = _OfGear(_closed, _wheel_coordinates)
+OF_GEAR = {
+    "dragged": _OfGear(_dragged, lambda _system: {}),
+    "rolled": _OfGear(_rolled, _roller_coordinates),
+    "closed": _CLOSED,
+    "machine": _CLOSED,
+}
+"""Part of a history by the kind of its gear."""

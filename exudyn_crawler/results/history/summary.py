@@ -44,9 +44,9 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
         unit, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
         rows.append((named[name].key_result.partition(" ")[2], one.value * factor, unit, one.of, one.at))
     # of the front shoe, or of the side frame that rolls over the shoes
-    rolled = history.case.running_gear is not None
-    way = part.side_frame_way if rolled else part.displacement.isel(shoe=-1)
-    of = "side frame" if rolled else f"shoe {int(history.shoe[-1])}"
+    framed = history.has("side_frame_way")
+    way = part.side_frame_way if framed else part.displacement.isel(shoe=-1)
+    of = "side frame" if framed else f"shoe {int(history.shoe[-1])}"
     rows.append(("distance travelled", float(_size(way.isel(time=-1))), "m", of, history.duration))
     of, force = _unbalanced(history)
     rows.append(("residual force at the start", 1e-3 * force, "kN", of, float(history.time[0])))
@@ -134,9 +134,8 @@ def tension_along_chain(history: History) -> xr.Dataset:
     far the tumbler has turned. Gives `least`, `mean` and `greatest` (N) with the dimension joint, the same of
     places with names that end so: `least_at`; of places also x and z in the side frame (m) and `part`.
     """
-    case, closed = history.case, history.case.closed_track
-    if closed is None:
-        raise ValueError(f"tension along the chain needs a closed track, {case.name!r} is open")
+    case = history.case
+    closed = case.closed_gear()
     data, track = history.dataset, case.track
     tension = history.over_time(["link_tension"])["link_tension"].transpose("time", "joint").values
     count, turned = tension.shape[1], data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)

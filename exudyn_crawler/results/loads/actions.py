@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import SIDES, Case, Track, Undercarriage
-from exudyn_crawler.case.parameters.undercarriage import WheelKind
+from exudyn_crawler.case import SIDES, Case, Rolled, Track
+from exudyn_crawler.case.gear.base import WheelKind
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history.history import History
@@ -156,19 +156,13 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
         yield from _grid(history, shoe, position, frames)
     else:
         yield from _contacts(history, shoe, bends)
-    if shoe == history.case.track.shoe_count and not history.case.is_closed:
-        yield from _drive(history, shoe, position, frames)
-    if history.case.is_closed and not bends:
-        yield from wheels_and_teeth(history, shoe, position)
-    elif history.case.running_gear is not None:
-        yield from treads_on(history, shoe, position, frames)
-        yield from (_lugs if history.case.is_closed else _chain)(history, shoe, position, frames)
+    yield from OF_GEAR[history.case.gear.kind](history, shoe, position, frames, bends)
 
 
 def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Joints of both links; a link of two rigid shoes has one, at its right pin, in a closed track midway."""
     track = history.case.track
-    closed = history.case.closed_track
+    gear = history.case.gear
     ends = dict(zip(history.case.links[:, 1].tolist(), history.case.joints.tolist(), strict=True))
     # the link ahead acts on its rear shoe as stored, the link behind with the opposite
     for end, joint, sign in zip(ENDS, (shoe, ends.get(shoe, 0)), (1.0, -1.0), strict=True):
@@ -180,13 +174,13 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
             reactions = [link.pin_force.values, link.pin_torque.values]
         force, torque = (sign * pair.reshape(len(position), -1, 3) for pair in reactions)
         pins = [Pin(end, side) for side in SIDES[: force.shape[1]]]
-        if closed is not None and len(pins) == 1:
+        if gear.loops and len(pins) == 1:
             pins = [Pin(end, MIDWAY)]
         for number, pin in enumerate(pins):
             pushed = force[:, number]
             moment = torque[:, number]
-            if closed is not None and end == "rear":  # a worn pin is farther back
-                wear = (track.pitch - closed.chain_pitch(track)) * frames[:, :, 0]
+            if gear.loops and end == "rear":  # a worn pin is farther back
+                wear = (track.pitch - gear.chain_pitch(track)) * frames[:, :, 0]
                 moment = moment + np.cross(wear, pushed)
             point = position + frames @ _center(track, pin)
             yield Action(Kind.JOINT, shoe, pin, point, pushed, moment, AtInterface(words(pin)))
@@ -244,8 +238,12 @@ def _contacts(history: History, shoe: int, bends: bool) -> Iterator[Action]:
         yield Action(Kind.CONTACT, shoe, place, point[:, column], force, torque[:, column], entry)
 
 
-def _drive(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Drive along x at its point, and the turn about the shoe's own z axis, on its frame."""
+def _on_dragged(
+    history: History, shoe: int, position: np.ndarray, frames: np.ndarray, bends: bool
+) -> Iterator[Action]:
+    """Drive of the front shoe along x at its point, and the turn about its own z axis, on its frame."""
+    if shoe != history.case.track.shoe_count:
+        return
     zero = np.zeros_like(position)
     force = np.zeros_like(position)
     force[:, 0] = history.drive_force.values
@@ -256,6 +254,29 @@ def _drive(history: History, shoe: int, position: np.ndarray, frames: np.ndarray
         entry = AtPins(tuple(name for name, pin in PINS.items() if pin.end == "front"))
     yield Action(Kind.DRIVE, shoe, moved, history.drive_point.values, force, zero, entry)
     yield Action(Kind.DRIVE, shoe, Point.FRAME, position, zero, moment)
+
+
+def _on_rolled(
+    history: History, shoe: int, position: np.ndarray, frames: np.ndarray, bends: bool
+) -> Iterator[Action]:
+    """Treads of rollers, pull of the drive and tension of the chain's ends."""
+    yield from treads_on(history, shoe, position, frames)
+    yield from _chain(history, shoe, position, frames)
+
+
+def _on_closed(
+    history: History, shoe: int, position: np.ndarray, frames: np.ndarray, bends: bool
+) -> Iterator[Action]:
+    """Wheels and teeth on a rigid shoe, every tread and lug of a flexible one."""
+    if bends:
+        yield from treads_on(history, shoe, position, frames)
+        yield from _lugs(history, shoe, position, frames)
+    else:
+        yield from wheels_and_teeth(history, shoe, position)
+
+
+OF_GEAR = {"dragged": _on_dragged, "rolled": _on_rolled, "closed": _on_closed, "machine": _on_closed}
+"""Actions of a gear on a shoe, by the gear's kind; `bends` says that the shoe is flexible."""
 
 
 def wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Iterator[Action]:
@@ -314,8 +335,8 @@ def treads(dataset: xr.Dataset) -> Treads:
 def treads_on(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Every strip of a tread that was ever on the shoe, and its flange; a flexible one in a closed track."""
     labels = history.case.wheel_labels
-    closed = history.case.is_closed
-    strips = treads(history.dataset.sel(flexible_shoe=[shoe]) if closed else history.dataset)
+    stored = "strip_force" in history.dataset  # of flexible shoes alone
+    strips = treads(history.dataset.sel(flexible_shoe=[shoe]) if stored else history.dataset)
     wheels = np.where(strips.shoe == shoe, strips.wheel, -1)
     for wheel, rail, strip in np.ndindex(len(labels), *strips.force.shape[2:4]):
         touches = (wheels == wheel) & strips.force[:, :, rail, strip].any(axis=-1)
@@ -370,10 +391,6 @@ def drive_pulls(history: History) -> np.ndarray:
     return history.drive_pull.values[:, None] * np.column_stack((shares, np.zeros(len(shares))))
 
 
-def frame_of(history: History) -> Undercarriage:
-    """Undercarriage of the history's case; ValueError if it has none."""
-    frame = history.case.undercarriage
-    if frame is None:
-        name = history.case.name
-        raise ValueError(f"the history must be of a case with an undercarriage, {name!r} has none")
-    return frame
+def frame_of(history: History) -> Rolled:
+    """Side frame that rolls over the shoes of a history; ValueError if none does."""
+    return history.case.rolled_gear()

@@ -121,9 +121,9 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
     flanges, are in place of rollers. ValueError if the history's case is neither rolled nor closed, if its
     track has no such shoe, or if the shoe of a closed track is rigid: where wheels are is not stored of it.
     """
-    closed = history.case.is_closed
-    frame, wheel = (history.case.closed_gear(), "wheel") if closed else (actions.frame_of(history), "roller")
-    if closed:
+    frame = history.case.running_gear()
+    wheel = "wheel" if "wheel" in history.dataset.dims else "roller"
+    if wheel == "wheel":
         load_map.check_flexible(history.case, shoe)
     history.case.track.check_shoe(shoe)
     origin, axes = actions.shoe_frames(history, shoe)

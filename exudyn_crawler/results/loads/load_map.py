@@ -126,7 +126,8 @@ def unit_loads(case: Case) -> ShoeUnitLoads:
     body, _ = flexible_shoes.shoe_model(flexible, case.track)
     node, whole = shoe_mesh.pulled_node(case, body.mesh), flexible_shoes.whole_reduction(case).body
     cells = case.terrain.model == "cells"
-    return _unit_loads(flexible, case.track, case.shoe, case.running_gear, whole, node, cells)
+    frame = case.running_gear() if case.gear.wheel_names else None
+    return _unit_loads(flexible, case.track, case.shoe, frame, whole, node, cells)
 
 
 @lru_cache(maxsize=2)

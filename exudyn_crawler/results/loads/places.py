@@ -4,7 +4,7 @@ from enum import StrEnum
 from typing import Literal, NamedTuple
 
 from exudyn_crawler.case import SIDES
-from exudyn_crawler.case.parameters.undercarriage import WheelLabel
+from exudyn_crawler.case.gear.base import WheelLabel
 
 End = Literal["front", "rear"]
 ENDS: tuple[End, End] = ("front", "rear")

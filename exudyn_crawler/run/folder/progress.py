@@ -44,10 +44,10 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
     case, solver, outputs = case_file.case, case_file.case.solver, case_file.outputs
     flexible = 0 if case.flexible is None else len(case.flexible.shoes)
     step, more = STEP[case.is_compiled] * case.track.shoe_count / SHOES, STEP_FLEXIBLE[case.is_compiled]
-    if case.is_rolled:
+    if case.gear.kind == "rolled":
         step, more = ROLLED * step, ROLLED_FLEXIBLE
     times = {COMPILE: COMPILING} if case.is_compiled else {}
-    begin = BEGIN_CLOSED if case.is_closed else BEGIN
+    begin = BEGIN_CLOSED if case.gear.loops else BEGIN
     times[SIMULATE] = begin + case_file.duration / solver.step * (step + more * flexible)
     if case.flexible is not None:
         from meshes import geometry, mesh_named

@@ -70,7 +70,7 @@ def _compiled_rest(case: Case) -> np.ndarray:
     system = compiled_system(case)
     guess = system.first_guess()
     try:
-        if case.is_rolled or case.is_closed:
+        if case.gear.bodies:
             return _crept(case, guess)
         try:
             return newton_rest(system, guess)
@@ -80,7 +80,7 @@ def _compiled_rest(case: Case) -> np.ndarray:
             # over stones and ledges shoes tilt far from any guess
             return crept(system, guess)
     except NewtonError as failed:
-        is_free = case.running_gear is None and not system.sticks
+        is_free = not case.gear.bodies and not system.sticks
         if not is_free or (case.terrain.is_even and case.pair_contact().normal == "face"):
             raise no_rest(system, failed) from failed
     if not case.terrain.is_even:
@@ -98,7 +98,7 @@ def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
     """
     ground = system.case.terrain
     level = ground.model == "units" and ground.is_even and ground.grade == ground.side_slope == 0.0
-    time = CREEPING if level and not system.case.is_closed else CREEPING_OTHERS
+    time = CREEPING if level and not system.case.gear.loops else CREEPING_OTHERS
     return creep(system, guess, time, CREEPING_RESIDUAL)
 
 

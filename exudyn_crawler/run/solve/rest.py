@@ -153,7 +153,7 @@ def creep(
     `residual` (N, root mean square) ends a step's search, `accepted` is called after every step. A
     `NewtonError` if steps become too short.
     """
-    closed = system.case.is_closed
+    closed = bool(system.case.gear.loops)
     least = CLOSED_DRAG if closed else DRAG
     drag = FIRST_DRAG if closed else DRAG
     step = SLOWED_STEP if closed else FIRST_STEP
@@ -202,6 +202,6 @@ def settle(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
     # what holds the front shoe without a drive is the ground alone
     case = system.case
     system.switch_drive(case.drive.drives_after(0.0))
-    tilts = case.running_gear is None and not case.terrain.is_even
+    tilts = not case.gear.bodies and not case.terrain.is_even
     duration = UNEVEN_SETTLING if tilts else SETTLING
     return creep(system, q, duration, SETTLING_RESIDUAL, cells.commit)

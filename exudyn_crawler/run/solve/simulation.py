@@ -10,6 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case, Solver, case_file
+from exudyn_crawler.case.gear.base import SIDE_FRAME
 from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.engine import formulation
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
@@ -125,12 +126,12 @@ class ChainWatch:
             return ""
         return (
             f"link {link + 1}-{self._ahead[link] + 1} broke: its tension of {tension[link]:.4g} N is beyond "
-            f"closed_track.tension_limit = {limit:.4g} N; likely a chain too taut for its wheels "
+            f"gear.tension_limit = {limit:.4g} N; likely a chain too taut for its wheels "
             "(idler.slack, idler.take_up), or a load that is too great"
         )
 
     def _off(self, row: np.ndarray, shoes: np.ndarray) -> str:
-        frame, limit = self.layout.part(row, state.SIDE_FRAME), self.closed.offset_limit
+        frame, limit = self.layout.part(row, SIDE_FRAME), self.closed.offset_limit
         turn = rotations.rotation_matrices(frame[3:])
         aside = (shoes[:, :3] - frame[:3] - self._frame) @ turn[:, 1] - self._middles
         step = np.abs(aside - aside[self._ahead])
@@ -139,7 +140,7 @@ class ChainWatch:
             return ""
         return (
             f"shoe {shoe + 1} came off sideways: it is {aside[shoe]:+.4f} m from the track's middle and "
-            f"{step[shoe]:.4f} m from shoe {self._ahead[shoe] + 1}, beyond closed_track.offset_limit = "
+            f"{step[shoe]:.4f} m from shoe {self._ahead[shoe] + 1}, beyond gear.offset_limit = "
             f"{limit:g} m; likely a side force that the flanges do not hold (guide_height, guide_stiffness), "
             "or a chain too slack to stay between them"
         )
@@ -152,13 +153,13 @@ class ChainWatch:
             return ""
         return (
             f"the chain folded: shoes {link + 1} and {self._ahead[link] + 1} are at {bend[link]:+.3f} rad, "
-            f"beyond closed_track.fold_limit = {limit:g} rad; likely a chain too slack (idler.slack, "
+            f"beyond gear.fold_limit = {limit:g} rad; likely a chain too slack (idler.slack, "
             "idler.take_up), or one that piles up where it is pushed"
         )
 
     def _jumped(self, row: np.ndarray, shoes: np.ndarray, tension: np.ndarray) -> str:
         """A lug in another gap than before, or than its neighbours say, or none in any."""
-        own = np.array([self.layout.part(row, name) for name in state.TUMBLERS[self.case.tracks]])
+        own = np.array([self.layout.part(row, name) for name in self.case.gear.tumblers])
         own = np.repeat(own + self._tumblers, len(self._middles) // len(own), axis=0)
         lugs = shoes[:, :3] + rotations.rotation_matrices(shoes[:, 3:]) @ self._lug - own[:, :3]
         x, _, z = np.einsum("sji,sj->is", rotations.rotation_matrices(own[:, 3:]), lugs)
@@ -200,7 +201,7 @@ def _watched(
     An interrupt waits for the end of its step: Exudyn does not hand on all of those that meet its own calls.
     """
     case = system.case
-    watch = _Watch([], ChainWatch(case, system.layout) if case.is_closed else None)
+    watch = _Watch([], ChainWatch(case, system.layout) if case.gear.loops else None)
 
     def after_step(time: float) -> bool:
         recorder.store(time)

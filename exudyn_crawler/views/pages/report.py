@@ -69,8 +69,8 @@ def report_page(folder: Path) -> str:
         scenes["shoe"] = {"": packing.packed_scene(scene, arrays, first=shoes.first_frame(own))}
     curves, thinned = packing.packed_curves(histories, stresses)
     shown, first = _pictures(stressed, stress)
-    rolled = any(one.case.is_rolled for one in histories.values())
-    closed = any(one.case.is_closed for one in histories.values())
+    rolled = any(one.has("roller_force") for one in histories.values())
+    closed = any(one.has("wheel_force") for one in histories.values())
     sections = [
         Section("comparison", "Paper against computed", compared),
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),

@@ -74,9 +74,9 @@ class TrackPicture:
         ground = f"displacement of the ground drawn {self._scale:g} times larger"
         most = track.greatest_shoe_force(self.history) / style.KILO
         greatest = f"contact force on each shoe, the greatest of the run {most:.3g} kN"
-        if self.history.case.is_rolled:
+        if self.history.has("roller_force"):
             return f"{ground}; blue arrows: {greatest}; violet: force of each roller"
-        if self.history.case.is_closed:
+        if self.history.has("wheel_load"):
             kinds = "blue of the ground, violet of wheels, red of teeth"
             return f"{ground}; arrows: forces on each shoe, {kinds}, {most:.4g} kN at most"
         return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
@@ -113,12 +113,12 @@ def ground_scale(history: History) -> float:
 
 def _curves(history: History) -> figures.Panel:
     """What drives a run over time: force of every roller, tension of a closed chain, speed of both ends."""
-    if history.case.is_closed:
+    if history.has("link_tension"):
         tension = history.over_time(["link_tension"])["link_tension"] / style.KILO
         most, least = tension.max("joint"), tension.min("joint")
         curves = {"greatest": most, "mean": tension.mean("joint"), "least": least}
         return figures.Panel("tension of links", "kN", curves)
-    if history.case.is_rolled:
+    if history.has("roller_force"):
         pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
         of_rollers = {str(roller): pressed.sel(roller=roller) for roller in history.roller.values}
         return figures.Panel("roller force", "kN", of_rollers)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import SIDES, Case, ClosedTrack, Rails, Undercarriage
+from exudyn_crawler.case import SIDES, Case, Rails, RunningGear
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
@@ -40,23 +40,21 @@ def frame_poses(history: History) -> tuple[np.ndarray, np.ndarray]:
     return origin[:, None], turn[:, None]
 
 
-def frame_on_rails(case: Case) -> tuple[ClosedTrack | Undercarriage, Rails]:
-    """Side frame of a rolled or a closed case, and the rails that its wheels run on."""
-    frame, rails = case.running_gear, case.shoe.rails
-    if frame is None or rails is None:
-        raise ValueError(f"the case {case.name!r} must have an undercarriage or a closed track to show one")
+def frame_on_rails(case: Case) -> tuple[RunningGear, Rails]:
+    """Side frame of a case, and the rails that its wheels run on; ValueError if it has none."""
+    frame, rails = case.running_gear(), case.shoe.rails
+    assert rails is not None
     return frame, rails
 
 
 def gear_solids(history: History) -> list[Solid]:
     """Side frames and all that turns in them, and the car body; nothing of a dragged track."""
-    if history.case.running_gear is None:
+    if not history.case.frame_parts:
         return []
-    solids = [] if history.case.car_body is None else [car_body(history)]
-    for name, one in each_track(history).items():
-        found = [beam(one), *wheel_solids(one), *slide_solids(one)]
-        found += tumbler_solids(one) if one.case.is_closed else []
-        solids += [replace(solid, name=f"{name}{solid.name}") for solid in found]
+    solids = [] if history.case.tracks == 1 else [car_body(history)]
+    for name, track in each_track(history).items():
+        of_track = [beam(track), *wheel_solids(track), *slide_solids(track), *tumbler_solids(track)]
+        solids += [replace(solid, name=f"{name}{solid.name}") for solid in of_track]
     return solids
 
 
@@ -79,23 +77,15 @@ def beam(history: History) -> Solid:
     """Beam between the rails that stands for the side frame; of a closed one it carries all axes."""
     frame, rails = frame_on_rails(history.case)
     half, (low, high) = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP, BEAM
-    if isinstance(frame, ClosedTrack):
-        idler = frame.wheels(history.case.assembled.take_up)[len(frame.rollers)]
-        rear, front = frame.tumbler.place[0], float(idler[0])
-        high = min([frame.tumbler.place[1], *(z for _, z in frame.upper.values())])
-    else:
-        rear, front = frame.ends
-    shape = box((rear, -half, low), (front, half, high))
+    rear, front, lowest = frame.extent(history.case.shoe, history.case.track)
+    shape = box((rear, -half, low), (front, half, min(high, lowest)))
     return Solid("side frame", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
 
 
 def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
     """Names of the wheels of each kind, and x, z and radius of theirs in the frame (n, 3), m."""
     frame, _ = frame_on_rails(case)
-    if isinstance(frame, ClosedTrack):
-        table = frame.wheels(case.assembled.take_up)
-    else:
-        table = np.array([(x, 0.0, frame.radius) for x in frame.rollers])
+    table = frame.first_wheels(case.shoe, case.track)
     wheels = {}
     for kind, title in TURNING.items():
         rows = [row for row, label in enumerate(frame.wheel_labels) if label.kind == kind]
@@ -107,9 +97,9 @@ def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
 def slide_solids(history: History) -> list[Solid]:
     """Slides under the upper run of a closed track, on both rails."""
     frame, rails = frame_on_rails(history.case)
-    slides, half = frame.slides if isinstance(frame, ClosedTrack) else (), 0.5 * frame.tread_width
+    half = 0.5 * frame.tread_width
     placed = carried(*frame_poses(history), np.outer(rails.middles, [0.0, 1.0, 0.0]))
-    shapes = (box((x0, -half, z - SLIDE), (x1, half, z)) for x0, x1, z in slides)
+    shapes = (box((x0, -half, z - SLIDE), (x1, half, z)) for x0, x1, z in frame.slide_places)
     return [
         Solid(f"slide {n}", *shape, style.ROLLER, *placed, edges=style.ROLLER_EDGE)
         for n, shape in enumerate(shapes, start=1)
@@ -126,10 +116,9 @@ def wheel_solids(history: History) -> list[Solid]:
     forward = np.cross(axle, [0.0, 0.0, 1.0])
     forward /= np.linalg.norm(forward, axis=-1, keepdims=True)
     level = np.stack((forward, axle, np.cross(forward, axle)), axis=-1)
-    if isinstance(frame, ClosedTrack):
-        way = history.tumbler_angle.values[:, None] * frame.travel_per_angle(case.track)
-    else:
-        way = origin[..., 0] - frame.start
+    way = origin[..., 0] - case.frame_start[0]
+    if history.has("tumbler_angle"):
+        way = history.tumbler_angle.values[:, None] * case.closed_gear().travel_per_angle(case.track)
     solids, edge = [], style.ROLLER_EDGE
     for name, (labels, wheels) in _wheels(case).items():
         # roller by roller, its right tread first
@@ -160,7 +149,9 @@ def tooth_outline(case: Case) -> np.ndarray:
 
 
 def tumbler_solids(history: History) -> list[Solid]:
-    """Toothed wheels of the drive tumbler on its shaft, and the lugs of the shoes that run into them."""
+    """Toothed wheels of a drive tumbler on its shaft, and the lugs of shoes that run into them, if any."""
+    if not history.case.gear.tumblers:
+        return []
     case, frame = history.case, history.case.closed_gear()
     tumbler, centers = frame.tumbler, case.track.joint_centers
     planes = np.array([[0.0, centers[f"rear {side}"][1], 0.0] for side in SIDES])
@@ -199,16 +190,12 @@ def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndar
 
 def near_gear(history: History, shoes: np.ndarray, beside: float) -> list[Solid]:
     """Wheels and tumbler, as far as they are within some m of shoes with origins (times, shoes, 3)."""
-    found = [solid for one in each_track(history).values() for solid in wheel_solids(one)[::2]]
-    if history.case.is_closed:
-        found += [tumbler_solids(one)[1] for one in each_track(history).values()]
-    kept = []
-    for solid in found:
-        if history.case.is_rolled:
-            x = solid.origin[..., 0]
-            away = (x < shoes[..., 0].min() - beside) | (x > shoes[..., 0].max() + beside)
-        else:
+    if not history.case.frame_parts:
+        return []
+    near = []
+    for track in each_track(history).values():
+        for solid in (*wheel_solids(track)[::2], *tumbler_solids(track)[1:2]):
             apart = np.linalg.norm((solid.origin[:, :, None] - shoes[:, None])[..., [0, 2]], axis=-1)
             away = apart.min(axis=2) > beside + np.linalg.norm(solid.points[:, [0, 2]], axis=1).max()
-        kept.append(replace(solid, origin=np.where(away[..., None], np.nan, solid.origin)))
-    return kept
+            near.append(replace(solid, origin=np.where(away[..., None], np.nan, solid.origin)))
+    return near

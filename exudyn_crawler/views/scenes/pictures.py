@@ -126,7 +126,7 @@ def _fine(corners: np.ndarray) -> np.ndarray:
 def windows(history: History) -> tuple[Window, Window]:
     """What a run shows at all times from above, least and greatest x and y, m, and from the side, x and z."""
     x, y, (bottom, top) = track.shown_box(history, MARGIN)
-    return (*x, *y), (*x, bottom, top + (ABOVE if history.case.running_gear is not None else 0.0))
+    return (*x, *y), (*x, bottom, top + (ABOVE if history.has("side_frame_position") else 0.0))
 
 
 def ground_section(history: History, at_rest: bool = False) -> Solid:
@@ -191,7 +191,7 @@ def draw_plan(ax: Axes, now: History, heave: tuple[float, float]) -> Drawn:
     drawn: Drawn = [paint(ax, plan_solids(now, heave), FROM_ABOVE)]
     places = gear.poses(now.dataset)[0][0]
     # of a closed track the lower run is out of sight
-    lowest = places[:, 2].mean() if now.case.is_closed else -np.inf
+    lowest = places[:, 2].mean() if now.case.gear.loops else -np.inf
     for shoe, (x, y, z) in zip(now.shoe.values, places, strict=True):
         if z < lowest:
             continue

@@ -75,9 +75,8 @@ def stress_scene(stress: xr.Dataset, history: History) -> Scene:
         solids.append(replace(bent, colourings=(colouring, _trust(stress, shoe, used))))
         tall = float(np.ptp(points[:, 2]))
         arrows.append(Arrows("contact forces", style.CONTACT_FORCE, *pressing[k], force_scale, name, tall))
-    if history.case.running_gear is not None:
-        near = gear.near_gear(History(history.case, shown), origin, BESIDE)
-        solids += [replace(one, opacity=ROLLER_OPACITY) for one in near]
+    near = gear.near_gear(History(history.case, shown), origin, BESIDE)
+    solids += [replace(one, opacity=ROLLER_OPACITY) for one in near]
     return Scene(tuple(frame_titles(stress)), tuple(solids), tuple(arrows))
 
 

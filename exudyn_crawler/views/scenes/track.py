@@ -109,7 +109,7 @@ def _resultants(
 
 def greatest_shoe_force(history: History) -> float:
     """Greatest force of the ground on a shoe over the run, in a closed track also of wheels or teeth, N."""
-    names = ["contact_force", *(["wheel_load", "tooth_force"] if history.case.is_closed else [])]
+    names = [name for name in ("contact_force", "wheel_load", "tooth_force") if history.has(name)]
     values = (one for part, _ in history.parts() for one in part.over_time(names).values())
     return max(float(np.sqrt((one**2).sum("axis")).max()) for one in values)
 
@@ -127,9 +127,9 @@ def track_scene(history: History, force_scale: float, units: np.ndarray | None =
     tall, on_shoes = case.shoe.load_point[2] - case.shoe.footprint[4], shoe_forces(dataset)
     arrows = [Arrows("contact forces", style.CONTACT_FORCE, *on_shoes, force_scale, through=tall)]
     solids = [*shoe_boxes(history), ground_faces(history, units), *gear.gear_solids(history)]
-    if case.is_closed:
+    if history.has("wheel_load"):
         arrows += [Arrows(*one, force_scale) for one in gear.gear_forces(dataset)]
-    if case.is_rolled:
+    if history.has("roller_force"):
         on_rails = roller_forces(dataset)
         arrows.append(Arrows("forces of rollers", style.ROLLER_FORCE, *on_rails, force_scale))
     titles = tuple(f"t = {time:.2f} s" for time in dataset.time.values)
@@ -235,10 +235,10 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
         near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
         tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
-    if history.case.is_rolled:
-        top = max(top, float(gear.frame_poses(history)[0][..., 2].max()) + gear.BEAM[1])
-    if history.case.is_closed:
+    if history.case.gear.loops:
         top = float(history.position.sel(axis="z").max()) - shoe.footprint[4]
+    elif history.has("side_frame_position"):
+        top = max(top, float(gear.frame_poses(history)[0][..., 2].max()) + gear.BEAM[1])
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
 
 

@@ -1,0 +1,147 @@
+"""Start of a closed track: a chain that closes about its wheels, and where its shoes are."""
+
+import math
+from contextlib import suppress
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.case.gear.base import WheelLabel
+from exudyn_crawler.case.gear.closed_frame import ClosedFrame
+from exudyn_crawler.case.parameters import assembly
+from exudyn_crawler.case.parameters.track import Shoe, Track
+
+CLEARANCE = 0.5  # m, between the lowest shoes of a frame on posts and the ground
+MOST_SAG = 0.5  # of the upper run's length: how far it may sag
+TAKE_UPS = 81  # tried of the idler's range
+ROLLERS = (1, 2)
+"""Numbers of the outer rollers among the wheels of a `_Loop`."""
+
+
+class Assembled(NamedTuple):
+    """Where a closed track starts."""
+
+    take_up: float  # of the idler, m
+    sag: float  # of the upper run, m
+    frame: np.ndarray  # (3,): origin of the side frame, m, global
+    shoes: np.ndarray  # (shoes, 6): COMs (m, global) and angles (rad), of which pitch falls
+    tumbler: np.ndarray  # (6,): those of the tumbler
+
+
+@lru_cache(maxsize=64)
+def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
+    """Closed chain about its wheels, its first shoe's COM at `first_com`; raises `assembly.MisfitError`."""
+    rails = shoe.rails
+    assert rails is not None
+    pitch = closed.chain_pitch(chain)
+    take_up, sag, pieces = _closed(closed, shoe, chain)
+    places = assembly.pins_along(pieces, pitch, chain.shoe_count)
+    pins = np.array([assembly.point_at(pieces, place) for place in places])
+    # the rearmost shoe of which the pins have passed the first roller comes first
+    first = next(k for k, place in enumerate(places) if place >= 2.0)
+    apart, middles = np.diff(pins, axis=0), 0.5 * (pins[1:] + pins[:-1])
+    angles = np.unwrap(np.arctan2(-apart[:, 1], apart[:, 0]))
+    angles = angles - 2.0 * math.pi * np.round(angles[0] / (2.0 * math.pi))
+    middle = np.array([chain.pin_ahead - 0.5 * pitch, chain.pin_height])
+    c, s = np.cos(angles), np.sin(angles)
+    coms = middles - np.column_stack((c * middle[0] + s * middle[1], c * middle[1] - s * middle[0]))
+    coms, angles = np.roll(coms, -first, axis=0), np.roll(angles, -first)
+    if first:
+        angles[-first:] -= 2.0 * math.pi
+    height = closed.roller_radius + rails.height + shoe.com_height
+    height += CLEARANCE if closed.support == "posts" else 0.0
+    frame = np.array([chain.first_com[0] - coms[0, 0], chain.first_com[1], height])
+    shoes = np.zeros((chain.shoe_count, 6))
+    shoes[:, :3] = frame + np.column_stack((coms[:, 0], np.zeros(len(coms)), coms[:, 1]))
+    shoes[:, 4] = angles - 2.0 * math.pi * round(angles[0] / (2.0 * math.pi))
+    x, z = closed.tumbler.place
+    gap = math.atan2(pins[0, 1] - z, pins[0, 0] - x)
+    tumbler = np.array([*(frame + np.array([x, 0.0, z])), 0.0, -gap, 0.0])
+    return Assembled(take_up, sag, frame, shoes, tumbler)
+
+
+class _Loop(NamedTuple):
+    """Wheels that the pins of a closed chain lie about, and how a take-up of the idler moves them."""
+
+    closed: ClosedFrame
+    rise: float  # of the rails over the pins, m
+    pitch: float  # of the chain as it is, and new, m
+    new_pitch: float
+
+    @property
+    def upper_ends(self) -> list[WheelLabel]:
+        """Foremost and rearmost of what carries the upper run, which alone shape it."""
+        upper = sorted(self.closed.upper.items(), key=lambda item: item[1])
+        return [label for label, _ in upper[:: -max(1, len(upper) - 1)]]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the wheels in their order round the loop; the last of each run alone shape it."""
+        rollers = [label.words for label in self.closed.wheel_labels if label.kind == "roller"]
+        return ["tumbler", rollers[0], rollers[-1], "idler", *(label.words for label in self.upper_ends)]
+
+    def circles(self, take_up: float) -> list[assembly.Circle]:
+        """Circles of the pins about these wheels."""
+        closed, places = self.closed, self.closed.upper
+        (x, z), on_idler = closed.idler_circle(take_up, self.rise, self.pitch)
+        rollers, carriers = closed.roller_radius + self.rise, closed.carrier_radius + self.rise
+        wheels = [(*closed.tumbler.place, closed.tumbler.radius(self.new_pitch))]
+        wheels += [(closed.rollers[k], 0.0, rollers) for k in (0, -1)]
+        wheels.append((x, z, on_idler))
+        return wheels + [(*places[label], carriers) for label in self.upper_ends]
+
+    def belt(self, take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
+        """Belt about them; a `MisfitError` that names the wheel which lies within it, and what would do."""
+        circles = self.circles(take_up)
+        try:
+            return assembly.belt(circles, sag)
+        except assembly.WithinError as error:
+            x, z, _ = circles[error.number]
+            name = self.names[error.number]
+            lies = f"{name} at x = {x:.4g} m, z = {z:.4g} m lies {1e3 * error.depth:.0f} mm within the chain"
+            remedy = f"it touches the chain at z = {error.height:.4g} m"
+            if error.number in ROLLERS:
+                end = 0 if error.number == 1 else 3
+                remedy = f"it touches the chain with {self.names[end]}.place at z = {self._lift(end):.4g} m"
+            raise assembly.MisfitError(f"{lies} about the others; {remedy}") from error
+
+    def _lift(self, end: int) -> float:
+        """Height (m) of the axis of tumbler or idler at which its pins leave those of the rollers."""
+        _, _, rollers = self.circles(0.0)[1]
+        return self.circles(0.0)[end][2] - rollers
+
+    def take_ups(self) -> tuple[float, float]:
+        """Range of take-ups at which no wheel lies within the chain, or in another, about the least way."""
+        tried = np.linspace(*self.closed.idler.range, TAKE_UPS)
+        fit = np.array([self._fits(one) for one in tried])
+        if not fit.any():
+            self.belt(tried[np.abs(tried).argmin()])
+        nearest = np.flatnonzero(fit)[np.abs(tried[fit]).argmin()]
+        beyond = np.flatnonzero(~fit)
+        first = max(beyond[beyond < nearest], default=-1) + 1
+        last = min(beyond[beyond > nearest], default=len(tried)) - 1
+        return float(tried[first]), float(tried[last])
+
+    def _fits(self, take_up: float) -> bool:
+        with suppress(assembly.MisfitError):
+            return bool(assembly.belt(self.circles(take_up)))
+        return False
+
+
+def _closed(closed: ClosedFrame, shoe: Shoe, chain: Track) -> tuple[float, float, list[assembly.Piece]]:
+    """Take-up, sag of the upper run, m, and belt of a chain that closes."""
+    assert shoe.rails is not None
+    pitch, count = closed.chain_pitch(chain), chain.shoe_count
+    loop = _Loop(closed, shoe.rails.height - chain.pin_height, pitch, chain.pitch)
+    take_up = closed.idler.take_up
+    if take_up is None:
+        taut = assembly.closed_chain(loop.belt, pitch, count, loop.take_ups(), "an idler's take-up of")
+        slack = closed.estimated_slack(shoe, chain)
+        if not slack:
+            return taut, 0.0, loop.belt(taut)
+        take_up = taut - slack
+    most = MOST_SAG * loop.belt(take_up)[-1].length
+    fixed, what = float(take_up), f"a take-up of {take_up:.4g} m and a sag of"
+    sag = assembly.closed_chain(lambda sag: loop.belt(fixed, sag), pitch, count, (0.0, most), what)
+    return fixed, sag, loop.belt(fixed, sag)

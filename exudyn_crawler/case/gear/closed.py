@@ -1,0 +1,163 @@
+"""Closed: a track goes round tumbler, idler and rollers of its side frame."""
+
+from collections.abc import Iterator
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.gear.assembled import Assembled, assembled
+from exudyn_crawler.case.gear.base import POSTS
+from exudyn_crawler.case.gear.closed_frame import ClosedFrame
+from exudyn_crawler.case.parameters import assembly, base, sizes
+from exudyn_crawler.case.parameters.base import Errors, option
+from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
+from exudyn_crawler.case.parameters.track import Shoe, Track
+
+MISFIT = 0.01  # of a chain's pitch by which that of its tumbler plausibly differs from it, new or worn
+SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
+
+
+class Closed(ClosedFrame):
+    """Track that is closed round a side frame, whose tumbler drives the chain and whose idler tightens it."""
+
+    kind: Literal["closed"] = option("track is closed round its side frame", "closed")
+
+    quantities: ClassVar[frozenset[str]] = frozenset({"frame", "closed"})
+    loops: ClassVar[int] = 1
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Closed track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
+        return cls(tumbler=Tumbler.ph4100c(), idler=Idler.ph4100c(), **ph4100c.CLOSED_TRACK)
+
+    @property
+    def tumblers(self) -> tuple[str, ...]:
+        """Names of the tumblers."""
+        return ("tumbler",)
+
+    @property
+    def sliding_idlers(self) -> tuple[str, ...]:
+        """Names of the idlers that tensioners push."""
+        return () if self.idler.tensioner is None else ("idler",)
+
+    @property
+    def holds(self) -> tuple[int, ...]:
+        """Coordinates of the side frame that are held: on posts all."""
+        return POSTS if self.support == "posts" else super().holds
+
+    @property
+    def flange(self) -> tuple[float, float, float]:
+        """Play (m), stiffness (N/m) and damping (N s/m) of the flanges of a wheel."""
+        return self.guide_play, self.guide_stiffness, self.guide_damping
+
+    @property
+    def flange_height(self) -> float:
+        """Height of the flanges above a tread, m."""
+        return self.guide_height
+
+    @property
+    def slide_places(self) -> tuple[base.Three, ...]:
+        """X of rear and front end, z of the top of slides, m."""
+        return self.slides
+
+    def assembled(self, shoe: Shoe, chain: Track) -> Assembled:
+        """Where the chain of one track starts; `assembly.MisfitError` if it does not close."""
+        return assembled(self, shoe, self.loop(chain))
+
+    def shoe_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Positions of the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
+        return self.beside(self.assembled(shoe, chain).shoes)
+
+    def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Origin of the side frame, or the machine, at t = 0, on rails that have not settled: (3,), m."""
+        return self.assembled(shoe, chain).frame - np.array([0.0, self.middles[0], 0.0])
+
+    def tumbler_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Centres of the tumblers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
+        return self.beside(self.assembled(shoe, chain).tumbler[None])
+
+    def idler_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Centres of the idlers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
+        x, z = self.idler.place
+        start = self.assembled(shoe, chain)
+        center = start.frame + np.array([x + start.take_up, 0.0, z])
+        return self.beside(np.array([[*center, 0.0, 0.0, 0.0]]))
+
+    def beside(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (n, 6) of the first track, global, for every track: array (tracks n, 6)."""
+        middles = self.middles
+        rows_of_all = np.tile(rows, (self.tracks, 1))
+        rows_of_all[:, 1] += np.repeat(middles - middles[0], len(rows))
+        return rows_of_all
+
+    def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Wheels of one track as the chain was assembled, see `wheels`."""
+        return self.wheels(self.assembled(shoe, chain).take_up)
+
+    def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
+        """X of the frame's rear and front end, and z of the lowest that is above it; m."""
+        rear, height = self.tumbler.place
+        front = self.idler.place[0] + self.assembled(shoe, chain).take_up
+        return rear, front, min([height, *(z for _, z in self.upper.values())])
+
+    def active(self, driven: bool, turned: bool) -> np.ndarray:
+        """Equations of the drive of a shoe or a frame, and of its turn, that hold: none, array (2,)."""
+        return np.zeros(2)
+
+    def motors(self, speeds: np.ndarray, chain: Track) -> np.ndarray:
+        """Speeds of the motors (rad/s) at speeds of the tracks (tracks,), m/s; sliding idlers stand still."""
+        still = np.zeros(len(self.sliding_idlers))
+        return np.concatenate((speeds / self.travel_per_angle(chain), still))
+
+    def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
+        """Lines that say what of a shoe with rails, and of the chain, does not fit round the wheels."""
+        rails = shoe.rails
+        assert rails is not None
+        if rails.height <= chain.pin_height:
+            yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
+        x, length = np.sort([x for x, _ in self.upper.values()]), rails.front - rails.rear
+        if self.slides and np.any(x[2:] - x[:-2] < length + SLIDE_MARGIN):
+            yield (
+                f"slide_step, slides and carriers must leave every rail, which is {length:g} m long, on two "
+                f"of their lines at once, got lines at {np.round(x, 3).tolist()}"
+            )
+        yield from self.tumbler.tooth_errors(chain)
+        try:
+            start = assembled(self, shoe, chain)
+        except assembly.MisfitError as error:
+            yield f"gear: {error}"
+            return
+        yield from (f"gear: {error}" for error in self._overlaps(chain, start.take_up))
+
+    def _overlaps(self, chain: Track, take_up: float) -> Errors:
+        """Rollers, idler and carriers in each other, or in what of the tumbler is within its gaps."""
+        _, center, arc, _, _ = self.tumbler.profile(chain)
+        labelled = zip(self.wheel_labels, self.wheels(take_up).tolist(), strict=True)
+        wheels = [sizes.Round(label.words, *wheel) for label, wheel in labelled if label.kind != "slide"]
+        yield from sizes.overlap_errors([sizes.Round("tumbler", *self.tumbler.place, center - arc), *wheels])
+
+    def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
+        """Lines that say what no machine is known to have: inertias, and teeth of another pitch."""
+        tumbler = self.tumbler
+        radius = tumbler.radius(chain.pitch) + tumbler.reach
+        turning = "gear.tumbler", tumbler.mass, tumbler.inertia
+        yield from sizes.wide_inertia(*turning, (radius, 0.5 * shoe.width, radius))
+        yield from sizes.thin_inertia(*turning)
+        yield from super().implausible(shoe, chain)
+        yield from self._other_pitch(chain)
+
+    def _other_pitch(self, chain: Track) -> Iterator[str]:
+        """Tumbler whose pins' circle is of another pitch than the chain's, new or worn."""
+        pitch = self.tumbler.pitch
+        new = chain.pitch
+        worn = self.chain_pitch(chain)
+        if pitch is None or (1.0 - MISFIT) * min(new, worn) <= pitch <= (1.0 + MISFIT) * max(new, worn):
+            return
+        fits = new / (2.0 * np.sin(np.pi / self.tumbler.teeth))
+        pitches = f"{new:.4g} m" if worn == new else f"{new:.4g} m new and {worn:.4g} m worn"
+        yield (
+            f"gear.tumbler: its pitch, 2 pitch_radius sin(pi / teeth), is {pitch:.4g} m, the chain's "
+            f"{pitches}: shoes climb its {self.tumbler.teeth} teeth and stretch the chain; "
+            f"pitch_radius none, or {fits:.4g} m, fits"
+        )

@@ -1,0 +1,177 @@
+"""Side frame that a chain is closed round: its parameters, and where its wheels are."""
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.gear.base import RunningGear, WheelLabel, overlap_errors
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Errors, option, quantity
+from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler, Wheel
+from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
+
+MAKERS_SAG = 0.025
+"""Sag over the free span between idler and carrier that a chain has where no file says more: chosen here."""
+LEAST_SAG, GREATEST_SAG = 0.007, 0.04
+"""The same that makers ask for, least and greatest.
+
+They ask for 5 to 15 mm (excavator of 2.7 t) and 10 to 30 mm (of 12 to 21 t; Komatsu PC27MR, PC118MR-8 and
+PC210-11), 50 mm (dozers of Caterpillar), 25 to 63 and 38 to 76 mm (crawler cranes Manitowoc 2250 and 16000).
+Spans stand in none of these texts; 0.7, 1.2, 1.3 and 1.9 m are assumed.
+"""
+
+
+class ClosedFrame(RunningGear):
+    """Side frame of a closed track with what guides, drives and tightens the chain.
+
+    The tumbler is at the rear. On posts the frame is held above the ground; on the ground its y and yaw are
+    held.
+    """
+
+    support: Literal["ground", "posts"] = option("what carries the frame", "ground")
+    mass: base.Mass = quantity(
+        "kg",
+        "mass on one track without shoes, tumbler and sliding idler; of kind 'machine' the frame's",
+        (1e2, 2e6),
+    )
+    tumbler: Tumbler
+    idler: Idler
+    roller_radius: base.Length = quantity("m", "radius of the rollers' treads", (0.05, 1.5))
+    carriers: tuple[Wheel, ...] = quantity(
+        "m", "x and z of carrier rollers under the upper run, rear to front; none: it hangs", default=()
+    )
+    carrier_radius: base.Length = quantity("m", "radius of their treads", (0.03, 1.0), default=0.25)
+    slides: tuple[base.Three, ...] = quantity(
+        "m", "x of rear and front end, z of the top of slides under the upper run, rear to front", default=()
+    )
+    slide_step: base.Length = quantity(
+        "m", "of the lines across a slide on which rails rub, so round as carriers", (0.1, 2.0), default=0.45
+    )
+    slide_friction: base.Coefficient = quantity(
+        "1", "of rails on slides, 0 at rest as rolling is", (0.05, 0.8), default=ph4100c.SLIDE_FRICTION
+    )
+    guide_play: base.Extent = quantity("m", "a shoe's way to each side of a flange", (0.0, 0.1))
+    guide_height: base.Depth = quantity("m", "of the flanges above a tread", (0.005, 0.3))
+    guide_stiffness: base.Stiffness = quantity(
+        "N/m", "of the flanges of a wheel, of the tumbler", (1e5, 1e10)
+    )
+    guide_damping: base.Damping = quantity("N s/m", "of these", (0.0, 1e8))
+    pitch_growth: float = quantity("1", "of the chain by wear", (0.0, 0.05), ge=-0.1, le=0.2, default=0.0)
+    compliance: float = quantity(
+        "m/N", "of a pin sideways, in rad/(N m) in yaw and roll", (1e-12, 1e-8), gt=0, le=1e-3, default=1e-10
+    )
+    tension_limit: float | None = quantity(
+        "N", "of a link, beyond which it breaks and the run ends; none: no limit", gt=0, le=1e12, default=None
+    )
+    fold_limit: float = quantity(
+        "rad", "of neighbours, where the chain folds and the run ends", (0.3, 1.6), gt=0, le=3, default=1.0
+    )
+    offset_limit: base.Length = quantity(
+        "m", "beside frame or neighbour, where a shoe comes off and the run ends", (0.02, 0.5), default=0.1
+    )
+    torque_limit: float | None = quantity(
+        "N m", "greatest of the drive; none: what its speed takes", gt=0, le=1e12, default=None
+    )
+    torque_speed: base.Speed = quantity(
+        "rad/s", "lag of the tumbler at which it has 0.7 of this torque", (1e-5, 1.0), default=0.01
+    )
+
+    def _errors(self) -> Errors:
+        yield from overlap_errors("rollers", self.rollers, self.roller_radius)
+        yield from overlap_errors("carriers", [x for x, _ in self.carriers], self.carrier_radius)
+        ends = [x for rear, front, _ in self.slides for x in (rear, front)]
+        if np.any(np.diff(ends) <= 0.0):
+            yield f"slides must have a length and stand in order, rear to front, got {list(self.slides)}"
+        turn = 2.0 * math.pi / self.tumbler.teeth
+        if self.fold_limit <= turn:
+            yield f"fold_limit must be greater than 2 pi / teeth = {turn:.4g} rad, got {self.fold_limit}"
+        if not self.tumbler.place[0] < self.rollers[0] < self.rollers[-1] < self.idler.place[0]:
+            yield "the tumbler must be behind the rollers and the idler in front of them"
+
+    @property
+    def upper(self) -> dict[WheelLabel, Wheel]:
+        """X and z of the axes of carriers, and of the lines of slides on which rails rub, m."""
+        places = {WheelLabel("carrier", number): place for number, place in enumerate(self.carriers, start=1)}
+        for number, (rear, front, top) in enumerate(self.slides, start=1):
+            x = np.linspace(rear, front, 1 + max(1, math.floor((front - rear) / self.slide_step + 1e-9)))
+            z = top - self.carrier_radius
+            lines = enumerate(x.tolist(), start=1)
+            places |= {WheelLabel("slide", number, line): (place, z) for line, place in lines}
+        return places
+
+    @property
+    def resistances(self) -> np.ndarray:
+        """Of wheels and slides against the travel over their normal force: array (wheels,)."""
+        rolling = len(self.rollers) + 1 + len(self.carriers)
+        rubbing = len(self.upper) - len(self.carriers)
+        return np.repeat([self.rolling_resistance, self.slide_friction], [rolling, rubbing])
+
+    @property
+    def length(self) -> float:
+        """Length along which its wheels stand, without take-up, m."""
+        return self.idler.place[0] - self.tumbler.place[0]
+
+    def wheels(self, take_up: float) -> np.ndarray:
+        """Lower rollers, idler, carriers, lines of slides: x and z in the frame, radius, (wheels, 3), m."""
+        x, z = self.idler.place
+        rollers = [(place, 0.0, self.roller_radius) for place in self.rollers]
+        upper = [(*place, self.carrier_radius) for place in self.upper.values()]
+        return np.array([*rollers, (x + take_up, z, self.idler.radius), *upper])
+
+    def lugs(self, chain: Track) -> list[tuple[str, np.ndarray]]:
+        """Joint centre that is next to each lug of a shoe on its side, and place (3,), m, of the lug."""
+        found, middle = [], chain.pin_ahead - 0.5 * chain.pitch
+        for side in SIDES:
+            rear = np.array(chain.joint_centers[f"rear {side}"])
+            worn = rear - [self.pitch_growth * chain.pitch, 0.0, 0.0]
+            places = [np.array([x, rear[1], z]) for x, z in self.tumbler.lugs] or [worn]
+            found += [(f"{'rear' if one[0] < middle else 'front'} {side}", one) for one in places]
+        return found
+
+    @property
+    def upper_spans(self) -> np.ndarray:
+        """Distances along x from tumbler to idler, without take-up, by what carries the upper run, m."""
+        supports = [self.tumbler.place[0], *(x for x, _ in self.upper.values()), self.idler.place[0]]
+        return np.diff(np.sort(supports))
+
+    @property
+    def wanted_sag(self) -> float:
+        """Sag (m) of the chain at rest between idler and carrier where no pretension says it."""
+        return self.idler.sag or MAKERS_SAG * float(self.upper_spans[-1])
+
+    def estimated_slack(self, shoe: Shoe, chain: Track) -> float:
+        """Way (m) by which the idler stands back from a taut chain, about where the tension gives it.
+
+        All spans of the upper run hang with one pull H as parabolas: w l^2 / (8 H) deep, and longer than
+        straight by w^2 l^3 / (24 H^2), of which the idler takes half up.
+        """
+        if self.idler.slack is not None or not self.idler.is_set_by_tension:
+            return self.idler.slack or 0.0
+        spans = self.upper_spans
+        hanging = 8.0 * self.wanted_sag / spans[-1] ** 2  # w / H
+        if self.idler.pretension is not None:
+            weight = shoe.mass * ph4100c.GRAVITY / chain.pitch
+            # of the two runs the upper one pulls harder, by the weight of the chain between them
+            apart = 2.0 * self.idler.radius
+            hanging = weight / (self.idler.pretension + 0.5 * weight * apart)
+        return 0.5 * float(np.sum(spans**3)) * hanging**2 / 24.0
+
+    def idler_circle(self, take_up: float, rise: float, pitch: float) -> tuple[Wheel, float]:
+        """Axis of the idler in the frame, and radius of the pins about it, m: rails touch between pins."""
+        axis = self.idler.place[0] + take_up, self.idler.place[1]
+        return axis, math.hypot(self.idler.radius + rise, 0.5 * pitch)
+
+    @property
+    def wheel_labels(self) -> list[WheelLabel]:
+        """Kinds and numbers of lower rollers, idler, carriers and lines of slides."""
+        return [*super().wheel_labels, WheelLabel("idler"), *self.upper]
+
+    def chain_pitch(self, chain: Track) -> float:
+        """Distance of the pins of a shoe, m."""
+        return chain.pitch * (1.0 + self.pitch_growth)
+
+    def travel_per_angle(self, chain: Track) -> float:
+        """Travel of the chain for each radian of the tumbler, m."""
+        return self.tumbler.teeth * self.chain_pitch(chain) / (2.0 * math.pi)

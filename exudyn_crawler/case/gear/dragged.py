@@ -1,0 +1,19 @@
+"""Dragged: the drive moves a point of the front shoe, and loads on the shoes stand for the machine."""
+
+from typing import ClassVar, Literal
+
+from exudyn_crawler.case.gear.base import Gear, Whole
+from exudyn_crawler.case.parameters.base import Errors, option
+
+
+class Dragged(Gear):
+    """Open track without a side frame: the drive moves the front shoe, loads press on the shoes."""
+
+    kind: Literal["dragged"] = option("front shoe is moved, loads stand for the machine", "dragged")
+
+    quantities: ClassVar[frozenset[str]] = frozenset({"dragged"})
+
+    def errors(self, case: Whole) -> Errors:
+        """Lines that say what does not fit the rest of the case."""
+        if case.machine is not None:
+            yield "machine must be None with gear.kind 'dragged', which has no side frame that it acts on"

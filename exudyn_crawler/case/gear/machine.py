@@ -1,0 +1,150 @@
+"""Machine: two closed tracks, and between them car body and upper structure."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any, ClassVar, Literal, Self
+
+import numpy as np
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.gear.assembled import Assembled
+from exudyn_crawler.case.gear.base import WheelLabel, Whole
+from exudyn_crawler.case.gear.closed import Closed
+from exudyn_crawler.case.parameters import sizes
+from exudyn_crawler.case.parameters.base import Errors, option
+from exudyn_crawler.case.parameters.car_body import CarBody, Part
+from exudyn_crawler.case.parameters.drive import Drive
+from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
+
+UPPER_REACH = 3.0  # crawler's lengths: radius of gyration of an upper structure with its boom, at most
+INSTANTS = 501  # of a drive, between which its way is integrated
+
+
+class Machine(Closed):
+    """Machine on two closed tracks, which share `track.shoe_count`, the right first; nothing holds its plane.
+
+    The tracks go at `drive.speed` more or less half of `car_body.track_distance` times `drive.turn_rate`.
+    """
+
+    kind: Literal["machine"] = option(  # type: ignore[assignment]
+        "two closed tracks with a car body between them", "machine"
+    )
+    car_body: CarBody
+
+    tracks: ClassVar[int] = 2
+    loops: ClassVar[int] = 2
+
+    @classmethod
+    def of(cls, track: Closed, car_body: CarBody) -> Self:
+        """Machine on two tracks that are equal, each with its own side frame."""
+        return cls(**_values(track), car_body=car_body)
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Machine of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
+        half = Closed.ph4100c()
+        mass = ph4100c.SIDE_FRAME_MASS
+        inertia = tuple(value * mass / half.mass for value in half.inertia)
+        return cls.of(half.with_(mass=mass, inertia=inertia), CarBody.ph4100c())
+
+    @property
+    def single(self) -> Closed:
+        """One of the tracks with its own side frame."""
+        return _single(self)
+
+    @property
+    def middles(self) -> np.ndarray:
+        """Y of the middles of the tracks in the machine's axes: array (2,), m."""
+        return np.array(self.car_body.middles)
+
+    @property
+    def tumblers(self) -> tuple[str, ...]:
+        """Names of the tumblers."""
+        return _beside(super().tumblers)
+
+    @property
+    def sliding_idlers(self) -> tuple[str, ...]:
+        """Names of the idlers that tensioners push."""
+        return _beside(super().sliding_idlers)
+
+    @property
+    def wheel_labels(self) -> list[WheelLabel]:
+        """Kinds and numbers of the wheels of the right track, then of the left one."""
+        labels = super().wheel_labels
+        return [label._replace(track=side) for side in SIDES for label in labels]
+
+    @property
+    def frame_parts(self) -> list[Part]:
+        """Rigid parts of the machine."""
+        return self.car_body.parts(self.frame)
+
+    @property
+    def holds(self) -> tuple[int, ...]:
+        """Coordinates of the machine that are held: none."""
+        return ()
+
+    @property
+    def tipping(self) -> float:
+        """Distance beside its middle at which a weight tips the machine, m."""
+        return 0.5 * self.car_body.track_distance
+
+    def assembled(self, shoe: Shoe, chain: Track) -> Assembled:
+        """Where the chain of the right track starts; `assembly.MisfitError` if it does not close."""
+        return self.single.assembled(shoe, self.loop(chain))
+
+    def way(self, drive: Drive, time: float) -> np.ndarray:
+        """Way of the machine's middle, which goes where it heads: array (2,), m."""
+        if drive.turn_rate is None:
+            return super().way(drive, time)
+        times = np.linspace(0.0, time, INSTANTS)
+        heading = drive.turn_rate.integral(times)
+        ahead = np.array([np.cos(heading), np.sin(heading)])
+        way: np.ndarray = np.trapezoid(drive.speed.value(times) * ahead, times)
+        return way
+
+    def errors(self, case: Whole) -> Errors:
+        """Lines that say what does not fit the rest of the case."""
+        if (count := case.track.shoe_count) % 2:
+            yield f"track.shoe_count must be even with gear.kind 'machine', which has two tracks, got {count}"
+        if self.support == "posts":
+            yield "gear.support must be 'ground' with gear.kind 'machine', which stands on both tracks"
+        width = f"the shoes' width of {case.shoe.width:g} m"
+        apart = self.car_body.track_distance
+        if apart < case.shoe.width:
+            yield f"gear.car_body.track_distance must be at least {width}, got {apart:g} m"
+        yield from super().errors(case)
+
+    def turn_errors(self, drive: Drive) -> Errors:
+        """Lines that refuse a turn: two tracks take any."""
+        yield from ()
+
+    def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
+        """Lines that say what no machine is known to have."""
+        yield from super().implausible(shoe, chain)
+        body = self.car_body
+        upper = "gear.car_body, upper structure", body.upper_mass, body.upper_inertia
+        for part, reach in (
+            (("gear.car_body", body.mass, body.inertia), self.length),
+            (upper, UPPER_REACH * self.length),
+        ):
+            yield from sizes.thin_inertia(*part)
+            yield from sizes.far_inertia(*part, reach)
+
+    def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
+        """Lines that say what of a shoe with rails, and of a chain, does not fit round one track's wheels."""
+        yield from self.single.track_errors(shoe, chain)
+
+
+@lru_cache(maxsize=64)
+def _single(machine: Machine) -> Closed:
+    return Closed(**_values(machine))
+
+
+def _values(track: Closed) -> dict[str, Any]:
+    """Values of a closed track but for its kind."""
+    return {name: getattr(track, name) for name in Closed.model_fields if name != "kind"}
+
+
+def _beside(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of one track for the right one, then for the left one."""
+    return tuple(f"{side} {name}" for side in SIDES for name in names)

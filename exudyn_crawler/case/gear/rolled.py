@@ -1,0 +1,110 @@
+"""Rolled: a side frame rolls over shoes that lie on the ground before it."""
+
+import math
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.gear.base import RunningGear, overlap_errors
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Errors, Place, option, quantity
+from exudyn_crawler.case.parameters.drive import Drive
+from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.track import Shoe, Track
+
+MARGIN = 4.0  # m of ground ahead of the track
+FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
+
+
+class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
+    """Side frame with its share of the machine, which rolls over the shoes of one track at the drive's speed.
+
+    The frame's origin is at x = `start` at t = 0. The rollers are fixed in the frame, whose travel is the
+    drive; heave, roll and pitch are free, y and yaw are held.
+    """
+
+    kind: Literal["rolled"] = option("side frame rolls over shoes that lie before it", "rolled")
+
+    quantities: ClassVar[frozenset[str]] = frozenset({"frame", "rolled"})
+
+    start: Place = quantity("m", "x of the frame's origin at t = 0, global")
+    ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
+    radius: float = quantity("m", "radius of the treads", (0.05, 1.5), ge=1e-2, le=100)
+    tumbler: Place = quantity("m", "x where the drive tumbler pulls the chain", (-20.0, 20.0))
+    end_tension: float = quantity("N", "pull on the chain's ends", (0.0, 5e6), ge=0, le=1e10, default=0.0)
+
+    def _errors(self) -> Errors:
+        rear, front = self.ends
+        if front <= rear:
+            yield f"ends must be rear and front end in this order, got {self.ends}"
+        yield from overlap_errors("rollers", self.rollers, self.radius)
+        if outside := [x for x in self.rollers if not rear + self.radius <= x <= front - self.radius]:
+            ends = f"the frame's ends {self.ends} by their radius {self.radius:g} m"
+            yield f"rollers must be within {ends}, got {outside}"
+        if not rear <= self.tumbler <= front:
+            yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
+
+    def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """X and z in the frame and radius of the wheels at t = 0: array (wheels, 3), m."""
+        return np.array([(x, 0.0, self.radius) for x in self.rollers])
+
+    def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
+        """X of the frame's rear and front end, and z of the lowest that is above it; m."""
+        return (*self.ends, math.inf)
+
+    def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
+        rails = shoe.rails
+        assert rails is not None
+        height = shoe.com_height + rails.height + self.radius
+        return np.array([self.start, chain.first_com[1], height])
+
+    def way(self, drive: Drive, time: float) -> np.ndarray:
+        """Way of the track's middle: the shoes stand."""
+        return np.zeros(2)
+
+    def wrenches(self, machine: np.ndarray) -> np.ndarray:
+        """Forces and moments beside those on shoes (n, 6): machine, and tension of the chain's ends."""
+        ends = np.zeros((2, 6))
+        ends[:, 0] = -self.end_tension, self.end_tension
+        return np.vstack((machine, ends))
+
+    def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
+        """Lines that say what of shoes with rails, and of the track, a side frame could not roll over."""
+        rails = shoe.rails
+        assert rails is not None
+        gap = chain.pitch - (rails.front - rails.rear)
+        if not 0.0 <= gap < 2.0 * self.radius:
+            crossed = f"from 0 to their diameter {2.0 * self.radius:g} m, got {gap:.4g} m"
+            yield f"shoe.rails must leave a gap from shoe to shoe that rollers cross, {crossed}"
+        if (count := chain.shoe_count) < FEWEST_SHOES:
+            yield f"track.shoe_count must be at least {FEWEST_SHOES} with gear.kind 'rolled', got {count}"
+
+    def shares_of_links(self, ahead: np.typing.ArrayLike, links: int, pitch: float) -> np.ndarray:
+        """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
+        place = np.asarray(ahead, dtype=float)[..., None] / pitch
+        return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
+
+    def reach_errors(self, chain: Track, travel: float, time: float) -> Errors:
+        """Rollers or tumbler off the track after a travel (m), at a time (s)."""
+        first = chain.first_com[0]
+        last = first + (chain.shoe_count - 1) * chain.pitch
+        rear_pin = first + chain.pin_ahead
+        front_pin = last - chain.pitch + chain.pin_ahead
+        for name, place, least, greatest in (
+            ("rear roller", self.rollers[0], first, last),
+            ("front roller", self.rollers[-1], first, last),
+            ("tumbler", self.tumbler, rear_pin, front_pin),
+        ):
+            x = self.start + travel + place
+            if not least <= x <= greatest:
+                instant = f"at t = {time:.3g} s the {name} is at x = {x:.4g} m"
+                reach = f"the shoes reach from {least:.4g} to {greatest:.4g} m; more shoes mend it"
+                yield f"track must be long enough for the drive: {instant}, {reach}"
+
+
+def ground_below(chain: Track, units: Terrain) -> Terrain:
+    """Terrain with as many units along x as a track of any length needs."""
+    end = chain.first_com[0] + chain.shoe_count * chain.pitch + MARGIN
+    return units.with_(columns=math.ceil((end - units.origin[0]) / units.unit_length))

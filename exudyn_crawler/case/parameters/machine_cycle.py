@@ -1,0 +1,167 @@
+"""Duty of a machine: what acts on its side frame beside the weight, in phases over time."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Protocol, Self
+
+import numpy as np
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters import base, drive, loads
+from exudyn_crawler.case.parameters.base import Errors, Several, quantity
+from exudyn_crawler.case.parameters.car_body import CarBody, Part
+
+
+class MachinePhase(loads.PhaseEnd):
+    """Part of a machine's cycle: force and moment on the side frame at its end."""
+
+    force: base.Vector = quantity("N", "force at the frame's origin beside the frame's weight, global")
+    moment: base.Vector = quantity("N m", "moment about the frame's origin, global")
+
+
+class Pose(NamedTuple):
+    """Upper structure of a shovel at the end of a phase: of its dipper, places from the swing axis."""
+
+    name: str
+    end: float  # s
+    swing: float  # rad, from straight ahead to the left
+    reach: float  # m
+    height: float  # m above the rollers' axes
+    payload: float  # kg
+    bank: tuple[float, float] = (0.0, 0.0)  # N, of the bank on the dipper, away from the machine and up
+
+    def turned(self, ahead: float, up: float) -> np.ndarray:
+        """Vector so far ahead of the upper structure, and up: array (3,)."""
+        return np.array([ahead * math.cos(self.swing), ahead * math.sin(self.swing), up])
+
+
+class Weighed(Protocol):
+    """Body with a mass (kg) and a COM (m), such as a side frame."""
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg."""
+
+    @property
+    def com(self) -> Sequence[float] | np.ndarray:
+        """COM in its axes: (3,), m."""
+
+
+PH4100C_FRAME = Part(
+    ph4100c.UNDERCARRIAGE["mass"],
+    np.array(ph4100c.UNDERCARRIAGE["com"]),
+    base.inertia_tensor(ph4100c.UNDERCARRIAGE["inertia"]),
+)
+"""Side frame of the P&H 4100C BOSS with half of the machine."""
+
+
+class MachineCycle(loads.Cycle):
+    """Force and moment of the machine on one side frame, in phases whose ends are joined by cubic STEPs."""
+
+    phases: Several[MachinePhase]
+
+    @classmethod
+    def shovel(
+        cls,
+        frame: Weighed = PH4100C_FRAME,
+        poses: Sequence[Pose] = tuple(Pose(*one) for one in ph4100c.SHOVEL_POSES),
+        shovel: Mapping[str, Any] = ph4100c.SHOVEL,
+        side: float = 1.0,
+        down: Sequence[float] = (0.0, 0.0, -1.0),
+    ) -> Self:
+        """Cycle of a rope shovel from its weights and what its dipper meets.
+
+        Statics gives this track its share: the resultant of all forces, at y from the middle between the
+        tracks, rests on both in the ratio of their distances. Along x each share stands where the whole does.
+        The lateral moment that is left is the pair of both tracks' forces: none of it is on the side frame.
+
+        The weight of the side frame is taken off the share. Poses are at the
+        ends of the phases, masses and places of the `shovel` as of `ph4100c.SHOVEL`; `side` is 1 on the left
+        track and -1 on the right one, `down` as of `Terrain.down`. A ValueError if the machine tips over a
+        track.
+        """
+        gravity = np.asarray(down, dtype=float)
+        phases = []
+        for pose in poses:
+            forces, places = _loads(shovel, pose, gravity)
+            whole, moment = forces.sum(axis=0), np.cross(places, forces).sum(axis=0)
+            aside = moment[0] / whole[2]
+            share = 0.5 + side * aside / ph4100c.TRACK_DISTANCE
+            if not 0.0 <= share <= 1.0:
+                acts = f"its weight acts {aside:.3g} m beside the middle"
+                raise ValueError(f"the machine tips sideways at the end of {pose.name!r}: {acts}")
+            weight = frame.mass * ph4100c.GRAVITY * gravity
+            force = tuple((share * whole - weight).tolist())
+            turn = float(share * moment[1] - np.cross(frame.com, weight)[1])
+            phases.append(MachinePhase(name=pose.name, end=pose.end, force=force, moment=(0.0, turn, 0.0)))
+        return cls(phases=tuple(phases))
+
+    @classmethod
+    def slewing(
+        cls,
+        body: CarBody | None = None,
+        poses: Sequence[Pose] = tuple(Pose(*one) for one in ph4100c.SHOVEL_POSES),
+        down: Sequence[float] = (0.0, 0.0, -1.0),
+    ) -> Self:
+        """Cycle of a machine on two tracks that stands: how its upper structure slews, and its dipper's load.
+
+        Poses have the dipper's payload and what the bank does to it; their swing takes the weight of the
+        upper structure along. What changes with a dipper's reach alone is left out, and so is the slewing's
+        angular momentum. The upper structure is that of a `body`, the P&H 4100C's if None, and slews from its
+        `slew`; poses and `down` are as of `shovel`.
+        """
+        body = body or CarBody.ph4100c()
+        gravity = ph4100c.GRAVITY * np.asarray(down, dtype=float)
+        rest, _ = body.upper_at(body.slew)
+        phases = []
+        for pose in poses:
+            dipper = np.array([body.swing_axis, 0.0, 0.0]) + pose.turned(pose.reach, pose.height)
+            force = pose.payload * gravity + pose.turned(*pose.bank)
+            moved = body.upper_at(pose.swing)[0] - rest
+            moment = np.cross(dipper, force) + np.cross(moved, body.upper_mass * gravity)
+            named = {"force": tuple(force.tolist()), "moment": tuple(moment.tolist())}
+            phases.append(MachinePhase(name=pose.name, end=pose.end, **named))
+        return cls(phases=tuple(phases))
+
+    @property
+    def components(self) -> list[drive.StepProfile]:
+        """Force (N) and moment (N m) over time (s), global: x, y and z of each."""
+        return self.profiles((*phase.force, *phase.moment) for phase in self.phases)
+
+    def wrench(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
+        both = loads.values_of(self.components, time)
+        return both[:, :3], both[:, 3:]
+
+    def balance_errors(
+        self, parts: Sequence[Part], rollers: Sequence[float], aside: float, gravity: np.ndarray
+    ) -> Errors:
+        """Phases at whose ends, and so ever, a roller would have to pull.
+
+        `parts` are those of the side frame, or the machine, that stands on `rollers` (x, m) and tips where
+        its weight acts more than `aside` (m) beside the middle; gravity: (3,), m/s2.
+        """
+        weight, rear, front = sum(part.mass for part in parts) * gravity, rollers[0], rollers[-1]
+        turned = sum(np.cross(part.com, part.mass * gravity) for part in parts)
+        for phase in self.phases:
+            force = np.array(phase.force) + weight
+            moment = np.array(phase.moment) + turned
+            at = f"machine: at the end of {phase.name!r} it"
+            if force[2] >= 0.0:
+                yield f"{at} lifts the side frame"
+            x, y = moment[1] / -force[2], -moment[0] / -force[2]
+            if not rear <= x <= front:
+                yield f"{at} tips: its weight acts at x = {x:.3g} m, rollers are from {rear:g} to {front:g} m"
+            if abs(y) > aside:
+                beside = f"{y:.3g} m beside the middle of the track, more than {aside:.4g} m"
+                yield f"{at}s weight acts {beside}: the side frame tips"
+
+
+def _loads(shovel: Mapping[str, Any], pose: Pose, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Forces on the machine (N) and their places from the swing axis at the rollers (m): (k, 3) each."""
+    dipper = pose.turned(pose.reach, pose.height)
+    places = pose.turned(0.0, shovel["lower_height"]), pose.turned(*shovel["upper_place"]), dipper, dipper
+    upper, front = shovel["upper"], shovel["front"]
+    masses = shovel["mass"] - upper - front, upper, front + pose.payload
+    forces = [*(mass * ph4100c.GRAVITY * down for mass in masses), pose.turned(*pose.bank)]
+    return np.array(forces), np.array(places)
