@@ -53,13 +53,15 @@ def read_deck(path: Path, text: str | None = None) -> FileContent:
         if nodes is not None:
             cells.append(FileCells(block.kind, nodes, named.groups(number)))
         else:
-            cells.append(FileCells(block.type, np.array(block.numbers, dtype=np.int64)[:, None], {}))
+            cells.append(
+                FileCells(block.kind or block.type, np.array(block.numbers, dtype=np.int64)[:, None], {})
+            )
     faces = named.faces()
     return FileContent(points, cells, faces, named.unread, [*_notes(deck), *named.notes])
 
 
 def _is_read(block: Block, scope: str) -> bool:
-    return bool(block.kind) and block.scope == scope
+    return block.kind in NODES_OF and block.scope == scope
 
 
 def _notes(deck: Deck) -> list[str]:
@@ -153,7 +155,7 @@ class _Named:
         for key, surface in self.deck.surfaces.items():
             name = self._name(key[1], surface.name)
             corners, reason = self._corners(key, ())
-            if reason and (corners or surface.unread or name in self._shells()):
+            if reason and (corners or name in self._shells()):
                 self.unread[name] = reason
             elif reason:
                 self.notes.append(f"surface {name!r} is left out: {reason}")

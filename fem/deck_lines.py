@@ -16,6 +16,8 @@ DEEPEST = 20
 """Files that include each other."""
 LARGEST_FILE = 1 << 30
 """Bytes of a mesh file, unpacked: a hundred times those of the finest ready mesh."""
+WITH_FILES = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE")
+"""Keywords of a mesh whose data may stand in a file of their own."""
 _FIELD = re.compile(r'(?:[^,"]|"[^"]*"?)+')
 
 
@@ -85,28 +87,28 @@ def keywords(path: Path, text: str | None = None) -> list[Keyword]:
     MeshError
         If an included file is missing, or files include each other.
     """
-    found: list[Keyword] = []
-    _collect(path, _deck_text(path) if text is None else text, (path,), found)
-    return found
+    collected: list[Keyword] = []
+    _collect(path, _deck_text(path) if text is None else text, (path,), collected)
+    return collected
 
 
-def _collect(path: Path, text: str, chain: tuple[Path, ...], found: list[Keyword]) -> None:
+def _collect(path: Path, text: str, chain: tuple[Path, ...], collected: list[Keyword]) -> None:
     """Append the keywords of a file and of those that it includes."""
-    for keyword in _keywords_of(path, text, found):
+    for keyword in _keywords_of(path, text, collected):
         if keyword.name == "INCLUDE":
             included = _included(keyword, chain)
-            _collect(included, _deck_text(included), (*chain, included), found)
+            _collect(included, _deck_text(included), (*chain, included), collected)
             continue
-        found.append(keyword)
-        if keyword.options.get("INPUT"):
+        collected.append(keyword)
+        if keyword.name in WITH_FILES and keyword.options.get("INPUT"):
             included = _included(keyword, chain)
             keyword.lines += [
                 line for line in map(str.strip, _deck_text(included).splitlines()) if _is_data(line)
             ]
 
 
-def _keywords_of(path: Path, text: str, found: list[Keyword]) -> Iterator[Keyword]:
-    """Keywords of one file; data before its first one belong to the last keyword found so far."""
+def _keywords_of(path: Path, text: str, collected: list[Keyword]) -> Iterator[Keyword]:
+    """Keywords of one file; data before its first one belong to the last keyword so far."""
     begun = ""
     place = ""
     for number, raw in enumerate(text.splitlines(), start=1):
@@ -122,8 +124,8 @@ def _keywords_of(path: Path, text: str, found: list[Keyword]) -> Iterator[Keywor
         if line.startswith("*"):
             begun = line
             place = f"{path.name}, line {number}"
-        elif found:
-            found[-1].lines.append(line)
+        elif collected:
+            collected[-1].lines.append(line)
     if begun:
         yield _keyword(begun, place)
 

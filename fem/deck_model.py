@@ -24,18 +24,8 @@ _KINDS = {
     "hexahedron27": ("C3D27",),
 }
 _KIND_OF = {base: kind for kind, bases in _KINDS.items() for base in bases}
-NODES_OF = {
-    "tetra": 4,
-    "tetra10": 10,
-    "triangle": 3,
-    "triangle6": 6,
-    "pyramid": 5,
-    "wedge": 6,
-    "wedge15": 15,
-    "hexahedron": 8,
-    "hexahedron20": 20,
-    "hexahedron27": 27,
-}
+NODES_OF = {"tetra": 4, "tetra10": 10, "triangle": 3, "triangle6": 6}
+"""Nodes of the kinds that are read; of others only the numbers are."""
 _MADE = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
 """Keywords by which a deck makes nodes and elements from others."""
 
@@ -173,7 +163,7 @@ def _kind(type_: str) -> str:
 def _take_elements(deck: Deck, keyword: Keyword) -> None:
     type_ = unquoted(keyword.options.get("TYPE", "")).upper()
     kind = _kind(type_)
-    rows = _elements(keyword, NODES_OF[kind]) if kind else _first_numbers(keyword)
+    rows = _elements(keyword, NODES_OF[kind]) if kind in NODES_OF else _first_numbers(keyword)
     block = Block(deck.scope, type_ or "no type", kind, [], [])
     for number, *nodes in rows:
         place = deck.places.setdefault((deck.scope, number), Place(len(deck.blocks), len(block.numbers)))
@@ -220,6 +210,8 @@ def _scope_of(deck: Deck, keyword: Keyword) -> str:
 
 
 def _part_of(deck: Deck, instance: str, keyword: Keyword) -> str:
+    if not deck.instances:
+        return deck.scope  # of a deck of Abaqus without its parts
     if instance not in deck.instances:
         raise MeshError(f"the deck must have the instance {instance!r} of *{keyword.name} ({keyword.place})")
     return deck.instances[instance][0]

@@ -20,6 +20,8 @@ _OPENING = re.compile(rb"\s*\$(MeshFormat|Comments|NOD|PhysicalNames)\b")
 _NAME = re.compile(r'\s*(\d+)\s+(-?\d+)\s+"(.*)"\s*$')
 _GMSH_TETRA10 = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 """Nodes of gmsh's tetrahedron in meshio's order."""
+LARGEST_NUMBER = 2.0**53
+"""Whole numbers from here on are not exact in 8 bytes."""
 SURFACE = 2
 VOLUME = 3
 
@@ -174,6 +176,8 @@ class _Scanner:
         if count < 0 or len(taken) < count:
             raise MeshError("it ends early")
         self._next += count
+        if type_ != "f8" and not (np.abs(taken) < LARGEST_NUMBER).all():
+            raise MeshError(f"its numbers must be less than {LARGEST_NUMBER:g}")
         return taken
 
     def _bytes(self, count: int, type_: np.dtype) -> np.ndarray:

@@ -77,7 +77,7 @@ def read_med(path: Path) -> FileContent:
 def _families(entries: h5py.Group | None) -> dict[int, list[str]]:
     """Names of the groups of each family."""
     families = {}
-    for family in () if entries is None else entries.values():
+    for family in filter(None, () if entries is None else entries.values()):
         names = family["GRO"]["NOM"][()] if "GRO" in family else []
         families[int(family.attrs["NUM"])] = [
             bytes(name.astype(np.uint8)).rstrip(b"\0 ").decode(errors="replace")

@@ -21,6 +21,8 @@ OTHER_SOLIDS = ("hexahedron", "wedge", "pyramid", "polyhedron", "tetra")
 """How names of the kinds of solid cells begin that are no tetrahedra of 4 or 10 nodes."""
 SAME_PLACE = 1e-6
 """Of the body's size: nodes of shells that are nearer than this to a node of a solid are that node."""
+LARGEST_PLACE = 1e12
+"""Of coordinates, in any unit."""
 TURNED = np.array([1, 0, 2, 3, 4, 6, 5, 8, 7, 9])
 """Local nodes of a tetrahedron that is numbered in the other sense."""
 
@@ -121,10 +123,16 @@ def volume_mesh(content: FileContent) -> VolumeMesh:
     elements = np.concatenate([block.nodes for block in solids]).astype(np.int64)
     _check_numbers(elements, len(content.points))
     notes = list(content.notes)
+    used = np.unique(elements)
+    wild = used[~(np.abs(content.points[used]) < LARGEST_PLACE).all(axis=1)]
+    if len(wild):
+        raise MeshError(
+            f"coordinates must be finite and less than {LARGEST_PLACE:g}, got {len(wild)} nodes of others, "
+            f"{content.points[wild[0]].tolist()} for one"
+        )
     elements, turned = _turned_outside(content.points, elements)
     if turned:
         notes.append(f"{turned} of {len(elements)} elements are numbered in the other sense and were turned")
-    used = np.unique(elements)
     number = np.full(len(content.points), -1, dtype=np.int64)
     number[used] = np.arange(len(used))
     loose = len(content.points) - len(used)
@@ -150,7 +158,7 @@ def _kind_of_solids(cells: Iterable[FileCells]) -> str:
     counts = +counts
     held = ", ".join(f"{number} {kind}" for kind, number in counts.items()) or "no solid elements"
     if not set(counts) & set(TETRAHEDRA):
-        raise MeshError(f"it must hold tetrahedra (tetra or tetra10), got {held}")
+        raise MeshError(f"it must hold tetrahedra of 4 or 10 nodes, got {held}")
     if len(counts) > 1:
         raise MeshError(f"it must hold one kind of solid elements, got {held}")
     return next(iter(counts))

@@ -83,7 +83,7 @@ def read_volume(path: str | Path) -> VolumeMesh:
         content = _content(path)
     except MeshError as error:
         raise MeshError(f"{path} must be a mesh that can be read: {error}") from error
-    except (ValueError, KeyError, IndexError, OverflowError, MemoryError) as error:
+    except (ValueError, KeyError, IndexError, OverflowError, RuntimeError, OSError) as error:
         reason = " ".join(str(error).split()) or repr(error)
         raise MeshError(f"{path} must be a mesh that can be read, it is broken: {reason}") from error
     try:
@@ -127,8 +127,8 @@ def _bytes(path: Path, packed: bool) -> bytes:
     try:
         with gzip.open(path) if packed else path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
-    except (EOFError, zlib.error) as error:
-        raise MeshError(f"it must be whole, it ends early or is broken: {error}") from error
+    except (OSError, EOFError, zlib.error) as error:
+        raise MeshError(f"it must be whole and readable, got: {error}") from error
     if len(content) > LARGEST_FILE:
         raise MeshError(
             f"it must be at most {LARGEST_FILE >> 20} MiB large{' when unpacked' * packed}, it is larger"

@@ -1,5 +1,7 @@
 """Decks as programs write them: a surface is read whole, or left out with its reason, never in part."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -146,7 +148,8 @@ def with_nodes_apart(box, shells):
     return (
         "*NODE\n{}\n** pilot\n*NODE, NSET=pilot\n900001, 5., 5., 5.\n900002, 5D0, 5E+0\n*NODE\n{}\n"
         "*ELEMENT, TYPE=MASS, ELSET=pilot\n900001, 900001\n*ELEMENT, TYPE=B32\n900002, 900001,\n900002, 1\n"
-        "*ELEMENT, TYPE=C3D10\n{}** comment\n{}{}{}*MATERIAL, NAME=steel\n*ELASTIC\n2.1E11, 0.3\n"
+        "*ELEMENT, TYPE=C3D10\n{}** comment\n{}{}{}*SUBMODEL, INPUT=none.frd\n"
+        "*MATERIAL, NAME=steel\n*ELASTIC\n2.1E11, 0.3\n"
     ).format(
         "\n".join(lines[:10]),
         nodes,
@@ -287,10 +290,6 @@ LEFT_OUT = {
         "*ELSET, ELSET=top\n{top}*SURFACE, NAME=top, TYPE=NODE\nall\n",
         "its nodes do not say",
     ),
-    "a surface is a difference": (
-        "*SURFACE, NAME=top, COMBINE=DIFFERENCE\na, b\n",
-        "it must list faces of elements",
-    ),
 }
 
 
@@ -306,6 +305,21 @@ def test_what_cannot_be_read_whole_is_left_out_with_a_warning(tmp_path, box, she
         )
     assert set(mesh.surfaces) == {"s", "path", "underside"}
     assert mesh.notes[0].startswith("surface 'top' is left out: ")
+
+
+@pytest.mark.parametrize(
+    ("lines", "reason"),
+    [
+        ("COMBINE=DIFFERENCE\na, b\n", r"it must list faces of elements \(shoe.inp, line \d+\)"),
+        ("TYPE=NODE\nall\n", "its nodes do not say which faces it has"),
+        ("TYPE=ELEMENT\n1, S5\n", "it has the face S5 of an element of the type C3D10"),
+    ],
+)
+def test_a_surface_without_any_face_is_noted(tmp_path, box, lines, reason):
+    """Contact of other bodies has such ones."""
+    mesh = read(tmp_path, f"{solids_text(box)}*SURFACE, NAME=contact, {lines}")
+    (note,) = mesh.notes
+    assert re.match(f"surface 'contact' is left out: {reason}", note)
 
 
 def interior_faces(mesh: fem.Mesh) -> set[tuple[int, ...]]:
@@ -330,7 +344,7 @@ REFUSED = {
     "*HEADING\nnothing\n": r"a deck must have \*NODE and \*ELEMENT",
     "\0\1": "a deck must be text",
     "*ELSET, ELSET=x, GENERATE\n1, 9, 0\n": r"\*ELSET .* must not be zero",
-    "*ELSET, ELSET=x, INSTANCE=i\n1\n": "the deck must have the instance 'i'",
+    "*INSTANCE, NAME=j\n*END INSTANCE\n*ELSET, ELSET=x, INSTANCE=i\n1\n": "must have the instance 'i'",
     ONE.replace("D4", "D8R") + "1, 1, 1, 1, 1, 1, 1, 1, 1\n": "must hold tetrahedra .* got 1 hexahedron",
 }
 
