@@ -12,16 +12,24 @@ from typing import NamedTuple
 import numpy as np
 from meshio.gmsh import gmsh_to_meshio_type
 
+from fem.gmsh_sections import SAVE_AGAIN, Scanner
 from fem.mesh import Floats, Integers, MeshError
 from fem.mesh_content import TETRAHEDRA, FileCells, FileContent
 
-SAVE_AGAIN = "save it in version 4.1 or 2.2 (gmsh: Mesh.MshFileVersion = 4.1)"
-_OPENING = re.compile(rb"\s*\$(MeshFormat|Comments|NOD|PhysicalNames)\b")
 _NAME = re.compile(r'\s*(\d+)\s+(-?\d+)\s+"(.*)"\s*$')
 _GMSH_TETRA10 = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 """Nodes of gmsh's tetrahedron in meshio's order."""
-LARGEST_NUMBER = 2.0**53
-"""Whole numbers from here on are not exact in 8 bytes."""
+_LINEAR = {
+    "vertex": 1,
+    "line": 2,
+    "triangle": 3,
+    "quad": 4,
+    "tetra": 4,
+    "pyramid": 5,
+    "wedge": 6,
+    "hexahedron": 8,
+}
+"""Nodes of the kinds whose name in meshio has no number."""
 SURFACE = 2
 VOLUME = 3
 
@@ -45,11 +53,6 @@ class Msh:
     """Type in gmsh's numbers, tags of nodes (m, k), and the rows of each group."""
 
 
-def is_gmsh(content: bytes) -> bool:
-    """True for the content of a file of gmsh."""
-    return _OPENING.match(content) is not None
-
-
 def read_gmsh(content: bytes) -> FileContent:
     """Read the content of a file of gmsh.
 
@@ -59,7 +62,7 @@ def read_gmsh(content: bytes) -> FileContent:
         If it is of another version, is parted, ends early or refers to nodes that it does not have.
     """
     msh = Msh()
-    scanner = _Scanner(content)
+    scanner = Scanner(content)
     for section in iter(scanner.next_section, ""):
         if section == "PhysicalNames":
             msh.names = _names(scanner.rest_of_section().decode(errors="replace"))
@@ -85,116 +88,13 @@ def read_gmsh(content: bytes) -> FileContent:
     return _file_content(msh)
 
 
-class _Scanner:
-    """Sections of a file, and numbers of the section that is read, in text or binary."""
-
-    def __init__(self, content: bytes) -> None:
-        self.content = content
-        self.place = 0
-        self.version = ""
-        self.is_text = True
-        self._size = "u8"
-        self._order = "<"
-        self._numbers: Floats | None = None
-        self._next = 0
-
-    def next_section(self) -> str:
-        """Name of the next section, none at the end; that of the format is read."""
-        while True:
-            start = self.content.find(b"$", self.place)
-            if start < 0:
-                return ""
-            end = self.content.find(b"\n", start)
-            name = self.content[start + 1 : end if end >= 0 else None].decode(errors="replace").strip()
-            self.place = end + 1 if end >= 0 else len(self.content)
-            self._numbers = None
-            if name != "MeshFormat":
-                if not self.version:
-                    raise MeshError(f"it must begin with $MeshFormat, got ${name}; {SAVE_AGAIN}")
-                return name
-            self._read_format()
-            self.leave_section(name)
-
-    def leave_section(self, name: str) -> None:
-        """Go on behind the end of a section."""
-        end = self.content.find(f"$End{name}".encode(), self.place)
-        if end < 0:
-            raise MeshError(f"it must have the end of its section ${name}, it ends early")
-        self.place = end + len(name) + 4
-
-    def rest_of_section(self) -> bytes:
-        """Text up to the end of the section."""
-        end = self.content.find(b"\n$End", self.place)
-        return self.content[self.place : end if end >= 0 else None]
-
-    def _read_format(self) -> None:
-        end = self.content.find(b"\n", self.place)
-        version, binary, size = (*self.content[self.place : end].split(), b"", b"", b"")[:3]
-        self.version = {b"4.1": "4.1", b"2.2": "2.2", b"2": "2.2", b"2.1": "2.2"}.get(version, "")
-        if not self.version or size not in (b"4", b"8") or binary not in (b"0", b"1"):
-            raise MeshError(
-                f"its version must be 4.1 or 2.2, got {version.decode(errors='replace')}; {SAVE_AGAIN}"
-            )
-        self.place = end + 1
-        self.is_text = binary == b"0"
-        self._size = f"u{size.decode()}"
-        if not self.is_text:
-            self._order = "<" if self.content[self.place : self.place + 4] == b"\1\0\0\0" else ">"
-
-    def line(self) -> str:
-        """Next line of the section."""
-        end = self.content.find(b"\n", self.place)
-        text = self.content[self.place : end]
-        self.place = end + 1
-        return text.decode(errors="replace")
-
-    def integers(self, count: int) -> Integers:
-        """Next numbers that are whole, of 4 bytes."""
-        return self._take(count, "i4").astype(np.int64)
-
-    def sizes(self, count: int) -> Integers:
-        """Next numbers that are whole, of the size that the file says."""
-        return self._take(count, self._size).astype(np.int64)
-
-    def reals(self, count: int) -> Floats:
-        """Next numbers of 8 bytes."""
-        return self._take(count, "f8").astype(np.float64)
-
-    def rows(self, count: int, columns: list[str]) -> list[np.ndarray]:
-        """Columns of the next records."""
-        type_ = np.dtype([(str(k), self._order + column) for k, column in enumerate(columns)])
-        records = self._bytes(count, type_)
-        return [records[str(k)] for k in range(len(columns))]
-
-    def _take(self, count: int, type_: str) -> np.ndarray:
-        if not self.is_text:
-            return self._bytes(count, np.dtype(self._order + type_))
-        if self._numbers is None:
-            self._numbers = np.array(self.rest_of_section().split(), dtype=np.float64)
-            self._next = 0
-        taken = self._numbers[self._next : self._next + max(count, 0)]
-        if count < 0 or len(taken) < count:
-            raise MeshError("it ends early")
-        self._next += count
-        if type_ != "f8" and not (np.abs(taken) < LARGEST_NUMBER).all():
-            raise MeshError(f"its numbers must be less than {LARGEST_NUMBER:g}")
-        return taken
-
-    def _bytes(self, count: int, type_: np.dtype) -> np.ndarray:
-        if count < 0 or count * type_.itemsize > len(self.content) - self.place:
-            raise MeshError("it ends early")
-        taken = np.frombuffer(self.content, type_, count, self.place)
-        self.place += count * type_.itemsize
-        return taken
-
-
 def _names(text: str) -> dict[tuple[int, int], str]:
     """Names of groups by dimension and number."""
     matches = [match for match in map(_NAME.match, text.splitlines()) if match]
     return {(int(match[1]), abs(int(match[2]))): match[3] for match in matches}
 
 
-def _read_entities(scanner: _Scanner, msh: Msh) -> None:
+def _read_entities(scanner: Scanner, msh: Msh) -> None:
     for dimension, count in enumerate(scanner.sizes(4)):
         for _ in range(count):
             (number,) = scanner.integers(1).tolist()
@@ -206,7 +106,7 @@ def _read_entities(scanner: _Scanner, msh: Msh) -> None:
                 scanner.integers(int(scanner.sizes(1)[0]))  # what bounds it
 
 
-def _read_nodes(scanner: _Scanner, msh: Msh) -> None:
+def _read_nodes(scanner: Scanner, msh: Msh) -> None:
     blocks, _, _, _ = scanner.sizes(4).tolist()
     tags = [msh.tags]
     points = [msh.points]
@@ -220,7 +120,7 @@ def _read_nodes(scanner: _Scanner, msh: Msh) -> None:
     msh.points = np.concatenate(points)
 
 
-def _read_elements(scanner: _Scanner, msh: Msh) -> None:
+def _read_elements(scanner: Scanner, msh: Msh) -> None:
     blocks, _, _, _ = scanner.sizes(4).tolist()
     for _ in range(blocks):
         dimension, number, type_ = scanner.integers(3).tolist()
@@ -233,14 +133,14 @@ def _read_elements(scanner: _Scanner, msh: Msh) -> None:
 
 
 def _node_count(type_: int) -> int:
-    from meshio._common import num_nodes_per_cell
-
     if type_ not in gmsh_to_meshio_type:
         raise MeshError(f"its elements must be of types that gmsh documents, got type {type_}")
-    return int(num_nodes_per_cell[gmsh_to_meshio_type[type_]])
+    kind = gmsh_to_meshio_type[type_]
+    base = kind.rstrip("0123456789")
+    return int(kind[len(base) :] or _LINEAR[base])
 
 
-def _read_old_nodes(scanner: _Scanner, msh: Msh, section: str) -> None:
+def _read_old_nodes(scanner: Scanner, msh: Msh, section: str) -> None:
     count = int(scanner.line())
     if scanner.is_text:
         # places on curves and surfaces may follow the coordinates
@@ -260,7 +160,7 @@ def _read_old_nodes(scanner: _Scanner, msh: Msh, section: str) -> None:
         msh.points = np.column_stack(coordinates).astype(np.float64)
 
 
-def _read_old_text(scanner: _Scanner, msh: Msh) -> None:
+def _read_old_text(scanner: Scanner, msh: Msh) -> None:
     count = int(scanner.line())
     lines = [line for line in scanner.rest_of_section().splitlines() if line.strip()]
     if len(lines) != count:
@@ -277,7 +177,7 @@ def _read_old_text(scanner: _Scanner, msh: Msh) -> None:
         _add_old(msh, type_, np.array(nodes, dtype=np.int64), np.array(groups))
 
 
-def _read_old_elements(scanner: _Scanner, msh: Msh) -> None:
+def _read_old_elements(scanner: Scanner, msh: Msh) -> None:
     left = int(scanner.line())
     records: dict[int, tuple[list[Integers], list[Integers]]] = {}
     while left > 0:
@@ -341,6 +241,8 @@ def _file_content(msh: Msh) -> FileContent:
             f"no elements are in the physical surfaces {', '.join(map(repr, empty))}: "
             "gmsh's Mesh.SaveAll leaves groups out in version 2.2; save without it, or in version 4.1"
         )
+    if not unnamed[SURFACE] and not any(dimension == SURFACE for dimension, _ in msh.names):
+        notes.append("no face is in a physical surface; name them in gmsh (Physical Surface)")
     return FileContent(msh.points, cells, notes=notes)
 
 

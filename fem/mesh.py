@@ -181,8 +181,8 @@ class Mesh:
         raise MeshError(
             f"edges of elements must not be so curved that they fold, got {len(bad)} of {len(self.elements)} "
             f"elements that are inverted at a node, though not at their integration points: {listed(bad)}; "
-            f"{where}; straighten their edges (fem.read_volume(file).straightened()), or mesh finer there "
-            "(gmsh: Mesh.HighOrderOptimize = 2)"
+            f"{where}; straighten their edges (fem.read_volume(file).straightened()), or mesh finer there, "
+            "in gmsh with Mesh.HighOrderOptimize = 1"
         )
 
     def _check_connection(self) -> None:

@@ -38,7 +38,7 @@ def check_extent(mesh: Mesh, name: str = "") -> None:
         likely = [unit for unit, size in MISTAKEN.items() if LEAST_LIKELY <= extent * size <= GREATEST_LIKELY]
         cause = f"; is it in {' or '.join(likely)}?" if likely else ""
         raise ValueError(
-            f"{_the_mesh(name)} must be in m and no larger than {LARGEST:g} m, "
+            f"{the_mesh(name)} must be in m and no larger than {LARGEST:g} m, "
             f"it is {extent:.4g} m long{cause}"
         )
 
@@ -57,12 +57,11 @@ def check_surfaces(mesh: Mesh, load_surface: str, name: str = "") -> None:
         If one is missing, with the surfaces that it has.
     """
     if "underside" not in mesh.surfaces:
-        raise ValueError(f"{_the_mesh(name)} must have the surface 'underside', {_has(mesh)}")
+        raise ValueError(f"{the_mesh(name)} must have the surface 'underside', {_has(mesh)}")
     if load_surface not in mesh.surfaces:
         follows = ", which follows from 'top'" if load_surface in LOAD_SURFACES else ""
         raise ValueError(
-            f"load_surface must be a surface of {_the_mesh(name)}, {_has(mesh)}; "
-            f"got {load_surface!r}{follows}"
+            f"load_surface must be a surface of {the_mesh(name)}, {_has(mesh)}; got {load_surface!r}{follows}"
         )
 
 
@@ -99,7 +98,7 @@ def check_whole(mesh: Mesh, name: str = "") -> None:
         width = _width(mesh.nodes[mesh.nodes_of("whole top")])
         if width < LEAST_WIDTH * _width(mesh.nodes):
             _warn(
-                f"the surface 'whole top' of {_the_mesh(name)}, which follows from 'top', is "
+                f"the surface 'whole top' of {the_mesh(name)}, which follows from 'top', is "
                 f"{width:.3g} m wide on a shoe of {_width(mesh.nodes):.3g} m; if a part of 'top' is missing, "
                 f"{MENDING}"
             )
@@ -119,7 +118,7 @@ def _check_bores(boundary: BoundaryFaces, name: str) -> None:
         seen |= set(keys)
         if len(beside):
             _warn(
-                f"on the axis of the surface {surface!r} of {_the_mesh(name)} lies a part of a bore that "
+                f"on the axis of the surface {surface!r} of {the_mesh(name)} lies a part of a bore that "
                 f"belongs to no surface, {_size_and_place(mesh, beside)}; if the pin is in it, {MENDING}"
             )
 
@@ -137,7 +136,7 @@ def _refuse_beyond(mesh: Mesh, name: str, surface: str, inside: str, beyond: Int
 def _ends_inside(mesh: Mesh, name: str, surface: str, inside: str, beyond: Integers) -> str:
     area = surface_weights(mesh, mesh.surface(surface)).sum()
     return (
-        f"the surface {surface!r} of {_the_mesh(name)}, {area:.4g} m2, ends inside {inside}, of which it "
+        f"the surface {surface!r} of {the_mesh(name)}, {area:.4g} m2, ends inside {inside}, of which it "
         f"leaves out {_size_and_place(mesh, beyond)}"
     )
 
@@ -155,10 +154,11 @@ def _warn(text: str) -> None:
     warnings.warn(text, MeshWarning, stacklevel=4)
 
 
-def _the_mesh(name: str) -> str:
+def the_mesh(name: str) -> str:
+    """Name of a mesh in messages."""
     return f"the mesh {name!r}" if name else "the mesh"
 
 
 def _has(mesh: Mesh) -> str:
-    left_out = "; ".join(("", *mesh.notes)) if mesh.notes else ""
-    return f"which has {sorted(mesh.surfaces) or 'none'}{left_out}"
+    has = f"which has {sorted(mesh.surfaces) or 'none'}"
+    return "; ".join((has, *mesh.notes))

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 
 import fem
+from fem.surfaces import surface_weights
 
 SHELLS = 100_000
 """Number of the first shell of a deck."""
@@ -66,9 +67,7 @@ def element_faces(mesh: fem.Mesh, name: str) -> dict[int, list[int]]:
 
 def areas(mesh: fem.Mesh) -> dict[str, float]:
     """Area of each named surface, m2."""
-    return {
-        name: float(fem.surfaces.surface_weights(mesh, faces).sum()) for name, faces in mesh.surfaces.items()
-    }
+    return {name: float(surface_weights(mesh, faces).sum()) for name, faces in mesh.surfaces.items()}
 
 
 def same_faces(mesh: fem.Mesh, name: str, other: fem.Mesh, other_name: str | None = None) -> bool:

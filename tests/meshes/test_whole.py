@@ -8,13 +8,14 @@ import pytest
 import fem
 import meshes
 from fem.borders import bore_beyond, boundary_of, flat_beyond
+from fem.surfaces import surface_weights
 from meshes.checks import check_surfaces, check_whole
 from tests.fem.bodies import box_mesh, tube
 from tests.fem.refusals import refused
 
 
 def area(mesh: fem.Mesh, faces: np.ndarray) -> float:
-    return float(fem.surfaces.surface_weights(mesh, faces).sum())
+    return float(surface_weights(mesh, faces).sum())
 
 
 def side(mesh: fem.Mesh, axis: int, place: float) -> np.ndarray:

@@ -111,7 +111,9 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
         off = body.center_of_mass
         if np.abs(off).max() > ORIGIN_TOLERANCE:
             com = f"its COM is at {off.round(4).tolist()} m"
-            raise ValueError(f"mesh must have its origin at its COM within {ORIGIN_TOLERANCE} m, {com}")
+            raise ValueError(
+                f"{checks.the_mesh(name)} must have its origin at its COM within {ORIGIN_TOLERANCE} m, {com}"
+            )
         under = found.nodes[found.nodes_of("underside")]
         low, high = under.min(axis=0), under.max(axis=0)
         weights = body.surface_weights(load_surface)
