@@ -7,6 +7,7 @@ import numpy as np
 from fem.borders import BoundaryFaces, bore_beyond, boundary_of, flat_beyond
 from fem.mesh import Floats, Integers, Mesh, MeshError, MeshWarning
 from fem.surfaces import surface_weights
+from meshes.geometry import JOINT_CENTERS
 from meshes.load_surfaces import LOAD_SURFACES
 
 LARGEST = 50.0
@@ -112,6 +113,8 @@ def _check_bores(boundary: BoundaryFaces, name: str) -> None:
     for surface, faces in bores.items():
         joined, parts[surface] = bore_beyond(boundary, faces)
         _refuse_beyond(mesh, name, surface, "the bore", joined)
+    if not {f"bore {joint}" for joint in JOINT_CENTERS} <= set(bores):
+        return  # a bore without a name is refused where its pin is
     for surface, apart in parts.items():
         keys = _keys(apart)
         beside = apart[[key not in seen for key in keys]]

@@ -117,6 +117,13 @@ def test_a_cheek_without_a_name_and_a_top_without_its_flange_are_warned_of(ready
         check_whole(cut(ready, "top", np.arange(len(ready.surface("top"))) % 2 == 0))
 
 
+def test_a_bore_without_a_name_is_left_to_its_pin(ready):
+    surfaces = {name: faces for name, faces in ready.surfaces.items() if name != "bore rear left"}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_whole(fem.Mesh(ready.nodes, ready.elements, surfaces))
+
+
 def test_a_file_of_a_cut_surface_is_refused_when_it_is_read(tmp_path, ready):
     fem.write_mesh(tmp_path / "cut.msh", cut(ready, "underside", middles(ready, "underside")[:, 0] < 0.1))
     refused(
