@@ -69,6 +69,8 @@ FOREIGN = [
     "xarray",
 ]
 """First parts of names of other packages."""
+OPTIONS = {"Mesh.SaveAll"}
+"""Options of gmsh."""
 FOREIGN_CLASS = re.compile(
     "(Ch|Object|Node|Marker|MainSolver)[A-Z].*|NodeRecord|GeneralContact|SolveDynamic|SolveSteps|UpdateContacts"
     "|LinAlgError|ValidationError"
@@ -179,7 +181,7 @@ def is_known(name: str) -> bool:
         return True
     if DOTTED.fullmatch(name):
         parts = name.removesuffix("()").split(".")
-        is_foreign = parts[0] in FOREIGN or parts[-1] in OF_RUNS
+        is_foreign = parts[0] in FOREIGN or parts[-1] in OF_RUNS or name in OPTIONS
         return is_foreign or _is_attribute(parts) or _is_in_module(parts)
     if CLASS.fullmatch(name):
         return name in definitions() or hasattr(builtins, name) or bool(FOREIGN_CLASS.fullmatch(name))

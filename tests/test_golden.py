@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from exudyn_crawler.run.solve.equilibrium import RESIDUAL
+from exudyn_crawler.run.solve.rest import RESIDUAL
 from tests import golden
 
 pytestmark = pytest.mark.simulation

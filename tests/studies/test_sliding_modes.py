@@ -77,7 +77,8 @@ def test_modes_with_friction_are_those_of_the_planar_track(friction, shoes):
 def test_travel_moves_the_track_over_the_seams():
     """A pitch further, on units as long as a pitch, the track stands on the same ground."""
     case, pitch = plain(Case.translation()), Case.translation().track.pitch
-    terrain = case.terrain.with_(columns=30, unit_length=pitch, origin=(3.0, 0.0), spring_stiffness=1e11)
+    units = {"columns": 30, "unit_length": pitch, "origin": (3.0, 0.0), "spring_offset": pitch / 12.0**0.5}
+    terrain = case.terrain.with_(**units, spring_stiffness=1e11)
     law = case.contact.with_(static_friction=0.1, dynamic_friction=0.1, sharing="area")
     case = case.with_(terrain=terrain, contact=law)
     steady = [steady_sliding(case, SPEED, share * pitch) for share in (0.0, 0.5, 1.0)]
