@@ -58,11 +58,12 @@ def check_surfaces(mesh: Mesh, load_surface: str, name: str = "") -> None:
         If one is missing, with the surfaces that it has.
     """
     if "underside" not in mesh.surfaces:
-        raise ValueError(f"{the_mesh(name)} must have the surface 'underside', {_has(mesh)}")
+        raise ValueError(f"{the_mesh(name)} must have the surface 'underside', {named_surfaces(mesh)}")
     if load_surface not in mesh.surfaces:
         follows = ", which follows from 'top'" if load_surface in LOAD_SURFACES else ""
         raise ValueError(
-            f"load_surface must be a surface of {the_mesh(name)}, {_has(mesh)}; got {load_surface!r}{follows}"
+            f"load_surface must be a surface of {the_mesh(name)}, {named_surfaces(mesh)}; "
+            f"got {load_surface!r}{follows}"
         )
 
 
@@ -162,6 +163,7 @@ def the_mesh(name: str) -> str:
     return f"the mesh {name!r}" if name else "the mesh"
 
 
-def _has(mesh: Mesh) -> str:
+def named_surfaces(mesh: Mesh) -> str:
+    """Surfaces that a mesh has, and what its file has beside them, for messages."""
     has = f"which has {sorted(mesh.surfaces) or 'none'}"
     return "; ".join((has, *mesh.notes))

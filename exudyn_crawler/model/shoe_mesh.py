@@ -7,7 +7,7 @@ import numpy as np
 from exudyn_crawler.case import Case, Rails, RunningGear, Shoe, Track
 from exudyn_crawler.ground.rotations import rotation_matrices
 from fem import Interface, Mesh, ReducedBody
-from meshes.checks import check_extent
+from meshes.checks import check_extent, named_surfaces
 from meshes.rails import rail_outline, station_weights
 
 PIN_TOLERANCE = 1e-3
@@ -28,7 +28,7 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
     for joint, center in track.joint_centers.items():
         if f"bore {joint}" not in mesh.surfaces:
             raise ValueError(
-                f"the mesh {name!r} must have the surface 'bore {joint}', it has {sorted(mesh.surfaces)}"
+                f"the mesh {name!r} must have the surface 'bore {joint}', {named_surfaces(mesh)}"
             )
         nodes = mesh.nodes_of(f"bore {joint}")
         bore = mesh.nodes[nodes]

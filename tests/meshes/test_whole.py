@@ -7,6 +7,8 @@ import pytest
 
 import fem
 import meshes
+from exudyn_crawler import Track
+from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from fem.borders import bore_beyond, boundary_of, flat_beyond
 from fem.surfaces import surface_weights
 from meshes.checks import check_surfaces, check_whole
@@ -152,3 +154,5 @@ def test_a_missing_surface_is_refused_with_what_the_file_left_out(ready):
     bare = fem.Mesh(ready.nodes, ready.elements, {}, notes)
     words = "'x' must have the surface 'underside', which has none; node sets do not say which faces"
     refused(words, check_surfaces, bare, "whole top", "x")
+    words = "'x' must have the surface 'bore front right', which has none; node sets do not say"
+    refused(words, pin_interfaces, bare, "x", Track.ph4100c())
