@@ -94,8 +94,10 @@ def check_sliding(case: Case, speed: float) -> None:
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be positive and finite, got {speed!r} m/s")
     case.pair_contact()
-    if case.gear.kind == "rolled":
-        raise ValueError("gear.kind must not be 'rolled': shoes that a side frame rolls over do not slide")
+    if case.gear.shoes_stand:
+        raise ValueError(
+            f"gear.kind must not be {case.gear.kind!r}: shoes that a side frame rolls over do not slide"
+        )
     if case.terrain.side_slope != 0.0:
         raise ValueError("terrain.side_slope must be 0: a track that slides slips down a side slope, too")
     if not case.unit_terrain().is_even:

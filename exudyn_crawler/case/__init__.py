@@ -7,12 +7,12 @@ of the P&H 4100C and of the papers, in `ph4100c`, fill the classes by their name
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, Outputs, check_case_file, differences
 from exudyn_crawler.case.files import case_of, read_case, saved_case, write_case
-from exudyn_crawler.case.gear.base import Part, RunningGear
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.gear.machine import Machine
 from exudyn_crawler.case.gear.rolled import Rolled, ground_below
-from exudyn_crawler.case.parameters.car_body import CarBody
+from exudyn_crawler.case.gear.running_gear import RunningGear
+from exudyn_crawler.case.parameters.car_body import CarBody, Part
 from exudyn_crawler.case.parameters.closed_track import Idler, Tensioner, Tumbler
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver, StepProfile

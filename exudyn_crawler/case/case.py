@@ -1,45 +1,19 @@
 """Everything that a run depends on."""
 
-from collections.abc import Callable
-from typing import Any, Self, TypeVar
-
 import numpy as np
 
 from exudyn_crawler.case.gear.assembled import Assembled
-from exudyn_crawler.case.gear.base import RunningGear, WheelLabel
-from exudyn_crawler.case.gear.closed import Closed
-from exudyn_crawler.case.gear.rolled import Rolled
+from exudyn_crawler.case.gear.base import WheelLabel
 from exudyn_crawler.case.named import NamedCases
-from exudyn_crawler.case.parameters import fields, sizes
-from exudyn_crawler.case.parameters.base import Errors, Parameters
+from exudyn_crawler.case.parameters import sizes
+from exudyn_crawler.case.parameters.base import Errors
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
-from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
-from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, SoilLaw, Terrain
-from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Track
+from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.track import SIDES, Track
 
 NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
-CREEP = 0.05  # m, by which a shoe may move on the ground before it rests
-Model = TypeVar("Model", bound=Parameters)
-
-
-def _part(name: str, kind: type[Model]) -> Callable[["Case"], Model]:
-    """Method of a case that gives its part of this name, which has to be of a class."""
-
-    def part(case: "Case") -> Model:
-        """Part of the case; a ValueError if it has none, or one of another class."""
-        value = getattr(case, name)
-        if isinstance(value, kind):
-            return value
-        if value is None:
-            raise ValueError(f"{name} must be given, got {case.name!r} without it")
-        held = fields.models_of(Case.model_fields[name].annotation)
-        tags = " or ".join(repr(fields.tag_of(one)) for one in held if issubclass(one, kind))
-        tag = fields.tag_field(type(value))
-        raise ValueError(f"{name}.{tag} must be {tags}, got {getattr(value, tag)!r}")
-
-    return part
 
 
 class Case(NamedCases):
@@ -194,16 +168,6 @@ class Case(NamedCases):
         can_be = not isinstance(self.contact, SphereContact) and self.terrain_formulation == "reduced"
         return can_be and self.formulation != "engine"
 
-    flexible_shoes = _part("flexible", FlexibleShoes)
-    running_gear = _part("gear", RunningGear)
-    rolled_gear = _part("gear", Rolled)
-    closed_gear = _part("gear", Closed)
-    unit_terrain = _part("terrain", Terrain)
-    cell_terrain = _part("terrain", CellTerrain)
-    cell_contact = _part("contact", CellContact)
-    pair_contact = _part("contact", PairContact)
-    sphere_contact = _part("contact", SphereContact)
-
     def gravity_vector(self) -> np.ndarray:
         """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""
         return self.gravity * self.terrain.down
@@ -251,14 +215,6 @@ class Case(NamedCases):
         """Stiffness of one sphere, N/m: all of a shoe carry the mean load at the settled penetration."""
         return self.mean_load / self.settled_penetration / self.sphere_contact().count
 
-    def on_cells(self, law: SoilLaw, heights: Heights | None = None, cell: float = 0.1) -> Self:
-        """Same case on level ground, or with heights, of cells (m) as large as its units and as steep."""
-        (x0, x1), (y0, y1) = self.terrain.bounds
-        same: dict[str, Any] = {"grade": self.terrain.grade, "side_slope": self.terrain.side_slope}
-        same |= {"origin": (x0, y0), "length": x1 - x0, "width": y1 - y0}
-        terrain = CellTerrain(**same, cell=cell, relief=heights or Heights())
-        return self.with_(terrain=terrain, contact=CellContact(law=law))
-
     def outline(self, time: float) -> np.ndarray:
         """Corners of the track on the ground at a time: array (4, 2), m, global x and y.
 
@@ -285,22 +241,9 @@ class Case(NamedCases):
 
     def _map_errors(self, times: np.ndarray) -> Errors:
         """Yield where measured heights do not carry the track."""
-        measured, terrain = self.terrain.relief.measured, self.terrain
-        if measured is None or not isinstance(terrain, CellTerrain):
-            return
-        corners = np.array([self.outline(time) for time in times])
-        # heights are those of the middles of cells, of which a shoe covers the edges; it creeps to its rest
-        sides = corners - corners.mean(axis=1, keepdims=True)
-        corners = corners + np.sign(sides) * (0.5 * terrain.cell + CREEP)
-        if misfit := measured.misfit(corners, self.terrain.bounds):
-            yield f"terrain.relief.measured: {misfit}"
+        yield from self.terrain.map_errors(np.array([self.outline(time) for time in times]))
 
     def _support_errors(self, time: float) -> Errors:
+        """Yield what is off the track or off the terrain at a time, s."""
         yield from self.gear.reach_errors(self.track, self.drive.travel(time), time)
-        corners = self.outline(time)
-        for name, places, (least, greatest) in zip("xy", corners.T, self.terrain.bounds, strict=True):
-            low, high = places.min(), places.max()
-            if low < least or high > greatest:
-                at = f"at t = {time:.3g} s the track reaches {name} = {low:.3f}..{high:.3f} m"
-                reach = f"the terrain {least:g}..{greatest:g} m"
-                yield f"terrain must carry the track over the whole drive: {at}, {reach}"
+        yield from self.terrain.reach_errors(self.outline(time), time)

@@ -4,7 +4,7 @@ A case file may name one of those without arguments as its `base`. `Case` inheri
 ``Case.translation()`` is one.
 """
 
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.closed import Closed
@@ -12,8 +12,9 @@ from exudyn_crawler.case.gear.machine import Machine
 from exudyn_crawler.case.gear.rolled import Rolled, ground_below
 from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
+from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
-from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, SoilLaw, Terrain
 from exudyn_crawler.case.parameters.track import FlexibleShoes, Rails, Shoe, Track
 from exudyn_crawler.case.sections import Sections
 
@@ -99,3 +100,11 @@ class NamedCases(Sections):
             loads=LoadCycle.constant([0.0] * (2 * shoe_count)),
             gear=Machine.ph4100c(),
         )
+
+    def on_cells(self, law: SoilLaw, heights: Heights | None = None, cell: float = 0.1) -> Self:
+        """Same case on level ground, or with heights, of cells (m) as large as its units and as steep."""
+        (x0, x1), (y0, y1) = self.terrain.bounds
+        same: dict[str, Any] = {"grade": self.terrain.grade, "side_slope": self.terrain.side_slope}
+        same |= {"origin": (x0, y0), "length": x1 - x0, "width": y1 - y0}
+        terrain = CellTerrain(**same, cell=cell, relief=heights or Heights())
+        return self.with_(terrain=terrain, contact=CellContact(law=law))

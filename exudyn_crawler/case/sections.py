@@ -1,12 +1,17 @@
 """Sections of a case: what a case file holds, by its keys."""
 
-from typing import Annotated, Literal
+from collections.abc import Callable
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear import AnyGear
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.gear.dragged import Dragged
+from exudyn_crawler.case.gear.rolled import Rolled
+from exudyn_crawler.case.gear.running_gear import RunningGear
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
@@ -18,6 +23,27 @@ from exudyn_crawler.case.parameters.track import FlexibleShoes, Shoe, Track
 AnyTerrain = Annotated[Terrain | CellTerrain, Field(discriminator="model")]
 Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]
 """How shoes and terrain touch."""
+
+
+Model = TypeVar("Model", bound=Parameters)
+
+
+def _part(name: str, kind: type[Model]) -> Callable[["Sections"], Model]:
+    """Method of a case that gives its part of this name, which has to be of a class."""
+
+    def part(case: "Sections") -> Model:
+        """Part of the case; a ValueError if it has none, or one of another class."""
+        value = getattr(case, name)
+        if isinstance(value, kind):
+            return value
+        if value is None:
+            raise ValueError(f"{name} must be given, got {case.name!r} without it")
+        held = fields.models_of(Sections.model_fields[name].annotation)
+        tags = " or ".join(repr(fields.tag_of(one)) for one in held if issubclass(one, kind))
+        tag = fields.tag_field(type(value))
+        raise ValueError(f"{name}.{tag} must be {tags}, got {getattr(value, tag)!r}")
+
+    return part
 
 
 class Sections(Parameters):
@@ -45,3 +71,13 @@ class Sections(Parameters):
     )
     gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
     machine: MachineCycle | None = option("what the machine does on the side frame; none: its weight", None)
+
+    flexible_shoes = _part("flexible", FlexibleShoes)
+    running_gear = _part("gear", RunningGear)
+    rolled_gear = _part("gear", Rolled)
+    closed_gear = _part("gear", Closed)
+    unit_terrain = _part("terrain", Terrain)
+    cell_terrain = _part("terrain", CellTerrain)
+    cell_contact = _part("contact", CellContact)
+    pair_contact = _part("contact", PairContact)
+    sphere_contact = _part("contact", SphereContact)

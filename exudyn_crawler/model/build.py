@@ -160,12 +160,11 @@ class _Builder:
 
     def joints(self) -> tuple[Joints, list[tuple[int, str]]]:
         """Joints, and of each pin the link's number (from 1), or that of a bearing (-1, -2), and its side."""
-        pins, names, closed = [], [], self.closed
+        pins, names = [], []
         for rear, front in (self.case.links - 1).tolist():
             bends = self.flexible[rear] or self.flexible[front]
             for side in SIDES if bends else SIDES[:1]:
-                # in a tight chain a joint beside the middle would bear a moment of the whole tension
-                where = "middle" if closed is not None and not bends else side
+                where = side if bends else self.case.gear.rigid_joint
                 pins.append((self._pin(rear, f"front {where}"), self._pin(front, f"rear {where}")))
                 names.append((rear + 1, side))
         last = self.shoes - 1

@@ -24,6 +24,17 @@ from exudyn_crawler.model.inputs import TimedInputs
 from exudyn_crawler.model.layout import layout_of
 from exudyn_crawler.model.tables import SYSTEM, Inputs, System, Workspace
 
+KEEPS_MATRIX = {
+    "dragged": (),
+    "rolled": ("cells",),
+    "closed": ("units", "cells"),
+    "machine": ("units", "cells"),
+}
+"""Ground on which a step begins with the factored matrix of the last one, by the kind of gear.
+
+There most steps take one iteration with it; elsewhere a matrix of its own pays.
+"""
+
 
 class CompiledSystem(track_system.TrackSystem):
     """Multibody system of a case by compiled equations of its `tables`; `mbs` has the coordinates alone.
@@ -70,9 +81,7 @@ class CompiledSystem(track_system.TrackSystem):
     def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> gear.GearForces:
         """Forces of the gear; see `TrackSystem`."""
         count = self.layout.shoes
-        shoes = np.arange(count)
-        if self.case.gear.loops:
-            shoes = np.flatnonzero(self.tables.bodies.modal[:count] >= 0)
+        shoes = self.case.gear.shoes_by_strips(self.tables.bodies.modal[:count] >= 0)
         forces = gear.GearForces.allocate(len(times), count, len(shoes), self.work)
         drags = self.timed_inputs.drags_at(times)
         coordinates = np.ascontiguousarray(q)
@@ -212,7 +221,7 @@ class CompiledSystem(track_system.TrackSystem):
         limits = (*self._limits, starts_factored)
         inputs = self.inputs(solver.it.currentTime)
         converged, iterations = self.step(self._state, self._multipliers, inputs, weights, limits)
-        keeps_matrix = self.case.gear.loops or (self.case.gear.bodies and self.cells is not None)
+        keeps_matrix = self.case.terrain.model in KEEPS_MATRIX[self.case.gear.kind]
         self._factored = weights if keeps_matrix and converged and iterations == 1 else None
         if not converged:
             self._multipliers[:] = start

@@ -12,7 +12,7 @@ from exudyn_crawler.case.gear.closed_frame import ClosedFrame
 from exudyn_crawler.case.parameters import assembly, base, sizes
 from exudyn_crawler.case.parameters.base import Errors, option
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
-from exudyn_crawler.case.parameters.track import Shoe, Track
+from exudyn_crawler.case.parameters.track import MIDWAY, Shoe, Track
 
 MISFIT = 0.01  # of a chain's pitch by which that of its tumbler plausibly differs from it, new or worn
 SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
@@ -25,6 +25,8 @@ class Closed(ClosedFrame):
 
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "closed"})
     loops: ClassVar[int] = 1
+    # in a tight chain a joint beside the middle would bear a moment of the whole tension
+    rigid_joint: ClassVar[str] = MIDWAY
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -100,6 +102,10 @@ class Closed(ClosedFrame):
         rear, height = self.tumbler.place
         front = self.idler.place[0] + self.assembled(shoe, chain).take_up
         return rear, front, min([height, *(z for _, z in self.upper.values())])
+
+    def shoes_by_strips(self, bends: np.ndarray) -> np.ndarray:
+        """Shoes, from 0, of which every strip of a tread is known: the flexible ones."""
+        return np.flatnonzero(bends)
 
     def active(self, driven: bool, turned: bool) -> np.ndarray:
         """Equations of the drive of a shoe or a frame, and of its turn, that hold: none, array (2,)."""

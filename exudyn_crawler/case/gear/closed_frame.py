@@ -6,7 +6,8 @@ from typing import Literal
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.gear.base import RunningGear, WheelLabel, overlap_errors
+from exudyn_crawler.case.gear.base import WheelLabel
+from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Errors, option, quantity
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler, Wheel

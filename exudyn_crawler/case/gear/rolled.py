@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.gear.base import RunningGear, overlap_errors
+from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Errors, Place, option, quantity
 from exudyn_crawler.case.parameters.drive import Drive
@@ -27,6 +27,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
     kind: Literal["rolled"] = option("side frame rolls over shoes that lie before it", "rolled")
 
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "rolled"})
+    shoes_stand: ClassVar[bool] = True
 
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")
     ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))

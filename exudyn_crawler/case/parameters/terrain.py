@@ -17,6 +17,7 @@ from exudyn_crawler.case.parameters.heights import Heights
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+CREEP = 0.05  # m, by which a shoe may move on the ground before it rests
 STEEPEST = 0.2
 """Greatest slope along units: gaps between their faces are half its square of their length, 2 %."""
 ACROSS = 1e-6  # m, by which heights across y may differ
@@ -43,6 +44,24 @@ class Ground(Parameters):
         x, y = (slope / math.hypot(1.0, slope) for slope in (self.grade, self.side_slope))
         # adding zero makes plain zeros of negative ones
         return np.array([-x, -y, -math.sqrt(1.0 - x**2 - y**2)]) + 0.0
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and greatest x, least and greatest y, m."""
+        raise NotImplementedError
+
+    def reach_errors(self, corners: np.ndarray, time: float) -> Errors:
+        """Yield where the corners (4, 2), m, of a track at a time (s) are beyond the ground."""
+        for name, places, (least, greatest) in zip("xy", corners.T, self.bounds, strict=True):
+            low, high = places.min(), places.max()
+            if low < least or high > greatest:
+                track = f"at t = {time:.3g} s the track reaches {name} = {low:.3f}..{high:.3f} m"
+                reach = f"the terrain {least:g}..{greatest:g} m"
+                yield f"terrain must carry the track over the whole drive: {track}, {reach}"
+
+    def map_errors(self, corners: np.ndarray) -> Errors:
+        """Yield where measured heights do not carry a track of corners over time (times, 4, 2), m."""
+        yield from ()
 
 
 SAME_PLACE = 1e-9  # m
@@ -300,6 +319,17 @@ class CellTerrain(Ground):
     def units(self) -> np.ndarray:
         """Numbers of units, of which there are none."""
         return np.zeros(0, dtype=int)
+
+    def map_errors(self, corners: np.ndarray) -> Errors:
+        """Yield where measured heights do not carry a track of corners over time (times, 4, 2), m."""
+        measured = self.relief.measured
+        if measured is None:
+            return
+        # heights are those of the middles of cells, of which a shoe covers the edges; it creeps to its rest
+        sides = corners - corners.mean(axis=1, keepdims=True)
+        corners = corners + np.sign(sides) * (0.5 * self.cell + CREEP)
+        if misfit := measured.misfit(corners, self.bounds):
+            yield f"terrain.relief.measured: {misfit}"
 
     def surface(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height of the ground at places (m): array of their shape, m."""

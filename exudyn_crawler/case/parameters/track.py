@@ -19,6 +19,8 @@ ORIGIN_TOLERANCE = 0.01  # m, between the origin of a mesh and its COM
 MOST_SHOES = 1000
 SIDES = ("right", "left")
 """Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
+MIDWAY = "middle"
+"""Middle between both."""
 
 
 class Rails(base.PH4100C, values=ph4100c.RAILS):

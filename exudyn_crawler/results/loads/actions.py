@@ -11,15 +11,15 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import SIDES, Case, Rolled, Track
+from exudyn_crawler.case import SIDES, Case, Track
 from exudyn_crawler.case.gear.base import WheelKind
+from exudyn_crawler.case.parameters.track import MIDWAY
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.places import (
     ENDS,
-    MIDWAY,
     PINS,
     GroundUnit,
     OnTread,
@@ -174,14 +174,14 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
             reactions = [link.pin_force.values, link.pin_torque.values]
         force, torque = (sign * pair.reshape(len(position), -1, 3) for pair in reactions)
         pins = [Pin(end, side) for side in SIDES[: force.shape[1]]]
-        if gear.loops and len(pins) == 1:
-            pins = [Pin(end, MIDWAY)]
+        if len(pins) == 1:
+            pins = [Pin(end, gear.rigid_joint)]
         for number, pin in enumerate(pins):
             pushed = force[:, number]
             moment = torque[:, number]
-            if gear.loops and end == "rear":  # a worn pin is farther back
-                wear = (track.pitch - gear.chain_pitch(track)) * frames[:, :, 0]
-                moment = moment + np.cross(wear, pushed)
+            wear = track.pitch - gear.chain_pitch(track)
+            if wear and end == "rear":  # a worn pin is farther back
+                moment = moment + np.cross(wear * frames[:, :, 0], pushed)
             point = position + frames @ _center(track, pin)
             yield Action(Kind.JOINT, shoe, pin, point, pushed, moment, AtInterface(words(pin)))
 
@@ -366,7 +366,7 @@ def _chain(history: History, shoe: int, position: np.ndarray, frames: np.ndarray
     """Pull of the drive at the shoe's front pins, and the tension of the chain at the outermost ones."""
     track = history.case.track
     zero = np.zeros_like(position)
-    tension = frame_of(history).end_tension
+    tension = history.case.rolled_gear().end_tension
     pulls = {"front": -drive_pulls(history)[:, shoe - 1], "rear": zero[:, 0]}
     if shoe == track.shoe_count:
         pulls["front"] = pulls["front"] + tension
@@ -384,13 +384,8 @@ def _chain(history: History, shoe: int, position: np.ndarray, frames: np.ndarray
 def drive_pulls(history: History) -> np.ndarray:
     """Pull of the drive at each shoe's front pins, backward, N: array (times, shoes)."""
     track = history.case.track
-    frame = frame_of(history)
+    frame = history.case.rolled_gear()
     first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead
     tumbler = history.side_frame_position.sel(axis="x").values + frame.tumbler
     shares = frame.shares_of_links(tumbler - first, track.shoe_count - 1, track.pitch)
     return history.drive_pull.values[:, None] * np.column_stack((shares, np.zeros(len(shares))))
-
-
-def frame_of(history: History) -> Rolled:
-    """Side frame that rolls over the shoes of a history; ValueError if none does."""
-    return history.case.rolled_gear()

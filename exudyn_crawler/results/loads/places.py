@@ -8,8 +8,6 @@ from exudyn_crawler.case.gear.base import WheelLabel
 
 End = Literal["front", "rear"]
 ENDS: tuple[End, End] = ("front", "rear")
-MIDWAY = "middle"
-"""Side of a joint midway between the right and the left pin."""
 
 
 class Point(StrEnum):

@@ -25,11 +25,13 @@ REDUCE, COMPILE, SIMULATE = "reduce the flexible shoe", "compile the equations",
 FIELDS, RECOVER, WRITE = "static fields of the shoe", "recover stresses", "tables and figures"
 ONCE = (REDUCE, COMPILE, FIELDS)  # stay on a machine: for another run of the same shoe
 SIMULATION = (COMPILE, SIMULATE)  # a history takes their place
-BEGIN, BEGIN_CLOSED = 0.5, 2.5  # s of a run beside its steps: rest, files, record; rest of a closed track
+BEGIN = {"dragged": 0.5, "rolled": 0.5, "closed": 2.5, "machine": 2.5}
+"""s of a run beside its steps, rest, files and record, by the kind of gear."""
 SHOES = 13
 STEP = {True: 0.6e-3, False: 1.2e-3}  # s a step of so many rigid shoes, with compiled equations and without
 STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # s more of a flexible one
-ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3  # times that of rigid shoes, and s more of a flexible one, if rolled
+SLOWER, MORE_FLEXIBLE = {"rolled": 2.5}, {"rolled": 1.0e-3}
+"""Times that of rigid shoes, and s more of a flexible one, by kinds of gear of which it differs."""
 RECOVERY = 1.0e-3  # s a stored time of a flexible shoe, whose stresses are recovered
 PER_NODE = {REDUCE: 0.6e-3, FIELDS: 1.0e-3, SIMULATE: 1.5e-4, RECOVER: 5e-5}  # s; of each shoe, the last
 COMPILING = 50.0  # s of the equations
@@ -43,12 +45,10 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
     """Wall time in s of the parts of a run of which nothing is cached, by a rule."""
     case, solver, outputs = case_file.case, case_file.case.solver, case_file.outputs
     flexible = 0 if case.flexible is None else len(case.flexible.shoes)
-    step, more = STEP[case.is_compiled] * case.track.shoe_count / SHOES, STEP_FLEXIBLE[case.is_compiled]
-    if case.gear.kind == "rolled":
-        step, more = ROLLED * step, ROLLED_FLEXIBLE
+    step = STEP[case.is_compiled] * SLOWER.get(case.gear.kind, 1.0) * case.track.shoe_count / SHOES
+    more = MORE_FLEXIBLE.get(case.gear.kind, STEP_FLEXIBLE[case.is_compiled])
     times = {COMPILE: COMPILING} if case.is_compiled else {}
-    begin = BEGIN_CLOSED if case.gear.loops else BEGIN
-    times[SIMULATE] = begin + case_file.duration / solver.step * (step + more * flexible)
+    times[SIMULATE] = BEGIN[case.gear.kind] + case_file.duration / solver.step * (step + more * flexible)
     if case.flexible is not None:
         from meshes import geometry, mesh_named
 

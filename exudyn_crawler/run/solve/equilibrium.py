@@ -11,13 +11,10 @@ from exudyn_crawler.ground import terrain
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.model.diagnostics import NewtonError, no_rest
 from exudyn_crawler.model.track_system import TrackSystem
-from exudyn_crawler.run.solve.rest import creep, newton_rest, settle
+from exudyn_crawler.run.solve.rest import CREEPS, creep, newton_rest, settle
 
-CREEPING = 30.0
-"""s, after which what still creeps is held by friction, on level, even units. The papers' machine then starts
-2e-5 of its weight away from rest, after 6 s 4e-3 of it."""
-CREEPING_OTHERS = 6.0
-"""s, the same of closed chains and on all other ground."""
+CREEPING = 6.0
+"""s, after which what still creeps is held by friction, on ground that is not level and even units."""
 CREEPING_RESIDUAL = 1.0
 """N, root mean square, that ends a step's search."""
 
@@ -98,7 +95,7 @@ def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
     """
     ground = system.case.terrain
     level = ground.model == "units" and ground.is_even and ground.grade == ground.side_slope == 0.0
-    time = CREEPING if level and not system.case.gear.loops else CREEPING_OTHERS
+    time = CREEPS[system.case.gear.kind].on_level if level else CREEPING
     return creep(system, guess, time, CREEPING_RESIDUAL)
 
 

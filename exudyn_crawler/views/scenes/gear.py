@@ -73,12 +73,19 @@ def car_body(history: History) -> Solid:
     return Solid("car body", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
 
 
+def beam_ends(case: Case) -> tuple[float, float]:
+    """Lowest and highest z of the drawn beam in the side frame, m: it ends below what is above the frame."""
+    _, _, lowest = case.running_gear().extent(case.shoe, case.track)
+    return BEAM[0], min(BEAM[1], lowest)
+
+
 def beam(history: History) -> Solid:
     """Beam between the rails that stands for the side frame; of a closed one it carries all axes."""
     frame, rails = frame_on_rails(history.case)
-    half, (low, high) = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP, BEAM
-    rear, front, lowest = frame.extent(history.case.shoe, history.case.track)
-    shape = box((rear, -half, low), (front, half, min(high, lowest)))
+    half = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP
+    low, high = beam_ends(history.case)
+    rear, front, _ = frame.extent(history.case.shoe, history.case.track)
+    shape = box((rear, -half, low), (front, half, high))
     return Solid("side frame", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
 
 

@@ -235,10 +235,10 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
         near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
         tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
-    if history.case.gear.loops:
-        top = float(history.position.sel(axis="z").max()) - shoe.footprint[4]
-    elif history.has("side_frame_position"):
-        top = max(top, float(gear.frame_poses(history)[0][..., 2].max()) + gear.BEAM[1])
+    # of a closed track the upper run
+    top = max(top, float(history.position.sel(axis="z").max()) - shoe.footprint[4])
+    if history.has("side_frame_position"):
+        top = max(top, float(gear.frame_poses(history)[0][..., 2].max()) + gear.beam_ends(history.case)[1])
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
 
 

@@ -1,0 +1,177 @@
+"""Side frames whose wheels run on the shoes' rails."""
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+import numpy as np
+
+from exudyn_crawler.case.gear.base import SIDE_FRAME, Gear, WheelLabel, Whole
+from exudyn_crawler.case.parameters import base, sizes
+from exudyn_crawler.case.parameters.base import Errors, quantity
+from exudyn_crawler.case.parameters.car_body import Part
+from exudyn_crawler.case.parameters.drive import Drive
+from exudyn_crawler.case.parameters.track import Shoe, Track
+
+ACROSS = (1, 5)
+"""Coordinates of a side frame across the track: y and yaw."""
+TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
+
+
+class RunningGear(Gear):
+    """Side frame whose wheels run on the shoes' rails, of an open or a closed track.
+
+    Places are in the frame's own axes: x along the travel, y lateral, z up, from the height of the lower
+    rollers' axes above the middle line of the track.
+    """
+
+    mass: base.Mass = quantity("kg", "half of the machine without its shoes", (1e4, 2e6))
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
+    com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
+    rollers: tuple[base.Roller, ...] = quantity(
+        "m", "x of the lower rollers' axes, rear to front", min_length=2
+    )
+    tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
+    strips: Literal[1, 2] = quantity("1", "of a tread, which share its load on a tilted rail", default=2)
+    stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e6, 1e12))
+    exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
+    damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
+    damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
+    rolling_resistance: base.Coefficient = quantity("1", "of a wheel over its normal force", (0.0, 0.2))
+    resistance_speed: base.Speed = quantity("m/s", "at which it has 0.7 of its value, 0 at rest", (1e-5, 0.1))
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies beside the shoes: the side frame, then what turns in it."""
+        return (SIDE_FRAME, *self.tumblers, *self.sliding_idlers)
+
+    @property
+    def wheel_labels(self) -> list[WheelLabel]:
+        """Kinds and numbers of the wheels in their order."""
+        return [WheelLabel("roller", number) for number in range(1, len(self.rollers) + 1)]
+
+    @property
+    def frame(self) -> Part:
+        """Side frame of one track."""
+        return Part(self.mass, np.array(self.com), base.inertia_tensor(self.inertia))
+
+    @property
+    def frame_parts(self) -> list[Part]:
+        """Rigid parts of the side frame, or of the machine on two tracks."""
+        return [self.frame]
+
+    @property
+    def holds(self) -> tuple[int, ...]:
+        """Coordinates of the side frame that are held."""
+        return ACROSS
+
+    @property
+    def tipping(self) -> float:
+        """Distance beside its middle at which a weight tips the frame, m."""
+        return TIPPING
+
+    @property
+    def length(self) -> float:
+        """Length along which its wheels stand, m."""
+        return self.rollers[-1] - self.rollers[0]
+
+    @property
+    def strip_places(self) -> np.ndarray:
+        """Y of the strips' middles beside that of their tread: array (strips,), m."""
+        # two resist tilting at the Gauss points as an evenly spread contact does
+        points, _ = np.polynomial.legendre.leggauss(self.strips)
+        return 0.5 * self.tread_width * points
+
+    @property
+    def resistances(self) -> np.ndarray:
+        """Of wheels against the travel over their normal force: array (wheels,)."""
+        return np.full(len(self.rollers), self.rolling_resistance)
+
+    @property
+    def flange(self) -> tuple[float, float, float]:
+        """Play (m), stiffness (N/m) and damping (N s/m) of the flanges of a wheel; it has none."""
+        return 0.0, 0.0, 0.0
+
+    @property
+    def flange_height(self) -> float:
+        """Height of the flanges above a tread, m."""
+        return 0.0
+
+    @property
+    def slide_places(self) -> tuple[base.Three, ...]:
+        """X of rear and front end, z of the top of slides, m."""
+        return ()
+
+    def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Origin of the side frame, or the machine, at t = 0, on rails that have not settled: (3,), m."""
+        raise NotImplementedError
+
+    def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """X and z in the frame and radius of the wheels of one track at t = 0: array (wheels, 3), m."""
+        raise NotImplementedError
+
+    def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
+        """X of the frame's rear and front end, and z of the lowest that is above it; m."""
+        raise NotImplementedError
+
+    def drags(self, speeds: np.ndarray) -> np.ndarray:
+        """Resistance of wheels over their normal force, (..., wheels), against speeds of tracks, m/s."""
+        faded = np.hypot(speeds, self.resistance_speed)
+        drags = speeds[..., None] * self.resistances / faded[..., None]
+        return drags.reshape(*speeds.shape[:-1], -1)
+
+    def wrenches(self, machine: np.ndarray) -> np.ndarray:
+        """Forces and moments beside those on shoes: array (n, 6), N and N m; the machine's (6,) first."""
+        return machine[None]
+
+    def first_loads(self, case: Whole) -> np.ndarray:
+        """Loads on the shoes at t = 0: array (shoes,), N; the side frame weighs evenly on those below it."""
+        start = self.frame_start(case.shoe, case.track)
+        half = 0.5 * case.track.pitch
+        coms = self.shoe_reference(case.shoe, case.track)
+        rear = self.rollers[0] + start[0]
+        front = self.rollers[-1] + start[0]
+        under = (coms[:, 0] >= rear - half) & (coms[:, 0] <= front + half) & (coms[:, 2] < start[2])
+        carried = sum(part.mass for part in self.frame_parts)
+        return super().first_loads(case) + under * carried * case.gravity / max(1, under.sum())
+
+    def errors(self, case: Whole) -> Errors:
+        """Lines that say what does not fit the rest of the case."""
+        kind = f"gear.kind {self.kind!r}"
+        if not case.is_compiled:
+            refused = "contact.model 'spheres' and terrain_formulation 'constrained'"
+            yield f"formulation 'engine', {refused} do not go with {kind}"
+        rails = case.shoe.rails
+        if rails is None:
+            yield f"shoe.rails must be given with {kind}, whose wheels run on them"
+        elif self.tread_width > rails.width:
+            width = f"the rails' width {rails.width} m"
+            yield f"gear.tread_width must not exceed {width}, got {self.tread_width}"
+        if case.drive.on is not None:
+            yield f"drive.on must be None with {kind}, always moved or held; a speed of zero is a brake"
+        yield from self.turn_errors(case.drive)
+        if any(load != 0.0 for phase in case.loads.phases for load in phase.loads):
+            yield f"loads must be zero on every shoe with {kind}, whose rollers carry the machine"
+        yield from self.track_errors(case.shoe, self.loop(case.track))
+        if case.machine is not None:
+            gravity = case.gravity_vector()
+            yield from case.machine.balance_errors(self.frame_parts, self.rollers, self.tipping, gravity)
+
+    def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
+        """Lines that say what no machine is known to have: an inertia that does not go with the mass."""
+        yield from sizes.thin_inertia("gear", self.mass, self.inertia)
+        yield from sizes.far_inertia("gear", self.mass, self.inertia, self.length)
+
+    def turn_errors(self, drive: Drive) -> Errors:
+        """Lines that refuse a turn of a single track."""
+        if drive.turn_rate is not None:
+            yield f"drive.turn_rate must be None with gear.kind {self.kind!r}: one track does not turn"
+
+    def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
+        """Lines that say what of a shoe with rails, and of the chain of one track, does not fit."""
+        yield from ()
+
+
+def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Errors:
+    """Wheels at places (x, m) that are nearer to each other than their diameter."""
+    if np.any(np.diff(places) < 2.0 * radius):
+        yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {list(places)}"
