@@ -99,14 +99,18 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
 
         The mesh, in shoe axes and m, is coarse, study or fine, the path of a file, or a mesh. It needs the
         surfaces "underside" and `load_surface`, as of `FlexibleShoes`. A FileNotFoundError or MeshError if
-        there is none; a ValueError if it is larger than any shoe, lacks a surface, or its origin is not its
-        COM.
+        there is none or a surface is cut; a ValueError if it is larger than any shoe, lacks a surface, or its
+        origin is not its COM.
         """
         # a case without a mesh need not wait for finite elements
         from meshes import STEEL, checks, mesh_named, rails, with_load_surfaces
 
         name = mesh if isinstance(mesh, str) else ""
-        found = mesh_named(mesh) if isinstance(mesh, str) else with_load_surfaces(mesh)
+        if isinstance(mesh, str):
+            found = mesh_named(mesh)
+        else:
+            found = with_load_surfaces(mesh)
+            checks.check_whole(found)
         checks.check_extent(found, name)
         checks.check_surfaces(found, load_surface, name)
         body = fem.ElasticBody(found, replace(STEEL, density=density))
