@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 
+import exudyn_crawler
 from exudyn_crawler import Case
 from exudyn_crawler.cli.commands import show_answers
 from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
@@ -226,6 +227,9 @@ def terminal(monkeypatch, told, tmp_path):
     def lines(words, width):
         for name, fake in FAKES.get(words, {}).items():
             monkeypatch.setattr(name, fake)
+            # a public name is remembered where it was first asked for
+            if (public := name.split(".")[-1]) in exudyn_crawler.__all__:
+                monkeypatch.setattr(exudyn_crawler, public, fake)
         for name, value in {"COLUMNS": width, "TTY_COMPATIBLE": 1, "NO_COLOR": 1}.items():
             monkeypatch.setenv(name, str(value))
         return re.sub(r"\x1b\[[0-9;]*m", "", told(*words.split())).splitlines()
