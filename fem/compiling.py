@@ -1,57 +1,169 @@
 """Compiled functions that are cached on disk and notice changes of the functions that they call.
 
 numba caches compiled code beside the source and compiles again when that one file changes. Code inlined from
-other files would stay as it was, so that a cached function is stamped with all sources that it may consist
-of.
+other files would stay as it was, so that a cached function is stamped with all sources that it consists of.
 """
 
+import hashlib
+import inspect
+import sys
 import warnings
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any, get_args
 
 import numba
-from numba import njit
+import numpy as np
+from numba import njit, types
 from numba.core.event import Event, Listener, install_listener
 
 from fem.interrupts import interrupts_wait
-from fem.sources import source_digest
+
+THEIRS = {*sys.stdlib_module_names, *sys.builtin_module_names, "llvmlite", "numba", "numpy"}
+"""Top modules whose changes make no compiled code stale: numba looks at its own version."""
+CONSTANTS = (bool, int, float, complex, str, bytes, tuple, type(None), np.generic, np.ndarray)
+"""Values that compiled code takes as they are."""
 
 
-def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
-    """Decorator that compiles a function and caches the result until one of the sources changes.
+def compiler(*parts: Any, **options: Any) -> Callable[[Callable], Any]:
+    """Decorator that compiles a function and caches the result until one of its sources changes.
 
     Parameters
     ----------
-    sources : Path
-        Files or folders in which the function and all that it calls are.
+    parts : Any
+        Functions and classes that the function consists of beside those that it names itself.
     options :
-        As of `numba.njit`.
+        Those of `numba.njit`.
     """
-    stamp = source_digest(*sources)
     # the C address of a function, which few need, would take a fifth of the time to compile; a function that
     # says nothing about counts of references would take what its first caller says
     options = {"no_cfunc_wrapper": True, "_nrt": True} | options
 
     def compiled(function: Callable) -> Any:
         dispatcher = njit(cache=True, **options)(function)
+        # as it is now: a later change is not that of the code that was imported
+        _content(Path(function.__code__.co_filename))
         # numba has no public way to add sources
         cached: Any = getattr(dispatcher, "_cache", None)
         file: Any = getattr(cached, "_cache_file", None)
         kind: type = type(file)
-        if _compares_stamps(kind):
-            _add_stamp(file, stamp)
-            cached.save_overload = _forgiving(cached.save_overload, cached.flush)
-        else:
+        compile_now = interrupts_wait()(dispatcher.compile)
+        if not _compares_stamps(kind):
             dispatcher = njit(**options)(function)
+            dispatcher.compile = interrupts_wait()(dispatcher.compile)
+            return dispatcher
+        cached.save_overload = _forgiving(cached.save_overload, cached.flush)
+        add_stamp = cache(lambda: _add_stamp(file, _stamp(dispatcher, *parts)))
+
         # LLVM asks Python for cached code; if an interrupt comes just then, it calls what is not there
-        dispatcher.compile = interrupts_wait()(dispatcher.compile)
+        def stamped(signature: Any) -> Any:
+            # now, since the functions that it calls may stand below it
+            add_stamp()
+            return compile_now(signature)
+
+        dispatcher.compile = stamped
         return dispatcher
 
     return compiled
+
+
+@cache
+def _content(path: Path) -> bytes:
+    return path.read_bytes()
+
+
+def _stamp(*roots: Any) -> str:
+    """Digest of all that compiled functions and classes consist of."""
+    files, texts = _reached(roots)
+    digest = hashlib.sha256()
+    for content in sorted(map(_content, files)):
+        digest.update(content)
+    digest.update("\n".join(sorted(texts)).encode())
+    return digest.hexdigest()
+
+
+def sources_of(function: Any) -> set[Path]:
+    """Files of a compiled function and of all that it calls and reads, but for those of constants."""
+    return _reached([function])[0]
+
+
+def _reached(roots: Iterable[Any]) -> tuple[set[Path], set[str]]:
+    """Files of functions and classes that compiled functions name, and those name, and so on.
+
+    And, as texts, their options and the values of the constants that they read, whose files may be any.
+    """
+    files: set[Path] = set()
+    texts: set[str] = set()
+    known: dict[int, Any] = {}
+    todo = list(roots)
+    while todo:
+        thing = todo.pop()
+        if id(thing) not in known:
+            known[id(thing)] = thing
+            file, text, named = _consists_of(thing)
+            files |= file
+            texts |= text
+            todo += named
+    return files, texts
+
+
+def _consists_of(thing: Any) -> tuple[set[Path], set[str], list[Any]]:
+    """File of a thing that compiled code names, what else it depends on, and the things that it names."""
+    function = getattr(thing, "py_func", getattr(thing, "_defn", thing))
+    if isinstance(thing, ModuleType) or _is_theirs(function):
+        return set(), set(), []
+    if isinstance(function, FunctionType):
+        named = _named_by(function)
+        name = f"{function.__module__}.{function.__qualname__}"
+        texts = {f"{name}: {own} = {_text(value)}" for own, value in named if isinstance(value, CONSTANTS)}
+        texts.add(f"{name}: {sorted(getattr(thing, 'targetoptions', {}).items())}")
+        return {Path(function.__code__.co_filename)}, texts, [value for _, value in named]
+    if isinstance(thing, type):
+        hints = getattr(thing, "__annotations__", {}).values()
+        return {Path(inspect.getfile(thing))}, set(), [hint for hint in hints if not isinstance(hint, str)]
+    if isinstance(thing, types.NamedTuple | types.NamedUniTuple):
+        return set(), {str(thing)}, [thing.instance_class, *thing.types]
+    if isinstance(thing, types.BaseTuple):
+        return set(), {str(thing)}, list(thing.types)
+    if isinstance(thing, tuple):
+        return set(), set(), [type(thing), *thing]
+    if isinstance(thing, CONSTANTS):
+        return set(), set(), []
+    return set(), set(), [type(thing), *get_args(thing)]
+
+
+def _text(value: Any) -> str:
+    """Value of a constant."""
+    return f"{value.dtype} {value.tolist()}" if isinstance(value, np.ndarray) else repr(value)
+
+
+def _is_theirs(thing: Any) -> bool:
+    """True for what Python, numpy and numba bring."""
+    module = getattr(thing, "__module__", None) or ""
+    return isinstance(thing, FunctionType | BuiltinFunctionType | type) and (
+        module.partition(".")[0] in THEIRS
+    )
+
+
+def _named_by(function: FunctionType) -> list[tuple[str, Any]]:
+    """Values of the global names and the free variables of a function, and of what it takes from modules."""
+    names: set[str] = set()
+    codes = [function.__code__]
+    while codes:
+        code = codes.pop()
+        names.update(code.co_names)
+        codes += [constant for constant in code.co_consts if isinstance(constant, CodeType)]
+    values = [(name, function.__globals__[name]) for name in names if name in function.__globals__]
+    for _, module in [*values]:
+        if isinstance(module, ModuleType) and module.__name__.partition(".")[0] not in THEIRS:
+            of_module = vars(module)
+            values += [(f"{module.__name__}.{name}", of_module[name]) for name in names if name in of_module]
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    return values + [(name, cell.cell_contents) for name, cell in cells]
 
 
 def _add_stamp(file: Any, stamp: str) -> None:

@@ -19,7 +19,6 @@ from fem.mesh import Floats, Integers
 from fem.rainflow import CycleCounter, Cycles, joined_cycles, repeated_cycles
 from fem.rank import NODE_BLOCK, SEGMENT, ModalHistory
 from fem.shapes import Columns
-from fem.sources import FEM
 
 SignedCriterion = Literal["signed von mises", "signed principal"]
 SIGNED_CRITERIA: tuple[SignedCriterion, ...] = ("signed von mises", "signed principal")
@@ -129,7 +128,7 @@ class Damage:
     bound: Floats
 
 
-@compiler(FEM, nogil=True)
+@compiler(nogil=True)
 def _signed_mises(parts, signals):
     """Von Mises stress with the sign of the hydrostatic one, of components (k, 6, t) into (k, t)."""
     for k in range(parts.shape[0]):
@@ -141,7 +140,7 @@ def _signed_mises(parts, signals):
             signals[k, t] = -mises if xx + yy + zz < 0.0 else mises
 
 
-@compiler(FEM, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nnan", "nsz"})
+@compiler(nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nnan", "nsz"})
 def _signed_principal(parts, signals):
     """Principal stress of the greatest magnitude, of components (k, 6, t) into (k, t).
 

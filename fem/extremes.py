@@ -17,7 +17,6 @@ from fem.mesh import Floats, Integers
 from fem.rank import SEGMENT, TIME_BLOCK, ModalHistory, node_blocks, segments
 from fem.recovery import Peaks
 from fem.shapes import Columns
-from fem.sources import FEM
 from fem.stress import DEVIATOR
 
 Singles = NDArray[np.float32]
@@ -118,7 +117,7 @@ def _of_segment(
     return fold_stresses(stress_modes, rows, VonMisesExtremes(ranked))
 
 
-@compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})
+@compiler(nogil=True, fastmath={"contract", "reassoc"})
 def _keep_node_extremes(parts, squares, greatest, at, least, start):
     """Square lengths of components (k, 5, t) into (k, t), with the extremes of each node over time."""
     for k in range(squares.shape[0]):
@@ -138,7 +137,7 @@ def _keep_node_extremes(parts, squares, greatest, at, least, start):
                     break
 
 
-@compiler(FEM, nogil=True)
+@compiler(nogil=True)
 def _keep_highest(squares, ranked, top, places, first):
     """Update the highest square of each time and its place; the rows of `squares` count from `first`."""
     for k in range(squares.shape[0]):
@@ -217,7 +216,7 @@ class _Likely(NamedTuple):
         return self.upper >= self.lower[:, None], self.node_upper >= self.node_lower
 
 
-@compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})
+@compiler(nogil=True, fastmath={"contract", "reassoc"})
 def _keep_likely(parts, bound, ranked, upper, least, node_upper, node_lower):
     """Bounds of a block: of its nodes in cells of times, and of its cells of nodes at each time."""
     lengths = np.empty(CELL, dtype=np.float32)
@@ -275,7 +274,7 @@ class _LikelyExtremes(Fold[_Likely]):
         return _Likely(self._upper, self._lower, self._least, self._node_upper, self._node_lower, self._bound)
 
 
-@compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})
+@compiler(nogil=True, fastmath={"contract", "reassoc"})
 def _square(shapes, q):
     """Square of the von Mises stress of shapes (6, m) with coordinates (m,)."""
     xx, yy, zz, xy, yz, xz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -290,7 +289,7 @@ def _square(shapes, q):
     return 0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)
 
 
-@compiler(FEM, nogil=True)
+@compiler(nogil=True)
 def _search_times(stress_modes, q, nodes, cells, sense, best, at):
     """Greatest square, times a sense, of nodes in cells of times, and the row of the first of equals."""
     for node, cell in zip(nodes, cells):  # noqa: B905 - compiled
@@ -300,7 +299,7 @@ def _search_times(stress_modes, q, nodes, cells, sense, best, at):
                 best[node], at[node] = square, row
 
 
-@compiler(FEM, nogil=True)
+@compiler(nogil=True)
 def _search_nodes(stress_modes, q, cells, rows, ranked, best, at, first):
     """Highest square of rows in cells of nodes, counted from `first`, and the node of the first of equals."""
     for cell, row in zip(cells, rows):  # noqa: B905 - compiled

@@ -11,7 +11,6 @@ from scipy.interpolate import LinearNDInterpolator
 
 from fem.compiling import compiler
 from fem.mesh import Floats, Integers
-from fem.sources import FEM
 
 CELL = 0.03
 """m, greatest side of a cell of the grid; the underside's elements are several times as large."""
@@ -140,7 +139,7 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
     return Underside(corner=low, cell=cell, integral=integral)
 
 
-@compiler(FEM, error_model="numpy")
+@compiler(error_model="numpy")
 def mean_rows(corner, cell, integral, rectangle, out):
     """Write the mean displacement rows (3, modes) over a rectangle into `out`.
 

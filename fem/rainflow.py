@@ -13,7 +13,6 @@ from pylife.stress.rainflow import FourPointDetector, FullRecorder
 
 from fem.compiling import compiler
 from fem.mesh import Floats, Integers
-from fem.sources import FEM
 
 
 class Cycles(NamedTuple):
@@ -97,7 +96,7 @@ class CycleCounter:
         return Cycles(found.values_from, found.values_to, rows[begin], rows[end]).larger_than(self._amplitude)
 
 
-@compiler(FEM, nogil=True)
+@compiler(nogil=True)
 def _reversals(signal, start, least, sense, extremes, places, values, rows):
     """Reversals of a signal (t,) by more than `least` into values and rows; gives their number.
 

@@ -13,7 +13,6 @@ from fem.compiling import compiler
 from fem.mesh import Floats, Integers
 from fem.rank import ModalHistory
 from fem.shapes import Columns
-from fem.sources import FEM
 from fem.stress import CRITERIA, DEVIATOR, Criterion, evaluate
 
 
@@ -45,7 +44,7 @@ class Peaks:
         return np.argsort(severity, kind="stable")
 
 
-@compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})
+@compiler(nogil=True, fastmath={"contract", "reassoc"})
 def _keep_greatest_length(parts, values, indices, start):
     """Update squared maxima (k,) and their rows from components (k, 5, t); rows count from `start`."""
     for k in range(parts.shape[0]):

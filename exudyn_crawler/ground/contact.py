@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from exudyn_crawler.case import Case, CellTerrain, PairContact, Shoe, Terrain
-from exudyn_crawler.ground import frames, laws, overlap, pair_stiffness, pairs, rotations, sphere_contact
+from exudyn_crawler.ground import laws, overlap, pair_stiffness, pairs, rotations, sphere_contact
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Flexible, Outline
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, terrain_coordinates
@@ -53,19 +53,17 @@ class PairGroundContact:
         self.shoe_reference = reference
         self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
         self._terrain, self._row = terrain, row
-        geometry = ContactGeometry(
+        self.geometry = ContactGeometry(
             Outline(grid_of(terrain), pairs.Footprint(*shoe.footprint.tolist()), shoe.finger_length),
             pair_law(law, shoe.length * shoe.width),
             Flexible(underside.corner, underside.cell, underside.integral, row),
             shoe.fingers,
         )
-        self.geometry = frames.plain(geometry)
         # units that a shoe's outline can meet at once, at any yaw
         diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
         self.greatest_count = shoes * min(reach, units) * (1 + len(shoe.fingers))
         self._contacts = pair_stiffness.UnitContacts.allocate(self.greatest_count, modes)
-        self._plain = frames.plain(self._contacts)
         self._work = overlap.overlap_workspace()
         self._modal_shape = (len(flexible_shoes), modes)
         self.size = reference.size + coordinates.size + len(flexible_shoes) * modes
@@ -86,7 +84,7 @@ class PairGroundContact:
     def _touching(self, bodies: BodyStates) -> tuple[np.ndarray, np.ndarray]:
         """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
         count = pair_stiffness.touching_pairs(
-            tuple(bodies), self.geometry, tuple(rotations.NO_DERIVATIVES), self._plain, self._work
+            bodies, self.geometry, rotations.NO_DERIVATIVES, self._contacts, self._work
         )
         return self._contacts.results[:count], self._contacts.modes[:count]
 

@@ -5,7 +5,7 @@ code keeps them in registers, where arrays would be allocated and counted.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray
@@ -100,12 +100,3 @@ def write_turned_rows(R: Matrix, rows: FloatArray, count: int, factor: float, ou
 def velocity_at(body: Frame, place: Vector) -> Vector:
     """Velocity of a body's point that is at a place (m/s)."""
     return along(body.v, 1.0, cross(body.omega, along(place, -1.0, body.r)))
-
-
-def plain(values: Any) -> Any:
-    """Named tuples, and those in them, as plain tuples, the same otherwise.
-
-    Python hands these to compiled code, which names them again: the compiler looks at the type of every
-    argument in every call, and for named tuples that takes longer than the contact of a whole track.
-    """
-    return tuple(plain(value) for value in values) if isinstance(values, tuple) else values

@@ -32,16 +32,16 @@ NUMBERS = {float: types.float64, int: types.int64, bool: types.boolean}
 WORD = ir.IntType(64)
 
 
-def type_of(kind: Any, named: bool = True) -> types.Type:
-    """The compiler's type of what an annotation says; named tuples as plain ones where not `named`."""
+def type_of(kind: Any) -> types.Type:
+    """The compiler's type of what an annotation says."""
     if get_origin(kind) is Annotated:
         return kind.__metadata__[0]
     if kind in NUMBERS:
         return NUMBERS[kind]
     if get_origin(kind) is tuple:
-        return types.BaseTuple.from_types([type_of(one, named) for one in get_args(kind)])
-    fields = [type_of(one, named) for one in get_type_hints(kind, include_extras=True).values()]
-    return types.BaseTuple.from_types(fields, kind if named else None)
+        return types.BaseTuple.from_types([type_of(one) for one in get_args(kind)])
+    fields = [type_of(one) for one in get_type_hints(kind, include_extras=True).values()]
+    return types.BaseTuple.from_types(fields, kind)
 
 
 def nothing(kind: Any) -> Any:

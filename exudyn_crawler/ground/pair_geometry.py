@@ -63,18 +63,6 @@ class Cells(NamedTuple):
 
 
 @inlined
-def named(geometry: tuple) -> ContactGeometry:
-    """ContactGeometry of its values as plain tuples."""
-    (grid, footprint, finger_length), law, flexible, fingers = geometry
-    return ContactGeometry(
-        Outline(terrain.Grid(*grid), pairs.Footprint(*footprint), finger_length),
-        pairs.PairLaw(laws.Impact(*law[0]), laws.Coulomb(*law[1]), *law[2:]),
-        Flexible(*flexible),
-        fingers,
-    )
-
-
-@inlined
 def cells_below(shoe: Frame, outline: Outline) -> Cells:
     """Units that may lie under a shoe."""
     grid, footprint = outline.grid, outline.footprint

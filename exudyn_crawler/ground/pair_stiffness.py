@@ -235,16 +235,19 @@ def _write_gradient(
 
 
 @kernel
-def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work: FloatArray) -> int:
+def touching_pairs(
+    bodies: pair_geometry.BodyStates,
+    geometry: pair_geometry.ContactGeometry,
+    weights: Weights,
+    contacts: UnitContacts,
+    work: FloatArray,
+) -> int:
     """Write wrenches of all contacts, their tangents and how the coordinates move them; gives their number.
 
-    They come in the order of the shoes, units and fingers. `places`, `model`, `factors` and `out` are
-    `BodyStates`, `ContactGeometry`, `Weights` and `UnitContacts` as plain tuples; without weights of position
-    and velocity the tangents are left as they are. `work` is scratch memory as of `overlap_workspace`.
+    They come in the order of the shoes, units and fingers; without weights of position and velocity the
+    tangents are left as they are. `work` is scratch memory; see `overlap_workspace`.
     """
-    bodies, geometry = pair_geometry.BodyStates(*places), pair_geometry.named(model)
-    weights, contacts = Weights(*factors), UnitContacts(*out)
-    rows = ForceRows(*contacts.rows)
+    rows = contacts.rows
     derive = weights.position != 0.0 or weights.velocity != 0.0
     outline, law, flexible, fingers = geometry
     grid = outline.grid

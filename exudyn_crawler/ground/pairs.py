@@ -10,7 +10,7 @@ displacement of the patch of its underside over the unit adds to its rigid motio
 import math
 from typing import Any, NamedTuple
 
-from exudyn_crawler.ground import frames, laws, overlap
+from exudyn_crawler.ground import columns, frames, laws, overlap
 from exudyn_crawler.ground.compiled import inlined, inner, kernel
 from exudyn_crawler.ground.frames import Frame, Vector, along, dot, norm, turned, turned_back, upward
 from exudyn_crawler.ground.packed import FloatArray
@@ -89,22 +89,28 @@ class Contact(NamedTuple):
     friction_torque: Vector
 
 
-RESULT: dict[str, Any] = {
-    "shoe": 0,  # from 0, as the unit
-    "unit": 1,
-    "finger": 2,  # 0 for a volume of the whole underside, else the finger's number from 1
-    "penetration": 3,
-    "penetration_rate": 4,
-    "area": 5,
-    "point": slice(6, 9),
-    "normal_force": slice(9, 12),
-    "friction_force": slice(12, 15),
-    "slip_velocity": slice(15, 18),
-    "friction_torque": slice(18, 21),
-    "patch": slice(21, 25),  # of a flexible shoe: least and greatest x, least and greatest y, shoe's axes
-}
-"""Columns of a contact's results, as of `Contact`."""
-RESULTS = 25
+class ResultColumns(NamedTuple):
+    """First columns of the results of a contact; see `Contact`."""
+
+    shoe: columns.Number  # from 0, as the unit
+    unit: columns.Number
+    finger: columns.Number  # 0 for a volume of the whole underside, else the finger's number from 1
+    penetration: columns.Number
+    penetration_rate: columns.Number
+    area: columns.Number
+    point: columns.Triple
+    normal_force: columns.Triple
+    friction_force: columns.Triple
+    slip_velocity: columns.Triple
+    friction_torque: columns.Triple
+    # of a flexible shoe: least and greatest x, least and greatest y, shoe's axes
+    patch: columns.Quadruple
+
+
+COLUMN = columns.columns_of(ResultColumns)
+RESULT: dict[str, Any] = columns.places_of(ResultColumns)
+RESULTS = columns.width_of(ResultColumns)
+"""First columns of a contact's results, their columns by name, and how many there are."""
 NO_PATCH: Rectangle = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -114,7 +120,7 @@ def pair_overlap(
 ) -> overlap.Overlap:
     """Overlap of a shoe, taken as rigid, with a unit of which `half` holds half the sides (m).
 
-    `work` is scratch memory as of `overlap_workspace`.
+    `work` is scratch memory; see `overlap_workspace`.
     """
     corners = work[0]
     apart = along(shoe.r, -1.0, unit.r)
@@ -230,12 +236,17 @@ def pair_contact(
 @kernel
 def keep(contact: Contact, shoe: int, unit: int, finger: int, patch: Rectangle, row: FloatArray) -> None:
     """Write a contact into a row of results (RESULTS,)."""
-    row[0], row[1], row[2] = shoe, unit, finger
-    row[3], row[4], row[5] = contact.penetration, contact.penetration_rate, contact.area
+    row[COLUMN.shoe] = shoe
+    row[COLUMN.unit] = unit
+    row[COLUMN.finger] = finger
+    row[COLUMN.penetration] = contact.penetration
+    row[COLUMN.penetration_rate] = contact.penetration_rate
+    row[COLUMN.area] = contact.area
     for k in range(3):
-        row[6 + k] = contact.point[k]
-        row[9 + k] = contact.normal_force[k]
-        row[12 + k] = contact.friction_force[k]
-        row[15 + k] = contact.slip_velocity[k]
-        row[18 + k] = contact.friction_torque[k]
-    row[21], row[22], row[23], row[24] = patch
+        row[COLUMN.point + k] = contact.point[k]
+        row[COLUMN.normal_force + k] = contact.normal_force[k]
+        row[COLUMN.friction_force + k] = contact.friction_force[k]
+        row[COLUMN.slip_velocity + k] = contact.slip_velocity[k]
+        row[COLUMN.friction_torque + k] = contact.friction_torque[k]
+    for k in range(4):
+        row[COLUMN.patch + k] = patch[k]

@@ -13,11 +13,12 @@ from exudyn_crawler.ground import packed, pair_geometry
 from exudyn_crawler.ground.cells import ground
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
+from exudyn_crawler.ground.laws import Impact
 from exudyn_crawler.ground.terrain import TerrainModes, reduced_coordinates
 from exudyn_crawler.model import elimination, shoe_mesh
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
-from exudyn_crawler.model.forces import cells, loads, teeth, units
+from exudyn_crawler.model.forces import cells, loads, teeth, treads, units
 from exudyn_crawler.model.forces.wheels import ROLLED, Wheels
 from exudyn_crawler.model.joints import ROWS, ClosedJoints, Joints, Markers, Pull
 from exudyn_crawler.model.tables import FrontRows, Tables
@@ -260,9 +261,11 @@ class _Builder:
             markers=np.array(markers),
             tumblers=np.repeat(self.tumblers, len(markers) // len(self.tumblers)),
             side=np.tile([place[1] for _, place in lugs], self.shoes),
-            profile=tumbler.profile(track),
-            law=(tumbler.stiffness, tumbler.exponent, tumbler.damping, tumbler.damping_depth),
-            flange=(closed.guide_play, half * closed.guide_stiffness, half * closed.guide_damping),
+            profile=teeth.Profile(*tumbler.profile(track)),
+            law=Impact(tumbler.stiffness, tumbler.exponent, tumbler.damping, tumbler.damping_depth),
+            flange=teeth.Flange(
+                closed.guide_play, half * closed.guide_stiffness, half * closed.guide_damping
+            ),
         )
 
     def wheels(self) -> Wheels:
@@ -290,10 +293,10 @@ class _Builder:
             places=np.array(places),
             middles=beside,
             radii=np.tile(wheels[:, 2], len(middles)),
-            law=(gear.stiffness / strips, gear.exponent, gear.damping / strips, gear.damping_depth),
-            flange=(play, stiffness / len(lines), damping / len(lines)),
+            law=Impact(gear.stiffness / strips, gear.exponent, gear.damping / strips, gear.damping_depth),
+            flange=teeth.Flange(play, stiffness / len(lines), damping / len(lines)),
             height=gear.flange_height,
-            rail=(rails.rear, rails.front, rails.height),
+            rail=treads.Rail(rails.rear, rails.front, rails.height),
             rows=shoe_mesh.rail_rows(reduced, gear, rails),
             spacing=shoe_mesh.station_spacing(rails),
             slots=max(2, int(on_a_rail.sum(axis=0).max())),  # of the upper run two

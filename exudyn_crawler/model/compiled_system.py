@@ -86,7 +86,7 @@ class CompiledSystem(track_system.TrackSystem):
         drags = self.timed_inputs.drags_at(times)
         coordinates = np.ascontiguousarray(q)
         rates = np.ascontiguousarray(q_t)
-        gear.write_gear_forces(self.block, coordinates, rates, drags, shoes, tuple(forces))
+        gear.write_gear_forces(self.block, coordinates, rates, drags, shoes, forces)
         return forces
 
     def switch_drive(self, on: bool) -> None:
@@ -168,7 +168,7 @@ class CompiledSystem(track_system.TrackSystem):
         """Residual of all equations at coordinates, rates and accelerations (3, coordinates)."""
         out = np.empty_like(self.scratch[0])
         applied = np.zeros_like(self._multipliers) if multipliers is None else multipliers
-        residual(self.block, state, applied, tuple(inputs), tuple(weights), out)
+        residual(self.block, state, applied, inputs, weights, out)
         return out
 
     def step(
@@ -189,7 +189,7 @@ class CompiledSystem(track_system.TrackSystem):
             return False, 0
         try:
             converged, iterations, *_ = newton.step(
-                self.block, state, multipliers, tuple(inputs), tuple(weights), limits, self.scratch
+                self.block, state, multipliers, inputs, weights, limits, self.scratch
             )
             self._singular = False
         except np.linalg.LinAlgError:
@@ -240,7 +240,7 @@ class CompiledSystem(track_system.TrackSystem):
         weights = Weights(0.0, 0.0, 1.0, False, 1.0)
         values = self.scratch[1]
         out = self.residual(self._state, inputs, self._multipliers, weights)
-        matrix(self.block, self._state, tuple(inputs), tuple(weights), values)
+        matrix(self.block, self._state, inputs, weights, values)
         fronts = self.tables.fronts
         elimination.eliminate(fronts, values)
         # at rest constraints have no gap, and their rates do not change by themselves

@@ -14,6 +14,7 @@ import numpy as np
 from numba import typeof
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model import elimination, equations, gear
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from fem.compiling import notify_compiling
@@ -45,13 +46,13 @@ def compile_matrix() -> None:
 def calls_of(system: CompiledSystem) -> dict[str, list[Call]]:
     """Compiled functions with arguments as a run of the system calls them, by what they make."""
     residual, values = system.scratch
-    inputs = tuple(system.inputs(0.0))
-    weights = (0.0, 0.0, 1.0, False, 1.0)
+    inputs = system.inputs(0.0)
+    weights = Weights(0.0, 0.0, 1.0, False, 1.0)
     fronts = system.tables.fronts
     state = np.zeros((3, system.layout.coordinate_count))
     state[0] = system.first_guess()
     multipliers = np.zeros(system.tables.multiplier_count)
-    forces = tuple(gear.GearForces.allocate(1, system.layout.shoes, 0, system.work))
+    forces = gear.GearForces.allocate(1, system.layout.shoes, 0, system.work)
     no_drags = np.zeros((1, 0))
     no_shoes = np.zeros(0, dtype=np.int64)
     return {

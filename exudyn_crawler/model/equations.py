@@ -138,18 +138,18 @@ def residual(
     system: IntArray,
     state: FloatArray,
     multipliers: FloatArray,
-    arguments: tuple,
-    factors: tuple,
+    inputs: Inputs,
+    weights: Weights,
     out: FloatArray,
 ) -> None:
     """Write the residual of all equations: forces, then gaps times `STIFFNESS`.
 
-    `system` is a block of `tables.System`, inputs and weights are `Inputs` and `Weights` as plain tuples.
+    `system` is a block of `tables.System`.
     `state` (3, coordinates) are coordinates, rates and accelerations, `multipliers` in N and N m; `out`
     (coordinates + multipliers,) is overwritten.
     """
     tables, work = read_system(system)
-    inputs, weights, bodies = Inputs(*arguments), Weights(*factors), tables.bodies
+    bodies = tables.bodies
     # scratch: coordinates of bodies and their modes, rates, accelerations, forces
     rows, tensor = np.zeros((4, work.jacobian.shape[2])), np.empty((3, 3))
     out.fill(0.0)
@@ -389,12 +389,12 @@ def _add_masses(system: IntArray, weights: Weights, values: FloatArray) -> None:
 
 
 @kernel
-def matrix(system: IntArray, state: FloatArray, arguments: tuple, factors: tuple, fronts: FloatArray) -> None:
+def matrix(system: IntArray, state: FloatArray, inputs: Inputs, weights: Weights, fronts: FloatArray) -> None:
     """Write the weighted derivative of the residual into the values of the fronts (size,).
 
     Arguments are as of `residual`, which was called with the same weights just before and at the same state.
     """
-    (tables, work), inputs, weights = read_system(system), Inputs(*arguments), Weights(*factors)
+    tables, work = read_system(system)
     elimination.clear(tables.fronts, fronts)
     _add_masses(system, weights, fronts)
     for kind in range(len(work.elements)):

@@ -59,37 +59,39 @@ def write_gear_forces(
     rates: FloatArray,
     drags: FloatArray,
     some: IntArray,
-    out: tuple,
+    forces: GearForces,
 ) -> None:
-    """Write `GearForces`, as plain tuple, at coordinates and rates (times, coordinates).
+    """Write `GearForces` at coordinates and rates (times, coordinates).
 
     `system` is a block of `tables.System`, `drags` (times, wheels) are as of `wheel_contacts`, `some` (f,)
     are the numbers of the shoes whose forces are wanted one by one.
     """
     tables, work = read_system(system)
-    bodies, found, weights = tables.bodies, GearForces(*out), NO_DERIVATIVES
+    bodies, weights = tables.bodies, NO_DERIVATIVES
     of_wheels, of_teeth, state = work.wheels, work.teeth, np.empty((2, coordinates.shape[1]))
-    shoes, lugs = found.guide.shape[1], found.lug_guide.shape[2]
+    shoes, lugs = forces.guide.shape[1], forces.lug_guide.shape[2]
     for t in range(coordinates.shape[0]):
         _copy(coordinates[t], state[0])
         _copy(rates[t], state[1])
         write_angles(bodies, state[0])
         teeth.teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, of_teeth)
         wheels.wheel_contacts(tables.wheels, bodies, state, drags[t], weights, of_wheels)
-        _copy(of_wheels.on_shoes.reshape(-1), found.wheel[t].reshape(-1))
-        _copy(of_wheels.on_wheels.reshape(-1), found.on_wheels[t].reshape(-1))
-        found.energy[t, 0], found.energy[t, 1] = of_wheels.energy[0], of_teeth.energy[0]
+        _copy(of_wheels.on_shoes.reshape(-1), forces.wheel[t].reshape(-1))
+        _copy(of_wheels.on_wheels.reshape(-1), forces.on_wheels[t].reshape(-1))
+        forces.energy[t, 0], forces.energy[t, 1] = of_wheels.energy[0], of_teeth.energy[0]
         for s in range(shoes):
-            found.guide[t, s] = np.sum(of_wheels.guide[s]) + np.sum(of_teeth.guide[s * lugs : (s + 1) * lugs])
+            forces.guide[t, s] = np.sum(of_wheels.guide[s]) + np.sum(
+                of_teeth.guide[s * lugs : (s + 1) * lugs]
+            )
             for lug in range(s * lugs, (s + 1) * lugs):
                 for c in range(3):
-                    found.tooth[t, s, c] += of_teeth.force[lug, c]
-                    found.tooth[t, s, 3 + c] += of_teeth.moment[lug, c]
+                    forces.tooth[t, s, c] += of_teeth.force[lug, c]
+                    forces.tooth[t, s, 3 + c] += of_teeth.moment[lug, c]
         for k in range(some.shape[0]):
             s = some[k]
-            _copy(of_wheels.wheel[s], found.strip_wheel[t, k])
-            _copy(of_wheels.force[s].reshape(-1), found.strip_force[t, k].reshape(-1))
-            _copy(of_wheels.foot[s].reshape(-1), found.strip_foot[t, k].reshape(-1))
-            _copy(of_wheels.guide[s].reshape(-1), found.strip_guide[t, k].reshape(-1))
-            _copy(of_teeth.force[s * lugs : (s + 1) * lugs].reshape(-1), found.lug_force[t, k].reshape(-1))
-            _copy(of_teeth.guide[s * lugs : (s + 1) * lugs], found.lug_guide[t, k])
+            _copy(of_wheels.wheel[s], forces.strip_wheel[t, k])
+            _copy(of_wheels.force[s].reshape(-1), forces.strip_force[t, k].reshape(-1))
+            _copy(of_wheels.foot[s].reshape(-1), forces.strip_foot[t, k].reshape(-1))
+            _copy(of_wheels.guide[s].reshape(-1), forces.strip_guide[t, k].reshape(-1))
+            _copy(of_teeth.force[s * lugs : (s + 1) * lugs].reshape(-1), forces.lug_force[t, k].reshape(-1))
+            _copy(of_teeth.guide[s * lugs : (s + 1) * lugs], forces.lug_guide[t, k])

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile
-from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.model.forces.loads import profiles_of, values_at
 from exudyn_crawler.model.tables import Inputs, Tables
 
@@ -25,7 +24,7 @@ class TimedInputs:
         machine = [NOTHING] * 6 if case.machine is None else case.machine.components
         turn = case.drive.turn_rate or NOTHING
         profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
-        self._profiles = plain(profiles_of(profiles))
+        self._profiles = profiles_of(profiles)
         self._middles = case.track_middles
         self._gravity = tuple(case.gravity_vector().tolist())
         self._down = case.terrain.down

@@ -4,9 +4,10 @@ import numpy as np
 
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, IntArray
+from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model import elimination, joints
 from exudyn_crawler.model.equations import matrix, residual
-from exudyn_crawler.model.tables import read_system
+from exudyn_crawler.model.tables import Inputs, read_system
 
 CONTRACTION = 0.5
 """Residual over the last one above which the matrix is made anew."""
@@ -37,32 +38,31 @@ def step(
     system: IntArray,
     state: FloatArray,
     multipliers: FloatArray,
-    inputs: tuple,
-    factors: tuple,
+    inputs: Inputs,
+    weights: Weights,
     limits: tuple[float, int, bool],
     scratch: tuple[FloatArray, FloatArray],
 ) -> tuple[bool, int, int, float]:
     """Solve the equations of a step from its prediction, in place.
 
-    `system` is a block of `tables.System`, inputs and factors are `Inputs` and `Weights` as plain tuples.
-    `state` (3, coordinates) are predicted coordinates, rates and accelerations; the latter two follow a
-    change of the coordinates ``weights.velocity`` and ``weights.acceleration`` times. `multipliers` are those
-    of the last step, `limits` the residual (N, root mean square) that ends the search, most iterations, and
-    whether the search may begin with the factored matrix of the last step; `scratch` are the residual, left
-    as it was last, and values of the fronts with that matrix. Gives whether it converged, iterations,
-    matrices and the last residual, N.
+    `system` is a block of `tables.System`. `state` (3, coordinates) are predicted coordinates, rates and
+    accelerations; the latter two follow a change of the coordinates ``weights.velocity`` and
+    ``weights.acceleration`` times. `multipliers` are those of the last step, `limits` the residual (N, root
+    mean square) that ends the search, most iterations, and whether the search may begin with the factored
+    matrix of the last step; `scratch` are the residual, left as it was last, and values of the fronts with
+    that matrix. Gives whether it converged, iterations, matrices and the last residual, N.
     """
     n = state.shape[1]
     out, values = scratch
     tables = read_system(system).tables
     cells, wheels = tables.cells.flexible.shape[0] > 0, tables.wheels.frames.shape[0] > 0
     closed = tables.closed.motors.shape[0] > 0
-    by_place, by_rate, by_acceleration, own_secant, level = factors
+    by_place, by_rate, by_acceleration, own_secant, level = weights
     # a literal among them would compile the equations once more
-    none = (0.0, 0.0, 0.0, own_secant, level)
+    none = Weights(0.0, 0.0, 0.0, own_secant, level)
     iterations = matrices = 0
     needed = derived = not limits[2]
-    residual(system, state, multipliers, inputs, factors if derived else none, out)
+    residual(system, state, multipliers, inputs, weights if derived else none, out)
     old = 0
     last = _norm(out)
     change = np.empty_like(out)
@@ -70,9 +70,9 @@ def step(
         if needed:
             secant = matrices >= TANGENTS
             if secant or not derived:
-                by = (by_place, by_rate, by_acceleration, secant, level)
+                by = Weights(by_place, by_rate, by_acceleration, secant, level)
                 residual(system, state, multipliers, inputs, by, out)
-            matrix(system, state, inputs, factors, values)
+            matrix(system, state, inputs, weights, values)
             elimination.eliminate(tables.fronts, values)
             matrices, needed, old = matrices + 1, False, 0
         change[:] = out

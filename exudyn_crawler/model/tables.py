@@ -4,7 +4,7 @@ Compiled code reads them in a block of memory (`ground.packed`). What a case has
 all cases are compiled as one.
 """
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,8 +43,7 @@ class Tables(NamedTuple):
     loads: Loads
     terrain: TerrainTable
     flexible: packed.Ints1  # (2,): first modal coordinate of all, and the number of flexible bodies
-    # `ContactGeometry` of shoes and units as a plain tuple
-    contact: Annotated[tuple, packed.type_of(pair_geometry.ContactGeometry, named=False)]
+    contact: pair_geometry.ContactGeometry  # of shoes and units
     fronts: Fronts  # order of the elimination
     rows: FrontRows
     pull: Pull  # what the drive pulls

@@ -10,8 +10,7 @@ import pytest
 pytestmark = pytest.mark.simulation
 of_unix = pytest.mark.skipif(sys.platform == "win32", reason="limits of a process and signals are Unix's")
 
-HELPER = "from fem.compiling import compiler\nfrom pathlib import Path\n"
-HELPER += "\ncompiled = compiler(Path(__file__).parent)\n"
+HELPER = "from fem.compiling import compiler\n\ncompiled = compiler()\n"
 INNER = HELPER + "\n\n@compiled\ndef inner(x):\n    return {factor} * x\n"
 OUTER = "from inner import compiled, inner\n\n\n@compiled\ndef outer(x):\n    return inner(x) + 1.0\n"
 ASK = """
@@ -88,6 +87,35 @@ def test_a_cached_function_notices_a_change_of_what_it_calls(functions):
     assert not again.rstrip().endswith("Counter()")
     (functions / "inner.py").write_text(INNER.format(factor="5.0"))
     assert run(functions).stdout.startswith("16.0 1 ")
+
+
+OF_OTHERS = {
+    "constants.py": "FACTOR = 2.0\nSHIFT = 1.0\n",
+    "parts.py": "from typing import NamedTuple\n\n\nclass Part(NamedTuple):\n    a: float\n    b: float\n",
+    "unrelated.py": "NOTHING = 0\n",
+    "inner.py": HELPER + "import constants\nimport unrelated\nfrom parts import Part\n"
+    "\n\n@compiled\ndef inner(x):\n    return Part(constants.FACTOR * x, 0.0)\n",
+    "outer.py": "from constants import SHIFT\nfrom inner import compiled, inner\n"
+    "\n\n@compiled\ndef outer(x):\n    return inner(x).a + SHIFT\n",
+}
+"""Files of a function that takes constants, one as it is and one from its module, and a named tuple."""
+
+
+def test_a_cached_function_notices_constants_and_named_tuples_and_nothing_else(tmp_path):
+    for name, text in OF_OTHERS.items():
+        (tmp_path / name).write_text(text)
+    assert run(tmp_path).stdout.startswith("7.0 1 ")
+    changes = [
+        ("unrelated.py", "NOTHING = 0", "NOTHING = 1", "7.0 0 "),
+        ("constants.py", "SHIFT = 1.0", "SHIFT = 4.0", "10.0 1 "),
+        ("constants.py", "FACTOR = 2.0", "FACTOR = 5.0", "19.0 1 "),
+        ("constants.py", "FACTOR = 5.0\nSHIFT = 4.0", "FACTOR = 4.0\nSHIFT = 5.0", "17.0 1 "),
+        ("parts.py", "a: float\n    b: float", "b: float\n    a: float", "5.0 1 "),
+    ]
+    for name, old, new, expected in changes:
+        file = tmp_path / name
+        file.write_text(file.read_text().replace(old, new))
+        assert run(tmp_path).stdout.startswith(expected), name
 
 
 @of_unix

@@ -10,7 +10,7 @@ from exudyn_crawler.ground.laws import impact_force
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
-from exudyn_crawler.ground.rotations import ForceRows, Weights, moments_of
+from exudyn_crawler.ground.rotations import Weights, moments_of
 from exudyn_crawler.ground.sphere_contact import face_inset, sphere_centers
 from exudyn_crawler.ground.terrain import UnitCoordinates
 from tests.model.both import sphere_wrenches
@@ -147,9 +147,9 @@ def test_reduced_forces_are_the_projection_of_the_constrained_ones(formulations,
 def tangent(contact, q, q_t, weights):
     """Weighted derivative of the forces on the shoes by their coordinates, as the kernel has it."""
     found = UnitContacts.allocate(contact.greatest_count, 0)
-    places = tuple(contact.bodies_at(q, q_t))
-    count = touching_pairs(places, contact.geometry, tuple(weights), tuple(found), overlap_workspace())
-    rows, out = ForceRows(*found.rows), np.zeros((SHOES, 6, SHOES, 6))
+    bodies = contact.bodies_at(q, q_t)
+    count = touching_pairs(bodies, contact.geometry, weights, found, overlap_workspace())
+    rows, out = found.rows, np.zeros((SHOES, 6, SHOES, 6))
     for k in range(count):
         shoe, J = rows.bodies[k, 0], rows.jacobian[k, 0]
         out[shoe, :, shoe] += J.T @ rows.tangent[k] @ J

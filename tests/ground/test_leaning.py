@@ -9,7 +9,7 @@ from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_geometry import BodyStates
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT
-from exudyn_crawler.ground.rotations import ForceRows, Weights
+from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.ground.terrain import UnitCoordinates
 
 
@@ -29,8 +29,8 @@ class Pair:
         none, unit_rates = np.zeros((0, 0)), np.array([[0.0, 0.0, 0.02, 0.003]])
         bodies = BodyStates(place[None].copy(), rates[None].copy(), self.unit, unit_rates, none, none)
         weights = Weights(*derive, 0.0, False, 1.0)
-        count = touching_pairs(tuple(bodies), self.track, tuple(weights), tuple(self.contacts), self.work)
-        rows = ForceRows(*self.contacts.rows)
+        count = touching_pairs(bodies, self.track, weights, self.contacts, self.work)
+        rows = self.contacts.rows
         return [np.array(one[:count]) for one in (self.contacts.results, rows.wrench, rows.tangent)]
 
     def results(self, *where):

@@ -1,6 +1,6 @@
 """Blocks of memory that compiled functions read."""
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -23,10 +23,10 @@ class Part(NamedTuple):
 
 
 class Whole(NamedTuple):
-    """Parts in a row, and one as a plain tuple."""
+    """Parts in a row and one alone."""
 
     parts: tuple[Part, Part]
-    plain: Annotated[tuple, packed.type_of(Part, named=False)]
+    last: Part
     numbers: packed.Ints1
 
 
@@ -45,8 +45,8 @@ def summed(block):
     whole, total = read(block), 0.0
     for k in range(2):
         total += _summed(whole.parts[k])
-    whole.plain[0][1, 2] = 7.0
-    return total, whole.plain[0][1, 1], whole.plain[2][0], whole.numbers[whole.numbers.shape[0] - 1]
+    whole.last.places[1, 2] = 7.0
+    return total, whole.last.places[1, 1], whole.last.law[0], whole.numbers[whole.numbers.shape[0] - 1]
 
 
 def part(value, is_on):
@@ -54,10 +54,10 @@ def part(value, is_on):
 
 
 def test_compiled_code_reads_and_writes_what_python_packed():
-    whole = Whole((part(1.0, True), part(2.0, False)), tuple(part(3.0, True)), np.arange(5))
+    whole = Whole((part(1.0, True), part(2.0, False)), part(3.0, True), np.arange(5))
     block = packed.pack(whole, KIND)
     assert summed(block) == (180.0 + 80.75, 3.0, 0.5, 4)
-    assert whole.plain[0][1].tolist() == [3.0, 3.0, 7.0]
+    assert whole.last.places[1].tolist() == [3.0, 3.0, 7.0]
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_compiled_code_reads_and_writes_what_python_packed():
 def test_an_array_of_another_type_is_refused(places):
     odd = Part(places, 1, (0.0, 0.0), True)
     with pytest.raises(TypeError, match=r"arrays must be array\(float64, 2d, C\), got array"):
-        packed.pack(Whole((part(1.0, True), odd), tuple(odd), np.arange(2)), KIND)
+        packed.pack(Whole((part(1.0, True), odd), odd, np.arange(2)), KIND)
 
 
 def test_nothing_is_of_its_kind_and_has_no_rows():

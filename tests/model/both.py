@@ -157,7 +157,7 @@ def compiled_matrix(system, q, q_t, weights):
     size = len(residual_of(system, q, q_t, weights=Weights(*weights)))
     fronts, values = system.tables.fronts, np.zeros_like(system.scratch[1])
     state = np.stack((q, q_t, np.zeros_like(q)))
-    matrix(system.block, state, tuple(system.inputs(0.0)), weights, values)
+    matrix(system.block, state, system.inputs(0.0), Weights(*weights), values)
     dense = np.zeros((size, size))
     for k in range(len(fronts.own)):
         rows = fronts.rows(k)

@@ -61,14 +61,14 @@ def integrated(tables, start, gravity, h, steps):
     state, multipliers = np.reshape(start, (3, -1)).copy(), np.zeros(tables.multiplier_count)
     system = System(tables, Workspace.allocate(tables, 1, nothing(ShoePoints)))
     block = pack(system, SYSTEM)
-    inputs = tuple(Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2), np.zeros(1)))
+    inputs = Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2), np.zeros(1))
     scratch = np.zeros(state.shape[1] + len(multipliers)), np.zeros(tables.fronts.size)
     # generalized alpha (Arnold and Bruels, Multibody System Dynamics 18, 2007)
     alpha_m, alpha_f = (2.0 * RADIUS - 1.0) / (RADIUS + 1.0), RADIUS / (RADIUS + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
     beta = 0.25 * (gamma + 0.5) ** 2
     by_acceleration = (1.0 - alpha_m) / ((1.0 - alpha_f) * beta * h * h)
-    weights = tuple(rotations.Weights(1.0, gamma / (h * beta), by_acceleration, False, beta * h / gamma))
+    weights = rotations.Weights(1.0, gamma / (h * beta), by_acceleration, False, beta * h / gamma)
     algorithmic, pins = state[2].copy(), ROWS * len(tables.joints.pins)
     found = [(*state[:2].copy(), multipliers[:pins].copy())]
     for _ in range(steps):

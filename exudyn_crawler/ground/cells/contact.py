@@ -8,7 +8,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground import pairs
 from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.law import CellLaw
-from exudyn_crawler.ground.cells.pressing import BLOCK, GROUND, NORMAL, TRACTION, ShoePoints, arm_of, frame_at
+from exudyn_crawler.ground.cells.pressing import BLOCK, POINT, TRIAL, ShoePoints, arm_of, frame_at, triple_of
 from exudyn_crawler.ground.compiled import kernel
 from exudyn_crawler.ground.frames import along, cross, dot, norm, scaled, velocity_at
 from exudyn_crawler.ground.packed import FloatArray
@@ -78,18 +78,19 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
         area = sunk = 0.0
         pushed, moment = NOTHING, NOTHING
         for a in range(shoes.counts[s]):
-            block, k, traction = a // BLOCK, a % BLOCK, shoes.trial[s, a, TRACTION]
+            block, k, traction = a // BLOCK, a % BLOCK, shoes.trial[s, a, TRIAL.traction]
             if traction <= 0.0:
                 continue
             points, A = shoes.points[s, block], shoes.areas[s, a]
             arm = arm_of(points, shoes.bent[shoes.bending[s], block], k, frame.R)
-            n = (points[NORMAL, k], points[NORMAL + 1, k], points[NORMAL + 2, k])
-            area, sunk = area + A, sunk + A * (points[GROUND, k] - dot(n, along(frame.r, 1.0, arm)))
+            n = triple_of(points, POINT.normal, k)
+            area, sunk = area + A, sunk + A * (points[POINT.ground, k] - dot(n, along(frame.r, 1.0, arm)))
             force = scaled(A * traction, n)
             pushed, moment = along(pushed, 1.0, force), along(moment, 1.0, cross(arm, force))
         size = norm(pushed)
         out[s, :].fill(0.0)
-        out[s, 0], out[s, 1] = s, NO_UNIT
+        out[s, pairs.COLUMN.shoe] = s
+        out[s, pairs.COLUMN.unit] = NO_UNIT
         if size == 0.0:
             continue
         wrench, up = shoes.wrench[s], (frame.R[0][2], frame.R[1][2], frame.R[2][2])

@@ -9,7 +9,7 @@ from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import LeftMapError
 from exudyn_crawler.ground.cells import pressing, tiles
 from exudyn_crawler.ground.cells.law import CellLaw
-from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, SIDE, Tiles, commit
+from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, MEMORY, SIDE, Tiles, commit
 
 COARSE = (3, 9)
 """Nodes along and across an underside that forces are kept at: bending moments err by 2.4 % on sand, by 6 %
@@ -60,10 +60,10 @@ class CellGround:
         `frames` (shoes, `pressing.FRAME`) are predicted for the end of the step, those `before` are of the
         last accepted one. LeftMapError if a shoe leaves the ground that has heights.
         """
-        missing = tiles.cover(tuple(self.tiles), tuple(self.shoes), frames, before)
+        missing = tiles.cover(self.tiles, self.shoes, frames, before)
         if missing == tiles.NO_TILE:
             self._add_tiles(frames)
-            missing = tiles.cover(tuple(self.tiles), tuple(self.shoes), frames, before)
+            missing = tiles.cover(self.tiles, self.shoes, frames, before)
         if missing == tiles.NO_HEIGHT:
             x, y = frames[:, 0], frames[:, 1]
             raise LeftMapError(
@@ -77,17 +77,17 @@ class CellGround:
         `weights` are those of `pressing.press`, which compiled equations call; the tangents are in
         ``shoes.tangent``.
         """
-        pressing.press(tuple(self.shoes), frames, np.array(weights, dtype=float))
+        pressing.press(self.shoes, frames, np.array(weights, dtype=float))
         return self.shoes.wrench
 
     def commit(self) -> None:
         """Let the cells remember the last `press`: once, where a step is accepted."""
-        self._held = commit(tuple(self.tiles), tuple(self.shoes), self._held)
+        self._held = commit(self.tiles, self.shoes, self._held)
 
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
         """Forces of the last `press` on a grid of each underside: ``(shoes, *COARSE, 3)``, N, shoes' axes."""
         out = np.zeros((len(self.shoes.counts), *COARSE, 3))
-        pressing.coarse_forces(tuple(self.shoes), frames, out)
+        pressing.coarse_forces(self.shoes, frames, out)
         return out
 
     def state(self) -> dict[str, np.ndarray]:
@@ -118,7 +118,8 @@ class CellGround:
         """Let cells of fresh ground remember what `CellTerrain.earlier` names, m and Pa, and no shear."""
         cells, nothing = np.column_stack((earlier["cell_column"], earlier["cell_row"])), np.zeros(0, np.int64)
         memory = self._fresh(len(cells))
-        memory[:, 0], memory[:, 1] = earlier["cell_sinkage"], earlier["cell_pressure"]
+        memory[:, MEMORY.deepest] = earlier["cell_sinkage"]
+        memory[:, MEMORY.pressure] = earlier["cell_pressure"]
         self.restore({"cells": cells, "memory": memory, "held": nothing})
 
     def _add_tiles(self, frames: np.ndarray) -> None:
@@ -165,5 +166,5 @@ class CellGround:
     def _fresh(self, count: int) -> np.ndarray:
         """Memory of cells that no shoe has touched."""
         memory = np.zeros((count, FIELDS))
-        memory[:, 4] = self.tiles.fresh
+        memory[:, MEMORY.mobilized] = self.tiles.fresh
         return memory

@@ -6,10 +6,8 @@ constants. The equations call it by its address, so that neither they nor their 
 are not compiled again for another one, and a law that another package brings needs no line here.
 """
 
-import inspect
 from collections.abc import Callable
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -20,7 +18,6 @@ from numba.extending import intrinsic, overload
 from scipy.optimize import brentq
 
 from exudyn_crawler.case.parameters import base, terrain
-from exudyn_crawler.ground.compiled import SOURCES
 from exudyn_crawler.ground.frames import Vector
 from fem.compiling import compiler
 
@@ -195,14 +192,13 @@ def _respond(law, probe, tangents, nearby):
     return lambda law, probe, tangents, nearby: function(law, probe, tangents, nearby)
 
 
-def compile_entry(kernel: LawKernel, function: Callable, arguments: tuple) -> int:
+def compile_entry(of_law: LawKernel, function: Callable, arguments: tuple) -> int:
     """Address of a function compiled for a law; its cached code is valid until a source changes."""
-    _KERNELS[kernel.constants] = kernel
-    law_file = Path(inspect.getfile(kernel.constants))
+    _KERNELS[of_law.constants] = of_law
     # numba caches by this name, and a file of its cache is valid for the sources of one law
-    function.__qualname__ = f"{kernel.constants.__module__}.{kernel.constants.__name__}.{function.__name__}"
+    function.__qualname__ = f"{of_law.constants.__module__}.{of_law.constants.__name__}.{function.__name__}"
     wanted = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": False}
-    compiled = compiler(*SOURCES, law_file, **wanted)(function)
+    compiled = compiler(of_law.prepare, of_law.respond, **wanted)(function)
     compiled.compile(types.intp(*arguments))
     (code,) = compiled.overloads.values()
     return int(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))

@@ -15,34 +15,91 @@ from numba import carray, types
 from numba.np.unsafe.ndarray import to_fixed_tuple
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.ground import frames, packed
+from exudyn_crawler.ground import columns, frames, packed
 from exudyn_crawler.ground.cells import law
 from exudyn_crawler.ground.cells.law import LawKernel, compile_entry, prepare, respond
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.packed import FloatArray, IntArray
 
-PLACE, NORMAL, GROUND, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 10, 12, 14, 17
-"""First row of what a point is: its place in the shoe's frame (m), the cell's normal, the distance of the
-cell's plane from the origin along it (m), where the place was when a step was last accepted (m, global); and
-the cell's memory: greatest sinkage and pressure, `Probe.prepared`, shear and mobilized share."""
-POINT = 18
 BLOCK = 64
 """Points of a shoe that stand together, a row for each number: processors take several at once."""
-TRIAL, TRACTION = 6, 5
-"""Trial memory of a point: greatest sinkage, pressure, shear along x and y, mobilized share; and beside it,
-in the column `TRACTION`, the normal traction on the shoe (Pa)."""
-DEPTH, RATE, SLIP, VELOCITY, ARM, FORCE = 0, 1, 2, 5, 8, 11
-"""First row of what the workspace of a block has: as of `Probe`, places of the points from their shoe's
-origin (m, global), forces there (N);"""
-NORMAL_STRESS, STRESS, DRAG, BY_DEPTH, BY_RATE = 14, 15, 18, 19, 20
-"""as of `Response`, normal traction, shear, drag, and derivatives of the first by depth and rate;"""
-COUPLED, ALONG, ACROSS, TOWARDS, SLOPES, AGAIN, ROWS = 21, 24, 25, 26, 29, 38, 39
-"""`tangential_by_depth`, `along`, `across` and `direction`; `ShoePoints.slopes`; points that the law is asked
-about again; and the number of rows."""
 NOTHING = (0.0, 0.0, 0.0)
-FRAME = 18
-"""Numbers of a frame: r (m), the rows of R, v (m/s) and omega (rad/s), global."""
+
+
+class PointRows(NamedTuple):
+    """First rows of the numbers of points."""
+
+    place: columns.Triple  # in the shoe's frame, m
+    normal: columns.Triple  # of the cell
+    ground: columns.Number  # distance of the cell's plane from the origin along its normal, m
+    before: columns.Triple  # where the place was when a step was last accepted, m, global
+    deepest: columns.Number  # of the cell's memory, as are the next four: greatest sinkage, m
+    pressure: columns.Number  # Pa, there
+    prepared: columns.Pair  # see `Probe.prepared`
+    shear: columns.Triple  # Pa
+    mobilized: columns.Number
+
+
+class TrialColumns(NamedTuple):
+    """First columns of a point's memory on trial, and of the normal traction on the shoe."""
+
+    deepest: columns.Number  # m
+    pressure: columns.Number  # Pa
+    shear: columns.Pair  # along x and y, Pa
+    mobilized: columns.Number
+    traction: columns.Number  # Pa
+
+
+class BlockRows(NamedTuple):
+    """First rows of the workspace of a block."""
+
+    depth: columns.Number  # as are the next three: see `Probe`
+    rate: columns.Number
+    slip: columns.Triple
+    velocity: columns.Triple
+    arm: columns.Triple  # places of the points from their shoe's origin, m, global
+    force: columns.Triple  # N
+    normal: columns.Number  # as are the next eight: see `Response`
+    shear: columns.Triple
+    drag: columns.Number
+    by_depth: columns.Number
+    by_rate: columns.Number
+    tangential_by_depth: columns.Triple
+    along: columns.Number
+    across: columns.Number
+    direction: columns.Triple
+    slopes: columns.Matrix  # see `ShoePoints.slopes`
+    again: columns.Number  # points that the law is asked about again
+
+
+class FrameColumns(NamedTuple):
+    """First columns of a frame, global."""
+
+    r: columns.Triple  # m
+    R: columns.Matrix  # row by row
+    v: columns.Triple  # m/s
+    omega: columns.Triple  # rad/s
+
+
+class BentRows(NamedTuple):
+    """First rows of how points of flexible shoes are moved by their modes, shoes' axes."""
+
+    moved: columns.Triple  # m
+    rate: columns.Triple  # m/s
+
+
+POINT = columns.columns_of(PointRows)
+TRIAL = columns.columns_of(TrialColumns)
+ROW = columns.columns_of(BlockRows)
+IN_FRAME = columns.columns_of(FrameColumns)
+BENT = columns.columns_of(BentRows)
+FRAME = columns.width_of(FrameColumns)
+"""Numbers of a frame."""
+POINT_WIDTH = columns.width_of(PointRows)
+TRIAL_WIDTH = columns.width_of(TrialColumns)
+BLOCK_WIDTH = columns.width_of(BlockRows)
+BENT_WIDTH = columns.width_of(BentRows)
 
 
 class ShoePoints(NamedTuple):
@@ -54,18 +111,17 @@ class ShoePoints(NamedTuple):
     counts: packed.Ints1  # (shoes,): number of points of each shoe
     cells: packed.Ints2  # (shoes, most): cell of each point
     areas: packed.Floats2  # (shoes, most): true area of each point, m2
-    points: packed.Floats4  # (shoes, blocks, POINT, BLOCK)
-    trial: packed.Floats3  # (shoes, most, TRIAL)
+    points: packed.Floats4  # (shoes, blocks, POINT_WIDTH, BLOCK)
+    trial: packed.Floats3  # (shoes, most, TRIAL_WIDTH)
     force: packed.Floats3  # (shoes, most, 3): on the shoe at each point, N, global
     wrench: packed.Floats2  # (shoes, 6): force (N) and moment about the frame's origin (N m), global
     tangent: (
         packed.Floats3
     )  # (shoes, 6, 6): its weighted derivative by displacements and small rotations, global
-    block: packed.Floats2  # (ROWS, BLOCK): workspace of the points that are computed together
+    block: packed.Floats2  # (BLOCK_WIDTH, BLOCK): workspace of the points that are computed together
     # (shoes,): row of each shoe in the next two: all rigid ones share the first, which stays in the cache
     bending: packed.Ints1
-    # (1 + flexible shoes, blocks, 6, BLOCK): displacement of the points of flexible shoes by their modes (m),
-    # and its rate (m/s), shoes' axes
+    # (1 + flexible shoes, blocks, BENT_WIDTH, BLOCK): how the points of flexible shoes are moved
     bent: packed.Floats4
     # (1 + flexible shoes, 9 most): weighted derivative of each point's force by its displacement: array
     # (9, points), its rows one after the other
@@ -84,31 +140,46 @@ class ShoePoints(NamedTuple):
             counts=np.zeros(shoes, dtype=np.int64),
             cells=np.zeros((shoes, most), dtype=np.int64),
             areas=np.zeros((shoes, most)),
-            points=np.zeros((shoes, blocks, POINT, BLOCK)),
-            trial=np.zeros((shoes, most, TRIAL)),
+            points=np.zeros((shoes, blocks, POINT_WIDTH, BLOCK)),
+            trial=np.zeros((shoes, most, TRIAL_WIDTH)),
             force=np.zeros((shoes, most, 3)),
             wrench=np.zeros((shoes, 6)),
             tangent=np.zeros((shoes, 6, 6)),
-            block=np.zeros((ROWS, BLOCK)),
+            block=np.zeros((BLOCK_WIDTH, BLOCK)),
             bending=bending,
-            bent=np.zeros((bend, blocks, 6, BLOCK)),
+            bent=np.zeros((bend, blocks, BENT_WIDTH, BLOCK)),
             slopes=np.zeros((bend, 9 * most)),
         )
 
 
 @inner
+def triple(row: FloatArray, first: int) -> frames.Vector:
+    """Three numbers of a row from a column on."""
+    return row[first], row[first + 1], row[first + 2]
+
+
+@inner
+def triple_of(rows: FloatArray, first: int, k: int) -> frames.Vector:
+    """Three numbers of a column k, from a row on."""
+    return rows[first, k], rows[first + 1, k], rows[first + 2, k]
+
+
+@inner
 def frame_at(row: FloatArray) -> frames.Frame:
     """Frame of its numbers."""
-    rows = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
+    x = IN_FRAME.R
     return frames.Frame(
-        (row[0], row[1], row[2]), rows, (row[12], row[13], row[14]), (row[15], row[16], row[17])
+        triple(row, IN_FRAME.r),
+        (triple(row, x), triple(row, x + 3), triple(row, x + 6)),
+        triple(row, IN_FRAME.v),
+        triple(row, IN_FRAME.omega),
     )
 
 
 @inner
 def arm_of(points: FloatArray, bent: FloatArray, k: int, R: frames.Matrix) -> frames.Vector:
     """Place of a point of a block from its shoe's origin, m, global."""
-    return turned(R, (points[0, k] + bent[0, k], points[1, k] + bent[1, k], points[2, k] + bent[2, k]))
+    return turned(R, along(triple_of(points, POINT.place, k), 1.0, triple_of(bent, BENT.moved, k)))
 
 
 @inner(merged=True, cached=False)
@@ -116,30 +187,34 @@ def _move(points, bent, at, size, block):
     """Write how the points of a block move against the ground, the first rows of its workspace."""
     r, R, v, omega = at
     for k in range(size):
-        n = (points[NORMAL, k], points[NORMAL + 1, k], points[NORMAL + 2, k])
+        n = triple_of(points, POINT.normal, k)
         arm = arm_of(points, bent, k, R)
         x = along(r, 1.0, arm)
         velocity = along(v, 1.0, cross(omega, arm))
-        velocity = along(velocity, 1.0, turned(R, (bent[3, k], bent[4, k], bent[5, k])))
+        velocity = along(velocity, 1.0, turned(R, triple_of(bent, BENT.rate, k)))
         rate = -dot(n, velocity)
-        moved = (x[0] - points[BEFORE, k], x[1] - points[BEFORE + 1, k], x[2] - points[BEFORE + 2, k])
-        slip, velocity = along(moved, -dot(moved, n), n), along(velocity, rate, n)
-        block[DEPTH, k], block[RATE, k] = points[GROUND, k] - dot(n, x), rate
+        moved = along(x, -1.0, triple_of(points, POINT.before, k))
+        slip = along(moved, -dot(moved, n), n)
+        velocity = along(velocity, rate, n)
+        block[ROW.depth, k] = points[POINT.ground, k] - dot(n, x)
+        block[ROW.rate, k] = rate
         for c in range(3):
-            block[SLIP + c, k], block[VELOCITY + c, k], block[ARM + c, k] = slip[c], velocity[c], arm[c]
+            block[ROW.slip + c, k] = slip[c]
+            block[ROW.velocity + c, k] = velocity[c]
+            block[ROW.arm + c, k] = arm[c]
 
 
 @inner(merged=True, cached=False)
 def _probe(points, block, k):
     """`Probe` of a point of a block that moves."""
-    shear = (points[SHEAR, k], points[SHEAR + 1, k], points[SHEAR + 2, k])
+    shear = triple_of(points, POINT.shear, k)
     return law.Probe(
-        block[DEPTH, k],
-        block[RATE, k],
-        (block[SLIP, k], block[SLIP + 1, k], block[SLIP + 2, k]),
-        (block[VELOCITY, k], block[VELOCITY + 1, k], block[VELOCITY + 2, k]),
-        law.Memory(points[DEEPEST, k], points[DEEPEST + 1, k], shear, points[MOBILIZED, k]),
-        (points[PREPARED, k], points[PREPARED + 1, k]),
+        block[ROW.depth, k],
+        block[ROW.rate, k],
+        triple_of(block, ROW.slip, k),
+        triple_of(block, ROW.velocity, k),
+        law.Memory(points[POINT.deepest, k], points[POINT.pressure, k], shear, points[POINT.mobilized, k]),
+        (points[POINT.prepared, k], points[POINT.prepared + 1, k]),
     )
 
 
@@ -148,17 +223,24 @@ def _write_answer(law, points, tangents, nearby, block, trial, k):
     """Write what the law answers to a point."""
     answer = respond(law, _probe(points, block, k), tangents, nearby)
     memory = answer.memory
-    trial[k, 0], trial[k, 1] = memory.deepest, memory.pressure
-    trial[k, 2], trial[k, 3], trial[k, 4] = memory.shear[0], memory.shear[1], memory.mobilized
-    trial[k, TRACTION] = block[NORMAL_STRESS, k] = answer.normal
-    block[DRAG, k] = answer.drag
+    trial[k, TRIAL.deepest] = memory.deepest
+    trial[k, TRIAL.pressure] = memory.pressure
+    trial[k, TRIAL.shear] = memory.shear[0]
+    trial[k, TRIAL.shear + 1] = memory.shear[1]
+    trial[k, TRIAL.mobilized] = memory.mobilized
+    trial[k, TRIAL.traction] = answer.normal
+    block[ROW.normal, k] = answer.normal
+    block[ROW.drag, k] = answer.drag
     for c in range(3):
-        block[STRESS + c, k] = answer.shear[c]
+        block[ROW.shear + c, k] = answer.shear[c]
     if tangents:
-        block[BY_DEPTH, k], block[BY_RATE, k] = answer.normal_by_depth, answer.normal_by_rate
-        block[ALONG, k], block[ACROSS, k] = answer.along, answer.across
+        block[ROW.by_depth, k] = answer.normal_by_depth
+        block[ROW.by_rate, k] = answer.normal_by_rate
+        block[ROW.along, k] = answer.along
+        block[ROW.across, k] = answer.across
         for c in range(3):
-            block[COUPLED + c, k], block[TOWARDS + c, k] = answer.tangential_by_depth[c], answer.direction[c]
+            block[ROW.tangential_by_depth + c, k] = answer.tangential_by_depth[c]
+            block[ROW.direction + c, k] = answer.direction[c]
 
 
 @inner(merged=True, cached=False)
@@ -168,11 +250,11 @@ def _answer(law, points, tangents, size, block, trial):
         _write_answer(law, points, tangents, True, block, trial, k)
     count = 0
     for k in range(size):
-        if math.isnan(block[NORMAL_STRESS, k]):
-            block[AGAIN, count] = k
+        if math.isnan(block[ROW.normal, k]):
+            block[ROW.again, count] = k
             count += 1
     for j in range(count):
-        _write_answer(law, points, tangents, False, block, trial, int(block[AGAIN, j]))
+        _write_answer(law, points, tangents, False, block, trial, int(block[ROW.again, j]))
 
 
 @inner(merged=True, cached=False)
@@ -180,8 +262,9 @@ def _push(points, areas, size, block):
     """Write the forces of a block's points."""
     for k in range(size):
         for c in range(3):
-            stress = block[NORMAL_STRESS, k] * points[NORMAL + c, k] - block[STRESS + c, k]
-            block[FORCE + c, k] = areas[k] * (stress - block[DRAG, k] * block[VELOCITY + c, k])
+            stress = block[ROW.normal, k] * points[POINT.normal + c, k] - block[ROW.shear + c, k]
+            viscous = block[ROW.drag, k] * block[ROW.velocity + c, k]
+            block[ROW.force + c, k] = areas[k] * (stress - viscous)
 
 
 @inner(merged=True, cached=False)
@@ -191,16 +274,19 @@ def _slope(points, areas, by_place, by_velocity, size, block):
     They are ``b n' + h m' + c 1``; the depth falls along n.
     """
     for k in range(size):
-        position, velocity = -areas[k] * by_place, -areas[k] * by_velocity
-        across, drag = block[ACROSS, k], block[DRAG, k]
-        normal = position * (block[BY_DEPTH, k] - across) + velocity * (block[BY_RATE, k] - drag)
-        further = position * (block[ALONG, k] - across)
+        position = -areas[k] * by_place
+        velocity = -areas[k] * by_velocity
+        across = block[ROW.across, k]
+        drag = block[ROW.drag, k]
+        normal = position * (block[ROW.by_depth, k] - across) + velocity * (block[ROW.by_rate, k] - drag)
+        further = position * (block[ROW.along, k] - across)
         for r in range(3):
-            b = normal * points[NORMAL + r, k] - position * block[COUPLED + r, k]
-            h = further * block[TOWARDS + r, k]
+            b = normal * points[POINT.normal + r, k] - position * block[ROW.tangential_by_depth + r, k]
+            h = further * block[ROW.direction + r, k]
             for c in range(3):
-                block[SLOPES + 3 * r + c, k] = b * points[NORMAL + c, k] + h * block[TOWARDS + c, k]
-            block[SLOPES + 4 * r, k] += position * across + velocity * drag
+                slope = b * points[POINT.normal + c, k] + h * block[ROW.direction + c, k]
+                block[ROW.slopes + 3 * r + c, k] = slope
+            block[ROW.slopes + 4 * r, k] += position * across + velocity * drag
 
 
 class PressedShoe(NamedTuple):
@@ -223,32 +309,40 @@ def press_shoe(law, count, frame, weights, shoe):
 
     `weights` (2,) are those of `press`.
     """
-    points, areas, bent, trial, force, wrench, tangent, slopes, block = shoe
-    at, by_place, by_velocity = frame_at(frame), weights[0], weights[1]
+    points, block = shoe.points, shoe.block
+    at = frame_at(frame)
+    by_place = weights[0]
+    by_velocity = weights[1]
     tangents = by_place != 0.0 or by_velocity != 0.0
     F, M, by_x, by_y = NOTHING, NOTHING, NOTHING, NOTHING
     for b in range(points.shape[0]):
         first = b * BLOCK
-        these, size, stood = points[b], min(BLOCK, count - first), areas[first:]
-        _move(these, bent[b], at, size, block)
-        _answer(law, these, tangents, size, block, trial[first:])
-        _push(these, stood, size, block)
+        these = points[b]
+        size = min(BLOCK, count - first)
+        areas = shoe.areas[first:]
+        _move(these, shoe.bent[b], at, size, block)
+        _answer(law, these, tangents, size, block, shoe.trial[first:])
+        _push(these, areas, size, block)
         for k in range(size):
-            f = (block[FORCE, k], block[FORCE + 1, k], block[FORCE + 2, k])
-            force[first + k, 0], force[first + k, 1], force[first + k, 2] = f
+            f = triple_of(block, ROW.force, k)
+            shoe.force[first + k, 0] = f[0]
+            shoe.force[first + k, 1] = f[1]
+            shoe.force[first + k, 2] = f[2]
             F = along(F, 1.0, f)
-            M = along(M, 1.0, cross((block[ARM, k], block[ARM + 1, k], block[ARM + 2, k]), f))
+            M = along(M, 1.0, cross(triple_of(block, ROW.arm, k), f))
             if tangents:
-                by_x, by_y = along(by_x, these[0, k], f), along(by_y, these[1, k], f)
+                by_x = along(by_x, these[POINT.place, k], f)
+                by_y = along(by_y, these[POINT.place + 1, k], f)
         if tangents:
-            _slope(these, stood, by_place, by_velocity, size, block)
+            _slope(these, areas, by_place, by_velocity, size, block)
             for q in range(9):
                 for k in range(size):
-                    slopes[q, first + k] = block[SLOPES + q, k]
+                    shoe.slopes[q, first + k] = block[ROW.slopes + q, k]
     for i in range(3):
-        wrench[i], wrench[3 + i] = F[i], M[i]
+        shoe.wrench[i] = F[i]
+        shoe.wrench[3 + i] = M[i]
     if tangents:
-        _write_tangent(points, at.R, by_place, slopes, (F, by_x, by_y), tangent)
+        _write_tangent(points, at.R, by_place, shoe.slopes, (F, by_x, by_y), shoe.tangent)
 
 
 @inner(allocates=True)
@@ -261,11 +355,11 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
     count = slopes.shape[1]
     monomials = np.empty((count, 6))
     for a in range(count):
-        X, Y = points[a // BLOCK, 0, a % BLOCK], points[a // BLOCK, 1, a % BLOCK]
+        X, Y, _ = triple_of(points[a // BLOCK], POINT.place, a % BLOCK)
         monomials[a, 0], monomials[a, 1], monomials[a, 2] = 1.0, X, Y
         monomials[a, 3], monomials[a, 4], monomials[a, 5] = X * X, X * Y, Y * Y
     sums = np.dot(slopes, monomials)
-    z = points[0, 2, 0] if count > 0 else 0.0
+    z = points[0, POINT.place + 2, 0] if count > 0 else 0.0
     _congruence(sums, R, z, tangent)
     # the arms turn under the forces: sum of a f' - (a . f) 1
     trace = 0.0
@@ -311,19 +405,20 @@ def prepare_points(law, count, points):
     """Write `Probe.prepared` of all points of one shoe."""
     for b in range(points.shape[0]):
         for k in range(min(BLOCK, count - b * BLOCK)):
-            prepared = prepare(law, points[b, DEEPEST, k], points[b, DEEPEST + 1, k])
-            points[b, PREPARED, k], points[b, PREPARED + 1, k] = prepared[0], prepared[1]
+            prepared = prepare(law, points[b, POINT.deepest, k], points[b, POINT.pressure, k])
+            points[b, POINT.prepared, k] = prepared[0]
+            points[b, POINT.prepared + 1, k] = prepared[1]
 
 
 @cache
-def addresses_of(kernel: LawKernel) -> tuple[int, int]:
+def addresses_of(of_law: LawKernel) -> tuple[int, int]:
     """Addresses of `prepare_points` and `press_shoe` compiled for a law."""
-    constants_type, size = kernel.constants, len(kernel.constants._fields)
+    constants_type, size = of_law.constants, len(of_law.constants._fields)
     numbers, number = types.CPointer(types.float64), types.intp
 
     def law_points(constants, count, points):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
-        prepare_points(law, count, carray(points, ((count + BLOCK - 1) // BLOCK, POINT, BLOCK)))
+        prepare_points(law, count, carray(points, ((count + BLOCK - 1) // BLOCK, POINT_WIDTH, BLOCK)))
         return 0
 
     def law_press(
@@ -332,33 +427,32 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
         blocks = (count + BLOCK - 1) // BLOCK
         shoe = PressedShoe(
-            carray(points, (blocks, POINT, BLOCK)),
+            carray(points, (blocks, POINT_WIDTH, BLOCK)),
             carray(areas, (count,)),
-            carray(bent, (blocks, 6, BLOCK)),
-            carray(trial, (count, TRIAL)),
+            carray(bent, (blocks, BENT_WIDTH, BLOCK)),
+            carray(trial, (count, TRIAL_WIDTH)),
             carray(force, (count, 3)),
             carray(wrench, (6,)),
             carray(tangent, (6, 6)),
             carray(slopes, (9, count)),
-            carray(block, (ROWS, BLOCK)),
+            carray(block, (BLOCK_WIDTH, BLOCK)),
         )
         press_shoe(law, count, carray(frame, (FRAME,)), carray(weights, (2,)), shoe)
         return 0
 
     return (
-        compile_entry(kernel, law_points, (numbers, number, numbers)),
-        compile_entry(kernel, law_press, (numbers, number, *11 * [numbers])),
+        compile_entry(of_law, law_points, (numbers, number, numbers)),
+        compile_entry(of_law, law_press, (numbers, number, *11 * [numbers])),
     )
 
 
 @kernel
-def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
+def press(shoes: ShoePoints, frames: FloatArray, weights: FloatArray) -> None:
     """Write wrenches, tangents, forces and trial memory of all shoes at their frames (shoes, FRAME).
 
-    `values` is `ShoePoints` as a plain tuple. `weights` (2,) are those of the derivatives by displacements
-    and by velocities; without any, the tangents are left as they are.
+    `weights` (2,) are those of the derivatives by displacements and by velocities; without any, the tangents
+    are left as they are.
     """
-    shoes = ShoePoints(*values)
     for s in range(shoes.counts.shape[0]):
         law.call_at(
             shoes.addresses[1],
@@ -418,8 +512,8 @@ def spread_forces(
     """
     last = nodes.shape[0] - 1, nodes.shape[1] - 1
     for a in range(forces.shape[0]):
-        b, k = a // BLOCK, a % BLOCK
-        hats = hats_at(low, high, last, points[b, 0, k], points[b, 1, k])
+        x, y, _ = triple_of(points[a // BLOCK], POINT.place, a % BLOCK)
+        hats = hats_at(low, high, last, x, y)
         for k in range(4):
             i, j, share = hats.i + k // 2, hats.j + k % 2, share_of(hats, k)
             for c in range(3):
@@ -427,12 +521,11 @@ def spread_forces(
 
 
 @kernel
-def coarse_forces(values: tuple, frames: FloatArray, out: FloatArray) -> None:
+def coarse_forces(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> None:
     """Write the forces on a grid of the undersides (shoes, a, b, 3): N, in the axes of each shoe.
 
-    The nodes divide the underside evenly, from its least x and y to its greatest; `values` as of `press`.
+    The nodes divide the underside evenly, from its least x and y to its greatest.
     """
-    shoes = ShoePoints(*values)
     out.fill(0.0)
     low, high = shoes.corners[0], shoes.corners[2]
     for s in range(out.shape[0]):

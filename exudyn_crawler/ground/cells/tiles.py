@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground import columns
 from exudyn_crawler.ground.cells import law, pressing
-from exudyn_crawler.ground.cells.pressing import BEFORE, BLOCK, DEEPEST, MOBILIZED, NORMAL, SHEAR, TRACTION
+from exudyn_crawler.ground.cells.pressing import BLOCK, POINT, TRIAL
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import FACING, Frame, along, turned
 from exudyn_crawler.ground.packed import FloatArray, IntArray
@@ -19,16 +20,27 @@ from exudyn_crawler.ground.packed import FloatArray, IntArray
 BITS = 5
 SIDE = 1 << BITS
 """Cells along a side of a tile."""
-FIELDS = 6
-"""Memory of a cell: greatest sinkage (m) and the pressure there (Pa), shear stress along x and y (Pa),
-mobilized share of the strength, and the greatest area under load since the contact began (m2), over which the
-shear is the mean."""
 LEAST = 1e-9
 """Share of a cell below which a part of it is left out."""
 FARTHEST = 1e7
 """m, what is farther meets no ground: Newton's method went astray, and cells that far have no numbers."""
 NO_TILE, NO_HEIGHT = -1, -2
 """In place of a number of points: a tile has to be made first; a shoe is beyond all heights."""
+
+
+class MemoryColumns(NamedTuple):
+    """First columns of the memory of a cell."""
+
+    deepest: columns.Number  # greatest sinkage, m
+    pressure: columns.Number  # Pa, there
+    shear: columns.Pair  # stress along x and y, Pa: the mean over the area
+    mobilized: columns.Number  # share of the strength
+    area: columns.Number  # greatest one under load since the contact began, m2
+
+
+MEMORY = columns.columns_of(MemoryColumns)
+FIELDS = columns.width_of(MemoryColumns)
+"""Numbers that a cell remembers."""
 
 
 class Tiles(NamedTuple):
@@ -56,31 +68,31 @@ def gather(tiles: Tiles, shoes: pressing.ShoePoints) -> None:
     """
     memory, loaded = tiles.memory, tiles.loaded
     for s in range(shoes.counts.shape[0]):
-        points, cells, count = shoes.points[s], shoes.cells[s], shoes.counts[s]
+        cells, count = shoes.cells[s], shoes.counts[s]
         for a in range(count):
-            cell, block, k = cells[a], a // BLOCK, a % BLOCK
-            before, now = memory[cell, 5], loaded[cell]
+            cell, points, k = cells[a], shoes.points[s, a // BLOCK], a % BLOCK
+            before, now = memory[cell, MEMORY.area], loaded[cell]
             share = before / now if now > before > 0.0 else 1.0
-            x, y = share * memory[cell, 2], share * memory[cell, 3]
-            points[block, DEEPEST, k], points[block, DEEPEST + 1, k] = memory[cell, 0], memory[cell, 1]
-            points[block, SHEAR, k], points[block, SHEAR + 1, k] = x, y
-            rise = points[block, NORMAL, k] * x + points[block, NORMAL + 1, k] * y
-            points[block, SHEAR + 2, k] = -rise / points[block, NORMAL + 2, k]
-            points[block, MOBILIZED, k] = tiles.fresh + share * (memory[cell, 4] - tiles.fresh)
-        law.call_at(shoes.addresses[0], shoes.constants, count, points)
+            x, y = share * memory[cell, MEMORY.shear], share * memory[cell, MEMORY.shear + 1]
+            nx, ny, nz = pressing.triple_of(points, POINT.normal, k)
+            points[POINT.deepest, k] = memory[cell, MEMORY.deepest]
+            points[POINT.pressure, k] = memory[cell, MEMORY.pressure]
+            points[POINT.shear, k] = x
+            points[POINT.shear + 1, k] = y
+            points[POINT.shear + 2, k] = -(nx * x + ny * y) / nz
+            points[POINT.mobilized, k] = tiles.fresh + share * (memory[cell, MEMORY.mobilized] - tiles.fresh)
+        law.call_at(shoes.addresses[0], shoes.constants, count, shoes.points[s])
     for s in range(shoes.counts.shape[0]):
         for a in range(shoes.counts[s]):
             loaded[shoes.cells[s, a]] = 0.0
 
 
 @kernel
-def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) -> int:
+def cover(tiles: Tiles, shoes: pressing.ShoePoints, frames: FloatArray, before: FloatArray) -> int:
     """List the points of all shoes, with the memory below; return their number, `NO_TILE` or `NO_HEIGHT`.
 
-    `ground` and `values` are `Tiles` and `ShoePoints` as plain tuples. The outlines are at `frames` (shoes,
-    FRAME), slip counts from those `before`.
+    The outlines are at `frames` (shoes, FRAME), slip counts from those `before`.
     """
-    tiles, shoes = Tiles(*ground), pressing.ShoePoints(*values)
     outline, total = np.empty((4, 2)), 0
     for s in range(shoes.counts.shape[0]):
         frame = pressing.frame_at(frames[s])
@@ -165,57 +177,72 @@ def _cover_shoe(
             if math.isnan(tiles.planes[tile, of_tile, 3]):
                 return NO_HEIGHT
             block, at = points[count // BLOCK], count % BLOCK
-            for m in range(4):
-                block[NORMAL + m, at] = tiles.planes[tile, of_tile, m]
+            for m in range(3):
+                block[POINT.normal + m, at] = tiles.planes[tile, of_tile, m]
+            block[POINT.ground, at] = tiles.planes[tile, of_tile, 3]
             cell, true = tile * SIDE * SIDE + of_tile, h * h * area / tiles.planes[tile, of_tile, 2]
             cells[count], areas[count] = cell, true
             tiles.loaded[cell] += true
             x, y = h * (i + x / area) - x0, h * (j + y / area) - y0
             X, Y = scale * (R[1][1] * x - R[0][1] * y), scale * (R[0][0] * y - R[1][0] * x)
-            block[0, at], block[1, at], block[2, at] = X, Y, z
-            was = along(before.r, 1.0, turned(before.R, (X, Y, z)))
-            block[BEFORE, at], block[BEFORE + 1, at], block[BEFORE + 2, at] = was
+            place = (X, Y, z)
+            was = along(before.r, 1.0, turned(before.R, place))
+            for m in range(3):
+                block[POINT.place + m, at] = place[m]
+                block[POINT.before + m, at] = was[m]
             count += 1
     return count
 
 
+@inner
+def _release(remembered: FloatArray, mobilized: float) -> None:
+    """Take the shear out of the memory (FIELDS,) of a cell, with a share that is mobilized then."""
+    remembered[MEMORY.shear] = 0.0
+    remembered[MEMORY.shear + 1] = 0.0
+    remembered[MEMORY.mobilized] = mobilized
+
+
 @kernel
-def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
+def commit(tiles: Tiles, shoes: pressing.ShoePoints, held: IntArray) -> IntArray:
     """Write the trial memory into the cells; return the cells in contact now.
 
     A cell under two shoes keeps the deeper sinkage and the mean shear by area, which loses energy and never
-    makes it. A cell that all shoes have left, or without pressure, releases its shear. `ground` and `values`
-    are `Tiles` and `ShoePoints` as plain tuples, `held` the cells that were in contact when the last step was
-    accepted.
+    makes it. A cell that all shoes have left, or without pressure, releases its shear. `held` are the cells
+    that were in contact when the last step was accepted.
     """
-    tiles, shoes = Tiles(*ground), pressing.ShoePoints(*values)
     memory, loaded = tiles.memory, tiles.loaded
     now, count = np.empty(shoes.counts.sum(), dtype=np.int64), 0
     for s in range(shoes.counts.shape[0]):
         trial, cells, areas = shoes.trial[s], shoes.cells[s], shoes.areas[s]
         for a in range(shoes.counts[s]):
-            cell, area, deepest = cells[a], areas[a], trial[a, 0]
-            sticks = trial[a, 2] != 0.0 or trial[a, 3] != 0.0
-            meets = sticks or trial[a, TRACTION] > 0.0 or (tiles.forgets and deepest > 0.0)
+            cell, area, deepest = cells[a], areas[a], trial[a, TRIAL.deepest]
+            sticks = trial[a, TRIAL.shear] != 0.0 or trial[a, TRIAL.shear + 1] != 0.0
+            meets = sticks or trial[a, TRIAL.traction] > 0.0 or (tiles.forgets and deepest > 0.0)
             total = loaded[cell] + area
             first = meets and total == area
-            if deepest > memory[cell, 0] or (first and tiles.forgets):
-                memory[cell, 0], memory[cell, 1] = deepest, trial[a, 1]
+            if deepest > memory[cell, MEMORY.deepest] or (first and tiles.forgets):
+                memory[cell, MEMORY.deepest] = deepest
+                memory[cell, MEMORY.pressure] = trial[a, TRIAL.pressure]
             if not meets:
                 continue
             if first:
-                memory[cell, 2], memory[cell, 3], memory[cell, 4] = 0.0, 0.0, 0.0
+                _release(memory[cell], 0.0)
                 now[count] = cell
                 count += 1
-            for k in range(2, 5):
-                memory[cell, k] += (trial[a, k] - memory[cell, k]) * area / total
+            part = memory[cell]
+            for k in range(2):
+                part[MEMORY.shear + k] += (trial[a, TRIAL.shear + k] - part[MEMORY.shear + k]) * area / total
+            mobilized = trial[a, TRIAL.mobilized] - part[MEMORY.mobilized]
+            part[MEMORY.mobilized] += mobilized * area / total
             loaded[cell] = total
     for cell in held:
         if loaded[cell] == 0.0:
-            memory[cell, 2], memory[cell, 3], memory[cell, 4], memory[cell, 5] = 0.0, 0.0, tiles.fresh, 0.0
+            _release(memory[cell], tiles.fresh)
+            memory[cell, MEMORY.area] = 0.0
             if tiles.forgets:
-                memory[cell, 0], memory[cell, 1] = 0.0, 0.0
+                memory[cell, MEMORY.deepest] = 0.0
+                memory[cell, MEMORY.pressure] = 0.0
     for cell in now[:count]:
-        memory[cell, 5] = max(memory[cell, 5], loaded[cell])
+        memory[cell, MEMORY.area] = max(memory[cell, MEMORY.area], loaded[cell])
         loaded[cell] = 0.0
     return now[:count]

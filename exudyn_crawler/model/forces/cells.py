@@ -5,12 +5,13 @@ move the nodes of the grid, the hats the points in between, and the forces of th
 keeps force and moment, and the bending moments on the grid's lines.
 """
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from exudyn_crawler.ground import packed, pairs
 from exudyn_crawler.ground.cells import contact, ground, pressing
+from exudyn_crawler.ground.cells.pressing import BENT, IN_FRAME, POINT
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import Vector, along, turned
 from exudyn_crawler.ground.packed import FloatArray, IntArray
@@ -33,7 +34,7 @@ class CellTable(NamedTuple):
 class CellWorkspace(NamedTuple):
     """Workspace of the cells' forces."""
 
-    shoes: Annotated[tuple, packed.type_of(pressing.ShoePoints, named=False)]
+    shoes: pressing.ShoePoints
     frames: packed.Floats2  # (shoes, FRAME): of the shoes at the last state
     # (flexible shoes, 2, along, across, 3): displacement of the grid's nodes by the modes (m), and its rate
     # (m/s), in the shoes' axes
@@ -54,7 +55,7 @@ class CellWorkspace(NamedTuple):
         frames = np.zeros((len(table.flexible), pressing.FRAME))
         bent = np.zeros((flexible, 2, *table.nodes.shape))
         hats = np.zeros((flexible, shoes.areas.shape[1], 4))
-        return cls(tuple(shoes), frames, bent, hats, rigid, bending)
+        return cls(shoes, frames, bent, hats, rigid, bending)
 
 
 class OnCells(NamedTuple):
@@ -93,9 +94,11 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
         frame = frame_of(bodies, s, state, attitude_of(bodies, s))
         row = work.frames[s]
         for c in range(3):
-            row[c], row[12 + c], row[15 + c] = frame.r[c], frame.v[c], frame.omega[c]
+            row[IN_FRAME.r + c] = frame.r[c]
+            row[IN_FRAME.v + c] = frame.v[c]
+            row[IN_FRAME.omega + c] = frame.omega[c]
             for k in range(3):
-                row[3 + 3 * c + k] = frame.R[c][k]
+                row[IN_FRAME.R + 3 * c + k] = frame.R[c][k]
         f, modal = table.flexible[s], bodies.modal[s]
         if f < 0:
             continue
@@ -126,35 +129,37 @@ def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
     3), m, are those of then; `block` is one of `OnCells`.
     """
     _, table, work = _read(block)
-    shoes = pressing.ShoePoints(*work.shoes)
+    shoes = work.shoes
     for s in range(table.flexible.shape[0]):
-        f, row = table.flexible[s], frames[s]
+        f = table.flexible[s]
         if f < 0:
             continue
-        R = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
+        R = pressing.frame_at(frames[s]).R
         last = table.nodes.shape[0] - 1, table.nodes.shape[1] - 1
         low, high = table.nodes[0, 0], table.nodes[last[0], last[1]]
         for a in range(shoes.counts[s]):
             points, k, values = shoes.points[s, a // pressing.BLOCK], a % pressing.BLOCK, work.hats[f, a]
-            hats = pressing.hats_at(low, high, last, points[0, k], points[1, k])
+            x, y, _ = pressing.triple_of(points, POINT.place, k)
+            hats = pressing.hats_at(low, high, last, x, y)
             values[0], values[1], values[2], values[3] = hats
             moved = turned(R, _moved_by_nodes(hats, bent[f]))
             for c in range(3):
-                points[pressing.BEFORE + c, k] += moved[c]
+                points[POINT.before + c, k] += moved[c]
 
 
 @inner
 def _bend_points(table: CellTable, work: CellWorkspace) -> None:
     """Write how the modes move the points of flexible shoes."""
-    shoes = pressing.ShoePoints(*work.shoes)
+    shoes = work.shoes
     for s in range(table.flexible.shape[0]):
         f = table.flexible[s]
         for a in range(shoes.counts[s] if f >= 0 else 0):
             b, k, hats = a // pressing.BLOCK, a % pressing.BLOCK, _hats(work.hats[f, a])
             for rate in range(2):
                 moved = _moved_by_nodes(hats, work.bent[f, rate])
+                first = BENT.moved if rate == 0 else BENT.rate
                 for c in range(3):
-                    shoes.bent[shoes.bending[s], b, 3 * rate + c, k] = moved[c]
+                    shoes.bent[shoes.bending[s], b, first + c, k] = moved[c]
 
 
 @kernel
@@ -171,7 +176,7 @@ def cell_forces(
     """Press the shoes on the cells that were covered for the step, and write the elements."""
     if table.flexible.shape[0] == 0:
         return
-    shoes, rigid, flexible = pressing.ShoePoints(*work.shoes), work.rigid, work.flexible
+    shoes, rigid, flexible = work.shoes, work.rigid, work.flexible
     write_frames(bodies, table, state, work)
     _bend_points(table, work)
     # derivatives of what stands negative in the residual

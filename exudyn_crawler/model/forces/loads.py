@@ -32,11 +32,11 @@ def profiles_of(profiles: Sequence[StepProfile]) -> Profiles:
 
 
 @kernel
-def values_at(profiles: tuple, time: float, out: FloatArray) -> None:
-    """Write the values (q,) of `Profiles` as a plain tuple at a time, s."""
-    all_times, all_values = profiles
+def values_at(profiles: Profiles, time: float, out: FloatArray) -> None:
+    """Write the values (q,) of profiles at a time, s."""
     for row in range(out.shape[0]):
-        times, values = all_times[row], all_values[row]
+        times = profiles.times[row]
+        values = profiles.values[row]
         k = np.searchsorted(times, time)
         if k == 0 or k == times.shape[0]:
             out[row] = values[min(k, times.shape[0] - 1)]

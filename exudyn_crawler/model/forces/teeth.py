@@ -55,9 +55,9 @@ class Teeth(NamedTuple):
     markers: Ints1  # (l,): centre of each lug
     tumblers: Ints1  # (l,): body that it meets
     side: Floats1  # (l,): y of its gear plane in the tumbler, m
-    profile: tuple[float, float, float, float, float]  # `Profile`
-    law: tuple[float, float, float, float]  # `Impact`
-    flange: tuple[float, float, float]  # `Flange`
+    profile: Profile
+    law: Impact
+    flange: Flange
 
 
 class TeethWorkspace(NamedTuple):
@@ -131,7 +131,7 @@ def teeth_contacts(
     work: TeethWorkspace,
 ) -> int:
     """Find the lugs that touch at a state and give their number."""
-    rows, count, profile = work.rows, 0, Profile(*teeth.profile)
+    rows, count, profile = work.rows, 0, teeth.profile
     values = np.zeros((2, 6 + markers.displacement.shape[2]))
     work.energy[0] = 0.0
     for k in range(teeth.markers.shape[0]):
@@ -165,16 +165,16 @@ def teeth_contacts(
             velocity = along(velocity, 1.0, turned(shoe.R, bent))
         velocity = along(along(velocity, -1.0, tumbler.v), -1.0, cross(tumbler.omega, from_axis))
         normal, across = turned(tumbler.R, (nx, 0.0, nz)), at.axes[1]
-        force, by_depth, by_rate = law_slopes(Impact(*teeth.law), depth, -dot(normal, velocity))
+        force, by_depth, by_rate = law_slopes(teeth.law, depth, -dot(normal, velocity))
         engaged, off = step(inside, 0.0, 0.0, profile.lug, 1.0), local[1] - teeth.side[k]
-        sideways, stiff, damped = flange_force(Flange(*teeth.flange), off, dot(across, velocity))
+        sideways, stiff, damped = flange_force(teeth.flange, off, dot(across, velocity))
         sideways, stiff, damped = engaged * sideways, engaged * stiff, engaged * damped
         if force <= 0.0 and sideways == 0.0:
             continue
         tangential = cross(across, normal)
         whole = along(along((0.0, 0.0, 0.0), force, normal), sideways, across)
         work.depth[k], work.guide[k] = max(depth, 0.0), sideways
-        work.energy[0] += stored_energy(Impact(*teeth.law), depth)
+        work.energy[0] += stored_energy(teeth.law, depth)
         rows.bodies[count, 0], rows.bodies[count, 1], rows.unit[count] = b, t, -1
         shapes = markers.displacement[marker]
         write_point(own, arm, shapes, markers.modes[marker], 1.0, rows.jacobian[count, 0])

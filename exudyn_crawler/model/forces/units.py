@@ -1,10 +1,10 @@
 """Contact of shoes with the units of the terrain, which carry their forces into the terrain's coordinates."""
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
-from exudyn_crawler.ground import pair_stiffness, rotations
+from exudyn_crawler.ground import pair_geometry, pair_stiffness, rotations
 from exudyn_crawler.ground.compiled import inner
-from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, type_of
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray
 from exudyn_crawler.ground.terrain import modal_motion
 from exudyn_crawler.model import bodies
 
@@ -27,7 +27,7 @@ class UnitWorkspace(NamedTuple):
     units: Floats2  # (units, 4): places of the units
     rates: Floats2  # (units, 4)
     forces: Floats2  # (units, 2): what acts on their heave and tilt
-    contacts: Annotated[tuple, type_of(pair_stiffness.UnitContacts, named=False)]
+    contacts: pair_stiffness.UnitContacts
     overlap: Floats3  # scratch of the clipping
 
 
@@ -36,15 +36,15 @@ def unit_contacts(
     bodies: bodies.Bodies,
     flexible: IntArray,
     terrain: TerrainTable,
-    contact: tuple,
+    geometry: pair_geometry.ContactGeometry,
     state: FloatArray,
     weights: rotations.Weights,
     work: UnitWorkspace,
 ) -> int:
     """Find the contacts at a state and give their number.
 
-    `flexible` are the number of the first modal coordinate, and how many flexible bodies there are; `contact`
-    is `pair_geometry.ContactGeometry` as plain tuples, whose shoes are the first bodies.
+    `flexible` are the number of the first modal coordinate, and how many flexible bodies there are; the shoes
+    of `geometry` are the first bodies.
     """
     if terrain.reference.shape[0] == 0:
         return 0
@@ -53,11 +53,12 @@ def unit_contacts(
     for u in range(terrain.heave.shape[0]):
         for k in range(4):
             work.units[u, k] = terrain.reference[u, k] + (work.units[u, k] if k > 1 else 0.0)
-    n, m = contact[2][3].shape[0], contact[2][2].shape[3]
+    n = geometry.flexible.row.shape[0]
+    m = geometry.flexible.integral.shape[3]
     shoes = bodies.reference[:n] + state[0, : 6 * n].reshape((n, 6))
     first, count = flexible[0], flexible[1]
     last = first + count * m
-    places = (
+    places = pair_geometry.BodyStates(
         shoes,
         state[1, : 6 * n].reshape((n, 6)),
         work.units,
@@ -66,8 +67,10 @@ def unit_contacts(
         state[1, first:last].reshape((count, m)),
     )
     # derivatives of what stands negative in the residual
-    factors = (-weights.position, -weights.velocity, weights.acceleration, weights.secant, weights.level)
-    return pair_stiffness.touching_pairs(places, contact, factors, work.contacts, work.overlap)
+    negative = rotations.Weights(
+        -weights.position, -weights.velocity, weights.acceleration, weights.secant, weights.level
+    )
+    return pair_stiffness.touching_pairs(places, geometry, negative, work.contacts, work.overlap)
 
 
 @inner

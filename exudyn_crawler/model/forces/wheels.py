@@ -31,10 +31,10 @@ class Wheels(NamedTuple):
     places: Floats3  # (wheels, strips, 3): middle of every strip's axis in the frame's axes, m
     middles: Floats1  # (wheels,): y of the middle of its track in the frame's axes, m
     radii: Floats1  # (wheels,): m
-    law: tuple[float, float, float, float]  # `Impact` of a strip
-    flange: tuple[float, float, float]  # `Flange` of a strip
+    law: Impact  # of a strip
+    flange: teeth.Flange  # of a strip
     height: float  # of the flanges above the treads, m; zero for none
-    rail: tuple[float, float, float]  # `treads.Rail`
+    rail: treads.Rail
     rows: Floats4  # (strips, stations + 2, 3, m): as of `shoe_mesh.RailRows`
     spacing: float  # of the stations, m
     slots: int  # wheels that may be on one shoe at once
@@ -110,7 +110,7 @@ def wheel_contacts(
         axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], wheels.middles[w], place[0, 2])))
         rail = wheels.rail
         near = wheels.radii[w] + wheels.height + ROLLED
-        reach = math.sqrt(max(rail[0] ** 2, rail[1] ** 2) + rail[2] ** 2) + near
+        reach = math.sqrt(max(rail.rear**2, rail.front**2) + rail.height**2) + near
         most = reach * reach + ASIDE**2
         for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
             apart, first, slot = 0.0, bodies.coordinate[s], 0
@@ -124,7 +124,7 @@ def wheel_contacts(
             shoe_at = attitude_of(bodies, s)
             shoe = frame_of(bodies, s, state, shoe_at)
             center = turned_back(shoe.R, along(axis, -1.0, shoe.r))
-            dx, dz = center[0] - min(max(center[0], rail[0]), rail[1]), center[2] - rail[2]
+            dx, dz = center[0] - min(max(center[0], rail.rear), rail.front), center[2] - rail.height
             if dx * dx + dz * dz > near * near:
                 continue
             flexible = bodies.modal[s] >= 0
@@ -136,7 +136,7 @@ def wheel_contacts(
                 if strip.tread.depth <= 0.0 and strip.side == 0.0:
                     continue
                 work.wheel[s, slot] = w
-                work.energy[0] += treads.stored_energy(Impact(*wheels.law), strip.tread.depth)
+                work.energy[0] += treads.stored_energy(wheels.law, strip.tread.depth)
                 numbers = w, s, slot, k, count
                 _keep(wheels, strip, (frame, shoe), (at, shoe_at), numbers, weights, work, flexible)
                 count += 1
@@ -151,7 +151,7 @@ def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: Flo
     stations by the cubic through the two nearest on either side with the slopes that their neighbours give
     (Catmull and Rom, 1974), which has no kinks at stations.
     """
-    t = (place - wheels.rail[0]) / wheels.spacing
+    t = (place - wheels.rail.rear) / wheels.spacing
     i = min(max(int(t), 0), wheels.rows.shape[1] - 4)
     u = t - i
     values = (
@@ -207,13 +207,13 @@ def _touch(
     velocity = along(along(frame.v, 1.0, cross(frame.omega, arm)), -1.0, shoe.v)
     rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
     center = turned_back(shoe.R, apart)
-    rail = treads.Rail(*wheels.rail)
+    rail = wheels.rail
     bent = treads.Bending(0.0, 0.0, 0.0, 0.0, 0.0)
     if flexible:
         bent = _bending(wheels, k, min(max(center[0], rail.rear), rail.front), values, modes)
     disc: treads.Pair = (wheels.radii[w], drag)
     middle, speeds = (center[0], center[2]), (rates[0], rates[2])
-    tread = treads.tread_force(Impact(*wheels.law), rail, disc, middle, speeds, bent, derive)
+    tread = treads.tread_force(wheels.law, rail, disc, middle, speeds, bent, derive)
     engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0) if wheels.height > 0.0 else 0.0
     side = stiffness = damping = 0.0
     if engaged > 0.0:
@@ -224,7 +224,7 @@ def _touch(
         leaning = (across[0] * dx + across[2] * dz) / across[1]
         off = center[1] - leaning - place[1] + wheels.middles[w] - bent.aside
         rate = rates[1] + turning[2] * dx - turning[0] * dz - bent.aside_rate
-        force, stiffness, damping = teeth.flange_force(teeth.Flange(*wheels.flange), off, rate)
+        force, stiffness, damping = teeth.flange_force(wheels.flange, off, rate)
         side, stiffness, damping = engaged * force, engaged * stiffness, engaged * damping
     foot = turned(shoe.R, (tread.foot[0], center[1], tread.foot[1]))
     return Strip(tread, side, stiffness, damping, foot)

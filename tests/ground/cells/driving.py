@@ -8,7 +8,7 @@ from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
-from exudyn_crawler.ground.cells.pressing import TRACTION
+from exudyn_crawler.ground.cells.pressing import TRIAL
 
 LENGTH, WIDTH, LOAD, MASS = 0.65, 3.505, 435e3, 4490.0
 AREA = LENGTH * WIDTH
@@ -73,7 +73,7 @@ class Shoe:
     @property
     def traction(self):
         """Normal one at the points."""
-        return self.ground.shoes.trial[0, : self.ground.shoes.counts[0], TRACTION]
+        return self.ground.shoes.trial[0, : self.ground.shoes.counts[0], TRIAL.traction]
 
     def cover(self, r=None, R=None):
         """Freeze the points for a step that ends here."""
