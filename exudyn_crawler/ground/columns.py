@@ -34,7 +34,7 @@ def columns_of(kind: type[Layout]) -> Layout:
     for width in widths_of(kind).values():
         firsts.append(end)
         end += width
-    return kind(*firsts)
+    return kind(*firsts)  # type: ignore[call-overload]
 
 
 def places_of(kind: type[NamedTuple]) -> dict[str, int | slice]:
