@@ -1,8 +1,8 @@
 """Meshes of decks of Abaqus and CalculiX (.inp): tetrahedra, shells and element faces under their names.
 
 What a deck names is read as the programs read it: blocks of one name are joined, sets may hold sets, and a
-surface is an element set of shells or a ``*SURFACE`` of element faces. (meshio 5.3 keeps the last block of a set
-alone, and ends a block at its first comment.)
+surface is an element set of shells or a ``*SURFACE`` of element faces. (meshio 5.3 keeps the last block of a
+set alone, and ends a block at its first comment.)
 """
 
 import re
