@@ -51,7 +51,7 @@ class Case(NamedCases):
         yield from self._map_errors(np.zeros(1))
 
     def _unit_errors(self, terrain: Terrain) -> Errors:
-        """What does not go with a terrain of units."""
+        """Yield what does not go with a terrain of units."""
         shoe, contact, reduced = self.shoe, self.contact, self.terrain_formulation == "reduced"
         small = terrain.unit_length < shoe.length or terrain.unit_width < shoe.width
         if isinstance(contact, PairContact) and contact.normal == "area" and small:

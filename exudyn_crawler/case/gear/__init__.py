@@ -1,4 +1,4 @@
-"""Gears: what moves a track and carries the machine, a file for each kind.
+"""Gears, which move a track and carry the machine, a file for each kind.
 
 - dragged: the drive moves the front shoe, loads press on the shoes;
 - rolled: a side frame rolls over shoes that lie before it;

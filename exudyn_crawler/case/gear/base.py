@@ -79,7 +79,7 @@ class Whole(Protocol):
 
 
 class Gear(Parameters):
-    """What moves the shoes and carries the machine; the members here are those of shoes alone."""
+    """Gear, which moves the shoes and carries the machine; the members here are those of shoes alone."""
 
     kind: str
 

@@ -88,7 +88,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
 
     def reach_errors(self, chain: Track, travel: float, time: float) -> Errors:
-        """Rollers or tumbler off the track after a travel (m), at a time (s)."""
+        """Lines that say which of rollers and tumbler are off the track after a travel (m), at a time (s)."""
         first = chain.first_com[0]
         last = first + (chain.shoe_count - 1) * chain.pitch
         rear_pin = first + chain.pin_ahead
