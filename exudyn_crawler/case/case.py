@@ -5,7 +5,7 @@ import numpy as np
 from exudyn_crawler.case.gear.assembled import Assembled
 from exudyn_crawler.case.gear.base import WheelLabel
 from exudyn_crawler.case.named import NamedCases
-from exudyn_crawler.case.parameters import sizes
+from exudyn_crawler.case.parameters import fields, sizes
 from exudyn_crawler.case.parameters.base import Errors
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
@@ -30,7 +30,7 @@ class Case(NamedCases):
         if self.flexible is not None:
             shoes = self.flexible.shoes
             if shoes[0] < 1 or shoes[-1] > count:
-                yield f"flexible.shoes must be in 1..{count}, got {shoes}"
+                yield f"flexible.shoes must be in 1..{count}, got {fields.shown(shoes)}"
             if not reduced:
                 yield "flexible shoes need terrain_formulation 'reduced'"
             if spheres:

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import drive, fields
-from exudyn_crawler.case.parameters.base import Errors, Parameters, Rising, option, quantity, shown
+from exudyn_crawler.case.parameters.base import Errors, Parameters, Rising, option, quantity
 from meshes import geometry, mesh_named
 
 NUMBER = 8  # bytes
@@ -29,7 +29,7 @@ def check_run(case: object, duration: object) -> None:
     """Refuse what is no `Case` (TypeError), and a run (s) that cannot be (ValueError)."""
     if not isinstance(case, Case):
         how = "such as Case.translation() or read_case(path).case"
-        raise TypeError(f"case must be a Case, {how}, got {shown(case)}")
+        raise TypeError(f"case must be a Case, {how}, got {fields.shown(case)}")
     if not isinstance(duration, SupportsFloat):
         raise ValueError(f"duration must be a number in s, got {duration!r}")
     if not 0.0 < float(duration) < math.inf:
@@ -42,7 +42,7 @@ def check_case_file(case_file: object) -> None:
     """Refuse, by a `TypeError` that says how to get one, what is no `CaseFile`."""
     if not isinstance(case_file, CaseFile):
         how = "such as CaseFile(case=case, duration=10.0) or read_case(path)"
-        raise TypeError(f"case_file must be a CaseFile, {how}, got {shown(case_file)}")
+        raise TypeError(f"case_file must be a CaseFile, {how}, got {fields.shown(case_file)}")
 
 
 def check_size(case: Case, duration: float) -> None:
@@ -122,11 +122,11 @@ class CaseFile(Parameters):
         check_run(self.case, self.duration)
         count = self.case.track.shoe_count
         if beyond := [shoe for shoe in self.outputs.shoes or () if not 1 <= shoe <= count]:
-            yield f"outputs.shoes must be in 1..{count}, got {beyond}"
+            yield f"outputs.shoes must be in 1..{count}, got {fields.shown(beyond)}"
         for name in ("picture_times", "ground_times"):
             times = getattr(self.outputs, name)
             if times and times[-1] > self.duration:
-                yield f"outputs.{name} must lie in 0..{self.duration:g} s, got {list(times)}"
+                yield f"outputs.{name} must lie in 0..{self.duration:g} s, got {fields.shown(list(times))}"
 
 
 def case_text(case_file: CaseFile, by_hand: bool = False) -> str:

@@ -16,7 +16,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
-from exudyn_crawler.case.parameters import base, fields, loads, reading, terrain, track
+from exudyn_crawler.case.parameters import faults, fields, loads, reading, terrain, track
 from exudyn_crawler.files import whole_file
 
 CYCLE = "file"  # key of the loads that names a file with their cycle
@@ -95,8 +95,8 @@ def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
         raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
     if meant:
         return (*fields.parse_path(meant[0].removesuffix(f".{names}")), *path)
-    if path[0] in base.RENAMED:
-        raise ValueError(f"{path[0]}: {base.unknown_key(path[:1], known)}")
+    if path[0] in faults.RENAMED:
+        raise ValueError(f"{path[0]}: {faults.unknown_key(path[:1], known)}")
     near = difflib.get_close_matches(names, known, n=1)
     raise ValueError(f"{key}: unknown key" + (f"; did you mean {near[0]}?" if near else ""))
 

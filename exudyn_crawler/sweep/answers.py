@@ -7,7 +7,8 @@ import xarray as xr
 from pydantic import Field, TypeAdapter
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured, shown
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import DTYPES, QUANTITIES, Quantity, select
 from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyRun, Often, Survival
@@ -114,7 +115,7 @@ class Answer(AnyAnswer):
         if wrong and not numbers:
             yield f"of must be left out, {self.quantity} is of the whole {what}"
         if wrong:
-            yield f"of must be {what}s of {shown(numbers)}, got {wrong}"
+            yield f"of must be {what}s of {fields.shown(numbers)}, got {wrong}"
 
     def of_run(self, run: CaseRun) -> float:
         """Number of a run."""

@@ -10,7 +10,8 @@ from scipy.stats import norm
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.files import with_equal_loads
 from exudyn_crawler.case.parameters import fields, reading
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, option, shown
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option
+from exudyn_crawler.case.parameters.faults import error_lines
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.sweep.answers import Life
 
@@ -65,7 +66,7 @@ class Vary(Parameters):
         for path in self.keys:
             fields.parse_path(path)
         if not self.keys or len(set(self.keys)) != len(self.keys):
-            yield f"key must be a path, or different ones, got {list(self.keys)}"
+            yield f"key must be a path, or different ones, got {fields.shown(list(self.keys))}"
         errors = self._bound_errors() if self.values is None else self._value_errors(self.values)
         yield from (f"{self.label}: {error}" for error in errors)
 
@@ -90,7 +91,7 @@ class Vary(Parameters):
         if (self.low, self.high, self.count, self.distribution) != (None, None, None, "uniform"):
             yield "values take the place of low, high and count, and of a distribution"
         if not values or any(one in values[:k] for k, one in enumerate(values)):
-            yield f"values must be different ones, got {list(values)}"
+            yield f"values must be different ones, got {fields.shown(list(values))}"
         if self.settings is None:
             return
         if self.name is None or self.factor:
@@ -98,7 +99,7 @@ class Vary(Parameters):
         counts, paths = [len(row) for row in self.settings], len(self.keys)
         if counts != [paths] * len(values):
             lists = f"{len(values)} lists, one a value, of {paths} each, one a path"
-            yield f"settings must be {lists}, got lists of {counts}"
+            yield f"settings must be {lists}, got lists of {fields.shown(counts)}"
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -224,6 +225,6 @@ def _multiplied(before: Any, factor: Any) -> Any:
     if isinstance(before, list):
         return [_multiplied(one, factor) for one in before]
     if not (fields.is_number(before) and fields.is_number(factor)):
-        raise ValueError(f"a factor needs numbers, got {shown(factor)} times {shown(before)}")
+        raise ValueError(f"a factor needs numbers, got {fields.shown(factor)} times {fields.shown(before)}")
     product = before * factor
     return int(product) if isinstance(before, int) and float(product).is_integer() else product

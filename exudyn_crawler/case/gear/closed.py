@@ -123,10 +123,13 @@ class Closed(ClosedFrame):
         if rails.height <= chain.pin_height:
             yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
         x, length = np.sort([x for x, _ in self.upper.values()]), rails.front - rails.rear
-        if self.slides and np.any(x[2:] - x[:-2] < length + SLIDE_MARGIN):
+        near = x[2:] - x[:-2] < length + SLIDE_MARGIN
+        if self.slides and np.any(near):
+            places = ", ".join(f"{place:.4g}" for place in x[near.argmax() :][:3])
             yield (
                 f"slide_step, slides and carriers must leave every rail, which is {length:g} m long, on two "
-                f"of their lines at once, got lines at {np.round(x, 3).tolist()}"
+                f"of their lines at once, got three at x = {places} m; "
+                f"lines at least {0.5 * (length + SLIDE_MARGIN):.3g} m apart do"
             )
         yield from self.tumbler.tooth_errors(chain)
         try:

@@ -8,7 +8,7 @@ import numpy as np
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.base import WheelLabel
 from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
-from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, option, quantity
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler, Wheel
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
@@ -84,7 +84,8 @@ class ClosedFrame(RunningGear):
         yield from overlap_errors("carriers", [x for x, _ in self.carriers], self.carrier_radius)
         ends = [x for rear, front, _ in self.slides for x in (rear, front)]
         if np.any(np.diff(ends) <= 0.0):
-            yield f"slides must have a length and stand in order, rear to front, got {list(self.slides)}"
+            got = fields.shown(list(self.slides))
+            yield f"slides must have a length and stand in order, rear to front, got {got}"
         turn = 2.0 * math.pi / self.tumbler.teeth
         if self.fold_limit <= turn:
             yield f"fold_limit must be greater than 2 pi / teeth = {turn:.4g} rad, got {self.fold_limit}"

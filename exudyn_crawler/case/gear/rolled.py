@@ -7,7 +7,7 @@ import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
-from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, Place, option, quantity
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.terrain import Terrain
@@ -42,7 +42,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
         yield from overlap_errors("rollers", self.rollers, self.radius)
         if outside := [x for x in self.rollers if not rear + self.radius <= x <= front - self.radius]:
             ends = f"the frame's ends {self.ends} by their radius {self.radius:g} m"
-            yield f"rollers must be within {ends}, got {outside}"
+            yield f"rollers must be within {ends}, got {fields.shown(outside)}"
         if not rear <= self.tumbler <= front:
             yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
 

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from exudyn_crawler.case.gear.base import SIDE_FRAME, Gear, WheelLabel, Whole
-from exudyn_crawler.case.parameters import base, sizes
+from exudyn_crawler.case.parameters import base, fields, sizes
 from exudyn_crawler.case.parameters.base import Errors, quantity
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.drive import Drive
@@ -174,4 +174,5 @@ class RunningGear(Gear):
 def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Errors:
     """Wheels at places (x, m) that are nearer to each other than their diameter."""
     if np.any(np.diff(places) < 2.0 * radius):
-        yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {list(places)}"
+        got = fields.shown(list(places))
+        yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {got}"

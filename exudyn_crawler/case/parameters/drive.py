@@ -6,6 +6,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Component, Errors, Parameters, option, quantity
 
 SAME_TIME = 1e-9  # relative difference below which two times are the same
@@ -29,7 +30,7 @@ class StepProfile(Parameters):
         if len(self.times) != len(self.values):
             yield f"times and values must be equally many: {len(self.times)} != {len(self.values)}"
         if np.any(np.diff(self.times) < SHORTEST):
-            yield f"times must increase, got {self.times}"
+            yield f"times must increase, got {fields.shown(self.times)}"
 
     def __str__(self) -> str:
         return ", ".join(f"{v:.8g} at {t:g}" for t, v in zip(self.times, self.values, strict=True))
@@ -104,10 +105,10 @@ class Drive(Parameters):
             if rate.times[0] != 0.0 or rate.values[0] != 0.0:
                 yield f"{name} must start from zero at t = 0, got {rate.values[0]} at {rate.times[0]} s"
             if max(map(abs, rate.values)) > FASTEST:
-                yield f"{name} must not exceed {FASTEST:g} in size, got {list(rate.values)}"
+                yield f"{name} must not exceed {FASTEST:g} in size, got {fields.shown(rate.values)}"
         times = [time for window in self.on or () for time in window]
         if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
-            yield f"on must be times from 0 s that increase, got {self.on}"
+            yield f"on must be times from 0 s that increase, got {fields.shown(self.on)}"
         for start in times[::2]:
             if abs(speed := float(self.speed.value(start))) > 1e-9:
                 yield f"speed must be zero where the drive goes on, at {start:g} s, got {speed:g} m/s"

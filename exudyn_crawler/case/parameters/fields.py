@@ -20,6 +20,7 @@ NONE = "none"  # what a file says where a field has no value, which TOML cannot
 TAGS = ("model", "kind")  # fields of which one tells which class of several a part is of
 BESIDE = object()
 """Marks, in the annotation of a field, that a file has its fields beside those of the class that holds it."""
+SHOWN = 60  # characters of a refused value that an error shows
 NAME = r"[A-Za-z_]\w*(?:\[(?:\d+|\*)\])*"
 PATH = re.compile(rf"{NAME}(?:\.{NAME})*", re.ASCII)
 
@@ -76,7 +77,7 @@ def with_change(
         return type(values)(items)
     table = dict(iter(values)) if isinstance(values, BaseModel) else values
     if not isinstance(table, dict):
-        raise ValueError(f"{path_text(above)} must be a table to change a value of it, got {values!r}")
+        raise ValueError(f"{path_text(above)} must be a table to change a value of it, got {shown(values)}")
     if kind is not None and (name := beside(kind)) and (part == name or part not in kind.model_fields):
         return table | {name: with_change(table[name], path, change)}
     before = table.get(part, {} if below and isinstance(below[0], str) and below[0] != EVERY else None)
@@ -230,6 +231,15 @@ def prefix_of(value: object, unit: str) -> str:
     return next((one for start, one, least in ENGINEERING if re.match(start, unit) and greatest >= least), "")
 
 
+def shown(value: object) -> str:
+    """Value as an error shows it, on one line and cut where it is long."""
+    text = " ".join(repr(value).split())
+    if len(text) <= SHOWN:
+        return text
+    many = f" ({len(value)} values)" if isinstance(value, list | tuple) and len(value) > 1 else ""
+    return f"{text[: SHOWN - 4]} ...{many}"
+
+
 def value_text(value: object, unit: str = "") -> str:
     """Value for reading, with its unit if that is said; equal numbers once."""
     if not unit or value is None or value == () or isinstance(value, str | bool):
@@ -317,6 +327,12 @@ def unit_of(field: FieldInfo) -> str:
     """Unit of a field; empty for what has none."""
     unit = _extra(field).get("unit", "")
     return "" if unit == "1" else unit
+
+
+def in_place(field: FieldInfo) -> str:
+    """What a file may have in place of a field's value, in words; empty for nothing else."""
+    of_class = (getattr(kind, "in_place", "") for kind in models_of(field.annotation))
+    return _extra(field).get("in_place") or next(filter(None, of_class), "")
 
 
 def plausible_range(field: FieldInfo) -> tuple[float, float] | None:

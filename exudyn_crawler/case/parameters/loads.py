@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, 
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+EQUAL_LOADS = "a load in N for all shoes, such as '386.4 kN'"
 
 
 class PhaseEnd(Parameters):
@@ -36,7 +39,7 @@ class Cycle(Parameters):
     def _errors(self) -> Errors:
         ends = [phase.end for phase in self.phases]
         if np.any(np.diff(ends) <= 0.0):
-            yield f"the phases' ends must increase, got {ends}"
+            yield f"the phases' ends must increase, got {fields.shown(ends)}"
 
     def profiles(self, rows: Iterable[Iterable[float]]) -> list[drive.StepProfile]:
         """Quantities over time of their values at the ends of the phases, a row each."""
@@ -47,7 +50,9 @@ class Cycle(Parameters):
 class Phase(PhaseEnd):
     """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
 
-    loads: tuple[Load, ...] = quantity("N", "downward load on shoes 1..n at the phase's end", min_length=1)
+    loads: tuple[Load, ...] = quantity(
+        "N", "downward load on shoes 1..n at the phase's end", in_place=EQUAL_LOADS, min_length=1
+    )
     side_shift: float = quantity("m", "how far left (+y) loads act", (-1.0, 1.0), ge=-10, le=10, default=0.0)
 
 
@@ -55,14 +60,15 @@ class LoadCycle(Cycle):
     """Downward loads on the shoes in phases whose ends cubic STEPs join, constant before and after them."""
 
     phases: Several[Phase]
+    in_place: ClassVar[str] = EQUAL_LOADS
 
     def _errors(self) -> Errors:
         yield from super()._errors()
         counts = {phase.name: len(phase.loads) for phase in self.phases}
         if len(counts) != len(self.phases):
-            yield f"the phases' names must differ, got {[p.name for p in self.phases]}"
+            yield f"the phases' names must differ, got {fields.shown([phase.name for phase in self.phases])}"
         if len(set(counts.values())) != 1:
-            yield f"every phase needs a load for every shoe, got counts {counts}"
+            yield f"every phase needs a load for every shoe, got counts {fields.shown(counts)}"
 
     @classmethod
     def constant(cls, loads: float | Sequence[float], shoe_count: int = ph4100c.SHOE_COUNT) -> Self:

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from exudyn_crawler.case.parameters import base, fields
+from exudyn_crawler.case.parameters import faults, fields
 from exudyn_crawler.errors import CaseFileError
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -89,7 +89,7 @@ def errors_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
     try:
         yield
     except ValidationError as error:
-        raise CaseFileError(path, list(base.error_lines(error, kind))) from None
+        raise CaseFileError(path, list(faults.error_lines(error, kind))) from None
     except CaseFileError:  # of another file that this one names
         raise
     except (ValueError, RecursionError) as error:

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, ValidationInfo
 
 import fem
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import base, drive
+from exudyn_crawler.case.parameters import base, drive, fields
 from exudyn_crawler.case.parameters.base import Errors, Length, Parameters, Place, option, quantity
 from meshes import SHOE_SIZES
 
@@ -273,7 +273,7 @@ class FlexibleShoes(Parameters):
 
     def _errors(self) -> Errors:
         if min(self.damping.values) < 0.0:
-            yield f"damping ratios must not be negative, got {self.damping.values}"
+            yield f"damping ratios must not be negative, got {fields.shown(self.damping.values)}"
         most = self.recovered_modes
         if self.fixed_modes > most:
             yield f"fixed_modes must not exceed recovered_modes = {most}, got {self.fixed_modes}"
@@ -282,7 +282,7 @@ class FlexibleShoes(Parameters):
         if self.highest_frequency is not None:
             yield "choose modes by number or by highest_frequency, not by both"
         if self.modes[0] < 1 or self.modes[-1] > self.mode_count:
-            yield f"modes must be in 1..{self.mode_count}, got {self.modes}"
+            yield f"modes must be in 1..{self.mode_count}, got {fields.shown(self.modes)}"
 
     @property
     def mode_count(self) -> int:

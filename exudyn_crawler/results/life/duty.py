@@ -13,6 +13,7 @@ from typing import Any, Literal, Self, get_args
 import numpy as np
 import pandas as pd
 
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Survival, option, quantity
 from exudyn_crawler.case.parameters.reading import read_parameters
 from exudyn_crawler.results.stress.hot_spots import Region
@@ -304,11 +305,11 @@ class Duty(DamageOptions):
             yield "runs or cases must be given, got neither"
         for what, several in (("runs'", names), ("stages'", stages)):
             if len(set(several)) != len(several):
-                yield f"the {what} names must differ, got {several}"
+                yield f"the {what} names must differ, got {fields.shown(several)}"
         if unknown := {one.stage for one in self.parts} - {*stages, None}:
-            yield f"stage must be one of {stages}, got {sorted(map(str, unknown))}"
+            yield f"stage must be one of {stages}, got {fields.shown(sorted(map(str, unknown)))}"
         if list(self.survivals) != sorted(set(self.survivals)):
-            yield f"survivals must be different and rise, got {self.survivals}"
+            yield f"survivals must be different and rise, got {fields.shown(self.survivals)}"
         for one in self.by_stage():
             _check_shares({run.name: run.share for run in one.runs if run.share is not None})
 

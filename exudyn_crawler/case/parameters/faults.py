@@ -1,0 +1,230 @@
+"""Words for what is wrong with values: a line a fault, with its path, what is allowed and what is there."""
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
+from types import UnionType
+from typing import Any, NamedTuple, Union, get_args, get_origin
+
+import pydantic
+from pydantic.fields import FieldInfo
+
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.errors import ParameterError
+
+MOST_ERRORS = 100  # that are named
+MISSING = 5  # values that one table lacks, which are named
+WORDS = (
+    *(("a valid number", "a number"), ("a valid integer", "a whole number"), ("a valid string", "a text")),
+    *(("a valid boolean", "true or false"), ("a valid array", "a list"), ("a valid tuple", "a list")),
+    *(("a valid list", "a list"), (" after validation", ""), ("be an object", "be a table")),
+    ("be a valid dictionary", "be a table"),
+)
+"""Those of pydantic, and what an engineer says."""
+PROFILE = "values over time, such as {{times = [0, 5], values = [0, 0.1]}} (numbers in {units})"
+COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(.*)")
+OTHER_KIND = ("_type", "literal_error", "is_instance_of", "enum")
+"""Ends of pydantic's names of faults of a value that is of another kind than what is wanted."""
+
+
+class Spot(NamedTuple):
+    """Place of an error."""
+
+    place: fields.KeyPath  # as a file has it
+    table: type[pydantic.BaseModel]  # class of the table there
+    field: FieldInfo | None
+    held: tuple[type[pydantic.BaseModel], ...]  # classes of which the field holds one
+    choice: fields.KeyPath | None = None  # place of a value of several kinds, such as text or list
+
+
+Pair = tuple[Spot, Mapping[str, Any]]
+"""Fault of pydantic with its spot."""
+
+
+def error_lines(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -> Iterator[str]:
+    """Errors of a validation of the values of `model`, a line each with its path."""
+    faults = error.errors(include_url=False)
+    lines = dict.fromkeys(" ".join(line.split()) for line in _lines(faults, model))
+    yield from list(lines)[:MOST_ERRORS]
+    if len(lines) > MOST_ERRORS:
+        yield f"{len(lines) - MOST_ERRORS} more errors"
+
+
+def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel]) -> Iterator[str]:
+    """Lines of pydantic's faults, in their order; those of a value of several kinds become one."""
+    spots = [(_spot(fault["loc"], model), fault) for fault in faults]
+    for (choice, table), group in groupby(spots, key=_together):
+        together = list(group)
+        if choice is not None:
+            yield from _of_choice(choice, together, model)
+        elif table is not None and len(together) > 1:
+            yield _all_missing(table, [spot for spot, _ in together])
+        else:
+            for spot, fault in together:
+                # what is in a list may be wrong, and not how many
+                loc = fault["loc"]
+                inside = (other for other in faults if other["loc"][: len(loc)] == loc and other is not fault)
+                if fault["type"] != "too_short" or not any(inside):
+                    yield from _messages(spot, fault, model)
+
+
+def _of_choice(
+    choice: fields.KeyPath, together: Sequence[Pair], model: type[pydantic.BaseModel]
+) -> Iterator[str]:
+    """Lines of a value that may be of several kinds: what is wrong within one, else what it may be."""
+    inner = [pair for pair in together if pair[0].place != choice or not _is_other_kind(pair[1])]
+    if inner:
+        for spot, fault in inner:
+            yield from _messages(spot, fault, model)
+        return
+    first, *others = [_wanted(fault) for _, fault in together]
+    words = " or ".join([first, *(word.removeprefix("must be ") for word in others)])
+    yield f"{fields.path_text(choice)}: {words}, got {fields.shown(together[0][1]['input'])}"
+
+
+def _together(pair: Pair) -> tuple[fields.KeyPath | None, fields.KeyPath | None]:
+    """Places of a value of several kinds and of a table that lacks values, whose faults are one line."""
+    spot, fault = pair
+    is_missing = fault["type"] == "missing" and spot.place and isinstance(spot.place[-1], str)
+    return spot.choice, spot.place[:-1] if is_missing else None
+
+
+def _all_missing(table: fields.KeyPath, spots: Sequence[Spot]) -> str:
+    """Line of several values that a table lacks."""
+    names = [str(spot.place[-1]) for spot in spots]
+    more = f" and {len(names) - MISSING} more" if len(names) > MISSING else ""
+    head = f"{fields.path_text(table)}: " if table else ""
+    missing = f"{head}{', '.join(names[:MISSING])}{more} are missing"
+    return f"{missing}{_start_from(spots[0].table, 'them')}"
+
+
+def _start_from(table: type[pydantic.BaseModel], what: str) -> str:
+    """Where what a table lacks can come from; empty where it has no named values."""
+    names = " or ".join(f'"{name}"' for name in fields.named_values(table))
+    return f"; give {what}, or start from {names}" if names else ""
+
+
+def _is_other_kind(fault: Mapping[str, Any]) -> bool:
+    """True where a value is of another kind than what is wanted."""
+    return str(fault["type"]).endswith(OTHER_KIND)
+
+
+def _spot(loc: fields.KeyPath, model: type[pydantic.BaseModel]) -> Spot:
+    """Spot of pydantic's place, which also names the class or the kind that was tried of several."""
+    spot = Spot((), model, None, (model,))
+    for part in loc:
+        tagged = [kind for kind in spot.held if len(spot.held) > 1 and fields.tag_of(kind) == part]
+        if tagged:
+            spot = spot._replace(held=tuple(tagged))
+        elif isinstance(part, int):
+            spot = spot._replace(place=(*spot.place, part))
+        elif spot.choice is None and _has_kinds(spot):
+            spot = spot._replace(choice=spot.place)
+        else:
+            table = spot.held[0] if spot.held else spot.table
+            field = table.model_fields.get(part)
+            is_beside = part and part == fields.beside(table)
+            place = spot.place if is_beside else (*spot.place, part)
+            held = fields.models_of(field.annotation) if field else ()
+            spot = Spot(place, table, field, held, spot.choice)
+    return spot
+
+
+def _has_kinds(spot: Spot) -> bool:
+    """True where a value of a field may be of several kinds, none of them a table."""
+    if spot.field is None or spot.held:
+        return False
+    if get_origin(spot.field.annotation) not in (Union, UnionType):
+        return False
+    return sum(kind is not type(None) for kind in get_args(spot.field.annotation)) > 1
+
+
+def _messages(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseModel]) -> Iterator[str]:
+    """Lines of a fault: one, or those of a part that was made with faults of its own."""
+    path = fields.path_text(spot.place)
+    cause = fault.get("ctx", {}).get("error")
+    if isinstance(cause, ParameterError):
+        yield from (f"{path}.{line}" for line in cause.errors)
+    else:
+        yield _message(spot, fault, model, f"{path}: " if path else "")
+
+
+def _message(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseModel], head: str) -> str:
+    """Line of a fault, behind its path."""
+    kind = fault["type"]
+    value = fault["input"]
+    if kind == "extra_forbidden":
+        allowed = fields.file_fields(model) if len(spot.place) == 1 else spot.table.model_fields
+        return head + unknown_key(spot.place, [*allowed])
+    if kind == "missing":
+        return _missing(spot, fault, head)
+    if kind == "value_error":
+        return head + fault["msg"].removeprefix("Value error, ").partition(", unable to ")[0]
+    if kind.startswith("union_tag") and isinstance(value, dict):
+        tags = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
+        tag = fields.tag_field(spot.held[0])
+        return f"{fields.path_text((*spot.place, tag))}: must be {tags}, got {fields.shown(value.get(tag))}"
+    unit = fields.unit_of(spot.field) if spot.field else ""
+    words = _wanted(fault)
+    cause = ""
+    if kind.startswith(("model", "union_tag")):
+        words = f"must be {_table(spot, unit)}"
+    elif kind == "float_type" and isinstance(value, str):
+        words = _number_words(unit)
+    elif spot.field is not None and fields.has_unit(spot.field) and isinstance(value, str) and not spot.held:
+        words = f"{words} of numbers{f' in {unit}' if unit else ''}" if words == "must be a list" else words
+    if spot.field is not None and _is_other_kind(fault) and isinstance(spot.place[-1], str):
+        other = fields.in_place(spot.field)
+        words += f", or {other}" if other else ""
+    if isinstance(value, str) and (comma := COMMA.fullmatch(value)):
+        cause = f"; numbers have a point: '{comma[1]}.{comma[2]}{comma[3]}'"
+    if kind.startswith(("less_than", "greater_than")) and spot.field and isinstance(value, int | float):
+        cause = fields.likely_cause(float(value), spot.field)
+    return f"{head}{words}, got {fields.shown(value)}{cause}"
+
+
+def _missing(spot: Spot, fault: Mapping[str, Any], head: str) -> str:
+    """Line of a value that is missing, with where one can come from."""
+    if spot.place and isinstance(spot.place[-1], int):
+        return f"{head}missing, got {fields.shown(fault['input'])}"
+    # a part whose values a file has beside the others has no path there
+    return f"{head or fields.path_text(fault['loc']) + ': '}missing{_start_from(spot.table, 'it')}"
+
+
+def _wanted(fault: Mapping[str, Any]) -> str:
+    """What a value must be, in an engineer's words."""
+    words = str(fault["msg"]).partition(", unable to ")[0]
+    for word, plain in WORDS:
+        words = words.replace(word, plain)
+    return re.sub("^[A-Z][a-z]+ should", "must", words)
+
+
+def _number_words(unit: str) -> str:
+    """What a number must be where a text stands."""
+    example = f", or such as '1 {next(iter(fields.MISTAKEN[unit]))}'" if unit in fields.MISTAKEN else ""
+    return f"must be a number{f' in {unit}' if unit else ''}{example}"
+
+
+def _table(spot: Spot, unit: str) -> str:
+    """What a table, or values over time, must be."""
+    if any(getattr(held, "is_value", False) for held in spot.held):
+        return PROFILE.format(units=f"s and {unit}" if unit else "s, and without a unit")
+    return f"a table ({' or '.join(held.__name__ for held in spot.held)})"
+
+
+RENAMED = {
+    "undercarriage": "is now [gear] with kind = 'rolled'",
+    "closed_track": "is now [gear] with kind = 'closed', or 'machine' for two tracks",
+    "car_body": "is now [gear.car_body] of a [gear] with kind = 'machine'",
+}
+"""Keys of older case files, and where their values are now."""
+
+
+def unknown_key(path: fields.KeyPath, allowed: Sequence[str]) -> str:
+    """Say what is wrong with a path whose last name is none of those that are allowed there."""
+    if len(path) == 1 and path[0] in RENAMED:
+        return RENAMED[str(path[0])]
+    near = difflib.get_close_matches(str(path[-1]), allowed, n=1)
+    meant = fields.path_text((*path[:-1], *near))
+    return f"unknown key; did you mean {meant}?" if near else f"unknown key; allowed are {', '.join(allowed)}"

@@ -1,0 +1,125 @@
+"""Words for what is wrong: of every field, in a line, without those of the library, and cut where long."""
+
+import json
+import re
+
+import pydantic
+import pytest
+
+import exudyn_crawler.results.checks.cases
+import exudyn_crawler.sweep.scatter
+from exudyn_crawler.case import CaseFile
+from exudyn_crawler.case.parameters import fields, loads, reading
+from exudyn_crawler.case.parameters.base import Parameters
+from exudyn_crawler.case.parameters.faults import error_lines
+from exudyn_crawler.ground.cells.laws import bekker, rock
+
+BAD = (
+    *("x", "", "386,4 kN", 5, -1, 1.5, True, [], [5], ["x"], [[1, 2]], [None], {}, {"a": 1}, {"model": "x"}),
+    *([{}], [{"a": 1}], {"times": [0], "values": ["x"]}, 1e300, [1.0, "x", True], [*range(9)] * 50),
+)
+LIBRARY = re.compile(
+    r"constrained-|function-|literal\[|tuple\[|list\[|NoneType|Input should|valid |validat|instance of|Field "
+    r"required|dictionary|_type\b|pydantic|union|callable|parsed|unpack"
+)
+LONGEST = 450
+
+
+def classes(kind=Parameters):
+    """All parameter classes."""
+    assert bekker
+    assert rock
+    assert exudyn_crawler.results.checks.cases
+    assert exudyn_crawler.sweep.scatter
+    for below in kind.__subclasses__():
+        # the class of a file has its case beside; that of all cycles says nothing of its phases
+        if not issubclass(below, CaseFile) and below is not loads.Cycle:
+            yield below
+        yield from classes(below)
+
+
+def lines_of(kind, content):
+    """Lines of a file's content, of a class of parameters."""
+    try:
+        kind.model_validate_json(json.dumps(reading.filled(content, kind)), strict=True)
+    except pydantic.ValidationError as error:
+        return list(error_lines(error, kind))
+    return []
+
+
+@pytest.mark.parametrize("kind", sorted(set(classes()), key=lambda kind: kind.__name__))
+def test_what_is_wrong_with_any_field_is_said_in_plain_words(kind):
+    for name in kind.model_fields:
+        for value in BAD:
+            for line in lines_of(kind, {name: value}):
+                assert len(line) <= LONGEST
+                assert not LIBRARY.search(line.partition("got ")[0]), line
+
+
+@pytest.fixture
+def refused(tmp_path):
+    """Lines with which a case file of these lines after its base is refused."""
+
+    def lines(text, base="translation"):
+        (tmp_path / "case.toml").write_text(f'base = "{base}"\n{text}\n')
+        with pytest.raises(reading.CaseFileError) as refusal:
+            exudyn_crawler.case.read_case(tmp_path / "case.toml")
+        return refusal.value.errors
+
+    return lines
+
+
+EQUAL = "or a load in N for all shoes, such as '386.4 kN', got "
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (
+            'loads = "386,4 kN"',
+            f"loads: must be a table (LoadCycle), {EQUAL}'386,4 kN'; numbers have a point: '386.4 kN'",
+        ),
+        ('loads = "386 kX"', f"loads: must be a table (LoadCycle), {EQUAL}'386 kX'"),
+        (
+            '[[loads.phases]]\nname = "a"\nend = 1\nloads = "4,5 kN"',
+            f"loads.phases[0].loads: must be a list of numbers in N, {EQUAL}'4,5 kN'; "
+            "numbers have a point: '4.5 kN'",
+        ),
+        (
+            '[shoe]\nmass = "4,5 t"',
+            "shoe.mass: must be a number in kg, or such as '1 t', got '4,5 t'; numbers have a point: '4.5 t'",
+        ),
+    ],
+)
+def test_a_decimal_comma_is_named(refused, text, line):
+    assert refused(text) == [line]
+
+
+def test_laws_of_soil_take_no_truth_value_or_text_for_a_number(refused):
+    ground = (
+        '[terrain]\nmodel = "cells"\norigin = [0, 0]\nlength = 40\nwidth = 20\n[contact]\nmodel = "cells"\n'
+    )
+    law = '[contact.law]\nbase = "lete_sand"\nmodel = "bekker"\nk_c = true\nk_phi = "3"\n'
+    assert refused(ground + law, "rolled") == [
+        "contact.law.k_c: must be a number, got True",
+        "contact.law.k_phi: must be a number in N/m^(exponent+2), got '3'",
+    ]
+    unknown = "contact.law.model: must be one of bekker, rock, got 'mud'"
+    assert refused(ground + '[contact.law]\nmodel = "mud"', "rolled") == [unknown]
+
+
+def test_long_lists_are_cut(refused):
+    (line,) = refused("[gear]\nslides = [[-2.7, 2.7, 1.3]]\ncarriers = []\nslide_step = 0.001", "closed")
+    assert "got three at x = -2.7, -2.699, -2.698 m; lines at least 0.31 m apart do" in line
+    (line,) = refused(f"[drive.speed]\ntimes = {[0.0] * 9000}\nvalues = {[0.0] * 9000}")
+    assert line.startswith("drive.speed: times must increase, got (0.0, 0.0, 0.0,")
+    assert line.endswith(", 0.0, ... (9000 values)")
+    assert len(line) < 150
+
+
+def test_a_value_of_several_kinds_has_one_line():
+    vary = exudyn_crawler.sweep.scatter.DutyScatter.model_fields["vary"]
+    (kind,) = fields.models_of(vary.annotation)
+    assert lines_of(kind, {"key": 5}) == ["key: must be a text or a list, got 5"]
+    assert lines_of(kind, {"key": [5]}) == ["key[0]: must be a text, got 5"]
+    assert lines_of(kind, {"key": ""}) == ["key: must have at least 1 character, got ''"]
