@@ -110,9 +110,9 @@ def test_a_cheek_without_a_name_and_a_top_without_its_flange_are_warned_of(ready
     y = middles(ready, "bore front right")[:, 1]
     with pytest.warns(
         fem.MeshWarning, match=r"axis of .*'bore front right' .* lies a part .* 0.0364\d m2"
-    ) as found:
+    ) as caught:
         check_whole(cut(ready, "bore front right", y < y.mean()))
-    assert len(found) == 1
+    assert len(caught) == 1
     with pytest.warns(fem.MeshWarning, match="'whole top' .* is 0.7 m wide on a shoe of 3.5 m"):
         check_whole(meshes.with_load_surfaces(ready.with_surfaces({"top": ready.surface("roller path")})))
     with pytest.warns(fem.MeshWarning, match="'top' .* ends inside a flat, of which it leaves out 0.5"):
