@@ -11,11 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fem.mesh import MeshError
+from fem.mesh_content import LARGEST_FILE
 
 DEEPEST = 20
 """Files that include each other."""
-LARGEST_FILE = 1 << 30
-"""Bytes of a mesh file, unpacked: a hundred times those of the finest ready mesh."""
 WITH_FILES = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE")
 """Keywords of a mesh whose data may stand in a file of their own."""
 _FIELD = re.compile(r'(?:[^,"]|"[^"]*"?)+')

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from fem.mesh import Integers, MeshError
-from fem.mesh_content import FileCells, FileContent
+from fem.mesh_content import LARGEST_FILE, FileCells, FileContent
 
 _KINDS = {
     "TR3": "triangle",
@@ -41,37 +41,46 @@ def read_med(path: Path) -> FileContent:
         If it is none, or holds several meshes or a mesh at several times.
     """
     try:
-        file = h5py.File(path, "r")
+        with h5py.File(path, "r") as file:
+            return _content(file)
+    except MeshError:
+        raise
     except OSError as error:
         raise MeshError("it holds no mesh as med: it is no HDF5 file, or a broken one") from error
-    with file:
-        if "ENS_MAA" not in file or len(file["ENS_MAA"]) != 1:
-            raise MeshError(f"it must hold one mesh, got {list(file.get('ENS_MAA', []))}; export one alone")
-        (name,) = file["ENS_MAA"]
-        mesh = file["ENS_MAA"][name]
-        if "NOE" not in mesh:
-            if len(mesh) != 1:
-                raise MeshError(f"its mesh must be of one time, got {len(mesh)}; export one alone")
-            (step,) = mesh
-            mesh = mesh[step]
-        coordinates = mesh["NOE"]["COO"]
-        points = coordinates[()].reshape(-1, int(coordinates.attrs["NBR"])).T
-        if points.shape[1] != 3:
-            raise MeshError(f"its nodes must have three coordinates, got {points.shape[1]}")
-        families = _families(file.get(f"FAS/{name}/ELEME"))
-        cells = [
-            _cells(_KINDS[kind], block, families) for kind, block in mesh["MAI"].items() if kind in _KINDS
-        ]
-        notes = []
-        node_groups = {
-            group for groups in _families(file.get(f"FAS/{name}/NOEUD")).values() for group in groups
-        }
-        if node_groups:
-            listed = ", ".join(map(repr, sorted(node_groups)))
-            notes.append(
-                f"groups of nodes do not say which faces are a surface, so that these are left out: {listed}"
-            )
-        return FileContent(points, cells, notes=notes)
+    except (AttributeError, KeyError, TypeError, ValueError, RuntimeError) as error:  # of what it lacks
+        raise MeshError(f"it holds no mesh as med: {' '.join(str(error).split())}") from error
+
+
+def _content(file: h5py.File) -> FileContent:
+    if "ENS_MAA" not in file or len(file["ENS_MAA"]) != 1:
+        raise MeshError(f"it must hold one mesh, got {list(file.get('ENS_MAA', []))}; export one alone")
+    (name,) = file["ENS_MAA"]
+    mesh = file["ENS_MAA"][name]
+    if "NOE" not in mesh:
+        if len(mesh) != 1:
+            raise MeshError(f"its mesh must be of one time, got {len(mesh)}; export one alone")
+        (step,) = mesh
+        mesh = mesh[step]
+    points = _rows(mesh["NOE"]["COO"])
+    if points.shape[1] != 3:
+        raise MeshError(f"its nodes must have three coordinates, got {points.shape[1]}")
+    families = _families(file.get(f"FAS/{name}/ELEME"))
+    cells = [_cells(_KINDS[kind], block, families) for kind, block in mesh["MAI"].items() if kind in _KINDS]
+    node_groups = {group for groups in _families(file.get(f"FAS/{name}/NOEUD")).values() for group in groups}
+    notes = []
+    if node_groups:
+        listed = ", ".join(map(repr, sorted(node_groups)))
+        notes.append(
+            f"groups of nodes do not say which faces are a surface, so that these are left out: {listed}"
+        )
+    return FileContent(points, cells, notes=notes)
+
+
+def _rows(numbers: h5py.Dataset) -> np.ndarray:
+    """Numbers of a file, which has them column by column, as rows."""
+    if numbers.nbytes > LARGEST_FILE:
+        raise MeshError(f"it must be at most {LARGEST_FILE >> 20} MiB large, got {numbers.nbytes >> 20} MiB")
+    return np.asarray(numbers[()].reshape(-1, int(numbers.attrs["NBR"])).T)
 
 
 def _families(entries: h5py.Group | None) -> dict[int, list[str]]:
@@ -87,7 +96,7 @@ def _families(entries: h5py.Group | None) -> dict[int, list[str]]:
 
 
 def _cells(kind: str, block: h5py.Group, families: Mapping[int, list[str]]) -> FileCells:
-    nodes: Integers = block["NOD"][()].reshape(-1, int(block["NOD"].attrs["NBR"])).T.astype(np.int64) - 1
+    nodes: Integers = _rows(block["NOD"]).astype(np.int64) - 1
     groups: dict[str, list[Integers]] = {}
     if "FAM" in block:
         family_of = block["FAM"][()]

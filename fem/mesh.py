@@ -72,7 +72,8 @@ def jacobian_determinants(nodes: Floats, elements: Integers, points: Floats | No
         at_edges = 4 * (points[:, a, None] * slopes[b] + points[:, b, None] * slopes[a])
         gradients = np.concatenate([at_corners, at_edges], axis=1)
     frames = np.einsum("pai,eac->epic", gradients, nodes[elements])
-    return np.linalg.det(frames)
+    with np.errstate(all="ignore"):  # of places that are no mesh's
+        return np.linalg.det(frames)
 
 
 def listed(numbers: np.ndarray, count: int = 5) -> str:
@@ -165,12 +166,12 @@ class Mesh:
 
     def _check_shape(self) -> None:
         nodes = self.nodes
-        bad = np.flatnonzero(jacobian_determinants(nodes, self.elements).min(axis=1) <= 0.0)
+        bad = np.flatnonzero(~(jacobian_determinants(nodes, self.elements).min(axis=1) > 0.0))
         if len(bad) == 0:
             return
         straight = jacobian_determinants(nodes, self.elements[bad, :4]).min(axis=1)
         inside = jacobian_determinants(nodes, self.elements[bad], STIFFNESS_POINTS).min(axis=1)
-        inverted = bad[np.minimum(straight, inside) <= 0.0]
+        inverted = bad[~(np.minimum(straight, inside) > 0.0)]
         first = inverted[0] if len(inverted) else bad[0]
         where = f"the first is at {nodes[self.elements[first, :4]].mean(axis=0).round(4).tolist()}"
         if len(inverted):

@@ -13,7 +13,16 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fem.distortion import straighten_distorted
-from fem.mesh import TETRA_FACES, Floats, Integers, Mesh, MeshError, boundary_faces, listed
+from fem.mesh import (
+    TETRA_FACES,
+    Floats,
+    Integers,
+    Mesh,
+    MeshError,
+    boundary_faces,
+    jacobian_determinants,
+    listed,
+)
 
 TRIANGLES = ("triangle", "triangle6")
 TETRAHEDRA = ("tetra", "tetra10")
@@ -21,6 +30,8 @@ OTHER_SOLIDS = ("hexahedron", "wedge", "pyramid", "polyhedron", "tetra")
 """How names of the kinds of solid cells begin that are no tetrahedra of 4 or 10 nodes."""
 SAME_PLACE = 1e-6
 """Of the body's size: nodes of shells that are nearer than this to a node of a solid are that node."""
+LARGEST_FILE = 1 << 30
+"""Bytes of a mesh file, unpacked: a hundred times those of the finest ready mesh."""
 LARGEST_PLACE = 1e12
 """Of coordinates, in any unit."""
 TURNED = np.array([1, 0, 2, 3, 4, 6, 5, 8, 7, 9])
@@ -122,6 +133,9 @@ def volume_mesh(content: FileContent) -> VolumeMesh:
     solids = [block for block in content.cells if block.kind == kind]
     elements = np.concatenate([block.nodes for block in solids]).astype(np.int64)
     _check_numbers(elements, len(content.points))
+    for block in content.cells:
+        if block.kind in TRIANGLES:
+            _check_numbers(block.nodes, len(content.points))
     notes = list(content.notes)
     used = np.unique(elements)
     wild = used[~(np.abs(content.points[used]) < LARGEST_PLACE).all(axis=1)]
@@ -179,9 +193,7 @@ def _turned_outside(points: Floats, elements: Integers) -> tuple[Integers, int]:
     neighbours has a negative volume, too: once numbered in the other sense it shares faces of the same sense
     with them.
     """
-    corners = points[elements[:, :4]]
-    volumes = np.linalg.det(corners[:, 1:] - corners[:, :1])
-    turned = volumes < 0.0
+    turned = jacobian_determinants(points, elements[:, :4])[:, 0] < 0.0
     if not turned.any():
         return elements, 0
     order = TURNED[: elements.shape[1]]

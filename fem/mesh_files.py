@@ -13,11 +13,11 @@ import meshio
 import numpy as np
 
 from fem.deck import read_deck
-from fem.deck_lines import LARGEST_FILE, text_of
+from fem.deck_lines import text_of
 from fem.gmsh_files import read_gmsh
 from fem.gmsh_sections import is_gmsh
 from fem.mesh import Mesh, MeshError, MeshWarning
-from fem.mesh_content import FileCells, FileContent, VolumeMesh, volume_mesh
+from fem.mesh_content import LARGEST_FILE, FileCells, FileContent, VolumeMesh, volume_mesh
 
 PHYSICAL = "gmsh:physical"
 SOLID_TAG = 1

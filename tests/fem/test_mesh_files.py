@@ -9,7 +9,7 @@ import pytest
 import fem
 from fem import deck_lines, mesh_files
 from tests.fem.bodies import box_mesh
-from tests.fem.decks import areas, same_faces, write_med, write_msh41
+from tests.fem.decks import Shells, areas, same_faces, solids_text, write_med, write_msh41
 from tests.fem.refusals import refused
 
 NAMES = [(2, 1, "top"), (2, 2, "path"), (2, 3, "under side's"), (3, 1, "solid"), (3, 2, "top")]
@@ -124,6 +124,15 @@ def test_groups_of_med_families_are_surfaces_and_fields_do_not_matter(tmp_path, 
     assert mesh.notes == (f"{count} of {count} elements are numbered in the other sense and were turned",)
 
 
+def test_shells_of_nodes_that_are_not_there_are_refused(tmp_path, box):
+    family_of = np.full(len(box.boundary), -1)
+    wild = type("Wild", (), {"nodes": box.nodes, "elements": box.elements, "order": box.order})()
+    wild.boundary = box.boundary + len(box.nodes)
+    write_med(tmp_path / "m.med", wild, {-1: ["top"]}, family_of)
+    words = "m.med: elements must refer to nodes of the file, got .* that do not: 0, 1"
+    refused(words, fem.read_mesh, tmp_path / "m.med", error=fem.MeshError)
+
+
 def test_broken_med_files_are_refused_in_a_line(tmp_path):
     (tmp_path / "m.med").write_bytes(b"junk")
     refused("m.med must be a mesh .* no HDF5 file", fem.read_mesh, tmp_path / "m.med", error=fem.MeshError)
@@ -166,3 +175,35 @@ def test_a_broken_archive_is_refused(tmp_path, box):
     for broken in (content[: len(content) // 2], content[:40] + b"\0\0\0\0" + content[44:]):
         (tmp_path / "m.msh.gz").write_bytes(broken)
         refused("m.msh.gz must be a mesh .*", fem.read_mesh, tmp_path / "m.msh.gz", error=fem.MeshError)
+
+
+CHANGES = [b"", b"\n", b",", b"-1", b"999999999999", b"*", b"$", b"nan", b"\0\0\0\0", b"1e308"]
+"""What takes the place of some bytes of a file."""
+
+
+@pytest.mark.filterwarnings("ignore::fem.MeshWarning")
+@pytest.mark.parametrize("name", ["a.inp", "text.msh", "binary.msh", "m.med"])
+def test_changed_files_are_meshes_or_refused_in_a_line(tmp_path, box, patches, name):
+    rng = np.random.default_rng(5)
+    named = box.with_surfaces({"top": patches[2]})
+    path = tmp_path / name
+    if name == "m.med":
+        write_med(path, box, {-1: ["top"]}, np.full(len(box.boundary), -1))
+    elif name == "a.inp":
+        shells = Shells(named, ["top"], "S3")
+        kind = {1: "C3D4", 2: "C3D10"}[box.order]
+        path.write_text(f"{solids_text(box, kind)}{shells.text}*ELSET, ELSET=top, GENERATE\n100000, 100001\n")
+    else:
+        write_msh41(path, box, patches, GROUPS, NAMES, binary=name == "binary.msh")
+    content = path.read_bytes()
+    refusals = []
+    for _ in range(60):
+        first = int(rng.integers(len(content)))
+        change = CHANGES[rng.integers(len(CHANGES))]
+        path.write_bytes(content[:first] + change + content[first + int(rng.integers(1, 9)) :])
+        try:
+            fem.read_mesh(path)
+        except fem.MeshError as error:
+            refusals.append(str(error))
+    assert all(name in refusal and "\n" not in refusal for refusal in refusals)
+    assert len(refusals) > 5
