@@ -17,11 +17,13 @@ import pandas as pd
 import pytest
 import tomlkit
 
+from docs.rooms import ROOT
 from exudyn_crawler import Case, History, cli
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.cli import commands
 from exudyn_crawler.results.checks.cases import read_check
+from exudyn_crawler.sweep.scatter import read_scatter
 from studies.commands import app as studies
 from tests.test_release import read
 
@@ -229,9 +231,27 @@ def test_a_study_of_several_runs_names_them(refused, tmp_path):
     assert names in refused("animate", "study")
 
 
+def test_files_of_studies_are_started_from(told, tmp_path):
+    told("init", "m113")
+    case = read_case(tmp_path / "m113.toml").case
+    assert (case.track.shoe_count, case.track.pitch, case.name) == (63, 0.154, "m113")
+    told("init", "carrier", "--study", "m113")
+    assert read_case(tmp_path / "carrier.toml").case == case.with_(name="carrier")
+    told("init", "weak", "--study", "duty_scatter")
+    assert read_scatter(tmp_path / "weak.toml") == read_scatter(ROOT / "studies" / "duty_scatter.toml")
+
+
+def test_init_refuses_unknown_names_with_the_known_ones(refused, tmp_path):
+    known = "study must be of ['closed', 'demo', 'duty', 'duty_scatter', 'forces', 'grounds', "
+    assert known in refused("init", "m114")
+    assert "got 'm114'; give 'm114' one to start from, such as --study kinematics" in refused("init", "m114")
+    assert "got 'duty'" in refused("info", "duty")
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.simulation
 def test_a_case_is_written_changed_run_and_shown(call, told, tmp_path):
-    assert "exudyn-crawler run soft.toml" in told("init", "soft")
+    assert "exudyn-crawler run soft.toml" in told("init", "soft", "--study", "kinematics")
     path = tmp_path / "soft.toml"
     wanted = CaseFile(case=Case.translation().with_(name="soft"), duration=10.0)
     # as read by people: digits that are rounding alone are not written
@@ -346,8 +366,8 @@ DURATION = "error: Invalid value for '--duration': duration must be positive and
         ("report nowhere", "no folder nowhere"),
         ("animate nowhere.nc", "no history at nowhere.nc"),
         ("init", "Missing argument 'NAME'"),
-        ("init own --study opera", "study must be of ['closed', 'demo', 'forces', "),
-        ("init nowhere/case", "nowhere/case.toml"),
+        ("init own --study opera", "study must be of ['closed', 'demo', 'duty', "),
+        ("init nowhere/closed", "nowhere/closed.toml"),
         ("run a.toml --out ''", "no value may be empty, got ['run', 'a.toml', '--out', '']"),
         ("studies stress --out=", "no value may be empty, got ['stress', '--out=']"),
         ("run ''", "no value may be empty, got ['run', '']"),

@@ -7,11 +7,13 @@ import inspect
 import re
 import signal
 import sys
+import tomllib
 import traceback
 import warnings
 from collections.abc import Callable
 from functools import wraps
 from importlib.metadata import EntryPoints, entry_points
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -85,11 +87,34 @@ def study_cases() -> EntryPoints:
     return entry_points(group=CASES)
 
 
+def study_files() -> dict[str, Path]:
+    """Files of studies to start from (cases, duties, sweeps), by name: those beside the studies' cases."""
+    packages = {point.module.partition(".")[0] for point in study_cases()}
+    folders = [folder for package in packages for folder in find_spec(package).submodule_search_locations]
+    return {path.stem: path for folder in folders for path in sorted(Path(folder).glob("*.toml"))}
+
+
+def is_case(file: Path) -> bool:
+    """True for a case file, of all kinds of files of parameters."""
+    from exudyn_crawler.case.parameters import fields
+
+    content = tomllib.loads(file.read_text(encoding="utf-8"))
+    return content.keys() <= {fields.BASE, *fields.file_fields(crawler.CaseFile)}
+
+
+def study_names(cases: bool = False) -> list[str]:
+    """Names of all that a file can start from, or of `cases` alone."""
+    files = [name for name, file in study_files().items() if not cases or is_case(file)]
+    return sorted({*study_cases().names, *files})
+
+
 def study_case(name: str) -> "crawler.CaseFile":
-    """Case of a study to start from; raises `ValueError` if there is no such study."""
-    if name not in study_cases().names:
-        raise ValueError(f"study must be of {sorted(study_cases().names)}, got {name!r}")
-    return study_cases()[name].load()()
+    """Case of a study to start from; raises `ValueError` if there is no such study, or it has no case."""
+    if name in study_cases().names:
+        return study_cases()[name].load()()
+    if name in study_names(cases=True):
+        return crawler.read_case(study_files()[name])
+    raise ValueError(f"study must be of {study_names(cases=True)}, got {name!r}")
 
 
 def command(app: typer.Typer, example: str) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -4,6 +4,8 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 """
 
 import json
+import os
+import re
 from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
@@ -48,16 +50,48 @@ def common(
     """Options before the name of a command."""
 
 
+REFERENCE = re.compile(r'^((?:check|duty|folder)\s*=\s*)"([^"]+)"', re.MULTILINE)
+"""Line of a study's file that names another file, from its own folder."""
+
+
+def copy_study(file: Path, path: Path, overwrite: bool) -> None:
+    """Copy a study's file to a path, from which it names the same other files."""
+    from exudyn_crawler.files import whole_file
+
+    def moved(line: re.Match[str]) -> str:
+        target = (file.parent / line[2]).resolve()
+        if "/" not in line[2] and not target.exists():
+            return line[0]
+        return f'{line[1]}"{Path(os.path.relpath(target, path.resolve().parent)).as_posix()}"'
+
+    with whole_file(path, overwrite) as temporary:
+        text = REFERENCE.sub(moved, file.read_text(encoding="utf-8"))
+        temporary.write_text(text, encoding="utf-8")
+
+
 @command("exudyn-crawler init my_track --study closed")
 def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
-    study: Annotated[str | None, typer.Option(help=f"study to start from; that of NAME, or {START}")] = None,
+    study: Annotated[
+        str | None, typer.Option(help="study to start from, as m113; that of NAME, if not given")
+    ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Write a case file with every value, its unit and its meaning, to be changed and run."""
+    """Write a case file with every value, its unit and its meaning, to be changed and run.
+
+    Studies of duties and sweeps are copied as they are.
+    """
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
-    of_name = path.stem if path.stem in application.study_cases().names else START
-    case_file = application.study_case(study or of_name)
+    start, known = study or path.stem, application.study_names()
+    if start not in known:
+        how = "" if study else f"; give {path.stem!r} one to start from, such as --study {START}"
+        raise ValueError(f"study must be of {known}, got {start!r}{how}")
+    file = application.study_files().get(start)
+    if file is not None and not application.is_case(file):
+        copy_study(file, path, overwrite)
+        typer.echo(f"{path}: edit it; its first lines say which command runs it")
+        return
+    case_file = application.study_case(start)
     written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite, by_hand=True)
     typer.echo(f"{written}: edit it, then run it: exudyn-crawler run {written}")
 
@@ -73,7 +107,7 @@ def info(
     from exudyn_crawler.case.case_file import nearest_base, run_lines
     from exudyn_crawler.case.parameters import checks, fields
 
-    studies = sorted(application.study_cases().names)
+    studies = application.study_names(cases=True)
     if case in studies:
         if changes:
             raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")

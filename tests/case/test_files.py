@@ -221,8 +221,14 @@ def test_all_faults_are_told_at_once(refused):
 
 
 def test_of_many_errors_the_first_are_named_and_all_counted(refused):
-    faults = refused('base = "translation"\n' + "".join(f"key{k} = 1\n" for k in range(10_000)))
-    assert [fault.partition(":")[0] for fault in faults[:100]] == [f"key{k}" for k in range(100)]
+    (fault,) = refused('base = "translation"\n' + "".join(f"key{k} = 1\n" for k in range(10_000)))
+    assert fault.startswith(
+        "key0, key1, key2, key3, key4 and 9995 more: unknown keys; allowed are name, shoe,"
+    )
+    faults = refused(f'base = "translation"\n[drive.speed]\ntimes = {["x"] * 10_000}\n')
+    assert [fault.partition(":")[0] for fault in faults[:100]] == [
+        f"drive.speed.times[{k}]" for k in range(100)
+    ]
     assert faults[100:] == ["9900 more errors"]
 
 

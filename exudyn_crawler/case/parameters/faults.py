@@ -14,7 +14,8 @@ from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import ParameterError
 
 MOST_ERRORS = 100  # that are named
-MISSING = 5  # values that one table lacks, which are named
+NAMED = 5  # values that one table lacks, or keys that it does not know, which are named
+OF_TABLES = ("missing", "extra_forbidden")
 WORDS = (
     *(("a valid number", "a number"), ("a valid integer", "a whole number"), ("a valid string", "a text")),
     *(("a valid boolean", "true or false"), ("a valid array", "a list"), ("a valid tuple", "a list")),
@@ -59,7 +60,8 @@ def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel])
         if choice is not None:
             yield from _of_choice(choice, together, model)
         elif table is not None and len(together) > 1:
-            yield _all_missing(table, [spot for spot, _ in together])
+            say = _all_missing if together[0][1]["type"] == "missing" else _all_unknown
+            yield say(table[0], [spot for spot, _ in together], model)
         else:
             for spot, fault in together:
                 # what is in a list may be wrong, and not how many
@@ -83,20 +85,40 @@ def _of_choice(
     yield f"{fields.path_text(choice)}: {words}, got {fields.shown(together[0][1]['input'])}"
 
 
-def _together(pair: Pair) -> tuple[fields.KeyPath | None, fields.KeyPath | None]:
-    """Places of a value of several kinds and of a table that lacks values, whose faults are one line."""
+def _together(pair: Pair) -> tuple[fields.KeyPath | None, tuple[fields.KeyPath, str] | None]:
+    """Places of a value of several kinds and of a table, whose faults are one line, and what kind it is.
+
+    A table lacks values, or has keys that it does not know.
+    """
     spot, fault = pair
-    is_missing = fault["type"] == "missing" and spot.place and isinstance(spot.place[-1], str)
-    return spot.choice, spot.place[:-1] if is_missing else None
+    is_of_table = fault["type"] in OF_TABLES and spot.place and isinstance(spot.place[-1], str)
+    return spot.choice, (spot.place[:-1], fault["type"]) if is_of_table else None
 
 
-def _all_missing(table: fields.KeyPath, spots: Sequence[Spot]) -> str:
+def _all_missing(table: fields.KeyPath, spots: Sequence[Spot], _model: type[pydantic.BaseModel]) -> str:
     """Line of several values that a table lacks."""
-    names = [str(spot.place[-1]) for spot in spots]
-    more = f" and {len(names) - MISSING} more" if len(names) > MISSING else ""
+    return f"{_names(table, spots)} are missing{_start_from(spots[0].table, 'them')}"
+
+
+def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydantic.BaseModel]) -> str:
+    """Line of several keys that a table does not know."""
+    allowed = fields.file_fields(model) if not table else spots[0].table.model_fields
+    nearest = {name: difflib.get_close_matches(name, allowed, n=1) for name in _last_names(spots[:NAMED])}
+    meant = [f"did you mean {near[0]} for {name}? " for name, near in nearest.items() if near]
+    return f"{_names(table, spots)}: unknown keys; {''.join(meant)}allowed are {', '.join(allowed)}"
+
+
+def _names(table: fields.KeyPath, spots: Sequence[Spot]) -> str:
+    """Path of a table and the last names of some places in it."""
+    names = _last_names(spots)
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     head = f"{fields.path_text(table)}: " if table else ""
-    missing = f"{head}{', '.join(names[:MISSING])}{more} are missing"
-    return f"{missing}{_start_from(spots[0].table, 'them')}"
+    return f"{head}{', '.join(names[:NAMED])}{more}"
+
+
+def _last_names(spots: Sequence[Spot]) -> list[str]:
+    """Names at the ends of some places."""
+    return [str(spot.place[-1]) for spot in spots]
 
 
 def _start_from(table: type[pydantic.BaseModel], what: str) -> str:
