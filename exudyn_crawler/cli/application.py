@@ -12,8 +12,8 @@ import traceback
 import warnings
 from collections.abc import Callable
 from functools import wraps
+from importlib import resources
 from importlib.metadata import EntryPoints, entry_points
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -90,8 +90,8 @@ def study_cases() -> EntryPoints:
 def study_files() -> dict[str, Path]:
     """Files of studies to start from (cases, duties, sweeps), by name: those beside the studies' cases."""
     packages = {point.module.partition(".")[0] for point in study_cases()}
-    folders = [folder for package in packages for folder in find_spec(package).submodule_search_locations]
-    return {path.stem: path for folder in folders for path in sorted(Path(folder).glob("*.toml"))}
+    folders = [Path(str(resources.files(package))) for package in packages]
+    return {path.stem: path for folder in folders for path in sorted(folder.glob("*.toml"))}
 
 
 def is_case(file: Path) -> bool:
