@@ -257,6 +257,10 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         workers: Annotated[
             int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
         ] = None,
+        wait: Annotated[
+            float | None,
+            typer.Option(help="s to go on without a worker of the scheduler; no limit, if not given", min=0),
+        ] = None,
         retry: Annotated[bool, typer.Option("--retry", help="run failed runs again")] = False,
     ) -> None:
         if missing := [module for module in NEEDED if find_spec(module) is None]:
@@ -271,6 +275,8 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
             )
         if scheduler is not None and workers is not None:
             raise ValueError("--workers must be left out with --scheduler, which has workers of its own")
+        if scheduler is None and wait is not None:
+            raise ValueError("--wait must be left out without --scheduler: this machine starts its workers")
         from exudyn_crawler.sweep import running
 
         how: dict[str, Any] = {"workers": workers, "retry": retry}
@@ -282,7 +288,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
             if not isinstance(plan, DutyScatter):
                 typer.echo(running.folder_state(plan, folder, **how))
             return
-        done = running.run_sweep(plan, folder, scheduler=scheduler, say=typer.echo, **how)
+        done = running.run_sweep(plan, folder, scheduler=scheduler, wait=wait, say=typer.echo, **how)
         show(done)
         failed = int((done.table["status"] != "done").sum())
         more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""

@@ -2,36 +2,57 @@
 
 import logging
 import os
-import tempfile
+import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import islice
-from os.path import exists
+from multiprocessing import spawn
 from pathlib import Path
+from queue import Empty, SimpleQueue
+from threading import Lock, Thread
+from typing import Any, TypeAlias
 from unittest.mock import patch
 
 import dask
 import distributed
 
 from exudyn_crawler.errors import GOES_ON, CrawlerError
-from exudyn_crawler.sweep.worker import Outcome, Task, check_versions, own_versions, run_task, write_outcome
+from exudyn_crawler.sweep.worker import (
+    Outcome,
+    Task,
+    check_versions,
+    own_versions,
+    run_task,
+    sees,
+    token_in,
+    write_outcome,
+)
 
 CONNECT_WAIT = 20.0  # s to wait for a scheduler
-WORKER_WAIT = 120.0  # s to wait for the first worker: a batch system may have to start it
+START_WAIT = 300.0  # s to wait for the first process on this machine
+LOOK = 1.0  # s between looks at how many workers there are
 LEAST_AHEAD, AHEAD = 64, 4
-"""Tasks that the scheduler holds: so many at least, and so many a worker. It never has all of a sweep."""
+"""Tasks that the scheduler holds: at least, and for each worker. It never has all of a sweep."""
+
+Scheduler: TypeAlias = str | os.PathLike[str] | distributed.Client | distributed.deploy.Cluster
+"""Where a sweep runs: an address, a scheduler file, or an object of Dask."""
+
+_one_run = Lock()
+"""Held by the run of this process: two would write into each other's logs."""
 
 
 @contextmanager
 def connected(
-    scheduler: str | None, workers: int | None, runs: Path, report: Callable[[str], None]
+    scheduler: Scheduler | None, workers: int | None, runs: Path, report: Callable[[str], None]
 ) -> Iterator[distributed.Client]:
-    """Client of a cluster whose workers can do what a sweep asks for, and see the folder of its runs.
+    """Client of a cluster whose workers, as far as they are there, can do what a sweep asks for.
 
-    Arguments as of `run_sweep`. The scheduler does not become the process's own: one that never answered
-    would stay that, and whoever saves a dataset afterwards would be sent to it. Raises `ValueError` if no
-    scheduler answers, or its workers are not fit.
+    Arguments are those of `run_sweep`; all workers have to see the folder of its runs. The scheduler does not
+    become that of the process: one that never answered would stay it, and whoever saves a dataset afterwards
+    would be sent to it. Raises `ValueError` if no scheduler answers, or its workers are not fit.
     """
     # a scheduler that is lost is said in a line, other versions by check_versions in one of what matters
     with distributed.utils.silence_logging_cmgr(logging.CRITICAL), warnings.catch_warnings():
@@ -39,89 +60,229 @@ def connected(
         with _local(workers) if scheduler is None else _remote(scheduler) as client:
             if client.dashboard_link:
                 report(f"dashboard: {client.dashboard_link}")
-            if not client.scheduler_info()["workers"]:
-                report(f"waiting up to {WORKER_WAIT:g} s for a worker at {client.scheduler.address}")
-            _check_workers(client, runs)
-            yield client
+            with token_in(runs, client.id):
+                _check_workers(client, runs)
+                yield client
 
 
 @contextmanager
 def _local(workers: int | None) -> Iterator[distributed.Client]:
     count = workers or os.cpu_count() or 1
-    quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
     environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
     with (
         # Dask puts the environment of its workers into this process, too, which would go on with one thread
         patch.dict(os.environ),
+        # workers need nothing of the script that calls: one without a guard would sweep in each of them
+        patch.object(spawn, "get_preparation_data", _without_script(spawn.get_preparation_data)),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
-        # a process a run: two in one would wait for each other, and write into each other's logs
-        distributed.LocalCluster(n_workers=count, threads_per_worker=1, processes=True, **quiet) as cluster,
+        _scheduler() as cluster,
         distributed.Client(cluster, set_as_default=False) as client,
     ):
+        cluster.scale(count)
+        try:
+            client.wait_for_workers(1, timeout=START_WAIT)
+        except TimeoutError as error:
+            raise OSError(f"no process of {count} has started within {START_WAIT:g} s") from error
         yield client
 
 
-def _remote(scheduler: str) -> distributed.Client:
+@contextmanager
+def _scheduler() -> Iterator[distributed.LocalCluster]:
+    """Scheduler on this machine, still without workers; an interrupt waits until it can be closed."""
+    started: Future[distributed.LocalCluster] = Future()
+
+    def start() -> None:
+        # a process a run: two in one would wait for each other
+        how: dict[str, Any] = {"n_workers": 0, "threads_per_worker": 1, "processes": True}
+        how |= {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
+        try:
+            started.set_result(distributed.LocalCluster(**how))
+        except Exception as error:
+            started.set_exception(error)
+
+    Thread(target=start, daemon=True).start()
     try:
-        is_file = Path(scheduler).suffix == ".json"
-        if is_file and not Path(scheduler).is_file():
+        cluster = started.result()
+    except KeyboardInterrupt:
+        started.result().close()
+        raise
+    with cluster:
+        yield cluster
+
+
+def _without_script(data_of: Callable[[str], dict[str, Any]]) -> Callable[[str], dict[str, Any]]:
+    """Preparation of a spawned process that does not import the main module."""
+
+    def data(name: str) -> dict[str, Any]:
+        return {key: value for key, value in data_of(name).items() if not key.startswith("init_main")}
+
+    return data
+
+
+@contextmanager
+def _remote(scheduler: Scheduler) -> Iterator[distributed.Client]:
+    if isinstance(scheduler, distributed.Client):
+        if scheduler.asynchronous:
+            raise ValueError("scheduler must be a client that waits for its results, got an asynchronous one")
+        yield scheduler
+        return
+    with _client(scheduler) as client:
+        yield client
+
+
+def _client(scheduler: Scheduler) -> distributed.Client:
+    """Client of a cluster, or of a scheduler by its address or file."""
+    how: dict[str, Any] = {"timeout": CONNECT_WAIT, "set_as_default": False}
+    try:
+        if not isinstance(scheduler, str | os.PathLike):
+            return distributed.Client(scheduler, **how)
+        where = os.fspath(scheduler)
+        if Path(where).suffix != ".json":
+            return distributed.Client(where, **how)
+        if not Path(where).is_file():
             raise FileNotFoundError("no such file")
-        where = {"scheduler_file" if is_file else "address": scheduler}
-        return distributed.Client(**where, timeout=CONNECT_WAIT, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
+        return distributed.Client(scheduler_file=where, **how)
+    except (OSError, ValueError, TypeError, TimeoutError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"scheduler must be one that answers, got {scheduler}: {reason}") from error
 
 
 def _check_workers(client: distributed.Client, runs: Path) -> None:
-    """Refuse workers that could not do what a sweep asks for; a scheduler may get some only by and by."""
-    try:
-        client.wait_for_workers(1, timeout=WORKER_WAIT)
-    except TimeoutError as error:
-        there = client.scheduler.address
-        raise ValueError(f"{there} must have a worker within {WORKER_WAIT:g} s, got none") from error
-    # by name: a worker without the package fails on the import, which is reported apart
-    for where, answer in client.run(own_versions, on_error="return").items():
+    """Refuse workers that are there and could not do what a sweep asks for; others come only by and by."""
+    # by name: a worker without the package fails on the import
+    answers = client.run(check_worker, own_versions(), str(runs), client.id, on_error="return")
+    for where, answer in answers.items():
+        if isinstance(answer, ValueError):
+            raise answer
         if isinstance(answer, BaseException):
             raise ValueError(f"worker {where} does not have the package: {answer}")
-        check_versions(own_versions(), answer, where)
-    with tempfile.NamedTemporaryFile(prefix=".seen-", dir=runs) as token:
-        for where, sees in client.run(exists, token.name).items():
-            if not sees:
-                raise ValueError(f"worker {where} must see {runs}: put it on storage that all machines share")
+
+
+def check_worker(
+    versions: dict[str, str], runs: str, token: str | None, dask_worker: distributed.Worker
+) -> None:
+    """Refuse, by a ValueError, a worker of other versions, of several threads, or that sees no token."""
+    where = dask_worker.address
+    check_versions(versions, own_versions(), where)
+    threads = dask_worker.state.nthreads
+    if threads > 1:
+        raise ValueError(
+            f"worker {where} must have one thread, got {threads}: a run needs a process of its own, start "
+            "workers with --nthreads 1 and as many as there are cores (--nworkers)"
+        )
+    if token is not None and not sees(runs, token):
+        raise ValueError(f"worker {where} must see {runs}: put it on storage that all machines share")
 
 
 def run_alone(task: Task) -> Outcome:
-    """Do a task as `run_task`, on a worker of a cluster."""
+    """Do a task as `run_task`, on a worker of a cluster; raises as `check_worker`."""
+    check_worker(task.versions, task.runs, task.token, distributed.get_worker())
     # xarray would take locks of the cluster for files that a run has for itself
-    with dask.config.set(scheduler="synchronous"):
+    with _one_run, dask.config.set(scheduler="synchronous"):
         return run_task(task)
 
 
 def outcomes(
-    client: distributed.Client, tasks: Iterator[Task], run: Callable[[Task], Outcome] = run_alone
-) -> Iterator[Outcome]:
-    """Outcomes as they come; raises as `check_versions`, and ConnectionError if the scheduler is lost."""
-    running = distributed.as_completed(loop=client.loop, raise_errors=False)
-    held: dict[str, Task] = {}
+    client: distributed.Client,
+    tasks: Iterator[Task],
+    run: Callable[[Task], Outcome] = run_alone,
+    wait: float | None = None,
+    report: Callable[[str], None] = lambda _text: None,
+) -> Generator[Outcome, None, None]:
+    """Outcomes of tasks as they come.
 
-    def submit(count: int) -> None:
-        for task in islice(tasks, count):
-            future = client.submit(run, task, key=f"run-{task.digest}", pure=False)
-            held[future.key] = task
-            running.add(future)
+    Tasks are submitted before there is a worker: adaptive clusters start one only then. Raises as
+    `check_worker`, TimeoutError if there is no worker for `wait` s, ConnectionError if the scheduler is lost.
+    """
+    submitted = _Submitted(client, tasks, run)
+    try:
+        submitted.fill()
+        awaited = _Awaited(client.scheduler.address, wait, report)
+        looked = time.monotonic()
+        while submitted.held:
+            outcome = submitted.next(LOOK)
+            if outcome is not None:
+                yield outcome
+            if time.monotonic() > looked + LOOK:
+                awaited.look(submitted.fill())
+                looked = time.monotonic()
+    except (distributed.client.FutureCancelledError, distributed.comm.CommClosedError) as error:
+        raise ConnectionError(f"the scheduler was lost; finished runs are kept: {GOES_ON}") from error
+    finally:
+        submitted.cancel()
 
-    submit(max(LEAST_AHEAD, AHEAD * len(client.scheduler_info()["workers"])))
-    for future in running:
-        task = held.pop(future.key)
+
+class _Submitted:
+    """Tasks that a scheduler holds; all of a sweep would be too many."""
+
+    def __init__(
+        self, client: distributed.Client, tasks: Iterator[Task], run: Callable[[Task], Outcome]
+    ) -> None:
+        self.client, self.tasks, self.run = client, tasks, run
+        self.held: dict[str, tuple[distributed.Future, Task]] = {}
+        self.finished: SimpleQueue[str] = SimpleQueue()
+
+    def fill(self) -> int:
+        """Submit tasks for all workers there are, and return the number of these."""
         try:
-            outcome = future.result()
+            workers = len(self.client.nthreads())
+        except OSError as error:
+            raise distributed.comm.CommClosedError(str(error)) from error
+        self._submit(max(LEAST_AHEAD, AHEAD * workers) - len(self.held))
+        return workers
+
+    def _submit(self, count: int) -> None:
+        for task in islice(self.tasks, max(count, 0)):
+            seen = replace(task, token=self.client.id)
+            future = self.client.submit(self.run, seen, key=f"run-{task.digest}", pure=False)
+            self.held[future.key] = future, task
+            future.add_done_callback(lambda done: self.finished.put(done.key))
+
+    def next(self, timeout: float) -> Outcome | None:
+        """Outcome of a task that has finished, in whose place another one is submitted.
+
+        None if no task finishes within a time (s); raises what the task raised.
+        """
+        try:
+            future, task = self.held.pop(self.finished.get(timeout=timeout))
+        except Empty:
+            return None
+        try:
+            outcome: Outcome = future.result()
         except distributed.scheduler.KilledWorker as error:
             times, last = error.allowed_failures + 1, error.last_worker.address
             reason = f"{times} workers died while they ran it, the last one {last}"
             outcome = write_outcome(task, CrawlerError(reason), {})
-        except (distributed.client.FutureCancelledError, distributed.comm.CommClosedError) as error:
-            raise ConnectionError(f"the scheduler was lost; finished runs are kept: {GOES_ON}") from error
+        except ImportError as error:
+            raise ValueError(f"a worker does not have the package: {error}") from error
         future.release()
-        yield outcome
-        submit(1)
+        self._submit(1)
+        return outcome
+
+    def cancel(self) -> None:
+        """Let the scheduler forget the tasks that are left: it may go on without this sweep."""
+        if self.held and self.client.status == "running":
+            self.client.cancel([future for future, _ in self.held.values()])
+
+
+class _Awaited:
+    """Workers that a batch system starts as its queue lets it."""
+
+    def __init__(self, address: str, wait: float | None, report: Callable[[str], None]) -> None:
+        self.address, self.wait, self.report = address, wait, report
+        self.seen = time.monotonic()
+        self.is_told = False
+
+    def look(self, workers: int) -> None:
+        """Say once that there is none; TimeoutError if there has been none for too long."""
+        if workers:
+            self.seen = time.monotonic()
+            self.is_told = False
+            return
+        if self.wait is not None and time.monotonic() - self.seen > self.wait:
+            limit = f"within {self.wait:g} s"
+            raise TimeoutError(f"{self.address} must have a worker {limit}, got none: {GOES_ON}")
+        if not self.is_told:
+            limit = "as long as it takes" if self.wait is None else f"up to {self.wait:g} s"
+            self.report(f"waiting for a worker at {self.address}, {limit}")
+            self.is_told = True

@@ -2,7 +2,9 @@
 
 import os
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.parameters.fields import in_units
@@ -12,13 +14,17 @@ from exudyn_crawler.sweep import answers, page, results, scatter
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
+if TYPE_CHECKING:
+    from exudyn_crawler.sweep.cluster import Scheduler
+
 
 def run_sweep(
     sweep: scatter.AnySweep,
     out: str | Path,
     *,
-    scheduler: str | None = None,
+    scheduler: "Scheduler | None" = None,
     workers: int | None = None,
+    wait: float | None = None,
     retry: bool = False,
     progress: bool | None = None,
     say: Callable[[str], None] = record.quiet,
@@ -27,16 +33,17 @@ def run_sweep(
 
     A sweep that was stopped goes on when it is run into the same folder; one with more values or other
     answers takes what is there. Runs that fail do not stop the others. Draws from a duty are no runs: their
-    lives are weighed in this process, with errors as of `life`. A script that calls this without a scheduler
-    does so below ``if __name__ == "__main__":``, since its worker processes import it.
+    lives are evaluated in this process, with errors as of `life`.
 
     Every run has a folder in `runs` of `out`, which all workers have to share.
-    `scheduler` is the address or scheduler file of a Dask cluster; without, one of this machine's has so many
-    `workers`, one a core if None. `retry` runs those anew that have failed; the others are as of `run_case`.
+    `scheduler` is a Dask cluster: its address or scheduler file, a cluster object or a client; without, one
+    of this machine's has `workers` processes, one a core if None. Runs are submitted before a worker is
+    there; `wait` limits the time (s) without one. `retry` repeats runs that have failed; see `run_case` for
+    the other arguments.
 
     A ValueError before anything runs if values do not fit each other, no scheduler answers, a worker has
-    other versions or does not see the folder; an OSError if another sweep works in the folder, or it cannot
-    be written to.
+    other versions, several threads, or does not see the folder, and later if one joins that does; a
+    TimeoutError beyond `wait`; an OSError if another sweep works in the folder, or it cannot be written to.
     """
     sweep.planned  # noqa: B018 - refuses runs before a folder is made
     folder = writable_folder(Path(out))
@@ -61,8 +68,9 @@ def run_sweep(
                 work.timed("runs"),
                 connected(scheduler, workers, runs, work.say) as client,
                 parts.progress_bar("sweep", len(missing), progress, unit="runs") as tell,
+                closing(outcomes(client, tasks, wait=wait, report=work.say)) as finished,
             ):
-                for count, outcome in enumerate(outcomes(client, tasks), 1):
+                for count, outcome in enumerate(finished, 1):
                     stored[outcome["digest"]] = outcome
                     if outcome["status"] == FAILED:
                         work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
@@ -119,9 +127,10 @@ def tasks_of(
 ) -> Iterator[Task]:
     """Tasks of planned runs, each made when it is asked for: all cases take too much memory."""
     shared = None if reductions is None else str(reductions.resolve())
-    for one in missing:
-        case, asked = sweep.case_of(one.values)[0].model_dump_json(), answers.ANSWERS.dump_json(one.asked)
-        yield Task(one.digest, case, asked.decode(), str(runs), shared, own_versions(), again=retry)
+    for planned in missing:
+        case = sweep.case_of(planned.values)[0].model_dump_json()
+        asked = answers.ANSWERS.dump_json(planned.asked).decode()
+        yield Task(planned.digest, case, asked, str(runs), shared, own_versions(), again=retry)
 
 
 def run_time(case_file: CaseFile) -> float:

@@ -5,7 +5,8 @@ import os
 import platform
 import time
 import warnings
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
@@ -24,6 +25,7 @@ LOCK_WAIT = 600.0
 """s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
 DONE, FAILED = "done", "failed"
 OUTCOME = "outcome.json"  # what became of a run of a sweep, in its folder
+SEEN = ".seen"  # in the folder of the folders of runs, while a sweep goes on
 Outcome = dict[str, Any]
 """Of a run: digest, status ("done" or "failed"), reason, answers by name, asked (definitions of the answers),
 wall_time_s, processor_time_s, host, process and finished."""
@@ -40,6 +42,7 @@ class Task:
     reductions: str | None  # folder of reductions of flexible shoes; None: that of the worker's machine
     versions: dict[str, str]  # of the client
     again: bool = False  # also if it has failed
+    token: str | None = None  # text of `SEEN` that the worker has to read in the folder; None: unchecked
 
 
 @cache
@@ -56,6 +59,25 @@ def check_versions(wanted: dict[str, str], there: dict[str, str], where: str) ->
     differing = [f"{name} {other} there, {here} here" for name, other, here in pairs if other != here]
     if differing:
         raise ValueError(f"worker {where} has other versions: {', '.join(differing)}")
+
+
+@contextmanager
+def token_in(runs: Path, token: str) -> Iterator[None]:
+    """Leave a text in the folder of a sweep's runs for a while, by which workers show that they see it."""
+    path = runs / SEEN
+    path.write_text(token, encoding="ascii")
+    try:
+        yield
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def sees(runs: str | Path, token: str) -> bool:
+    """True where this machine sees the folder that has a token."""
+    try:
+        return (Path(runs) / SEEN).read_text(encoding="ascii") == token
+    except (OSError, ValueError):
+        return False
 
 
 def run_task(task: Task) -> Outcome:

@@ -1,5 +1,6 @@
 """Workers that die, schedulers that do not answer, sweeps that are killed: by really doing so."""
 
+import asyncio
 import json
 import logging
 import os
@@ -13,8 +14,9 @@ from pathlib import Path
 
 import dask
 import pytest
-from distributed import get_client
+from distributed import Client, LocalCluster, get_client
 
+from docs.rooms import ROOT
 from exudyn_crawler import Case, CaseFile
 from exudyn_crawler.model.reductions import VARIABLE
 from exudyn_crawler.sweep import cluster
@@ -74,6 +76,29 @@ def test_a_cluster_leaves_the_process_as_it_was(tmp_path):
     assert settings_of_the_process() == before
     with pytest.raises(ValueError, match="No global client"):
         get_client()
+
+
+UNGUARDED = """
+import os
+from exudyn_crawler.sweep.cluster import connected
+from pathlib import Path
+with connected(None, 1, Path("."), lambda _text: None) as client:
+    print(len({os.getpid(), *client.run(os.getpid).values()}))
+"""
+
+
+@pytest.mark.slow
+def test_a_script_without_a_guard_starts_its_workers_once(tmp_path):
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    done = subprocess.run(
+        [sys.executable, "script.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    assert (done.stderr, done.stdout) == ("", "2\n")
 
 
 @pytest.mark.slow
@@ -171,6 +196,20 @@ def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind, whole):
     assert rows_without_times(tmp_path / "stopped") == whole
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("after", [0.0, 1.0, 3.0])
+def test_a_sweep_that_is_stopped_while_workers_start_says_so_in_a_line(tmp_path, after):
+    (tmp_path / "s.toml").write_text(SWEEP)
+    how = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    process = subprocess.Popen([*COMMAND, "out"], cwd=tmp_path, **how)
+    assert process.stdout.readline() == "6 runs: 0 done, 6 to run\n"
+    time.sleep(after)
+    process.terminate()
+    _, told = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert told == "error: interrupted; run the same command again to continue\n"
+
+
 def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "CONNECT_WAIT", 0.5)
     for address, told in (
@@ -190,7 +229,7 @@ def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatc
     ("name", "instead", "told"),
     [
         ("check_versions", lambda wanted, *there: check_versions(wanted | OTHER, *there), OTHERS),
-        ("exists", lambda _path: False, r"must see .*runs: put it on storage that all machines share"),
+        ("sees", lambda *_: False, r"must see .*runs: put it on storage that all machines share"),
     ],
 )
 def test_workers_that_cannot_do_the_same_are_refused(scheduler, tmp_path, monkeypatch, name, instead, told):
@@ -207,6 +246,127 @@ def test_a_worker_of_another_version_that_comes_later_ends_the_sweep(scheduler, 
         pytest.raises(ValueError, match="has other versions: exudyn "),
     ):
         list(outcomes(client, iter([task])))
+
+
+def in_process(workers: int, threads: int = 1) -> LocalCluster:
+    """Cluster whose workers are threads of this process."""
+    how = {"n_workers": workers, "threads_per_worker": threads, "processes": False}
+    return LocalCluster(**how, dashboard_address="127.0.0.1:0")
+
+
+def empty_tasks(count: int, folder: Path) -> list[Task]:
+    return [Task(f"{k:064d}", "", "[]", str(folder), None, own_versions()) for k in range(count)]
+
+
+def digest_of(task: Task) -> dict[str, str]:
+    """Outcome of a task that does nothing."""
+    return {"digest": task.digest}
+
+
+def test_tasks_are_there_before_an_adaptive_cluster_has_a_worker(tmp_path):
+    """Which starts its first one for them."""
+    tasks = empty_tasks(3, tmp_path)
+    with in_process(0) as adaptive:
+        adaptive.adapt(minimum=0, maximum=1, interval="50 ms")
+        with connected(adaptive, None, tmp_path, print) as client:
+            assert client.nthreads() == {}
+            came = [one["digest"] for one in outcomes(client, iter(tasks), digest_of, wait=30.0)]
+    assert sorted(came) == [task.digest for task in tasks]
+
+
+def test_a_queue_is_waited_for_as_long_as_asked(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "LOOK", 0.02)
+    told = []
+    with (
+        in_process(0) as empty,
+        connected(empty.scheduler_address, None, tmp_path, print) as client,
+        pytest.raises(TimeoutError, match=r"must have a worker within 0\.1 s, got none: run the same"),
+    ):
+        list(outcomes(client, iter(empty_tasks(1, tmp_path)), digest_of, wait=0.1, report=told.append))
+    assert told == [f"waiting for a worker at {empty.scheduler_address}, up to 0.1 s"]
+
+
+def test_clusters_and_clients_are_taken_and_left_open(scheduler, tmp_path):
+    tasks = empty_tasks(2, tmp_path)
+    with in_process(1) as own, Client(scheduler, set_as_default=False) as caller:
+        for taken in (own, caller):
+            with connected(taken, None, tmp_path, print) as client:
+                assert len(list(outcomes(client, iter(tasks), digest_of))) == 2
+        assert own.status.name == caller.status == "running"
+        assert caller.submit(abs, -1).result() == 1
+    assert [*tmp_path.iterdir()] == []
+    with (
+        pytest.raises(ValueError, match=r"^scheduler must be one that answers, got 5: [^\n]*$"),
+        connected(5, None, tmp_path, print),
+    ):
+        pass
+
+
+def test_a_client_that_does_not_wait_is_refused(scheduler, tmp_path):
+    async def refused() -> None:
+        async with Client(scheduler, asynchronous=True, set_as_default=False) as own:
+            with (
+                pytest.raises(ValueError, match="got an asynchronous one"),
+                connected(own, None, tmp_path, print),
+            ):
+                pass
+
+    asyncio.run(refused())
+
+
+def test_workers_of_several_threads_are_refused_also_later(tmp_path):
+    told = "must have one thread, got 4: a run needs a process of its own"
+    with in_process(1, threads=4) as wide, Client(wide, set_as_default=False) as client:
+        with pytest.raises(ValueError, match=told), connected(wide, None, tmp_path, print):
+            pass
+        with pytest.raises(ValueError, match=told):
+            list(outcomes(client, iter(empty_tasks(1, tmp_path))))
+
+
+def test_a_worker_that_joins_later_must_see_the_folder(scheduler, tmp_path):
+    tasks = empty_tasks(1, tmp_path / "elsewhere")
+    with (
+        connected(scheduler, None, tmp_path, print) as client,
+        pytest.raises(ValueError, match="elsewhere: put it on storage that all machines share"),
+    ):
+        list(outcomes(client, iter(tasks)))
+    assert not (tmp_path / "elsewhere").exists()
+
+
+def test_a_worker_without_the_package_ends_the_sweep(scheduler, tmp_path):
+    def lacking(_task):
+        raise ModuleNotFoundError("No module named 'exudyn_crawler'")
+
+    with (
+        connected(scheduler, None, tmp_path, print) as client,
+        pytest.raises(ValueError, match="a worker does not have the package: No module named"),
+    ):
+        list(outcomes(client, iter(empty_tasks(1, tmp_path)), lacking))
+
+
+def test_two_workers_in_one_process_take_turns(tmp_path, monkeypatch):
+    working, most = [], []
+
+    def work(task):
+        working.append(task.digest)
+        most.append(len(working))
+        time.sleep(0.02)
+        working.remove(task.digest)
+        return digest_of(task)
+
+    monkeypatch.setattr(cluster, "run_task", work)
+    with in_process(2) as two, connected(two, None, tmp_path, print) as client:
+        assert len(list(outcomes(client, iter(empty_tasks(6, tmp_path))))) == 6
+    assert most == [1] * 6
+
+
+def test_more_workers_have_more_tasks(scheduler, tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "LEAST_AHEAD", 1)
+    with connected(scheduler, None, tmp_path, print) as client:
+        submitted = cluster._Submitted(client, iter(empty_tasks(9, tmp_path)), digest_of)
+        assert submitted.fill() == 1
+        assert len(submitted.held) == cluster.AHEAD
+        submitted.cancel()
 
 
 def test_the_scheduler_holds_few_tasks_at_a_time(scheduler, tmp_path, monkeypatch):
