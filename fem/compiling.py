@@ -167,11 +167,12 @@ def _named_by(function: FunctionType) -> list[tuple[str, Any]]:
 
 
 def _add_stamp(file: Any, stamp: str) -> None:
-    """Let a file of numba's cache be valid for some sources only.
+    """Let a file of numba's cache be valid for some sources only, whenever these were written.
 
     The version is compared before anything else of the file is read, which may name types that are gone.
     """
     file._version = f"{file._version} {stamp}"
+    file._source_stamp = None
 
 
 @cache
