@@ -35,7 +35,7 @@ def kinds_of_gear_on_modes(case: Case, q: np.ndarray, lifted: np.ndarray) -> set
     the modal loads of the records of a history.
     """
     system, still, kinds = compiled_system(case), np.zeros_like(q), set()
-    layout, first = system.layout, system.tables.flexible[0]
+    layout, first = system.layout, system.tables.forces.units.first_modal
     history = system_history(system, row_of(layout, {"coordinates": q})[None])
     residual = residual_of(system, q, still) - residual_of(system, lifted, still)
     shoes = layout.flexible_shoes

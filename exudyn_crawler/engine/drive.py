@@ -42,7 +42,7 @@ def add_hold(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Sh
     """
     shoe = case.shoe
     ground = mbs.CreateGround()
-    ends = [ground, shoes.markers[tables.joints.drive]]
+    ends = [ground, shoes.markers[tables.joints.drive.marker]]
     mbs.CreateGenericJoint("hold of the front shoe", ends, constrainedAxes=[1, 1, 0, 0, 0, 1])
     damping = 2.0 * np.sqrt(shoe.mass * case.mean_load / case.settled_penetration)
     arms = np.array([1.0, 1.0, 1.0, 0.5 * shoe.width, 0.5 * shoe.length, 0.5 * shoe.width])
@@ -60,8 +60,8 @@ def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
 
     On velocity level a halved step leaves no error in the acceleration.
     """
-    place = tables.markers.position[tables.joints.drive]
-    shapes = tables.markers.displacement[tables.joints.drive]
+    place = tables.markers.position[tables.joints.drive.marker]
+    shapes = tables.markers.displacement[tables.joints.drive.marker]
     shoe = items.MarkerObjectODE2Coordinates(objectNumber=shoes.bodies[-1])
     ground = items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround()))
     markers = [mbs.AddMarker(marker) for marker in (shoe, ground)]

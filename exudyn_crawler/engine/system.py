@@ -68,15 +68,15 @@ class ExudynSystem(track_system.TrackSystem):
             ground = bodies.add_terrain_modes(mbs, tables, gravity)
         shoes = bodies.add_shoes(mbs, tables, nodes, gravity)
         self._shoe_bodies = shoes.bodies
-        for (link, side), pin in zip(parts.pins, tables.joints.pins, strict=True):
+        for (link, side), pin in zip(parts.pins, tables.joints.pins.markers, strict=True):
             ends = [shoes.markers[end] for end in pin]
             mbs.CreateGenericJoint(state.pin_name(side, link), ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
         drive.add_loads(mbs, case, tables, shoes, static)
         if isinstance(contact, PairGroundContact):
             self._add_force([*nodes, *ground, *shoes.modal_nodes], contact.forces)
         elif isinstance(contact, CellGroundContact):
-            work = CellWorkspace.allocate(tables.cells, contact.ground.shoes)
-            self.cells = TrackOnCells(contact.ground, OnCells(tables.bodies, tables.cells, work))
+            work = CellWorkspace.allocate(tables.forces.cells, contact.ground.shoes)
+            self.cells = TrackOnCells(contact.ground, OnCells(tables.bodies, tables.forces.cells, work))
             self._add_force([*nodes, *shoes.modal_nodes], self.cells.forces)
         else:
             self.general = spheres.add_spheres(mbs, case, shoes.bodies, ground, static)

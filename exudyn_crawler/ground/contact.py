@@ -8,6 +8,7 @@ from exudyn_crawler.case import Case, CellTerrain, PairContact, Shoe, Terrain
 from exudyn_crawler.ground import laws, overlap, pair_stiffness, pairs, rotations, sphere_contact
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Flexible, Outline
+from exudyn_crawler.ground.rows import NO_DERIVATIVES
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, terrain_coordinates
 from fem.patches import Underside
 
@@ -84,7 +85,7 @@ class PairGroundContact:
     def _touching(self, bodies: BodyStates) -> tuple[np.ndarray, np.ndarray]:
         """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
         count = pair_stiffness.touching_pairs(
-            bodies, self.geometry, rotations.NO_DERIVATIVES, self._contacts, self._work
+            bodies, self.geometry, NO_DERIVATIVES, self._contacts, self._work
         )
         return self._contacts.results[:count], self._contacts.modes[:count]
 

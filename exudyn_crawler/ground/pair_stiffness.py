@@ -12,7 +12,8 @@ from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs, r
 from exudyn_crawler.ground.compiled import inlined, inner, kernel
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3
-from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
+from exudyn_crawler.ground.rotations import Attitude
+from exudyn_crawler.ground.rows import ForceRows, Weights
 from fem.patches import mean_rows
 
 MOTIONS = 4

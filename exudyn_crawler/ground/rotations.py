@@ -1,13 +1,9 @@
-"""From the bodies' coordinates to frames, from wrenches back to generalized forces, and force elements.
+"""From the bodies' coordinates to frames, and from wrenches back to generalized forces.
 
 The coordinates of a body are its position and the angles roll about x, pitch about y and yaw about z:
 ``R = Rz(yaw) Rx(roll) Ry(pitch)`` turns body components into global ones. Yaw and pitch are unlimited; the
 middle angle, roll, is singular at 90 degrees, which no shoe, sprocket or frame nears. This module alone knows
 the sequence.
-
-A force element sees its bodies through a few numbers: the motion of the first body's side of it against the
-other side. Its wrench is conjugate to these, so that one Jacobian J makes generalized forces ``J^T w`` of the
-wrench and a matrix ``J^T K J`` of its tangent. Residual and matrix know nothing else of it.
 """
 
 import math
@@ -18,7 +14,7 @@ import numpy as np
 
 from exudyn_crawler.ground.compiled import kernel
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross
-from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3, Floats4, Ints1, Ints2
+from exudyn_crawler.ground.packed import FloatArray
 
 
 class Attitude(NamedTuple):
@@ -166,48 +162,4 @@ def _write_turning(angles, rates, out):
         at = attitude(angles[n, 0], angles[n, 1], angles[n, 2])
         out[n, 0], out[n, 1], out[n, 2] = spin_rate(
             at, (rates[n, 0], rates[n, 1], rates[n, 2]), (0.0, 0.0, 0.0)
-        )
-
-
-class Weights(NamedTuple):
-    """Weights of the derivatives by coordinates, rates and accelerations.
-
-    With `secant` the ratio of friction to slip is kept as it is instead of derived: Newton's method can cycle
-    between the steep rise of the friction curve and its fall beyond, and with the secant it converges more
-    slowly, but does. `level` turns the gap of a constraint on velocity into one of position.
-    """
-
-    position: float
-    velocity: float
-    acceleration: float
-    secant: bool
-    level: float
-
-
-NO_DERIVATIVES = Weights(0.0, 0.0, 0.0, False, 1.0)
-"""Of forces alone."""
-
-
-class ForceRows(NamedTuple):
-    """Elements of one kind with r rows each, as many as act at a state; m modes of a flexible body."""
-
-    bodies: Ints2  # (elements, 2): numbers of the bodies; -1 where there is no second one
-    unit: Ints1  # (elements,): unit of the terrain on the other side, -1 for none
-    wrench: Floats2  # (elements, r): on the first body
-    # (elements, r, r): weighted derivative of the negative wrench, which is in the residual, by the motions
-    # and their rates
-    tangent: Floats3
-    jacobian: Floats4  # (elements, 2, r, 6 + m): the motions by the coordinates of both bodies
-    unit_jacobian: Floats3  # (elements, r, 2): the motions by heave and tilt of the unit
-
-    @classmethod
-    def allocate(cls, elements: int, rows: int, modes: int) -> "ForceRows":
-        """Workspace for so many elements."""
-        return cls(
-            np.full((elements, 2), -1),
-            np.full(elements, -1),
-            np.zeros((elements, rows)),
-            np.zeros((elements, rows, rows)),
-            np.zeros((elements, 2, rows, 6 + modes)),
-            np.zeros((elements, rows, 2)),
         )

@@ -16,7 +16,8 @@ from exudyn_crawler.ground import rotations
 from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, basis, cross, dot, turned, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Ints1
-from exudyn_crawler.ground.rotations import Attitude, Weights
+from exudyn_crawler.ground.rotations import Attitude
+from exudyn_crawler.ground.rows import Weights
 
 
 class Bodies(NamedTuple):

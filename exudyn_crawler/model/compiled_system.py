@@ -14,15 +14,15 @@ from exudyn_crawler.ground import packed, terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.contact import PairGroundContact
-from exudyn_crawler.ground.rotations import NO_DERIVATIVES, Weights
-from exudyn_crawler.model import build, elimination, gear, joints, newton, track_system
+from exudyn_crawler.ground.rows import NO_DERIVATIVES, Weights
+from exudyn_crawler.model import build, elimination, gear, newton, track_system
 from exudyn_crawler.model.diagnostics import NewtonError, in_units
 from exudyn_crawler.model.equations import matrix, residual
 from exudyn_crawler.model.exudyn import add_coordinates, exu, predict
 from exudyn_crawler.model.forces.cells import OnCells, TrackOnCells
-from exudyn_crawler.model.inputs import TimedInputs
+from exudyn_crawler.model.inputs import Inputs, TimedInputs
 from exudyn_crawler.model.layout import layout_of
-from exudyn_crawler.model.tables import SYSTEM, Inputs, System, Workspace
+from exudyn_crawler.model.tables import SYSTEM, System, Workspace
 
 KEEPS_MATRIX = {
     "dragged": (),
@@ -56,7 +56,7 @@ class CompiledSystem(track_system.TrackSystem):
         self.tables = parts.tables
         self.layout = layout_of(case, self.tables, parts.pins)
         size = self.layout.coordinate_count
-        multipliers = self.tables.multiplier_count
+        multipliers = self.tables.multipliers
         add_coordinates(self.mbs, "track", size)
         self.mbs.Assemble()
         self._driven = True
@@ -65,12 +65,12 @@ class CompiledSystem(track_system.TrackSystem):
         self.scratch = (np.zeros(size + multipliers), np.zeros(self.tables.fronts.size))
         if isinstance(contact, CellGroundContact):
             self.work = Workspace.allocate(self.tables, 0, contact.ground.shoes)
-            on = OnCells(self.tables.bodies, self.tables.cells, self.work.cells)
+            on = OnCells(self.tables.bodies, self.tables.forces.cells, self.work.forces.cells)
             self.cells = TrackOnCells(contact.ground, on)
         else:
             self.work = Workspace.allocate(self.tables, contact.greatest_count, packed.nothing(ShoePoints))
         self.block = packed.pack(System(self.tables, self.work), SYSTEM)
-        self.timed_inputs = TimedInputs(case, self.tables)
+        self.timed_inputs = TimedInputs(case, len(self.tables.loads.marker))
         self._limits = (0.0, 0)
         self._singular = False
         self._cause = ""  # of a failure, where it is known
@@ -240,7 +240,7 @@ class CompiledSystem(track_system.TrackSystem):
         weights = Weights(0.0, 0.0, 1.0, False, 1.0)
         values = self.scratch[1]
         out = self.residual(self._state, inputs, self._multipliers, weights)
-        matrix(self.block, self._state, inputs, weights, values)
+        matrix(self.block, weights, values)
         fronts = self.tables.fronts
         elimination.eliminate(fronts, values)
         # at rest constraints have no gap, and their rates do not change by themselves
@@ -262,7 +262,7 @@ class CompiledSystem(track_system.TrackSystem):
     @property
     def pin_rows(self) -> int:
         """Number of the pins' equations."""
-        return joints.ROWS * len(self.tables.joints.pins)
+        return self.tables.joints.drive.first
 
 
 def compiled_system(case: Case) -> CompiledSystem:

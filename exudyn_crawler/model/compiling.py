@@ -14,7 +14,7 @@ import numpy as np
 from numba import typeof
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground.rotations import Weights
+from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model import elimination, equations, gear
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from fem.compiling import notify_compiling
@@ -51,7 +51,7 @@ def calls_of(system: CompiledSystem) -> dict[str, list[Call]]:
     fronts = system.tables.fronts
     state = np.zeros((3, system.layout.coordinate_count))
     state[0] = system.first_guess()
-    multipliers = np.zeros(system.tables.multiplier_count)
+    multipliers = np.zeros(system.tables.multipliers)
     forces = gear.GearForces.allocate(1, system.layout.shoes, 0, system.work)
     no_drags = np.zeros((1, 0))
     no_shoes = np.zeros(0, dtype=np.int64)
@@ -64,7 +64,7 @@ def calls_of(system: CompiledSystem) -> dict[str, list[Call]]:
             ),
         ],
         "matrix": [
-            (equations.matrix, (system.block, state, inputs, weights, values)),
+            (equations.matrix, (system.block, weights, values)),
             (elimination.eliminate, (fronts, values)),
             (elimination.solve, (fronts, values, residual)),
         ],

@@ -6,7 +6,7 @@ import numpy as np
 
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, IntArray
-from exudyn_crawler.ground.rotations import NO_DERIVATIVES
+from exudyn_crawler.ground.rows import NO_DERIVATIVES
 from exudyn_crawler.model.bodies import write_angles
 from exudyn_crawler.model.forces import teeth, wheels
 from exudyn_crawler.model.tables import Workspace, read_system
@@ -30,7 +30,8 @@ class GearForces(NamedTuple):
     @classmethod
     def allocate(cls, times: int, shoes: int, some: int, work: Workspace) -> "GearForces":
         """Arrays of zeros for a workspace, with `some` shoes one by one."""
-        of_wheels, lugs = work.wheels, len(work.teeth.guide) // shoes
+        of_wheels = work.forces.wheels
+        lugs = len(work.forces.teeth.guide) // shoes
         return cls(
             np.zeros((times, shoes, 6)),
             np.zeros((times, shoes, 6)),
@@ -68,14 +69,15 @@ def write_gear_forces(
     """
     tables, work = read_system(system)
     bodies, weights = tables.bodies, NO_DERIVATIVES
-    of_wheels, of_teeth, state = work.wheels, work.teeth, np.empty((2, coordinates.shape[1]))
+    of_wheels, of_teeth = work.forces.wheels, work.forces.teeth
+    state = np.empty((2, coordinates.shape[1]))
     shoes, lugs = forces.guide.shape[1], forces.lug_guide.shape[2]
     for t in range(coordinates.shape[0]):
         _copy(coordinates[t], state[0])
         _copy(rates[t], state[1])
         write_angles(bodies, state[0])
-        teeth.teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, of_teeth)
-        wheels.wheel_contacts(tables.wheels, bodies, state, drags[t], weights, of_wheels)
+        teeth.write_rows(tables.forces.teeth, bodies, tables.markers, state, weights, of_teeth)
+        wheels.write_rows(tables.forces.wheels, bodies, state, drags[t], weights, of_wheels)
         _copy(of_wheels.on_shoes.reshape(-1), forces.wheel[t].reshape(-1))
         _copy(of_wheels.on_wheels.reshape(-1), forces.on_wheels[t].reshape(-1))
         forces.energy[t, 0], forces.energy[t, 1] = of_wheels.energy[0], of_teeth.energy[0]

@@ -1,26 +1,40 @@
 """Loads and drive of a case at every time: what moves a system from outside."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.ground.frames import Vector
+from exudyn_crawler.ground.packed import FloatArray
 from exudyn_crawler.model.forces.loads import profiles_of, values_at
-from exudyn_crawler.model.tables import Inputs, Tables
 
 NOTHING = StepProfile.constant(0.0)
 
 
+class Inputs(NamedTuple):
+    """Loads and drive at a time."""
+
+    gravity: Vector  # m/s2, global
+    loads: FloatArray  # (loads, 6): forces (N) and moments (N m), global
+    shift: float  # how far those that shift act to the left of their places, m
+    active: FloatArray  # (2,): 1 where drive and turn act, else 0
+    speeds: FloatArray  # (2,): of drive and turn, m/s and rad/s
+    drag: FloatArray  # (wheels,): rolling resistance over normal force, with the sign of the speed
+    motors: FloatArray = np.zeros(0)  # (motors,): speeds of the tumblers against their frames, rad/s
+
+
 class TimedInputs:
-    """Loads and drive of a case over time.
+    """Loads and drive of a case over time, with so many `loads`.
 
     `commands` is a function of the time (s) whose speed (m/s) with rate of turning (rad/s), and wrench (6,)
     on the side frame, take the place of the case's; None: the case's act.
     """
 
-    def __init__(self, case: Case, tables: Tables) -> None:
+    def __init__(self, case: Case, loads: int) -> None:
         self._case = case
-        self._load_count = len(tables.loads.marker)
+        self._load_count = loads
         machine = [NOTHING] * 6 if case.machine is None else case.machine.components
         turn = case.drive.turn_rate or NOTHING
         profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]

@@ -2,7 +2,8 @@
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground import pairs
-from exudyn_crawler.model import joints, state
+from exudyn_crawler.model import state
+from exudyn_crawler.model.joints.pin import ROWS
 from exudyn_crawler.model.tables import Tables
 
 
@@ -15,9 +16,9 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> state.
     def pin(link: int, side: str) -> str:
         return state.pin_name(side, link) if link > 0 else state.BEARING.format(turned[-link - 1])
 
-    contact = pairs.RESULTS if len(tables.cells.flexible) > 0 else 0
+    contact = pairs.RESULTS if len(tables.forces.cells.flexible) > 0 else 0
     if case.flexible:
-        contact += tables.cells.nodes.size
+        contact += tables.forces.cells.nodes.size
     return state.StateLayout(
         shoes=case.track.shoe_count,
         terrain=tables.terrain.heave.shape[1],
@@ -25,12 +26,12 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> state.
         modes=len(tables.modes.stiffness),
         contact=contact,
         multipliers=(
-            *((pin(link, side), joints.ROWS) for link, side in pins),
+            *((pin(link, side), ROWS) for link, side in pins),
             ("drive", 1),
             ("turn", 1),
             *(
                 (f"hold of {names[body]} ({state.BODY_COORDINATES[coordinate]})", 1)
-                for body, coordinate in tables.joints.holds.tolist()
+                for body, coordinate in tables.joints.holds.coordinates.tolist()
             ),
             *((state.MOTOR.format(name), 1) for name in turned),
         ),

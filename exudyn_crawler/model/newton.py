@@ -4,24 +4,18 @@ import numpy as np
 
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, IntArray
-from exudyn_crawler.ground.rotations import Weights
-from exudyn_crawler.model import elimination, joints
+from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.model import elimination, kinds
 from exudyn_crawler.model.equations import matrix, residual
-from exudyn_crawler.model.tables import Inputs, read_system
+from exudyn_crawler.model.inputs import Inputs
+from exudyn_crawler.model.tables import read_system
 
 CONTRACTION = 0.5
 """Residual over the last one above which the matrix is made anew."""
 OLD_STEPS = 8
 """Iterations with one matrix."""
-KEPT = 0.15
-"""Share of a residual on cells that an old matrix may leave where points changed sides: in dragged tracks
-0.02 in the median and seldom over 0.13, whatever the first correction left; up to 1 where they come back."""
 TANGENTS = 2
 """Matrices of one step with the tangent of the friction curve; later ones take the secant."""
-
-AHEAD = 3
-"""Iterations that an old matrix of a closed track may still take at the rate of the last one: a new matrix
-takes about as long."""
 CLOSER = 0.25
 """Share of the limit to which the matrix of the last step has to bring the residual: a new one leaves a
 hundredth, and what an old one leaves adds up over steps."""
@@ -55,8 +49,7 @@ def step(
     n = state.shape[1]
     out, values = scratch
     tables = read_system(system).tables
-    cells, wheels = tables.cells.flexible.shape[0] > 0, tables.wheels.frames.shape[0] > 0
-    closed = tables.closed.motors.shape[0] > 0
+    search = tables.search
     by_place, by_rate, by_acceleration, own_secant, level = weights
     # a literal among them would compile the equations once more
     none = Weights(0.0, 0.0, 0.0, own_secant, level)
@@ -72,7 +65,7 @@ def step(
             if secant or not derived:
                 by = Weights(by_place, by_rate, by_acceleration, secant, level)
                 residual(system, state, multipliers, inputs, by, out)
-            matrix(system, state, inputs, weights, values)
+            matrix(system, weights, values)
             elimination.eliminate(tables.fronts, values)
             matrices, needed, old = matrices + 1, False, 0
         change[:] = out
@@ -83,8 +76,7 @@ def step(
             state[2, k] -= by_acceleration * change[k]
         for k in range(multipliers.shape[0]):
             multipliers[k] -= change[n + k]
-        if cells:
-            joints.turn_moments(tables.bodies, tables.markers, tables.joints.pins, change, multipliers)
+        kinds.turn_multipliers(tables.joints, tables.bodies, tables.markers, change, multipliers)
         iterations, old = iterations + 1, old + 1
         residual(system, state, multipliers, inputs, none, out)
         derived = False
@@ -95,12 +87,10 @@ def step(
         if not norm < 1e30:
             break
         needed = (old > 2 and norm > CONTRACTION * last) or old > OLD_STEPS
-        if cells and matrices < TANGENTS:
-            # rows of cells that load or unload change their stiffness by forty; under wheels a matrix costs
-            # more than it saves, unless what the old one gained, known within ten, says that it will not do
-            left = 10.0 * norm / last if wheels else max(KEPT, norm / last)
+        if matrices < TANGENTS:
+            left = max(search.kept, search.slower * norm / last)
             needed = needed or left * norm > limit
-        if closed and (old > 1 or matrices == 0) and matrices < TANGENTS:
-            needed = needed or norm * (norm / last) ** AHEAD > limit
+            if search.ahead > 0 and (old > 1 or matrices == 0):
+                needed = needed or norm * (norm / last) ** search.ahead > limit
         last = norm
     return False, iterations, matrices, last

@@ -10,7 +10,8 @@ from exudyn_crawler.ground.laws import impact_force
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
-from exudyn_crawler.ground.rotations import Weights, moments_of
+from exudyn_crawler.ground.rotations import moments_of
+from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.ground.sphere_contact import face_inset, sphere_centers
 from exudyn_crawler.ground.terrain import UnitCoordinates
 from tests.model.both import sphere_wrenches

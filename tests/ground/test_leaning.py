@@ -9,7 +9,7 @@ from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_geometry import BodyStates
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT
-from exudyn_crawler.ground.rotations import Weights
+from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.ground.terrain import UnitCoordinates
 
 

@@ -7,7 +7,7 @@ import exudyn as exu
 import numpy as np
 
 from exudyn_crawler.engine.system import ExudynSystem
-from exudyn_crawler.ground.rotations import NO_DERIVATIVES, Weights
+from exudyn_crawler.ground.rows import NO_DERIVATIVES, Weights
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import matrix
 
@@ -135,7 +135,7 @@ def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=NO_DERIVATI
 
 def gaps_of(system):
     """Gaps of all constraints at the state of the last residual."""
-    return system.work.gap.copy()
+    return system.work.joints.gap.copy()
 
 
 def compiled(case, q, q_t):
@@ -156,8 +156,7 @@ def compiled_matrix(system, q, q_t, weights):
     """Dense derivative of the compiled residual as Newton's method has it, on all unknowns."""
     size = len(residual_of(system, q, q_t, weights=Weights(*weights)))
     fronts, values = system.tables.fronts, np.zeros_like(system.scratch[1])
-    state = np.stack((q, q_t, np.zeros_like(q)))
-    matrix(system.block, state, system.inputs(0.0), Weights(*weights), values)
+    matrix(system.block, Weights(*weights), values)
     dense = np.zeros((size, size))
     for k in range(len(fronts.own)):
         rows = fronts.rows(k)

@@ -13,7 +13,7 @@ import scipy.linalg
 
 from exudyn_crawler import Case, FlexibleShoes, PairContact, Terrain, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
-from exudyn_crawler.ground.rotations import Weights
+from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.compiling import calls_of
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
@@ -154,7 +154,7 @@ def test_compiled_code_gives_back_every_reference_to_an_array(case):
     cells = system.cells
     state = np.zeros((3, system.layout.coordinate_count))
     state[0] = system.first_guess()
-    multipliers = np.zeros(system.tables.multiplier_count)
+    multipliers = np.zeros(system.tables.multipliers)
     arrays = [*arrays_of(system.tables), *arrays_of(system.work), state, multipliers, *system.scratch]
 
     def step():

@@ -12,7 +12,7 @@ from exudyn_crawler.model.build import parts_of
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.forces.loads import Loads
-from exudyn_crawler.model.joints import Markers
+from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem import Partition, write_mesh

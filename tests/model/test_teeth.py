@@ -8,7 +8,8 @@ from scipy.optimize import brentq, minimize
 
 from exudyn_crawler import Case
 from exudyn_crawler.model.exudyn import exu, items
-from exudyn_crawler.model.forces.teeth import Flange, Profile, flange_force, tooth
+from exudyn_crawler.model.forces.impact import Flange, flange_force
+from exudyn_crawler.model.forces.teeth import Profile, tooth
 
 PROFILE = Profile(*Case.closed().gear.tumbler.profile(Case.closed().track))
 

@@ -9,11 +9,17 @@ from exudyn_crawler.ground import rotations
 from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.packed import nothing, pack
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.bodies import Bodies, second_moment
 from exudyn_crawler.model.elimination import fronts_of
-from exudyn_crawler.model.joints import ROWS, Joints, Markers
+from exudyn_crawler.model.inputs import Inputs
+from exudyn_crawler.model.joints.drive import Drive
+from exudyn_crawler.model.joints.hold import Holds
+from exudyn_crawler.model.joints.pin import ROWS, Pins
+from exudyn_crawler.model.kinds import Joints
+from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.newton import step
-from exudyn_crawler.model.tables import SYSTEM, FrontRows, Inputs, System, Tables, Workspace
+from exudyn_crawler.model.tables import SYSTEM, FrontRows, Search, System, Tables, Workspace
 
 pytestmark = pytest.mark.simulation
 
@@ -27,13 +33,12 @@ def hinged(masses, inertias, pins, held=()):
 
     All coordinates of the `held` bodies are held.
     """
-    count, joined = len(masses), [(k, k + 1) for k in range(len(pins))]
+    count = len(masses)
+    joined = [(k, k + 1) for k in range(len(pins))]
     size, first, rigid = 6 * count, 6 * np.arange(count), np.full(count, -1)
     holds = [(b, k) for b in held for k in range(6)]
-    # drive and turn are not between bodies
-    between = [pair for pair in joined for _ in range(ROWS)]
-    between += [(0, -1), (0, -1), *((b, -1) for b, _ in holds)]
-    rows = np.arange(len(between))
+    first_row = ROWS * len(pins)
+    rows = np.arange(first_row + 2 + len(holds))
     bodies = np.array([0, *(b for pair in joined for b in pair)])
     places = np.array([STILL, *(place for pair in pins for place in pair)])
     unbent = np.zeros((len(places), 3, 0))
@@ -41,13 +46,19 @@ def hinged(masses, inertias, pins, held=()):
     masses = np.array(masses, dtype=float), np.zeros((count, 3)), np.array(moments)
     ends = np.arange(1, len(bodies)).reshape(-1, 2)
     held = np.array(holds, dtype=np.int64).reshape(-1, 2)
+    no_compliance = np.zeros((len(pins), ROWS))
     unknowns, last = list(range(size)), (size + rows).tolist()
     of_bodies, of_rows = np.array([first, rigid]), np.array([size + rows, rows])
     return nothing(Tables)._replace(
         bodies=Bodies(first, rigid, np.zeros((count, 6)), *masses, np.zeros((count, 2, 3))),
         markers=Markers(bodies, places, unbent, unbent, np.zeros(len(bodies), dtype=np.int64)),
-        joints=Joints(ends, 0, 0, held, np.array(between)),
-        flexible=np.array([size, 0]),
+        joints=nothing(Joints)._replace(
+            pins=Pins(0, ends, no_compliance, no_compliance, in_plane=False, follows=False),
+            drive=Drive(first_row, marker=0, turning=0),
+            holds=Holds(first_row + 2, held),
+        ),
+        multipliers=len(rows),
+        search=Search(0.0, 0.0, 0),
         fronts=fronts_of([unknowns, last], [[*unknowns, *last]]),
         rows=FrontRows(of_bodies, np.zeros(count, dtype=np.int64), np.array([size, 0]), of_rows),
     )
@@ -58,7 +69,7 @@ def integrated(tables, start, gravity, h, steps):
 
     `start` are coordinates, rates and accelerations (3, bodies, 6).
     """
-    state, multipliers = np.reshape(start, (3, -1)).copy(), np.zeros(tables.multiplier_count)
+    state, multipliers = np.reshape(start, (3, -1)).copy(), np.zeros(tables.multipliers)
     system = System(tables, Workspace.allocate(tables, 1, nothing(ShoePoints)))
     block = pack(system, SYSTEM)
     inputs = Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2), np.zeros(1))
@@ -68,8 +79,8 @@ def integrated(tables, start, gravity, h, steps):
     gamma = 0.5 + alpha_f - alpha_m
     beta = 0.25 * (gamma + 0.5) ** 2
     by_acceleration = (1.0 - alpha_m) / ((1.0 - alpha_f) * beta * h * h)
-    weights = rotations.Weights(1.0, gamma / (h * beta), by_acceleration, False, beta * h / gamma)
-    algorithmic, pins = state[2].copy(), ROWS * len(tables.joints.pins)
+    weights = Weights(1.0, gamma / (h * beta), by_acceleration, False, beta * h / gamma)
+    algorithmic, pins = state[2].copy(), tables.joints.drive.first
     found = [(*state[:2].copy(), multipliers[:pins].copy())]
     for _ in range(steps):
         before = algorithmic

@@ -15,9 +15,10 @@ from exudyn_crawler.ground.cells.pressing import BENT, IN_FRAME, POINT
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import Vector, along, turned
 from exudyn_crawler.ground.packed import FloatArray, IntArray
-from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights, moments_on_angles
+from exudyn_crawler.ground.rotations import Attitude, moments_on_angles
+from exudyn_crawler.ground.rows import ForceRows, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_angles
-from exudyn_crawler.model.forces.treads import write_point
+from exudyn_crawler.model.markers import write_point
 
 WRENCH = 6
 """Motions of a rigid shoe: displacement of its COM (m) and rotation (rad), global."""
@@ -52,6 +53,8 @@ class CellWorkspace(NamedTuple):
         rigid.bodies[:, 0] = np.flatnonzero(table.flexible < 0)
         bending = ForceRows.allocate(flexible, table.nodes.size, modes)
         bending.bodies[:, 0] = np.flatnonzero(table.flexible >= 0)
+        rigid.count[0] = len(rigid.unit)
+        bending.count[0] = len(bending.unit)
         frames = np.zeros((len(table.flexible), pressing.FRAME))
         bent = np.zeros((flexible, 2, *table.nodes.shape))
         hats = np.zeros((flexible, shoes.areas.shape[1], 4))
@@ -170,7 +173,7 @@ def bend_shoes(block: IntArray) -> None:
 
 
 @inner(allocates=True)
-def cell_forces(
+def write_rows(
     table: CellTable, bodies: Bodies, state: FloatArray, weights: Weights, work: CellWorkspace
 ) -> None:
     """Press the shoes on the cells that were covered for the step, and write the elements."""

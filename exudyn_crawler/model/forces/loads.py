@@ -9,8 +9,8 @@ from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground import laws
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, Ints1
-from exudyn_crawler.model import joints
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
+from exudyn_crawler.model.markers import NOTHING, Markers, direction, end_of
 
 
 class Profiles(NamedTuple):
@@ -69,7 +69,7 @@ def static_friction(case: Case, masses: np.ndarray) -> tuple[np.ndarray, np.ndar
 @inner(allocates=True)
 def add_loads(
     bodies: Bodies,
-    markers: joints.Markers,
+    markers: Markers,
     loads: Loads,
     wrenches: FloatArray,
     shift: float,
@@ -90,13 +90,11 @@ def add_loads(
         at = attitude_of(bodies, b)
         force = (wrenches[k, 0], wrenches[k, 1], wrenches[k, 2])
         moment = (wrenches[k, 3], wrenches[k, 4], wrenches[k, 5])
-        joints.direction(
-            markers, place, joints.end_of(markers, place, at, row[0]), at, force, moment, 1.0, row[1]
-        )
+        direction(markers, place, end_of(markers, place, at, row[0]), at, force, moment, 1.0, row[1])
         add_body(bodies, b, row[1], -1.0, residual)
         if beside >= 0 and shift != 0.0:
-            end = joints.end_of(markers, beside, at, row[0])
-            joints.direction(markers, beside, end, at, force, (0.0, 0.0, 0.0), 1.0, row[1])
+            end = end_of(markers, beside, at, row[0])
+            direction(markers, beside, end, at, force, NOTHING, 1.0, row[1])
             for c in range(3):
                 row[1, c] = 0.0
             add_body(bodies, b, row[1], -shift, residual)

@@ -18,15 +18,13 @@ from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Ints1
-from exudyn_crawler.ground.rotations import ForceRows, Weights
-from exudyn_crawler.model import joints
+from exudyn_crawler.ground.rows import ForceRows, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
-from exudyn_crawler.model.forces.treads import law_slopes, stored_energy, write_point
+from exudyn_crawler.model.forces.impact import Flange, flange_force, law_slopes, stored_energy
+from exudyn_crawler.model.markers import NOTHING, Markers, end_of, write_point
 
 SLACK = 0.02
 """m, more than a lug ever bends away from its place."""
-FLANGE_DEPTH = 1e-3
-"""m, in a flange that has all of its damping."""
 ASIDE = 0.1
 """m, by which a shoe beside the middle of its tumbler is farther from it than in its plane, at most."""
 
@@ -39,14 +37,6 @@ class Profile(NamedTuple):
     arc: float  # radius of the arcs
     addendum: float  # radius where they end
     lug: float
-
-
-class Flange(NamedTuple):
-    """What guides sideways: play to each side (m), stiffness (N/m), damping (N s/m)."""
-
-    play: float
-    stiffness: float
-    damping: float
 
 
 class Teeth(NamedTuple):
@@ -108,30 +98,19 @@ def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, fl
     return profile.lug - distance, ex / distance, ez / distance, -1.0 / distance
 
 
-@kernel
-def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, float]:
-    """Force (N) along y on what is off the middle by y (m), and its stiffness and damping."""
-    beyond = abs(y) - flange.play
-    if beyond <= 0.0:
-        return 0.0, 0.0, 0.0
-    sign = 1.0 if y > 0.0 else -1.0
-    # damping grows with the depth, so that it does not jump where the flange is met
-    law = Impact(flange.stiffness, 1.0, flange.damping, FLANGE_DEPTH)
-    force, stiffness, damping = law_slopes(law, beyond, sign * rate)
-    return -sign * force, stiffness, damping
-
-
 @inner(allocates=True)
-def teeth_contacts(
+def write_rows(
     teeth: Teeth,
     bodies: Bodies,
-    markers: joints.Markers,
+    markers: Markers,
     state: FloatArray,
     weights: Weights,
     work: TeethWorkspace,
-) -> int:
-    """Find the lugs that touch at a state and give their number."""
-    rows, count, profile = work.rows, 0, teeth.profile
+) -> None:
+    """Write the rows of the lugs that touch at a state."""
+    rows = work.rows
+    count = 0
+    profile = teeth.profile
     values = np.zeros((2, 6 + markers.displacement.shape[2]))
     work.energy[0] = 0.0
     for k in range(teeth.markers.shape[0]):
@@ -152,7 +131,7 @@ def teeth_contacts(
         if markers.modes[marker] > 0:
             read_body(bodies, b, state[0], values[0])
             read_body(bodies, b, state[1], values[1])
-        arm = joints.end_of(markers, marker, own, values[0]).lever
+        arm = end_of(markers, marker, own, values[0]).lever
         from_axis = along(along(shoe.r, 1.0, arm), -1.0, tumbler.r)
         local = turned_back(tumbler.R, from_axis)
         inside = profile.addendum + profile.lug - math.sqrt(local[0] ** 2 + local[2] ** 2)
@@ -161,7 +140,7 @@ def teeth_contacts(
         depth, nx, nz, turn = tooth(profile, local[0], local[2])
         velocity = along(shoe.v, 1.0, cross(shoe.omega, arm))
         if markers.modes[marker] > 0:
-            bent = moved((0.0, 0.0, 0.0), markers.displacement[marker], values[1])
+            bent = moved(NOTHING, markers.displacement[marker], values[1])
             velocity = along(velocity, 1.0, turned(shoe.R, bent))
         velocity = along(along(velocity, -1.0, tumbler.v), -1.0, cross(tumbler.omega, from_axis))
         normal, across = turned(tumbler.R, (nx, 0.0, nz)), at.axes[1]
@@ -172,7 +151,7 @@ def teeth_contacts(
         if force <= 0.0 and sideways == 0.0:
             continue
         tangential = cross(across, normal)
-        whole = along(along((0.0, 0.0, 0.0), force, normal), sideways, across)
+        whole = along(along(NOTHING, force, normal), sideways, across)
         work.depth[k], work.guide[k] = max(depth, 0.0), sideways
         work.energy[0] += stored_energy(teeth.law, depth)
         rows.bodies[count, 0], rows.bodies[count, 1], rows.unit[count] = b, t, -1
@@ -195,4 +174,4 @@ def teeth_contacts(
                         + along_axis * across[r] * across[c]
                     )
         count += 1
-    return count
+    rows.count[0] = count

@@ -14,9 +14,11 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground.compiled import inner, kernel
-from exudyn_crawler.ground.frames import Vector, cross, turned, write_turned_rows
-from exudyn_crawler.ground.laws import Impact, impact_force, step
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, Weights
+from exudyn_crawler.ground.frames import turned
+from exudyn_crawler.ground.laws import Impact
+from exudyn_crawler.ground.packed import FloatArray
+from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.model.forces.impact import law_slopes
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
@@ -60,25 +62,6 @@ class Slopes(NamedTuple):
     by_depth: float
     by_rate: float
     drag: float
-
-
-@inner
-def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, float]:
-    """Normal force (N) of a law and its derivatives by depth and by its rate."""
-    force = impact_force(law, depth, rate)
-    if force <= 0.0:
-        return 0.0, 0.0, 0.0
-    part = min(depth / law.damping_depth, 1.0)
-    faded = step(depth, 0.0, 0.0, law.damping_depth, 1.0)
-    by_depth = law.exponent * law.stiffness * depth ** (law.exponent - 1.0)
-    by_depth += law.damping * rate * 6.0 * part * (1.0 - part) / law.damping_depth
-    return force, by_depth, law.damping * faded
-
-
-@inner
-def stored_energy(law: Impact, depth: float) -> float:
-    """Energy (J) in a contact of this law, none where nothing touches."""
-    return law.stiffness / (law.exponent + 1.0) * depth ** (law.exponent + 1.0) if depth > 0.0 else 0.0
 
 
 @kernel
@@ -157,21 +140,3 @@ def write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> 
         for r in range(3):
             for c in range(3):
                 out[r, c] -= change[r] * R[c][2 * k]
-
-
-@inner(merged=True)
-def write_point(
-    at: Attitude, arm: Vector, shapes: FloatArray, modes: int, sign: float, jacobian: FloatArray
-) -> None:
-    """Write how a point of a body moves by its coordinates and modes (3, 6 + m), times a sign.
-
-    `arm` leads there from the body's origin, m, global; so many modes of a flexible body, whose first three
-    rows of `shapes` are in its axes, move the point.
-    """
-    for c in range(3):
-        by_angle = cross(at.axes[c], arm)
-        for r in range(3):
-            jacobian[r, c] = sign if r == c else 0.0
-            jacobian[r, 3 + c] = sign * by_angle[r]
-    if modes > 0:
-        write_turned_rows(at.R, shapes, modes, sign, jacobian)

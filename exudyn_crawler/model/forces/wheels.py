@@ -13,9 +13,12 @@ from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
-from exudyn_crawler.ground.rotations import Attitude, ForceRows, Weights
+from exudyn_crawler.ground.rotations import Attitude
+from exudyn_crawler.ground.rows import ForceRows, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
-from exudyn_crawler.model.forces import teeth, treads
+from exudyn_crawler.model.forces import treads
+from exudyn_crawler.model.forces.impact import Flange, flange_force, stored_energy
+from exudyn_crawler.model.markers import write_point
 
 ASIDE = 0.3
 """m, more than a shoe that touches a wheel is ever beside its track's middle."""
@@ -32,7 +35,7 @@ class Wheels(NamedTuple):
     middles: Floats1  # (wheels,): y of the middle of its track in the frame's axes, m
     radii: Floats1  # (wheels,): m
     law: Impact  # of a strip
-    flange: teeth.Flange  # of a strip
+    flange: Flange  # of a strip
     height: float  # of the flanges above the treads, m; zero for none
     rail: treads.Rail
     rows: Floats4  # (strips, stations + 2, 3, m): as of `shoe_mesh.RailRows`
@@ -81,15 +84,15 @@ class Strip(NamedTuple):
 
 
 @inner(allocates=True)
-def wheel_contacts(
+def write_rows(
     wheels: Wheels,
     bodies: Bodies,
     state: FloatArray,
     drag: FloatArray,
     weights: Weights,
     work: WheelWorkspace,
-) -> int:
-    """Find the strips that touch at a state and give their number.
+) -> None:
+    """Write the rows of the strips that touch at a state.
 
     `drag` (wheels,) is rolling resistance over normal force with the sign of the travel.
     """
@@ -136,11 +139,11 @@ def wheel_contacts(
                 if strip.tread.depth <= 0.0 and strip.side == 0.0:
                     continue
                 work.wheel[s, slot] = w
-                work.energy[0] += treads.stored_energy(wheels.law, strip.tread.depth)
+                work.energy[0] += stored_energy(wheels.law, strip.tread.depth)
                 numbers = w, s, slot, k, count
                 _keep(wheels, strip, (frame, shoe), (at, shoe_at), numbers, weights, work, flexible)
                 count += 1
-    return count
+    work.rows.count[0] = count
 
 
 @inner
@@ -224,7 +227,7 @@ def _touch(
         leaning = (across[0] * dx + across[2] * dz) / across[1]
         off = center[1] - leaning - place[1] + wheels.middles[w] - bent.aside
         rate = rates[1] + turning[2] * dx - turning[0] * dz - bent.aside_rate
-        force, stiffness, damping = teeth.flange_force(wheels.flange, off, rate)
+        force, stiffness, damping = flange_force(wheels.flange, off, rate)
         side, stiffness, damping = engaged * force, engaged * stiffness, engaged * damping
     foot = turned(shoe.R, (tread.foot[0], center[1], tread.foot[1]))
     return Strip(tread, side, stiffness, damping, foot)
@@ -256,7 +259,7 @@ def _keep(
     for side in range(2):
         modes = work.modes.shape[1] if flexible and side == 1 else 0
         jacobian = rows.jacobian[count, side]
-        treads.write_point(attitudes[side], arms[side], work.modes, modes, 1.0 - 2.0 * side, jacobian)
+        write_point(attitudes[side], arms[side], work.modes, modes, 1.0 - 2.0 * side, jacobian)
     for r in range(3):
         rows.wrench[count, r] = force[r]
         work.force[s, slot, k, r], work.foot[s, slot, k, r] = -force[r], foot[r]

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.rotations import Weights, moments_on_angles
+from exudyn_crawler.ground.rotations import moments_on_angles
+from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.compiled_system import CompiledSystem
 from exudyn_crawler.model.diagnostics import NewtonError, in_units
 from exudyn_crawler.model.equations import STIFFNESS
@@ -142,7 +143,7 @@ def at_rest(system: CompiledSystem, q: np.ndarray, multipliers: np.ndarray) -> t
         force, moment = static_friction(case, system.tables.bodies.mass[: len(shoes)])
         shoes[:, :3] -= force
         shoes[:, 3:] -= moments_on_angles(angles, moment)
-    along = system.work.jacobian[system.pin_rows, 0]
+    along = system.work.joints.jacobian[system.tables.joints.drive.first, 0]
     direction = np.zeros(len(q))
     direction[count - 6 : count] = along[:6]
     modes = system.point.rows.shape[1]
@@ -166,7 +167,7 @@ def creep(
     """
     least, drag, step, *_ = CREEPS[system.case.gear.kind]
     time = 0.0
-    multipliers = np.zeros(system.tables.multiplier_count)
+    multipliers = np.zeros(system.tables.multipliers)
     inputs = system.inputs(0.0)
     inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
     while time < duration:

@@ -1,0 +1,1 @@
+"""Kinds of joints, a file each, which give their constraints as rows of one type."""

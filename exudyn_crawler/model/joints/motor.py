@@ -1,0 +1,77 @@
+"""Motors, which turn tumblers against their frame, and keep sliding idlers from spinning."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.compiled import inner
+from exudyn_crawler.ground.frames import dot
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Ints2
+from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.model.bodies import Bodies, attitude_of
+from exudyn_crawler.model.inputs import Inputs
+from exudyn_crawler.model.markers import Markers
+from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
+
+
+class Motors(NamedTuple):
+    """Motors, a row each; k of them.
+
+    The multiplier of a motor is the torque on its tumbler about that one's axis, with the other sign. It
+    follows from the speed that is kept; where the torque is limited, from the lag behind that speed.
+    """
+
+    first: int  # row of the first one
+    bodies: Ints2  # (k, 2): frame, and the tumbler that turns against it or the idler that does not
+    limit: Floats1  # (k,): greatest torque, N m; infinite where the speed is kept
+    lag: Floats1  # (k,): rad/s at which there is 0.7 of the greatest torque
+
+
+@inner
+def torque(limit: float, width: float, lag: float) -> tuple[float, float]:
+    """Torque (N m) of a motor behind its speed by `lag` (rad/s), and its slope; for both see `Motors`."""
+    root = math.sqrt(lag * lag + width * width)
+    return limit * lag / root, limit * width * width / root**3
+
+
+@inner
+def write_rows(
+    motors: Motors,
+    bodies: Bodies,
+    markers: Markers,
+    state: FloatArray,
+    multipliers: FloatArray,
+    inputs: Inputs,
+    weights: Weights,
+    rows: JointRows,
+) -> None:
+    """Write the rows of all motors; the Jacobian has the parts of the angles' axes along the tumbler's."""
+    for k in range(motors.bodies.shape[0]):
+        row = motors.first + k
+        axis = attitude_of(bodies, motors.bodies[k, 1]).axes[1]
+        speed = 0.0
+        for side in range(2):
+            b = motors.bodies[k, side]
+            sign = 2.0 * side - 1.0
+            at = attitude_of(bodies, b)
+            rows.bodies[row, side] = b
+            for c in range(3):
+                by_angle = sign * dot(at.axes[c], axis)
+                rows.jacobian[row, side, 3 + c] = by_angle
+                speed += by_angle * state[1, bodies.coordinate[b] + 3 + c]
+        lag = inputs.motors[k] - speed
+        rows.relaxation[row] = 0.0
+        rows.directed[row] = ALONG_JACOBIAN
+        if motors.limit[k] < np.inf:
+            given, slope = torque(motors.limit[k], motors.lag[k], lag)
+            rows.gap[row] = given
+            rows.scale[row] = 1.0
+            rows.slope[row] = -weights.velocity * slope
+            rows.share[row] = 1.0
+        else:
+            level = STIFFNESS * weights.level
+            rows.gap[row] = -lag
+            rows.scale[row] = level
+            rows.slope[row] = level * (weights.velocity if weights.velocity != 0.0 else 1.0)
+            rows.share[row] = 0.0

@@ -1,0 +1,188 @@
+"""Pins: the place of two markers is one, and the axis y of the one stays across two axes of the other."""
+
+import math
+from typing import NamedTuple
+
+from exudyn_crawler.ground.compiled import inner
+from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned
+from exudyn_crawler.ground.packed import FloatArray, Floats2, Ints2
+from exudyn_crawler.ground.rotations import Attitude
+from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.model.bodies import Bodies, attitude_of, read_body
+from exudyn_crawler.model.inputs import Inputs
+from exudyn_crawler.model.markers import NOTHING, Markers, axis_of, direction, end_of
+from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
+
+ROWS = 5
+"""Equations of a pin: its place, and its axis y across the axes x and z of the shoe in front."""
+
+
+class Pins(NamedTuple):
+    """Pins of links, and bearings of what turns in a frame; p of them, each with `ROWS` rows.
+
+    In a loop the equations of pins across the chain are redundant: their sums round the loop are zero
+    whatever the shoes do. A little compliance of these alone shares the loads among all pins as evenly as can
+    be, and leaves the motion in the chain's plane as it is. So such pins have their equations along the axes
+    of that plane, as the rear body's yaw and roll have turned them.
+    """
+
+    first: int  # row of the first one
+    markers: Ints2  # (p, 2): of the rear and of the front body
+    compliance: Floats2  # (p, ROWS): m/N and rad/(N m)
+    relaxation: Floats2  # (p, ROWS): s, damping times compliance
+    in_plane: bool  # whether the equations of places are along the axes of the chain's plane, or global ones
+    follows: bool  # whether moments turn with the front body from one iteration to the next
+
+
+@inner(merged=True)
+def _plane_axis(at: Attitude, k: int) -> Vector:
+    """Axis k of a chain's plane, global: along the ground, across the chain, and normal to both."""
+    if k == 2:
+        return cross(at.axes[0], at.axes[1])
+    return at.axes[k]
+
+
+@inner(merged=True)
+def _write_rigid(
+    levers: tuple[Vector, Vector],
+    attitudes: tuple[Attitude, Attitude],
+    between: Vector,
+    gap: FloatArray,
+    jacobian: FloatArray,
+) -> None:
+    """Write a pin in a chain's plane between rigid bodies; most pins of a closed track are of that kind."""
+    rear, front = attitudes
+    axes = rear.axes[0], rear.axes[1], _plane_axis(rear, 2)
+    across = turned(rear.R, basis(1))
+    x = turned(front.R, basis(0))
+    z = turned(front.R, basis(2))
+    moments = cross(x, across), cross(z, across)
+    for r in range(3):
+        gap[r] = dot(between, axes[r])
+    gap[3] = dot(across, x)
+    gap[4] = dot(across, z)
+    for side in range(2):
+        at = attitudes[side]
+        sign = 2.0 * side - 1.0
+        for c in range(3):
+            swept = cross(at.axes[c], levers[side])
+            for r in range(3):
+                jacobian[r, side, c] = sign * axes[r][c]
+                jacobian[r, side, 3 + c] = sign * dot(swept, axes[r])
+            for r in range(2):
+                jacobian[3 + r, side, c] = 0.0
+                jacobian[3 + r, side, 3 + c] = sign * dot(at.axes[c], moments[r])
+
+
+@inner
+def write_rows(
+    pins: Pins,
+    bodies: Bodies,
+    markers: Markers,
+    state: FloatArray,
+    multipliers: FloatArray,
+    inputs: Inputs,
+    weights: Weights,
+    rows: JointRows,
+) -> None:
+    """Write the rows of all pins, and how the moments of their forces turn where the weights ask for it."""
+    behind_row, ahead_row = rows.scratch[0], rows.scratch[1]
+    for p in range(pins.markers.shape[0]):
+        rear, front = pins.markers[p, 0], pins.markers[p, 1]
+        a, b = markers.body[rear], markers.body[front]
+        read_body(bodies, a, state[0], behind_row)
+        read_body(bodies, b, state[0], ahead_row)
+        at_a = attitude_of(bodies, a)
+        at_b = attitude_of(bodies, b)
+        reference = bodies.reference
+        apart = (
+            reference[b, 0] + ahead_row[0] - reference[a, 0] - behind_row[0],
+            reference[b, 1] + ahead_row[1] - reference[a, 1] - behind_row[1],
+            reference[b, 2] + ahead_row[2] - reference[a, 2] - behind_row[2],
+        )
+        behind = end_of(markers, rear, at_a, behind_row)
+        ahead = end_of(markers, front, at_b, ahead_row)
+        between = along(along(apart, 1.0, ahead.lever), -1.0, behind.lever)
+        first = pins.first + ROWS * p
+        for r in range(ROWS):
+            rows.bodies[first + r, 0] = a
+            rows.bodies[first + r, 1] = b
+            rows.scale[first + r] = STIFFNESS
+            rows.slope[first + r] = STIFFNESS
+            rows.share[first + r] = -STIFFNESS * pins.compliance[p, r]
+            rows.relaxation[first + r] = pins.relaxation[p, r]
+            rows.directed[first + r] = ALONG_JACOBIAN
+        gap = rows.gap[first : first + ROWS]
+        jacobian = rows.jacobian[first : first + ROWS]
+        if pins.in_plane and markers.modes[rear] == 0 and markers.modes[front] == 0:
+            _write_rigid((behind.lever, ahead.lever), (at_a, at_b), between, gap, jacobian)
+            continue
+        across = axis_of(behind, at_a, 1)
+        for r in range(ROWS):
+            force = NOTHING
+            moment = NOTHING
+            if r < 3:
+                force = _plane_axis(at_a, r) if pins.in_plane else basis(r)
+                gap[r] = dot(between, force) if pins.in_plane else between[r]
+            else:
+                axis = axis_of(ahead, at_b, 0 if r == 3 else 2)
+                gap[r] = dot(across, axis)
+                moment = cross(axis, across)
+            direction(markers, rear, behind, at_a, force, moment, -1.0, jacobian[r, 0])
+            direction(markers, front, ahead, at_b, force, moment, 1.0, jacobian[r, 1])
+    if weights.position != 0.0:
+        _write_turning(pins, bodies, markers, state, multipliers, rows)
+
+
+@inner
+def _write_turning(
+    pins: Pins,
+    bodies: Bodies,
+    markers: Markers,
+    state: FloatArray,
+    multipliers: FloatArray,
+    rows: JointRows,
+) -> None:
+    """Write how the moments of the pins' forces change as their bodies turn.
+
+    In a tight chain that moves slowly this is what holds the shoes in line, and no equation solver may leave
+    it out.
+    """
+    row = rows.scratch[0]
+    for p in range(rows.turned.shape[0]):
+        rear = attitude_of(bodies, markers.body[pins.markers[p, 0]])
+        first = pins.first + ROWS * p
+        force = NOTHING
+        for r in range(3):
+            axis = _plane_axis(rear, r) if pins.in_plane else basis(r)
+            force = along(force, multipliers[first + r], axis)
+        for side in range(2):
+            marker = pins.markers[p, side]
+            b = markers.body[marker]
+            rows.turned[p, side] = b
+            read_body(bodies, b, state[0], row)
+            at = attitude_of(bodies, b)
+            lever = end_of(markers, marker, at, row).lever
+            for j in range(3):
+                moment = cross(cross(at.axes[j], lever), force)
+                for i in range(3):
+                    rows.turning[p, side, i, j] = (2.0 * side - 1.0) * dot(at.axes[i], moment)
+
+
+@inner
+def turn_moments(
+    pins: Pins, bodies: Bodies, markers: Markers, change: FloatArray, multipliers: FloatArray
+) -> None:
+    """Keep the moments of pins that follow, whose multipliers are along axes that pitch with the front body.
+
+    `change` (coordinates + multipliers,) has been taken off both. Newton's method then knows how these
+    moments turn, on the rear body too, although no entry of its matrix couples the two bodies.
+    """
+    for p in range(pins.markers.shape[0] if pins.follows else 0):
+        pitch = -change[bodies.coordinate[markers.body[pins.markers[p, 1]]] + 4]
+        row = pins.first + ROWS * p + 3
+        c = math.cos(pitch)
+        s = math.sin(pitch)
+        x, z = multipliers[row], multipliers[row + 1]
+        multipliers[row] = c * x - s * z
+        multipliers[row + 1] = s * x + c * z

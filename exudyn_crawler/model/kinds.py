@@ -1,0 +1,114 @@
+"""Kinds of joints and of forces that there are: their tables, their workspaces, and calls of them all.
+
+Another kind is a file in `joints` or `forces`, and here a field of its table and a call. The equations sum
+over rows and know none of them.
+"""
+
+from typing import NamedTuple
+
+from exudyn_crawler.ground.cells.pressing import ShoePoints
+from exudyn_crawler.ground.compiled import inlined
+from exudyn_crawler.ground.packed import FloatArray
+from exudyn_crawler.ground.rows import ForceRows, Weights
+from exudyn_crawler.model.bodies import Bodies
+from exudyn_crawler.model.forces import cells, teeth, units, wheels
+from exudyn_crawler.model.forces.cells import CellTable, CellWorkspace
+from exudyn_crawler.model.forces.teeth import Teeth, TeethWorkspace
+from exudyn_crawler.model.forces.units import UnitTable, UnitWorkspace
+from exudyn_crawler.model.forces.wheels import Wheels, WheelWorkspace
+from exudyn_crawler.model.inputs import Inputs
+from exudyn_crawler.model.joints import drive, hold, motor, pin, pull
+from exudyn_crawler.model.joints.drive import Drive
+from exudyn_crawler.model.joints.hold import Holds
+from exudyn_crawler.model.joints.motor import Motors
+from exudyn_crawler.model.joints.pin import Pins
+from exudyn_crawler.model.joints.pull import Pull
+from exudyn_crawler.model.markers import Markers
+from exudyn_crawler.model.rows import JointRows
+from exudyn_crawler.model.terrain import TerrainTable
+
+
+class Joints(NamedTuple):
+    """Tables of all kinds of joints."""
+
+    pins: Pins
+    drive: Drive
+    pull: Pull
+    holds: Holds
+    motors: Motors
+
+
+class Forces(NamedTuple):
+    """Tables of all kinds of forces."""
+
+    units: UnitTable
+    cells: CellTable
+    teeth: Teeth
+    wheels: Wheels
+
+
+class ForceWork(NamedTuple):
+    """Workspaces of all kinds of forces, and the rows of all of them."""
+
+    units: UnitWorkspace
+    cells: CellWorkspace
+    teeth: TeethWorkspace
+    wheels: WheelWorkspace
+    rows: tuple[ForceRows, ForceRows, ForceRows, ForceRows, ForceRows]
+
+    @classmethod
+    def allocate(
+        cls, forces: Forces, terrain: TerrainTable, contacts: int, shoes: ShoePoints, modes: int
+    ) -> "ForceWork":
+        """Workspaces with at most so many contacts with units, or for shoes on cells; m modes."""
+        on_units = UnitWorkspace.allocate(terrain, contacts, modes)
+        on_cells = CellWorkspace.allocate(forces.cells, shoes)
+        at_teeth = TeethWorkspace.allocate(len(forces.teeth.markers), modes)
+        at_wheels = WheelWorkspace.allocate(forces.wheels, modes)
+        rows = on_units.contacts.rows, at_teeth.rows, at_wheels.rows, on_cells.rigid, on_cells.flexible
+        return cls(on_units, on_cells, at_teeth, at_wheels, rows)
+
+
+@inlined
+def write_joints(
+    joints: Joints,
+    bodies: Bodies,
+    markers: Markers,
+    state: FloatArray,
+    multipliers: FloatArray,
+    inputs: Inputs,
+    weights: Weights,
+    rows: JointRows,
+) -> None:
+    """Write the rows of all joints at coordinates, rates and accelerations (3, coordinates)."""
+    pin.write_rows(joints.pins, bodies, markers, state, multipliers, inputs, weights, rows)
+    drive.write_rows(joints.drive, bodies, markers, state, multipliers, inputs, weights, rows)
+    pull.write_rows(joints.pull, bodies, markers, state, multipliers, inputs, weights, rows)
+    hold.write_rows(joints.holds, bodies, markers, state, multipliers, inputs, weights, rows)
+    motor.write_rows(joints.motors, bodies, markers, state, multipliers, inputs, weights, rows)
+
+
+@inlined
+def turn_multipliers(
+    joints: Joints, bodies: Bodies, markers: Markers, change: FloatArray, multipliers: FloatArray
+) -> None:
+    """Let multipliers along axes that turn go along with a `change` of coordinates and multipliers."""
+    pin.turn_moments(joints.pins, bodies, markers, change, multipliers)
+
+
+@inlined
+def write_forces(
+    forces: Forces,
+    terrain: TerrainTable,
+    bodies: Bodies,
+    markers: Markers,
+    state: FloatArray,
+    inputs: Inputs,
+    weights: Weights,
+    work: ForceWork,
+) -> None:
+    """Write the rows of all forces at coordinates, rates and accelerations (3, coordinates)."""
+    units.write_rows(forces.units, terrain, bodies, state, weights, work.units)
+    cells.write_rows(forces.cells, bodies, state, weights, work.cells)
+    teeth.write_rows(forces.teeth, bodies, markers, state, weights, work.teeth)
+    wheels.write_rows(forces.wheels, bodies, state, inputs.drag, weights, work.wheels)

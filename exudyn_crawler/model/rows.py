@@ -1,0 +1,66 @@
+"""Rows of joints: what a constraint of any kind gives to the equations, which know nothing else of it.
+
+A constraint is a force and a moment on a body, or opposite ones on two. Its row of the Jacobian, over the
+coordinates of a body, turns their rates into the rate of the gap, and its multiplier into generalized forces.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
+
+STIFFNESS = 1e9
+"""N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
+within a step of some ms takes of a shoe's mass."""
+
+ALONG_JACOBIAN = -1
+"""In place of a row of directions: the multiplier acts along the Jacobian."""
+
+ACTED_ON = 3
+"""Bodies on which the multiplier of a row of directions acts, at most."""
+
+
+class JointRows(NamedTuple):
+    """Constraints of all joints, r of them, as they are at a state; m modes of a flexible body; workspace.
+
+    The residual of a row is ``scale gap + share multiplier``, and `STIFFNESS` times `relaxation` times the
+    rate of the gap where that is not zero. Its derivative by the coordinates is `slope` times the Jacobian
+    beside that of the relaxation.
+    """
+
+    bodies: Ints2  # (r, 2): -1 for none; a constraint that does not act has none
+    jacobian: Floats3  # (r, 2, 6 + m): of the gap, by the coordinates of both bodies
+    gap: Floats1  # (r,): m or rad, m/s or rad/s of a constraint on speed, N m of a law
+    scale: Floats1  # (r,)
+    slope: Floats1  # (r,)
+    share: Floats1  # (r,): zero, -`STIFFNESS` times the compliance, 1 where a law gives the multiplier
+    relaxation: Floats1  # (r,): s
+    directed: Ints1  # (r,): row of the next two, or `ALONG_JACOBIAN`
+    acted_on: Ints2  # (d, ACTED_ON): bodies on which a multiplier acts that is not along its Jacobian
+    directions: Floats3  # (d, ACTED_ON, 6 + m): generalized forces of a multiplier of 1
+    # (t, 2) and (t, 2, 3, 3): bodies of pins, and how the moments of the pins' forces change as these turn,
+    # by their angles
+    turned: Ints2
+    turning: Floats4
+    scratch: Floats2  # (2, 6 + m)
+
+    @classmethod
+    def allocate(cls, rows: int, directed: int, turned: int, modes: int) -> "JointRows":
+        """Workspace of so many rows, directions, and bodies' pairs that turn."""
+        width = 6 + modes
+        return cls(
+            np.full((rows, 2), -1),
+            np.zeros((rows, 2, width)),
+            np.zeros(rows),
+            np.zeros(rows),
+            np.zeros(rows),
+            np.zeros(rows),
+            np.zeros(rows),
+            np.full(rows, ALONG_JACOBIAN),
+            np.full((directed, ACTED_ON), -1),
+            np.zeros((directed, ACTED_ON, width)),
+            np.full((turned, 2), -1),
+            np.zeros((turned, 2, 3, 3)),
+            np.zeros((2, width)),
+        )
