@@ -103,5 +103,25 @@ def test_compiled_functions_take_few_arguments():
     assert many == []
 
 
+SUMS = ("exudyn_crawler.model.equations", "exudyn_crawler.model.newton")
+"""Sums over rows, which know no kind of joint or force."""
+
+
+def test_sums_name_no_kind_of_joint_or_force():
+    files = {
+        module.rpartition(".")[2]
+        for module, tree in TREES.items()
+        if module.startswith(("exudyn_crawler.model.joints.", "exudyn_crawler.model.forces."))
+        if any(isinstance(node, ast.FunctionDef) and node.name == "write_rows" for node in tree.body)
+    }
+    assert {"pin", "drive", "motor", "units", "cells", "teeth", "wheels"} <= files
+    nodes = [node for module in SUMS for node in ast.walk(TREES[module])]
+    names = {node.id for node in nodes if isinstance(node, ast.Name)}
+    names |= {node.attr for node in nodes if isinstance(node, ast.Attribute)}
+    names |= {node.arg for node in nodes if isinstance(node, ast.arg)}
+    names |= {alias.name for node in nodes if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert {name for name in names for kind in files if kind in name.lower()} == set()
+
+
 def test_the_handbooks_picture_of_the_rooms_is_up_to_date():
     assert rooms.PICTURE.read_text(encoding="utf-8") == rooms.picture(), "run: python -m docs.rooms"

@@ -18,7 +18,8 @@ from exudyn_crawler.errors import LeftMapError
 from exudyn_crawler.ground import terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
-from exudyn_crawler.model import build, state, track_system
+from exudyn_crawler.model import state, track_system
+from exudyn_crawler.model.assemble import Assembly, assemble
 from exudyn_crawler.model.diagnostics import NewtonError
 from exudyn_crawler.model.exudyn import exu, items
 from exudyn_crawler.model.forces.cells import CellWorkspace, OnCells, TrackOnCells
@@ -44,19 +45,19 @@ class ExudynSystem(track_system.TrackSystem):
         if case.gear.bodies:
             kind = case.gear.kind
             raise ValueError(f"gear.kind must be 'dragged' for a system of Exudyn's items, got {kind!r}")
-        parts = build.parts_of(case)
-        super().__init__(case, parts)
-        self._coordinates = euler_parameters.BodyCoordinates(parts.tables.bodies.reference)
+        assembly = assemble(case)
+        super().__init__(case, assembly)
+        self._coordinates = euler_parameters.BodyCoordinates(assembly.tables.bodies.reference)
         self.general: exu.GeneralContact | None = None
         self._cause = ""  # that ends a run
-        self._assemble(parts, static)
-        self.layout, self._rows = self._layout_of(parts)
+        self._assemble(assembly, static)
+        self.layout, self._rows = self._layout_of(assembly)
 
-    def _assemble(self, parts: build.Parts, static: bool) -> None:
+    def _assemble(self, assembly: Assembly, static: bool) -> None:
         """Add all items."""
         mbs = self.mbs
         case = self.case
-        tables = parts.tables
+        tables = assembly.tables
         contact = self.contact
         gravity = case.gravity_vector()
         # coordinates come in the order of the nodes
@@ -68,9 +69,9 @@ class ExudynSystem(track_system.TrackSystem):
             ground = bodies.add_terrain_modes(mbs, tables, gravity)
         shoes = bodies.add_shoes(mbs, tables, nodes, gravity)
         self._shoe_bodies = shoes.bodies
-        for (link, side), pin in zip(parts.pins, tables.joints.pins.markers, strict=True):
+        for (name, _), pin in zip(assembly.rows, tables.joints.pins.markers, strict=False):
             ends = [shoes.markers[end] for end in pin]
-            mbs.CreateGenericJoint(state.pin_name(side, link), ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
+            mbs.CreateGenericJoint(name, ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
         drive.add_loads(mbs, case, tables, shoes, static)
         if isinstance(contact, PairGroundContact):
             self._add_force([*nodes, *ground, *shoes.modal_nodes], contact.forces)
@@ -120,14 +121,14 @@ class ExudynSystem(track_system.TrackSystem):
 
         super().after_step(remembered)
 
-    def _layout_of(self, parts: build.Parts) -> tuple[state.StateLayout, np.ndarray]:
+    def _layout_of(self, assembly: Assembly) -> tuple[state.StateLayout, np.ndarray]:
         """Layout of the states, and where Exudyn has their multipliers.
 
         Behind the joints of the compiled equations come Exudyn's other items; the norm of Euler parameters
         is none of the state's.
         """
         data = self.mbs.systemData
-        compiled = layout_of(self.case, parts.tables, parts.pins)
+        compiled = layout_of(self.case, assembly)
         norms = {row for body in self._shoe_bodies for row in data.GetObjectLTGAE(body)}
         rows: dict[str, list[int]] = {name: [] for name, _ in compiled.multipliers}
         for number in range(data.NumberOfObjects()):

@@ -34,7 +34,7 @@ NO_DERIVATIVES = Weights(0.0, 0.0, 0.0, False, 1.0)
 class ForceRows(NamedTuple):
     """Elements of one kind with r rows each, as many as act at a state; m modes of a flexible body."""
 
-    count: Ints1  # (1,): how many act
+    acting: Ints1  # (1,): number of those that act
     bodies: Ints2  # (elements, 2): numbers of the bodies; -1 where there is no second one
     unit: Ints1  # (elements,): unit of the terrain on the other side, -1 for none
     wrench: Floats2  # (elements, r): on the first body

@@ -15,7 +15,8 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.rows import NO_DERIVATIVES, Weights
-from exudyn_crawler.model import build, elimination, gear, newton, track_system
+from exudyn_crawler.model import elimination, gear, newton, track_system
+from exudyn_crawler.model.assemble import Assembly, assemble
 from exudyn_crawler.model.diagnostics import NewtonError, in_units
 from exudyn_crawler.model.equations import matrix, residual
 from exudyn_crawler.model.exudyn import add_coordinates, exu, predict
@@ -45,16 +46,16 @@ class CompiledSystem(track_system.TrackSystem):
 
     contact: PairGroundContact | CellGroundContact
 
-    def __init__(self, case: Case, parts: build.Parts) -> None:
-        contact = parts.contact
+    def __init__(self, case: Case, assembly: Assembly) -> None:
+        contact = assembly.contact
         reduced = isinstance(contact.coordinates, terrain.TerrainModes)
         if not (reduced and isinstance(contact, PairGroundContact | CellGroundContact)):
             raise ValueError(
                 "the case needs contact.model 'pair' or 'cells' and terrain_formulation 'reduced'"
             )
-        super().__init__(case, parts)
-        self.tables = parts.tables
-        self.layout = layout_of(case, self.tables, parts.pins)
+        super().__init__(case, assembly)
+        self.tables = assembly.tables
+        self.layout = layout_of(case, assembly)
         size = self.layout.coordinate_count
         multipliers = self.tables.multipliers
         add_coordinates(self.mbs, "track", size)
@@ -267,4 +268,4 @@ class CompiledSystem(track_system.TrackSystem):
 
 def compiled_system(case: Case) -> CompiledSystem:
     """Build the compiled equations of a case."""
-    return CompiledSystem(case, build.parts_of(case))
+    return CompiledSystem(case, assemble(case))

@@ -25,13 +25,13 @@ from exudyn_crawler.model.tables import FrontRows, read_system
 
 @inner
 def _add_forces(
-    bodies: Bodies, rows: ForceRows, row: FloatArray, on_units: FloatArray, residual: FloatArray
+    bodies: Bodies, rows: ForceRows, row: FloatArray, on_terrain: FloatArray, residual: FloatArray
 ) -> None:
     """Take the forces of rows on their bodies off the residual, and add those on units of the terrain.
 
-    `on_units` (units, 2) are forces on heave and tilt; `row` (6 + m,) is scratch.
+    `on_terrain` (units, 2) are forces on heave and tilt; `row` (6 + m,) is scratch.
     """
-    for p in range(rows.count[0]):
+    for p in range(rows.acting[0]):
         for side in range(2):
             b = rows.bodies[p, side]
             if b >= 0:
@@ -45,7 +45,7 @@ def _add_forces(
         if unit >= 0:
             for c in range(2):
                 for r in range(rows.wrench.shape[1]):
-                    on_units[unit, c] += rows.unit_jacobian[p, r, c] * rows.wrench[p, r]
+                    on_terrain[unit, c] += rows.unit_jacobian[p, r, c] * rows.wrench[p, r]
 
 
 @inner
@@ -100,7 +100,7 @@ def residual(
     rows = np.zeros((4, work.joints.jacobian.shape[2]))
     tensor = np.empty((3, 3))
     out.fill(0.0)
-    work.on_units.fill(0.0)
+    work.on_terrain.fill(0.0)
     # elements leave those of other weights, which would be taken for masses
     if weights.acceleration != 0.0 and weights.position == weights.velocity == 0.0:
         for kind in range(len(work.forces.rows)):
@@ -108,10 +108,10 @@ def residual(
     write_angles(bodies, state[0])
     kinds.write_forces(tables.forces, tables.terrain, bodies, markers, state, inputs, weights, work.forces)
     for kind in range(len(work.forces.rows)):
-        _add_forces(bodies, work.forces.rows[kind], rows[0], work.on_units, out)
+        _add_forces(bodies, work.forces.rows[kind], rows[0], work.on_terrain, out)
     inertias = work.first, work.second, work.turning
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, rows, tensor, out)
-    terrain.add_terrain(tables.terrain, state, inputs.gravity[2], work.on_units, out)
+    terrain.add_terrain(tables.terrain, state, inputs.gravity[2], work.on_terrain, out)
     loads.add_loads(bodies, markers, tables.loads, inputs.loads, inputs.shift, state, out)
     kinds.write_joints(tables.joints, bodies, markers, state, multipliers, inputs, weights, work.joints)
     _add_joints(bodies, work.joints, state, multipliers, out)
@@ -119,7 +119,7 @@ def residual(
 
 @inner
 def _write_motions(
-    units: terrain.TerrainTable,
+    ground: terrain.TerrainTable,
     rows: ForceRows,
     first: int,
     sizes: tuple[int, int, int],
@@ -142,7 +142,7 @@ def _write_motions(
             second[c] = rows.jacobian[p, 1, r, c]
         heave, tilt, u = rows.unit_jacobian[p, r, 0], rows.unit_jacobian[p, r, 1], rows.unit[p]
         for k in range(sizes[2]):
-            of_terrain[k] = heave * units.heave[u, k] + tilt * units.tilt[u, k]
+            of_terrain[k] = heave * ground.heave[u, k] + tilt * ground.tilt[u, k]
         for k in range(kinds):
             factor, force = rows.tangent[p, k, r], forces[at - r + k]
             # a node of a grid knows its neighbours alone
@@ -188,12 +188,12 @@ def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
     """Add the tangents of elements, those of the same bodies that follow each other at once: ``J^T K J``."""
     tables, work = read_system(system)
     rows = work.forces.rows[kind]
-    count = rows.count[0]
+    count = rows.acting[0]
     if count == 0:
         return
-    places, modal, units, first = tables.rows, tables.bodies.modal, tables.terrain, 0
+    places, modal, ground, first = tables.rows, tables.bodies.modal, tables.terrain, 0
     motions_each, m = rows.jacobian.shape[2:]
-    width = 2 * m + units.heave.shape[1]
+    width = 2 * m + ground.heave.shape[1]
     into, scratch = np.empty(width, dtype=np.int64), np.empty((3, max(motions_each * count, width) * width))
     for last in range(1, count + 1):
         a, b = rows.bodies[first, 0], rows.bodies[first, 1]
@@ -202,13 +202,13 @@ def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
         sizes = (
             m if modal[a] >= 0 else 6,
             0 if b < 0 else (m if modal[b] >= 0 else 6),
-            units.heave.shape[1] if rows.unit[first] >= 0 else 0,
+            ground.heave.shape[1] if rows.unit[first] >= 0 else 0,
         )
         n, length = sizes[0] + sizes[1] + sizes[2], motions_each * (last - first)
         motions = scratch[0, : n * length].reshape((length, n))
         forces = scratch[1, : n * length].reshape((length, n))
         block = scratch[2, : n * n].reshape((n, n))
-        _write_motions(units, rows, first, sizes, motions, forces)
+        _write_motions(ground, rows, first, sizes, motions, forces)
         np.dot(motions.T, forces, block)
         f = places.front[a] if b < 0 else min(places.front[a], places.front[b])
         _add_block(places, tables.fronts, (f, a, b), sizes, block, into, values)

@@ -18,8 +18,8 @@ from exudyn_crawler.model.forces.units import UnitTable, UnitWorkspace
 from exudyn_crawler.model.forces.wheels import Wheels, WheelWorkspace
 from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.joints import drive, hold, motor, pin, pull
-from exudyn_crawler.model.joints.drive import Drive
-from exudyn_crawler.model.joints.hold import Holds
+from exudyn_crawler.model.joints.drive import Speeds
+from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.motor import Motors
 from exudyn_crawler.model.joints.pin import Pins
 from exudyn_crawler.model.joints.pull import Pull
@@ -32,9 +32,9 @@ class Joints(NamedTuple):
     """Tables of all kinds of joints."""
 
     pins: Pins
-    drive: Drive
+    drive: Speeds
     pull: Pull
-    holds: Holds
+    holds: Held
     motors: Motors
 
 

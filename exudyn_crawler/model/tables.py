@@ -61,7 +61,7 @@ class Workspace(NamedTuple):
     turning: packed.Floats3
     joints: JointRows
     forces: ForceWork
-    on_units: packed.Floats2  # (units, 2): forces on heave and tilt of the terrain's units
+    on_terrain: packed.Floats2  # (units, 2): forces on heave and tilt of the terrain's units
 
     @classmethod
     def allocate(cls, tables: Tables, contacts: int, shoes: ShoePoints) -> "Workspace":

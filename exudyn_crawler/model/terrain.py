@@ -21,7 +21,7 @@ class TerrainTable(NamedTuple):
 
 @inner
 def add_terrain(
-    terrain: TerrainTable, state: FloatArray, gravity: float, on_units: FloatArray, residual: FloatArray
+    terrain: TerrainTable, state: FloatArray, gravity: float, on_terrain: FloatArray, residual: FloatArray
 ) -> None:
     """Add inertia, supports and weight of the terrain, and forces (units, 2) on heave and tilt of its units.
 
@@ -36,8 +36,8 @@ def add_terrain(
                 terrain.stiffness[i, k] * state[0, first + k] + terrain.damping[i, k] * state[1, first + k]
             )
         residual[first + i] += force
-    for u in range(on_units.shape[0]):
-        heave, tilt = on_units[u, 0], on_units[u, 1]
+    for u in range(on_terrain.shape[0]):
+        heave, tilt = on_terrain[u, 0], on_terrain[u, 1]
         if heave != 0.0 or tilt != 0.0:
             for k in range(size):
                 residual[first + k] -= terrain.heave[u, k] * heave + terrain.tilt[u, k] * tilt

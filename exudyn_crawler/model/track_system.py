@@ -8,7 +8,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.case.gear.base import POSTS
-from exudyn_crawler.model.build import Parts
+from exudyn_crawler.model.assemble import Assembly
 from exudyn_crawler.model.exudyn import exu
 from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.state import RATES, StateLayout
@@ -21,15 +21,15 @@ FIRST_DEPTH = 1e-5
 
 
 class TrackSystem(ABC):
-    """Multibody system that Exudyn steps through time; `parts` are those of its case."""
+    """Multibody system that Exudyn steps through time, assembled of a case."""
 
     layout: StateLayout  # what the numbers of a state are
 
-    def __init__(self, case: Case, parts: Parts) -> None:
+    def __init__(self, case: Case, assembly: Assembly) -> None:
         self.case = case
-        self.contact = parts.contact  # contact forces as functions of its coordinates
-        self.floating = parts.floating  # what the flexible shoes share
-        self.point = parts.point  # point of the front shoe that the drive moves
+        self.contact = assembly.contact  # contact forces as functions of its coordinates
+        self.floating = assembly.floating  # what the flexible shoes share
+        self.point = assembly.point  # point of the front shoe that the drive moves
         self.container = exu.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.cells: TrackOnCells | None = None  # cells under the track, where the ground is of cells

@@ -17,7 +17,7 @@ from exudyn_crawler.ground.terrain import (
     terrain_modes,
     units_near,
 )
-from exudyn_crawler.model.build import parts_of
+from exudyn_crawler.model.assemble import assemble
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 from tests.model.both import linearized
 
@@ -103,7 +103,7 @@ def terrain_alone(terrain, formulation):
     if formulation == "constrained":
         nodes = add_units(mbs, case)
     else:
-        nodes = add_terrain_modes(mbs, parts_of(case).tables, case.gravity_vector())
+        nodes = add_terrain_modes(mbs, assemble(case).tables, case.gravity_vector())
     return container, mbs, nodes, terrain_coordinates(case)
 
 

@@ -8,7 +8,7 @@ import pytest
 from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, simulate
 from exudyn_crawler.engine.bodies import add_shoe_nodes, add_shoes
 from exudyn_crawler.ground.pairs import RESULT
-from exudyn_crawler.model.build import parts_of
+from exudyn_crawler.model.assemble import assemble
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.forces.loads import Loads
@@ -128,7 +128,7 @@ def test_a_free_shoe_vibrates_at_its_modal_frequency():
     floating = floating_shoe(case)
     container = exu.SystemContainer()
     mbs = container.AddSystem()
-    tables = parts_of(case).tables
+    tables = assemble(case).tables
     shoes = add_shoes(mbs, tables, add_shoe_nodes(mbs, tables), np.zeros(3))
     modal_node = shoes.modal_nodes[0]
     mbs.SetNodeParameter(modal_node, "initialCoordinates_t", [1e-2] + [0.0] * (floating.mode_count - 1))
@@ -263,7 +263,7 @@ def in_engine(case):
     floating = floating_shoe(case)
     container = exu.SystemContainer()
     mbs = container.AddSystem()
-    tables, ground = parts_of(case).tables, mbs.AddObject(items.ObjectGround())
+    tables, ground = assemble(case).tables, mbs.AddObject(items.ObjectGround())
     reduced, nodes, rows = floating.reduced, add_shoe_nodes(mbs, tables), floating.load_rows
     pilots = zip(reduced.interfaces, reduced.pilots, strict=True)
     points = [(interface.center, pilot[:3], pilot[3:]) for interface, pilot in pilots]

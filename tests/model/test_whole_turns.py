@@ -13,8 +13,8 @@ from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.bodies import Bodies, second_moment
 from exudyn_crawler.model.elimination import fronts_of
 from exudyn_crawler.model.inputs import Inputs
-from exudyn_crawler.model.joints.drive import Drive
-from exudyn_crawler.model.joints.hold import Holds
+from exudyn_crawler.model.joints.drive import Speeds
+from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.pin import ROWS, Pins
 from exudyn_crawler.model.kinds import Joints
 from exudyn_crawler.model.markers import Markers
@@ -54,8 +54,8 @@ def hinged(masses, inertias, pins, held=()):
         markers=Markers(bodies, places, unbent, unbent, np.zeros(len(bodies), dtype=np.int64)),
         joints=nothing(Joints)._replace(
             pins=Pins(0, ends, no_compliance, no_compliance, in_plane=False, follows=False),
-            drive=Drive(first_row, marker=0, turning=0),
-            holds=Holds(first_row + 2, held),
+            drive=Speeds(first_row, marker=0, turning=0),
+            holds=Held(first_row + 2, held),
         ),
         multipliers=len(rows),
         search=Search(0.0, 0.0, 0),

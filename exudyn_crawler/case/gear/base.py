@@ -85,6 +85,8 @@ class Gear(Parameters):
 
     quantities: ClassVar[frozenset[str]] = frozenset()
     """Words by which the catalogue of quantities says that one needs such a gear."""
+    parts: ClassVar[tuple[str, ...]] = ("shoes",)
+    """Files of `model.parts` that its machine is made of, in the order of their bodies."""
     tracks: ClassVar[int] = 1
     """Number of tracks; of two the right one comes first."""
     loops: ClassVar[int] = 0
@@ -133,6 +135,11 @@ class Gear(Parameters):
     def holds(self) -> tuple[int, ...]:
         """Coordinates of the side frame that are held."""
         return ()
+
+    @property
+    def pin_compliance(self) -> float:
+        """Compliance of pins across the chain: m/N sideways, rad/(N m) in yaw and roll."""
+        return 0.0
 
     @property
     def single(self) -> "Gear":

@@ -24,6 +24,7 @@ class Closed(ClosedFrame):
     kind: Literal["closed"] = option("track is closed round its side frame", "closed")
 
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "closed"})
+    parts: ClassVar[tuple[str, ...]] = ("shoes", "frame", "tumbler", "idler")
     loops: ClassVar[int] = 1
     # in a tight chain a joint beside the middle would bear a moment of the whole tension
     rigid_joint: ClassVar[str] = MIDWAY
@@ -47,6 +48,11 @@ class Closed(ClosedFrame):
     def holds(self) -> tuple[int, ...]:
         """Coordinates of the side frame that are held: on posts all."""
         return POSTS if self.support == "posts" else super().holds
+
+    @property
+    def pin_compliance(self) -> float:
+        """Compliance of pins across the chain: m/N sideways, rad/(N m) in yaw and roll."""
+        return self.compliance
 
     @property
     def flange(self) -> tuple[float, float, float]:

@@ -174,4 +174,4 @@ def write_rows(
                         + along_axis * across[r] * across[c]
                     )
         count += 1
-    rows.count[0] = count
+    rows.acting[0] = count

@@ -73,4 +73,4 @@ def write_rows(
         -weights.position, -weights.velocity, weights.acceleration, weights.secant, weights.level
     )
     rows = work.contacts.rows
-    rows.count[0] = touching_pairs(places, table.geometry, negative, work.contacts, work.overlap)
+    rows.acting[0] = touching_pairs(places, table.geometry, negative, work.contacts, work.overlap)

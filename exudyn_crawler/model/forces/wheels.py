@@ -143,7 +143,7 @@ def write_rows(
                 numbers = w, s, slot, k, count
                 _keep(wheels, strip, (frame, shoe), (at, shoe_at), numbers, weights, work, flexible)
                 count += 1
-    work.rows.count[0] = count
+    work.rows.acting[0] = count
 
 
 @inner

@@ -12,7 +12,7 @@ from exudyn_crawler.model.markers import NOTHING, Markers, direction, end_of
 from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
 
 
-class Drive(NamedTuple):
+class Speeds(NamedTuple):
     """A marker whose velocity along x is prescribed, and a body whose turning about its own axis z is.
 
     Each has a row; one that does not act keeps its multiplier at zero.
@@ -46,7 +46,7 @@ def write_speed(row: int, speed: float, acts: bool, body: int, weights: Weights,
 
 @inner
 def write_rows(
-    drive: Drive,
+    drive: Speeds,
     bodies: Bodies,
     markers: Markers,
     state: FloatArray,

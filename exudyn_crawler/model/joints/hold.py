@@ -11,7 +11,7 @@ from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
 
 
-class Holds(NamedTuple):
+class Held(NamedTuple):
     """Coordinates that stay where they are, a row each; h of them."""
 
     first: int  # row of the first one
@@ -20,7 +20,7 @@ class Holds(NamedTuple):
 
 @inner
 def write_rows(
-    holds: Holds,
+    holds: Held,
     bodies: Bodies,
     markers: Markers,
     state: FloatArray,

@@ -108,7 +108,7 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     A joint's equations are ``p_front - p_rear = 0`` and, with the axes of the rear shoe marked 0 and of
     the front one 1, ``y0 . x1 = 0`` and ``y0 . z1 = 0``: the multipliers of the first are the force on
     the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``. In a closed track the first
-    three are along the axes of the chain's plane (`model.joints.plane_axis`).
+    three are along the axes of the chain's plane (`model.joints.pin`).
     """
     layout, case = states.system.layout, states.system.case
     joints, frames = case.joints, rotations.rotation_matrices(angles)

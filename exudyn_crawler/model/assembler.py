@@ -1,0 +1,226 @@
+"""What the parts of a machine put together: bodies, markers, joints, loads, and what couples them."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from exudyn_crawler.case import Case, CellTerrain
+from exudyn_crawler.ground import packed
+from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
+from exudyn_crawler.model.flexible_shoes import FloatingShoe
+from exudyn_crawler.model.forces.cells import CellTable
+from exudyn_crawler.model.forces.loads import Loads
+from exudyn_crawler.model.forces.teeth import Teeth
+from exudyn_crawler.model.forces.wheels import Wheels
+from exudyn_crawler.model.joints.drive import Speeds
+from exudyn_crawler.model.joints.hold import Held
+from exudyn_crawler.model.joints.motor import Motors
+from exudyn_crawler.model.joints.pin import ROWS, Pins
+from exudyn_crawler.model.joints.pull import Pull
+from exudyn_crawler.model.kinds import Joints
+from exudyn_crawler.model.markers import Markers
+from exudyn_crawler.model.shoe_mesh import DrivePoint
+from exudyn_crawler.model.state import BODY_COORDINATES
+
+DRIVE = "drive"
+TURN = "turn"
+"""Names of the rows of the drive's two speeds."""
+
+
+class Body(NamedTuple):
+    """Body: integrals over its mass, see `Bodies`, and where it is where its coordinates are zero."""
+
+    name: str
+    mass: float  # kg
+    first: np.ndarray  # (3,): kg m
+    second: np.ndarray  # (3, 3): kg m2
+    reference: np.ndarray  # (6,): m, global, and rad
+    bends: bool = False
+
+    @classmethod
+    def rigid(
+        cls,
+        name: str,
+        mass: float,
+        inertia: np.ndarray,
+        reference: np.ndarray,
+        com: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> "Body":
+        """Rigid body with an inertia (3, 3) about its COM, kg m2, which is at `com` (3,), m, in its frame."""
+        center = np.array(com, dtype=float)
+        return cls(name, mass, mass * center, second_moment(mass, inertia, center), reference)
+
+
+class Hinge(NamedTuple):
+    """Pin of a link, or bearing of what turns in a frame."""
+
+    markers: tuple[int, int]  # of the rear and of the front body
+    name: str
+    link: int  # from 1; 0 for what is no part of a chain
+    compliance: np.ndarray  # (ROWS,): m/N and rad/(N m)
+    relaxation: np.ndarray  # (ROWS,): s
+
+
+class Motor(NamedTuple):
+    """Motor of a body that turns against a frame."""
+
+    bodies: tuple[int, int]  # frame and that body
+    name: str
+    limit: float  # N m
+    lag: float  # rad/s
+
+
+class Assembler:
+    """Collects what parts of a case's machine add; its methods give numbers of what they add.
+
+    `floating` is what flexible shoes share, `point` where the drive moves the front shoe, and the first modal
+    coordinate has the number `first_modal`.
+    """
+
+    def __init__(
+        self, case: Case, floating: FloatingShoe | None, point: DrivePoint, terrain_size: int
+    ) -> None:
+        self.case = case
+        self.floating = floating
+        self.point = point
+        self.shoes = case.track.shoe_count
+        self.first_modal = 6 * self.shoes + terrain_size
+        self.mode_count = 0 if floating is None else floating.mode_count
+        self.flexible = np.zeros(self.shoes, dtype=bool)
+        if case.flexible is not None:
+            self.flexible[np.array(case.flexible.shoes) - 1] = True
+        self.bodies: list[Body] = []
+        self.pins: list[Hinge] = []
+        self.motors: list[Motor] = []
+        self.drive = (0, 0)  # marker that it moves, body that it turns
+        self.modes = packed.nothing(Modes)
+        self.pull = packed.nothing(Pull)
+        self.teeth = packed.nothing(Teeth)
+        self.wheels = packed.nothing(Wheels)
+        self.cells = packed.nothing(CellTable)
+        # bodies, and names of rows, that equations couple with each other
+        self.couplings: list[tuple[tuple[int, ...], tuple[str, ...]]] = []
+        self._holds: list[tuple[int, int]] = []
+        self._loads: list[tuple[int, int]] = []
+        self._markers: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]] = []
+
+    def add_body(self, body: Body) -> int:
+        """Add a body: shoes first, in their order."""
+        self.bodies.append(body)
+        return len(self.bodies) - 1
+
+    def body_named(self, name: str) -> int:
+        """Number of a body by its name."""
+        return [body.name for body in self.bodies].index(name)
+
+    def add_marker(
+        self,
+        body: int,
+        place: ArrayLike,
+        moved: np.ndarray | None = None,
+        turned: np.ndarray | None = None,
+    ) -> int:
+        """Add a marker at a place (3,), m, in a body's frame, which its modes (3, modes) move and turn."""
+        none = np.zeros((3, self.mode_count))
+        by_modes = none if moved is None else moved
+        turned_by_modes = none if turned is None else turned
+        self._markers.append((body, np.array(place, dtype=float), by_modes, turned_by_modes))
+        return len(self._markers) - 1
+
+    def body_of(self, marker: int) -> int:
+        """Number of the body that a marker is on."""
+        return self._markers[marker][0]
+
+    def add_pin(
+        self,
+        rear: int,
+        front: int,
+        name: str,
+        link: int = 0,
+        compliance: ArrayLike = (0.0,) * ROWS,
+        relaxation: ArrayLike = (0.0,) * ROWS,
+    ) -> None:
+        """Add a pin between two markers; for the rest see `Hinge`."""
+        self.pins.append(Hinge((rear, front), name, link, np.array(compliance), np.array(relaxation)))
+
+    def add_motor(self, frame: int, body: int, name: str, limit: float, lag: float) -> None:
+        """Add a motor of a body against a frame; for the rest see `Motor`."""
+        self.motors.append(Motor((frame, body), name, limit, lag))
+
+    def hold(self, body: int, coordinates: Iterable[int]) -> None:
+        """Hold coordinates of a body where they are."""
+        self._holds += [(body, coordinate) for coordinate in coordinates]
+
+    def add_load(self, marker: int, beside: int = -1) -> None:
+        """Add the next of the loads of `TimedInputs`, at a marker; `beside` as in `Loads`."""
+        self._loads.append((marker, beside))
+
+    def couple(self, bodies: Sequence[int], rows: Sequence[str] = ()) -> None:
+        """Tell the elimination of bodies, and rows of joints by name, that equations couple."""
+        self.couplings.append((tuple(bodies), tuple(rows)))
+
+    @property
+    def row_names(self) -> tuple[tuple[str, int], ...]:
+        """Names of the joints in the order of their rows, and how many rows each has."""
+        holds = [
+            f"hold of {self.bodies[body].name} ({BODY_COORDINATES[coordinate]})"
+            for body, coordinate in self._holds
+        ]
+        single = [DRIVE, TURN, *holds, *(motor.name for motor in self.motors)]
+        return (*((pin.name, ROWS) for pin in self.pins), *((name, 1) for name in single))
+
+    def table_of_bodies(self) -> Bodies:
+        """Table of all bodies; coordinates of others than shoes come behind those of the modes."""
+        count = len(self.bodies)
+        bends = np.array([body.bends for body in self.bodies])
+        modal = np.full(count, -1)
+        modal[bends] = self.first_modal + self.mode_count * np.arange(bends.sum())
+        first_other = self.first_modal + self.mode_count * int(bends.sum())
+        others = first_other + 6 * np.arange(count - self.shoes)
+        return Bodies(
+            coordinate=np.concatenate((6 * np.arange(self.shoes), others)),
+            modal=modal,
+            reference=np.array([body.reference for body in self.bodies]),
+            mass=np.array([body.mass for body in self.bodies], dtype=float),
+            first=np.array([body.first for body in self.bodies]),
+            second=np.array([body.second for body in self.bodies]),
+            of_angles=np.zeros((count, 2, 3)),
+        )
+
+    def table_of_markers(self) -> Markers:
+        """Table of all markers."""
+        body, position, moved, turned = (np.array(column) for column in zip(*self._markers, strict=True))
+        bends = moved.any(axis=(1, 2)) | turned.any(axis=(1, 2))
+        return Markers(body, position, moved, turned, np.where(bends, self.mode_count, 0))
+
+    def tables_of_joints(self) -> Joints:
+        """Tables of all joints, whose rows come kind by kind."""
+        first_speed = ROWS * len(self.pins)
+        first_hold = first_speed + 2
+        pins = Pins(
+            0,
+            np.array([pin.markers for pin in self.pins], dtype=np.int64).reshape(-1, 2),
+            np.array([pin.compliance for pin in self.pins], dtype=float).reshape(-1, ROWS),
+            np.array([pin.relaxation for pin in self.pins], dtype=float).reshape(-1, ROWS),
+            in_plane=self.case.gear.loops > 0,
+            follows=isinstance(self.case.terrain, CellTerrain),
+        )
+        motors = Motors(
+            first_hold + len(self._holds),
+            np.array([motor.bodies for motor in self.motors], dtype=np.int64).reshape(-1, 2),
+            np.array([motor.limit for motor in self.motors], dtype=float),
+            np.array([motor.lag for motor in self.motors], dtype=float),
+        )
+        return Joints(
+            pins=pins,
+            drive=Speeds(first_speed, *self.drive),
+            pull=self.pull._replace(row=first_speed),
+            holds=Held(first_hold, np.array(self._holds, dtype=np.int64).reshape(-1, 2)),
+            motors=motors,
+        )
+
+    def table_of_loads(self) -> Loads:
+        """Table of all loads."""
+        return Loads(*(np.array(column) for column in zip(*self._loads, strict=True)))

@@ -1,0 +1,79 @@
+"""Order in which a system's unknowns are eliminated, and where in the fronts its terms go."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from exudyn_crawler.model import elimination
+from exudyn_crawler.model.assembler import Assembler
+from exudyn_crawler.model.bodies import Bodies
+from exudyn_crawler.model.joints.pin import ROWS
+from exudyn_crawler.model.tables import FrontRows
+
+Unknowns = list[int]
+
+
+def fronts_of(
+    assembler: Assembler, bodies: Bodies, terrain: Unknowns
+) -> tuple[elimination.Fronts, FrontRows]:
+    """Fronts of what parts have put together, with the terrain's coordinates.
+
+    Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers. Of a
+    closed chain links with two pins go first, then every second one of those that are left in turn, so that
+    what touches one part of the loop is not carried round all of it.
+    """
+    count = assembler.mode_count
+    coordinates = [
+        [*range(first, first + 6), *(range(modal, modal + count) if modal >= 0 else ())]
+        for first, modal in zip(bodies.coordinate.tolist(), bodies.modal.tolist(), strict=True)
+    ]
+    rows = _rows_by_name(assembler, len(terrain) + sum(map(len, coordinates)))
+    chain: dict[int, Unknowns] = {}
+    bearings: Unknowns = []
+    for pin in assembler.pins:
+        (chain.setdefault(pin.link, []) if pin.link else bearings).extend(rows[pin.name])
+    of_pins = {pin.name for pin in assembler.pins}
+    others = [row for name, numbers in rows.items() if name not in of_pins for row in numbers]
+    order = sorted(chain)
+    if assembler.case.gear.loops:
+        order.sort(key=lambda link: (len(chain[link]) == ROWS, link & -link))
+    shoes = coordinates[: assembler.shoes]
+    rest = [unknown for body in coordinates[assembler.shoes :] for unknown in body]
+    groups = [*shoes, *(chain[link] for link in order), [*terrain, *rest, *others, *bearings]]
+    couplings = [[*shoe, *terrain] for shoe in shoes]
+    couplings += [
+        [*coordinates[assembler.body_of(marker)], *rows[pin.name]]
+        for pin in assembler.pins
+        for marker in pin.markers
+    ]
+    for members, names in assembler.couplings:
+        unknowns = [unknown for body in members for unknown in coordinates[body]]
+        couplings.append([*unknowns, *(row for name in names for row in rows[name])])
+    fronts = elimination.fronts_of(groups, couplings)
+    return fronts, _front_rows(fronts, coordinates, terrain, [row for some in rows.values() for row in some])
+
+
+def _rows_by_name(assembler: Assembler, first: int) -> dict[str, Unknowns]:
+    """Numbers of the multipliers of every joint, from a first one on."""
+    rows = {}
+    for name, count in assembler.row_names:
+        rows[name] = list(range(first, first + count))
+        first += count
+    return rows
+
+
+def _front_rows(
+    fronts: elimination.Fronts,
+    coordinates: Sequence[Unknowns],
+    terrain: Unknowns,
+    multipliers: Unknowns,
+) -> FrontRows:
+    """Rows in the fronts of bodies, terrain and multipliers."""
+    places = [{unknown: row for row, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.own))]
+    front_of = {u: f for f, place in enumerate(places) for u in list(place)[: fronts.own[f]]}
+    return FrontRows(
+        np.array([[place.get(body[0], -1) for body in coordinates] for place in places]),
+        np.array([front_of[body[0]] for body in coordinates]),
+        np.array([place.get(terrain[0], -1) if terrain else -1 for place in places]),
+        np.array([[place.get(row, -1) for row in multipliers] for place in places]),
+    )

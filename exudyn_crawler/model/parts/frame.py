@@ -1,0 +1,80 @@
+"""Side frame, or machine on two tracks: a body with wheels that press on the rails of the shoes."""
+
+import numpy as np
+
+from exudyn_crawler.case.gear.base import SIDE_FRAME
+from exudyn_crawler.ground.laws import Impact
+from exudyn_crawler.model import shoe_mesh
+from exudyn_crawler.model.assembler import DRIVE, Assembler, Body
+from exudyn_crawler.model.bodies import second_moment
+from exudyn_crawler.model.forces.impact import Flange
+from exudyn_crawler.model.forces.treads import Rail
+from exudyn_crawler.model.forces.wheels import ROLLED, Wheels
+
+
+def add(assembler: Assembler) -> None:
+    """Add the frame with its holds, load and wheels, which the drive moves in place of a shoe."""
+    case = assembler.case
+    parts = case.frame_parts
+    frame = assembler.add_body(
+        Body(
+            SIDE_FRAME,
+            sum(part.mass for part in parts),
+            np.sum([part.mass * part.com for part in parts], axis=0),
+            np.sum([second_moment(part.mass, part.inertia, part.com) for part in parts], axis=0),
+            np.array([*case.frame_start, 0.0, 0.0, 0.0]),
+        )
+    )
+    origin = assembler.add_marker(frame, np.zeros(3))
+    assembler.drive = origin, assembler.shoes - 1
+    assembler.couple([frame], [DRIVE])
+    assembler.hold(frame, case.gear.holds)
+    assembler.add_load(origin)
+    assembler.wheels = _wheels(assembler, frame)
+    for shoe in range(assembler.shoes):
+        assembler.couple([shoe, frame])
+
+
+def _wheels(assembler: Assembler, frame: int) -> Wheels:
+    """Wheels of the frame on the rails of the shoes; other parts may carry some of them."""
+    case = assembler.case
+    gear = case.running_gear()
+    rails = case.shoe.rails
+    assert rails is not None
+    lines = shoe_mesh.strip_lines(gear, rails)
+    middles = case.track_middles
+    wheels = gear.first_wheels(case.shoe, case.track)
+    count = assembler.shoes // len(middles)
+    first = count * np.repeat(np.arange(len(middles)), len(wheels))
+    reduced = None if assembler.floating is None else assembler.floating.reduced
+    strips = gear.strips
+    play, stiffness, damping = gear.flange
+    ahead = np.subtract.outer(gear.rollers, gear.rollers)
+    on_a_rail = (ahead >= 0.0) & (ahead < rails.front - rails.rear + 2.0 * ROLLED)
+    return Wheels(
+        frames=np.full(len(first), frame),
+        shoes=np.column_stack((first, first + count)),
+        places=np.array([[(x, y + m, z) for y in lines] for m in middles for x, z, _ in wheels]),
+        middles=np.repeat(middles, len(wheels)),
+        radii=np.tile(wheels[:, 2], len(middles)),
+        law=Impact(gear.stiffness / strips, gear.exponent, gear.damping / strips, gear.damping_depth),
+        flange=Flange(play, stiffness / len(lines), damping / len(lines)),
+        height=gear.flange_height,
+        rail=Rail(rails.rear, rails.front, rails.height),
+        rows=shoe_mesh.rail_rows(reduced, gear, rails),
+        spacing=shoe_mesh.station_spacing(rails),
+        slots=max(2, int(on_a_rail.sum(axis=0).max())),  # of the upper run two
+    )
+
+
+def carry(assembler: Assembler, wheel: int, body: int, place: tuple[float, float]) -> None:
+    """Let a body carry a wheel of the frame; `place` are x and z of the wheel's axis in that body, m."""
+    case = assembler.case
+    assert case.shoe.rails is not None
+    x, z = place
+    wheels = assembler.wheels
+    wheels.frames[wheel] = body
+    wheels.middles[wheel] = 0.0
+    wheels.places[wheel] = [(x, y, z) for y in shoe_mesh.strip_lines(case.running_gear(), case.shoe.rails)]
+    for shoe in range(*wheels.shoes[wheel]):
+        assembler.couple([shoe, body])

@@ -1,0 +1,43 @@
+"""Idlers that tensioners push: bodies that slide in the frame and carry its wheel in front."""
+
+import numpy as np
+
+from exudyn_crawler.case import Closed
+from exudyn_crawler.case.gear.base import SIDE_FRAME
+from exudyn_crawler.model.assembler import Assembler, Body
+from exudyn_crawler.model.joints.pin import ROWS
+from exudyn_crawler.model.parts.frame import carry
+from exudyn_crawler.model.state import BEARING, MOTOR
+
+ALONG = np.eye(ROWS)[0]
+"""Equation of a bearing that the tensioner's spring takes the place of."""
+
+
+def add(assembler: Assembler) -> None:
+    """Add the idler of each track, if a tensioner pushes it; others are wheels of the frame."""
+    case = assembler.case
+    gear = case.gear
+    assert isinstance(gear, Closed)
+    tensioner = gear.idler.tensioner
+    if tensioner is None:
+        return
+    frame = assembler.body_named(SIDE_FRAME)
+    # where the tensioner does not push it
+    beyond = tensioner.preload / tensioner.stiffness - case.assembled.take_up
+    inertia = tensioner.inertia_tensor(gear.idler.radius)
+    wheels = [k for k, label in enumerate(gear.wheel_labels) if label.kind == "idler"]
+    rows = zip(gear.sliding_idlers, case.idler_reference, wheels, strict=True)
+    for name, reference, wheel in rows:
+        idler = assembler.add_body(Body.rigid(name, tensioner.mass, inertia, reference))
+        unpushed = reference[:3] + np.array([beyond, 0.0, 0.0])
+        axis = assembler.add_marker(frame, unpushed - case.frame_start)
+        assembler.add_pin(
+            axis,
+            assembler.add_marker(idler, np.zeros(3)),
+            BEARING.format(name),
+            compliance=ALONG / tensioner.stiffness,
+            relaxation=ALONG * tensioner.damping / tensioner.stiffness,
+        )
+        # keeps it from spinning
+        assembler.add_motor(frame, idler, MOTOR.format(name), np.inf, gear.torque_speed)
+        carry(assembler, wheel, idler, (0.0, 0.0))
