@@ -67,10 +67,12 @@ class TrackSystem(ABC):
             sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
             terrain = q[shoes.size : shoes.size + self.contact.coordinates.size]
             terrain[:] = self.contact.coordinates.sunk_evenly(-sag)
+        # a view of the other bodies, whose coordinates come last
+        others = q[len(q) - 6 * len(self.layout.bodies) :].reshape(-1, 6)
         if case.gear.loops:
             loaded = float(case.settled_depths(case.pressed(case.first_loads)).max())
-            bodies = [*range(len(shoes)), *range(-len(self.layout.bodies), 0)]
-            q[[6 * body + 2 for body in bodies]] = -sag - loaded
+            shoes[:, 2] = -sag - loaded
+            others[:, 2] = -sag - loaded
             return q
         # rails of neighbours at one height: rollers may be on either
         loads = case.pressed(case.loads.loads(0.0)[0])
@@ -81,8 +83,7 @@ class TrackSystem(ABC):
         front = self.contact.surface(x + half)
         shoes[:, 2] += 0.5 * (rear + front)
         shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
-        if case.gear.bodies:  # the frame's coordinates come last
-            q[-4] = shoes[0, 2] - FIRST_DEPTH
+        others[:, 2] = shoes[0, 2] - FIRST_DEPTH
         return q
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:

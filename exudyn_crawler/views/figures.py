@@ -196,11 +196,12 @@ def _by_item(values: xr.DataArray, per: str) -> xr.DataArray:
     """Values with dimensions (time, item, axis), by the names of what they are of, or of the one thing."""
     if "axis" not in values.dims:
         values = values.expand_dims({"axis": [""]})
-    dim = next((one for one in NAMED if one in values.dims), None)
+    dim = next((str(one) for one in (*NAMED, *values.dims) if one in {*values.dims} - {"time", "axis"}), None)
     if dim is None:
         values = values.expand_dims({"item": [per]})
     else:
-        names = [NAMED[dim](values, place) for place in values[dim].values]
+        name_of = NAMED.get(dim, lambda _, name: str(name))
+        names = [name_of(values, place) for place in values[dim].values]
         dropped = {"place", "joint", "pin", dim} & set(values.coords)
         values = values.drop_vars(dropped).rename({dim: "item"}).assign_coords(item=names)
     return values.transpose("time", "item", "axis")
@@ -210,11 +211,13 @@ NAMED: dict[str, Callable[[xr.DataArray, Any], str]] = {
     "shoe": lambda _, shoe: f"shoe {shoe}",
     "joint": lambda values, joint: link_name(values.joint, joint),
     "roller": lambda _, roller: f"roller {roller}",
-    "wheel": lambda _, wheel: wheel,
     "track": lambda _, track: f"{track} tumbler",
     "place": lambda _, pin: f"link {pin[0]}-{pin[0] + 1} {pin[1]}",
 }
-"""Items of what has one of a quantity, by the dimension; a place is that of a pin."""
+"""Items of what has one of a quantity, by the dimension; a place is that of a pin.
+
+Coordinates of other dimensions, such as wheels, are names.
+"""
 
 
 def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Figure]:

@@ -85,8 +85,6 @@ class Gear(Parameters):
 
     quantities: ClassVar[frozenset[str]] = frozenset()
     """Words by which the catalogue of quantities says that one needs such a gear."""
-    parts: ClassVar[tuple[str, ...]] = ("shoes",)
-    """Files of `model.parts` that its machine is made of, in the order of their bodies."""
     tracks: ClassVar[int] = 1
     """Number of tracks; of two the right one comes first."""
     loops: ClassVar[int] = 0
@@ -95,6 +93,11 @@ class Gear(Parameters):
     """Side of the joint of a link of rigid shoes."""
     shoes_stand: ClassVar[bool] = False
     """True where the drive moves no shoe over the ground."""
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Files of `model.parts` that its machine is made of, in the order of their bodies."""
+        return ("shoes",)
 
     @property
     def middles(self) -> np.ndarray:

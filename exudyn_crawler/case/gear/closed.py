@@ -24,7 +24,7 @@ class Closed(ClosedFrame):
     kind: Literal["closed"] = option("track is closed round its side frame", "closed")
 
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "closed"})
-    parts: ClassVar[tuple[str, ...]] = ("shoes", "frame", "tumbler", "idler")
+    chain_parts: ClassVar[tuple[str, ...]] = ("tumbler", "idler")
     loops: ClassVar[int] = 1
     # in a tight chain a joint beside the middle would bear a moment of the whole tension
     rigid_joint: ClassVar[str] = MIDWAY

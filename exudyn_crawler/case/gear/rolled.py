@@ -28,7 +28,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
 
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "rolled"})
     shoes_stand: ClassVar[bool] = True
-    parts: ClassVar[tuple[str, ...]] = ("shoes", "frame", "pull")
+    chain_parts: ClassVar[tuple[str, ...]] = ("pull",)
 
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")
     ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))

@@ -1,7 +1,7 @@
 """Side frames whose wheels run on the shoes' rails."""
 
 from collections.abc import Iterator, Sequence
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -24,6 +24,9 @@ class RunningGear(Gear):
     rollers' axes above the middle line of the track.
     """
 
+    chain_parts: ClassVar[tuple[str, ...]] = ()
+    """Files of `model.parts` that drive and tighten the chain."""
+
     mass: base.Mass = quantity("kg", "half of the machine without its shoes", (1e4, 2e6))
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
     com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
@@ -38,6 +41,11 @@ class RunningGear(Gear):
     damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
     rolling_resistance: base.Coefficient = quantity("1", "of a wheel over its normal force", (0.0, 0.2))
     resistance_speed: base.Speed = quantity("m/s", "at which it has 0.7 of its value, 0 at rest", (1e-5, 0.1))
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Files of `model.parts` that its machine is made of, in the order of their bodies."""
+        return (*super().parts, "frame", *self.chain_parts)
 
     @property
     def bodies(self) -> tuple[str, ...]:

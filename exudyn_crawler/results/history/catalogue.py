@@ -46,7 +46,10 @@ NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
     # by the run, of which a case says nothing
     "chosen": (lambda _case: True, "outputs.ground_times, the run had none"),
 }
-"""What a quantity may need: whether a case has it, and why one does not do."""
+"""What a quantity may need: whether a case has it, and why one does not do.
+
+Other words are paths of values that a case must have, such as those of an optional part.
+"""
 READ_IN = {
     "N": ("kN", 1e-3),
     "N m": ("kN m", 1e-3),
@@ -73,7 +76,7 @@ class Quantity:
     files: tuple[str, ...]  # files of a run's folder (history.nc, stress.nc) that hold it
     derived_from: tuple[str, ...]  # quantities that `DERIVED` computes it of; empty for stored ones
     by_shoe: str  # how the pairs of a shoe become one: "sum", or that of the "deepest" contact; empty if not
-    needs: tuple[str, ...]  # what a case must have: words of `NEEDS`
+    needs: tuple[str, ...]  # what a case must have: words of `NEEDS`, or paths of values
     numbers: str  # in files: double, single, integer, truth or text
     curves: str  # group of the curves over time that show it; empty for none
     curve_axes: tuple[str, ...]  # components that are drawn; all, if empty
@@ -92,8 +95,18 @@ class Quantity:
 
     def lacking(self, case: Case) -> str:
         """What it needs and a case does not have, for reading; empty if it needs nothing more."""
-        needs = (NEEDS[need] for need in self.needs)
-        return " and ".join(why for has, why in needs if not has(case))
+        return " and ".join(filter(None, (_lacking(need, case) for need in self.needs)))
+
+
+def _lacking(need: str, case: Case) -> str:
+    """What a word of a quantity's needs asks for and a case does not have; empty if it has it."""
+    if need in NEEDS:
+        has, why = NEEDS[need]
+        return "" if has(case) else why
+    value: object = case
+    for name in need.split("."):
+        value = getattr(value, name, None)
+    return "" if value else f"{need}, which the case does not have"
 
 
 with CATALOGUE.open(encoding="utf-8", newline="") as _file:

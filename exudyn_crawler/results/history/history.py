@@ -113,22 +113,22 @@ class History:
         """
         case, own = self.case.of_track(side), self.dataset.sel(track=side, drop=True)
         number, count = SIDES.index(side), case.track.shoe_count
-        mine, wheels = slice(number * count, (number + 1) * count), case.wheel_names
+        mine, wheels = slice(number * count, (number + 1) * count), len(case.wheel_names)
         turn = catalogue.rotation_matrices(own.side_frame_angles.transpose(..., "axis").values)
         arm = self.case.track_middles[number] * turn[..., 1]
         place = own.side_frame_position.transpose(..., "axis")
-        own = own.isel(shoe=mine, joint=mine, wheel=slice(number * len(wheels), (number + 1) * len(wheels)))
+        own = own.isel(shoe=mine, joint=mine)
+        for dim, names in _names_on(side, own).items():
+            own = own.sel({dim: [f"{side} {name}" for name in names]}).assign_coords({dim: names})
         for dim, shoe in {"contact": "contact_shoe", "flexible_shoe": "flexible_shoe"}.items():
             if dim in own.dims:
                 own = own.isel({dim: np.isin(own[shoe], own.shoe)})
                 own = own.assign_coords({shoe: own[shoe] - mine.start})
         if "strip_wheel" in own:
-            number_of = own.strip_wheel - number * len(wheels)
+            number_of = own.strip_wheel - number * wheels
             own = own.assign(strip_wheel=number_of.where(own.strip_wheel > 0, 0).astype(int))
         joint = ("joint", case.joints, {"long_name": catalogue.LINKS[1]})
-        own = own.drop_vars(["shoe_track", "joint_track"]).assign_coords(
-            shoe=case.track.shoes, joint=joint, wheel=wheels
-        )
+        own = own.drop_vars(["shoe_track", "joint_track"]).assign_coords(shoe=case.track.shoes, joint=joint)
         return History(case, own.assign(side_frame_position=place.copy(data=place.values + arm)))
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
@@ -172,6 +172,16 @@ class History:
                 stored.close()
             _check(case, dataset)
         return cls(case=case, dataset=dataset)
+
+
+def _names_on(side: str, dataset: xr.Dataset) -> dict[str, list[str]]:
+    """Names of what stands on one of two tracks, such as wheels, without its side, by their dimension."""
+    names = {}
+    for dim in map(str, dataset.dims):
+        texts = dataset[dim].values.astype(str).tolist() if dim in dataset.coords else []
+        if mine := [text.removeprefix(f"{side} ") for text in texts if text.startswith(f"{side} ")]:
+            names[dim] = mine
+    return names
 
 
 def as_history(run: History | str | Path) -> History:
