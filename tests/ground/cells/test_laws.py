@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from exudyn_crawler import Case, CaseFile, read_case, simulate, write_case
 from exudyn_crawler.case.files import saved_case
-from exudyn_crawler.case.parameters.terrain import law_class
+from exudyn_crawler.case.parameters.terrain import SoilLaw, law_class
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells import laws
 from exudyn_crawler.ground.cells.law import Memory, Probe
@@ -230,7 +230,9 @@ def folder(tmp_path_factory):
 @pytest.fixture
 def winkler(folder, monkeypatch):
     monkeypatch.setattr(laws, "__path__", [*laws.__path__, str(folder)])
-    return law_class("winkler")(modulus=2e6, shear_deformation=0.01)
+    SoilLaw.plugged_in.cache_clear()
+    yield law_class("winkler")(modulus=2e6, shear_deformation=0.01)
+    SoilLaw.plugged_in.cache_clear()
 
 
 def test_a_law_is_one_file(winkler):
