@@ -39,6 +39,7 @@ class TimedInputs:
         turn = case.drive.turn_rate or NOTHING
         profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
         self._profiles = profiles_of(profiles)
+        self._resistance = case.gear.resistance
         self._middles = case.track_middles
         self._gravity = tuple(case.gravity_vector().tolist())
         self._down = case.terrain.down
@@ -52,7 +53,7 @@ class TimedInputs:
         loads = np.zeros((self._load_count, 6))
         loads[:count, :3] = np.outer(shoes, self._down)
         loads[count:] = case.gear.wrenches(machine)
-        drag = case.gear.drags(of_tracks)
+        drag = self._resistance.drags(of_tracks)
         active = case.gear.active(driven, driven and case.drive.turn_rate is not None)
         motors = case.gear.motors(of_tracks, case.track)
         return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)
@@ -60,7 +61,7 @@ class TimedInputs:
     def drags_at(self, times: np.ndarray) -> np.ndarray:
         """Rolling resistance over normal force of all wheels at times (s): array (times, wheels)."""
         speeds = np.array([self._applied(time)[1] for time in times])
-        return self._case.gear.drags(self._speeds_of_tracks(speeds))
+        return self._resistance.drags(self._speeds_of_tracks(speeds))
 
     def _applied(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Loads of the shoes, speed with rate of turning and side shift, wrench on the frame, at a time."""

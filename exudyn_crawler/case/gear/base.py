@@ -43,6 +43,19 @@ class WheelLabel(NamedTuple):
         return f"{track}{self.kind}{number}{line}"
 
 
+class Resistance(NamedTuple):
+    """Resistance of the wheels of a track against the travel, over their normal force."""
+
+    coefficients: np.ndarray  # (wheels,)
+    speed: float  # m/s, at which it has 0.7 of its value, 0 at rest
+
+    def drags(self, speeds: np.ndarray) -> np.ndarray:
+        """Resistance over normal force of the wheels of all tracks, (..., wheels), at their speeds, m/s."""
+        faded = np.hypot(speeds, self.speed)
+        drags = speeds[..., None] * self.coefficients / faded[..., None]
+        return drags.reshape(*speeds.shape[:-1], -1)
+
+
 class Whole(Protocol):
     """Case as its gear sees it."""
 
@@ -178,9 +191,10 @@ class Gear(Parameters):
         """Way along x and y of the track's middle by a time (s), as the drive wants it: array (2,), m."""
         return np.array([drive.travel(time), 0.0])
 
-    def drags(self, speeds: np.ndarray) -> np.ndarray:
-        """Resistance of wheels over their normal force, (..., wheels), against speeds of tracks, m/s."""
-        return np.zeros((*speeds.shape[:-1], 0))
+    @property
+    def resistance(self) -> Resistance:
+        """Resistance of the wheels of a track."""
+        return Resistance(np.zeros(0), 1.0)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
         """Forces and moments beside those on shoes: array (n, 6), N and N m; `machine` (6,) is on a frame."""

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.gear.base import WheelLabel
+from exudyn_crawler.case.gear.base import Resistance, WheelLabel
 from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
 from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, option, quantity
@@ -104,11 +104,12 @@ class ClosedFrame(RunningGear):
         return places
 
     @property
-    def resistances(self) -> np.ndarray:
-        """Of wheels and slides against the travel over their normal force: array (wheels,)."""
+    def resistance(self) -> Resistance:
+        """Resistance of the wheels of a track: they roll, lines of slides rub."""
         rolling = len(self.rollers) + 1 + len(self.carriers)
         rubbing = len(self.upper) - len(self.carriers)
-        return np.repeat([self.rolling_resistance, self.slide_friction], [rolling, rubbing])
+        coefficients = np.repeat([self.rolling_resistance, self.slide_friction], [rolling, rubbing])
+        return Resistance(coefficients, self.resistance_speed)
 
     @property
     def length(self) -> float:

@@ -5,7 +5,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from exudyn_crawler.case.gear.base import SIDE_FRAME, Gear, WheelLabel, Whole
+from exudyn_crawler.case.gear.base import SIDE_FRAME, Gear, Resistance, WheelLabel, Whole
 from exudyn_crawler.case.parameters import base, fields, sizes
 from exudyn_crawler.case.parameters.base import Errors, quantity
 from exudyn_crawler.case.parameters.car_body import Part
@@ -90,9 +90,9 @@ class RunningGear(Gear):
         return 0.5 * self.tread_width * points
 
     @property
-    def resistances(self) -> np.ndarray:
-        """Of wheels against the travel over their normal force: array (wheels,)."""
-        return np.full(len(self.rollers), self.rolling_resistance)
+    def resistance(self) -> Resistance:
+        """Resistance of the wheels of a track: they roll."""
+        return Resistance(np.full(len(self.rollers), self.rolling_resistance), self.resistance_speed)
 
     @property
     def flange(self) -> tuple[float, float, float]:
@@ -120,12 +120,6 @@ class RunningGear(Gear):
     def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
         """X of the frame's rear and front end, and z of the lowest that is above it; m."""
         raise NotImplementedError
-
-    def drags(self, speeds: np.ndarray) -> np.ndarray:
-        """Resistance of wheels over their normal force, (..., wheels), against speeds of tracks, m/s."""
-        faded = np.hypot(speeds, self.resistance_speed)
-        drags = speeds[..., None] * self.resistances / faded[..., None]
-        return drags.reshape(*speeds.shape[:-1], -1)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
         """Forces and moments beside those on shoes: array (n, 6), N and N m; the machine's (6,) first."""
