@@ -127,7 +127,7 @@ def stress(
             "the others follow without inertia"
         ),
     ] = None,
-    cycle: Annotated[Path | None, typer.Option(help="TOML file of an own load cycle")] = None,
+    cycle: Annotated[Path | None, typer.Option(help="file of an own load cycle, TOML or CSV")] = None,
     out: Out = RESULTS / "stress",
     overwrite: Overwrite = False,
     choices: Choices = False,
@@ -144,7 +144,7 @@ def stress(
     if modes is not None:
         case = case.with_(flexible=with_modes(case.flexible_shoes(), modes))
     if cycle is not None:
-        case = case.with_(loads=LoadCycle.from_toml(cycle))
+        case = case.with_(loads=LoadCycle.from_file(cycle))
     loads, title = case.loads.table(), "Loads on the shoes at the ends of the phases, kN"
     print_table(loads, title, loads.columns, out / RUN / "loads.csv")
     run, table = study(out, case, duration=duration, overwrite=overwrite, say=typer.echo)

@@ -120,7 +120,7 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
     case = reading.filled(content, Case)
     if cycle is not None:
         try:
-            case["loads"] = loads.LoadCycle.from_toml(cycle, _shoe_count(case)).model_dump(mode="json")
+            case["loads"] = loads.LoadCycle.from_file(cycle, _shoe_count(case)).model_dump(mode="json")
         except OSError as error:
             raise ValueError(f"loads.{CYCLE}: {error}") from error
     whole = beside | {"case": with_equal_loads(case)}

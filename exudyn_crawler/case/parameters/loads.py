@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import drive, fields, reading
+from exudyn_crawler.case.parameters import drive, fields, measured_loads, reading
 from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, Several, option, quantity
 
 if TYPE_CHECKING:
@@ -126,6 +126,38 @@ class LoadCycle(Cycle):
         """
         values = partial(with_equal_loads, shoe_count=shoe_count)
         return reading.read_parameters(path, cls, "load cycle", values)
+
+    @classmethod
+    def from_csv(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
+        """Read measured loads, a time and loads a row with units in the heads, as phases that end there.
+
+        A column "load [kN]" is the load on each of `shoe_count` shoes, "sum [kN]" that on all of them.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        CaseFileError
+            If it holds no loads over time.
+        """
+        rows = measured_loads.read_loads(Path(path), shoe_count)
+        with reading.errors_named(Path(path), cls):
+            content = [
+                {
+                    "name": f"{row.time:.10g} s",
+                    "end": row.time,
+                    "loads": row.loads,
+                    "side_shift": row.side_shift,
+                }
+                for row in rows
+            ]
+            return reading.from_content(cls, {"phases": content})
+
+    @classmethod
+    def from_file(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
+        """Read a cycle from a file, CSV by its ending or TOML; see `from_csv` and `from_toml`."""
+        read = cls.from_csv if Path(path).suffix.lower() == ".csv" else cls.from_toml
+        return read(path, shoe_count)
 
     def table(self) -> "pd.DataFrame":
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""

@@ -17,6 +17,7 @@ from fem.interrupts import interrupts_wait
 
 TIMES_IN_PART = 2**13  # of a long run, of which all quantities that are drawn are in memory: 0.2 GB
 MOST_IN_MEMORY = 25 * 10**7  # bytes of a history that are read at once: 70 s of 13 rigid shoes, every 2 ms
+MOST_PHASES = 30  # of a cycle that tables and pictures tell apart
 
 
 @dataclass(frozen=True)
@@ -223,8 +224,11 @@ def phases(cycle: LoadCycle | MachineCycle, duration: float) -> list[RunPhase]:
     """Phases that a run of some duration (s) reaches.
 
     The first begins with the run; the last of the cycle, whose loads stay, ends with it. A phase that ends
-    as the run begins is no part of it, unless it is the only one.
+    as the run begins is no part of it, unless it is the only one. A cycle with more than `MOST_PHASES`,
+    such as the rows of a measurement, is one phase.
     """
+    if len(cycle.phases) > MOST_PHASES:
+        return [RunPhase("loads", 0.0, duration)]
     ends = [phase.end for phase in cycle.phases]
     spans = zip(cycle.phases, pairwise([0.0, *ends[:-1], max(ends[-1], duration)]), strict=True)
     reached = [(phase.name, begin, min(end, duration)) for phase, (begin, end) in spans]
