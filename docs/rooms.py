@@ -19,6 +19,7 @@ FLOORS = (
     ("sweep", "spread_run"),
     ("case_run", "life_run", "co_simulation"),
     ("run", "views"),
+    ("assessment",),
     ("results", "engine"),
     ("model",),
     ("ground",),

@@ -1,0 +1,1 @@
+"""Assessment of a machine by formulas: pressure, tipping, travel, load cases and utilisation."""

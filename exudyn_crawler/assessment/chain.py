@@ -1,0 +1,49 @@
+"""Tension of a chain: at rest by sag or push, in travel, and what it does to end rollers."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+def tension_of_sag(weight: float, span: float, sag: float) -> float:
+    """Pull (N) of a chain that hangs in a span with a sag: H = w l^2 / (8 f), a parabola.
+
+    `weight` of the chain in N/m, `span` and `sag` in m.
+    """
+    return weight * span**2 / (8.0 * sag)
+
+
+def sag_of_tension(weight: float, span: float, tension: float) -> float:
+    """Sag (m) of a chain in a span (m) under a pull (N), `weight` in N/m; the inverse of `tension_of_sag`."""
+    return weight * span**2 / (8.0 * tension)
+
+
+class ChainTension(NamedTuple):
+    """Tension of the runs of a chain whose tumbler pulls, N."""
+
+    rest: float
+    """At rest."""
+    taut: float
+    """Of the run that the tumbler pulls on."""
+    slack: float
+    """Of the run that leaves the tumbler."""
+
+
+def travel_tension(rest: float, pull: float, weight: float = 0.0, speed: float = 0.0) -> ChainTension:
+    """Tension of both runs where the tumbler pulls with a force (N).
+
+    The taut run has the tension at rest and the pull, w v^2 / g of centrifugal tension in either run (w the
+    `weight` of the chain, N/m, v its speed, m/s). An idler on shims or on a preloaded spring keeps the slack
+    run about at rest; where it gives way, the slack run has less and the taut one as much more than that
+    (statics of a belt; derived).
+    """
+    thrown = weight * speed**2 / 9.81
+    return ChainTension(rest, rest + abs(pull) + thrown, rest + thrown)
+
+
+def end_roller_push(tension: float, rise: float, run: float) -> float:
+    """Force (N) by which a run that rises to an end wheel presses its last roller and unloads its wheel.
+
+    T sin(atan(rise / run)), the run rising by `rise` over `run`, m (statics).
+    """
+    return tension * float(np.sin(np.arctan2(rise, run)))

@@ -1,0 +1,68 @@
+"""Load cases in groups, and the factors of the groups: from a file of data, the program's or the user's."""
+
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import Literal
+
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Several, option, quantity
+from exudyn_crawler.case.parameters.reading import read_parameters
+
+Support = Literal["even", "two", "outer", "one", "corner"]
+DriveState = Literal["none", "straight", "turn", "stall", "blocked"]
+
+
+class LoadGroup(Parameters):
+    """Group of load cases with its factors."""
+
+    name: Name = option("of the group")
+    title: Name = option("in words")
+    strength: float = quantity("1", "factor on loads against yield strength", (1.0, 2.0), gt=0, le=10)
+    tipping: float = quantity("1", "stabilising over overturning moments, at least", (1.0, 2.0), ge=1, le=10)
+    mark: Literal["S", "R", "D", "given"] = option(
+        "S seen in the source, R remembered, D derived, given by the user", "given"
+    )
+
+
+class LoadCase(Parameters):
+    """State of a machine for which loads are computed."""
+
+    name: Name = option("of the load case")
+    group: Name = option("name of its group")
+    payload: bool = option("with the payload at its reach", False)
+    digging: bool = option("with the force of the bank", False)
+    grade: bool = option("on the permitted grade, uphill", False)
+    slope: bool = option("on the permitted side slope, each edge in turn downhill", False)
+    wind: bool = option("in the greatest wind, towards each edge in turn", False)
+    drive: DriveState = option("of both tracks", "none")
+    support: Support = option("what rollers bear", "even")
+    slew: Literal["all", "in line"] = option("angles of the upper structure: all, or ahead and astern", "all")
+
+
+class LoadCases(Parameters):
+    """Groups with their factors, and load cases."""
+
+    name: Name = option("of the standard, or of the set")
+    source: str = option("where factors and groups are from", "given by the user", max_length=1000)
+    groups: Several[LoadGroup] = option("with their factors")
+    cases: Several[LoadCase] = option("in the order of tables")
+
+    def _errors(self) -> Errors:
+        known = [group.name for group in self.groups]
+        for number, case in enumerate(self.cases):
+            if case.group not in known:
+                yield f"cases[{number}].group must be of {known}, got {case.group!r}"
+        names = [case.name for case in self.cases]
+        if double := sorted({name for name in names if names.count(name) > 1}):
+            yield f"cases: names must differ, got {double} twice"
+
+    def group_of(self, case: LoadCase) -> LoadGroup:
+        """Group of a load case."""
+        return next(group for group in self.groups if group.name == case.group)
+
+
+def read_load_cases(path: str | Path | None = None) -> LoadCases:
+    """Load cases of a file (TOML), or the program's own; raises as `read_parameters`."""
+    if path is not None:
+        return read_parameters(path, LoadCases, "file of load cases", lambda content: content)
+    with as_file(files("exudyn_crawler.assessment").joinpath("load_cases.toml")) as own:
+        return read_parameters(own, LoadCases, "file of load cases", lambda content: content)

@@ -1,0 +1,260 @@
+"""Pressure on the ground of two tracks: by statics of two beams, and of one rigid plate on any ground.
+
+Axes as of `assessment.forces`. Each track presses on a rectangle; tension between track and ground there is
+none. Beams: the statics that crane and rig guidance uses (triangle: eng-tips 185656); what BR 470 asks for
+beyond it, factors and platforms, is left out.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.assessment.forces import Floats, Numbers, Resultant
+
+ALONG, ACROSS = 240, 12
+"""Rectangles along and across each footprint over which a plate's pressure is summed."""
+ITERATIONS = 60
+"""Of Newton's method until a plate is at rest."""
+CLOSE = 1e-10
+"""Part of the weight, and of weight times length or gauge, that may be out of balance."""
+
+
+class Footprints(NamedTuple):
+    """Rectangles on which both tracks stand, m."""
+
+    gauge: float
+    """Distance of the middles of the tracks."""
+    length: float
+    """On the ground."""
+    width: float
+    """Of the shoes."""
+
+    @property
+    def area(self) -> float:
+        """Of both tracks, m2."""
+        return 2.0 * self.length * self.width
+
+
+class TrackPressure(NamedTuple):
+    """Pressure under one track: arrays of the shape of its load; NaN and infinite where it tips."""
+
+    greatest: Floats
+    """Pa."""
+    least: Floats
+    """Pa; 0 where a part of the length is free."""
+    mean: Floats
+    """Over the length that carries, Pa."""
+    length: Floats
+    """That carries, m."""
+    even: Floats
+    """Pressure of Meyerhof's even equivalent, load over width times (length - 2 |offset|), Pa."""
+
+
+def track_loads(weight: Numbers, aside: Numbers, gauge: float) -> tuple[Floats, Floats]:
+    """Loads of the left and of the right track, N; 0 and all of it where the machine tips over one.
+
+    P = V (1/2 +- y / B) (statics of a beam on two supports), with the resultant at y (`aside`, m, to the
+    left) and B the `gauge`, m.
+    """
+    share = np.clip(0.5 + np.asarray(aside) / gauge, 0.0, 1.0)
+    return weight * share, weight * (1.0 - share)
+
+
+def track_pressure(load: Numbers, ahead: Numbers, length: float, width: float) -> TrackPressure:
+    """Pressure under a rigid track on linear ground without tension, its load off the middle.
+
+    Parameters
+    ----------
+    load : array
+        N.
+    ahead : array
+        X of the load from the middle of the length, m.
+    length, width : float
+        Of the rectangle, m.
+
+    Notes
+    -----
+    Up to a sixth of the length it is a trapezoid, p = P / (b L) (1 +- 6 e / L), beyond a triangle over
+    L' = 3 (L / 2 - |e|) with p = 2 P / (b L') (Navier; no tension). Meyerhof's even pressure acts over
+    L - 2 |e| (Meyerhof 1953, cited in FHWA GEC-6).
+    """
+    bears, away = np.broadcast_arrays(np.asarray(load, dtype=float), np.abs(np.asarray(ahead, dtype=float)))
+    inside = away < 0.5 * length
+    left = np.where(inside, 0.5 * length - away, np.nan)
+    carries = np.minimum(length, 3.0 * left)
+    whole = away <= length / 6.0
+    middle = bears / (width * length)
+    greatest = np.where(whole, middle * (1.0 + 6.0 * away / length), 2.0 * bears / (width * 3.0 * left))
+    least = np.where(whole, middle * (1.0 - 6.0 * away / length), 0.0)
+    return TrackPressure(
+        np.where(inside, greatest, np.inf),
+        np.where(inside, least, np.nan),
+        np.where(inside, bears / (width * carries), np.inf),
+        np.where(inside, carries, 0.0),
+        np.where(inside, bears / (width * 2.0 * left), np.inf),
+    )
+
+
+def pressure_of_tracks(stands: Resultant, footprint: Footprints) -> tuple[TrackPressure, TrackPressure]:
+    """Pressure under the left and the right track at every angle; both bear at the same x (rigid frame)."""
+    loads = track_loads(stands.weight, stands.aside, footprint.gauge)
+    left, right = (track_pressure(load, stands.ahead, footprint.length, footprint.width) for load in loads)
+    return left, right
+
+
+class PlatePressure(NamedTuple):
+    """Pressure under both tracks as one rigid plate."""
+
+    greatest: float
+    """Pa."""
+    least: float
+    """Pa."""
+    x: Floats
+    """Places of the rectangles that it is summed over, (rectangles,), m."""
+    y: Floats
+    pressure: Floats
+    """On them, Pa."""
+
+
+Law = Callable[[Floats], tuple[Floats, Floats]]
+"""Pressure (Pa) of the ground at depths (m), and its slope (Pa/m)."""
+
+
+def linear_ground(stiffness: float) -> Law:
+    """Winkler's ground: pressure over depth is `stiffness`, N/m3, and no tension."""
+
+    def law(depth: Floats) -> tuple[Floats, Floats]:
+        pressed = depth > 0.0
+        return stiffness * np.where(pressed, depth, 0.0), stiffness * pressed
+
+    return law
+
+
+def law_of_sinkage(sinkage: Callable[[float], float], greatest: float, points: int = 400) -> Law:
+    """Law of ground that gives the sinkage (m) of a pressure (Pa), between 0 and a `greatest` pressure.
+
+    The curve is straight between its points, and goes on as it ends.
+    """
+    pressures = greatest * np.linspace(0.0, 1.0, points + 1) ** 2
+    depths = np.array([0.0, *(sinkage(float(pressure)) for pressure in pressures[1:])])
+    slopes = np.diff(pressures) / np.diff(depths)
+
+    def law(depth: Floats) -> tuple[Floats, Floats]:
+        piece = np.clip(np.searchsorted(depths, depth, side="right") - 1, 0, len(slopes) - 1)
+        slope = slopes[piece]
+        pressed = depth > 0.0
+        return np.where(pressed, pressures[piece] + slope * (depth - depths[piece]), 0.0), slope * pressed
+
+    return law
+
+
+def plate_pressure(
+    weight: float, ahead: float, aside: float, footprint: Footprints, law: Law | None = None
+) -> PlatePressure:
+    """Pressure of both tracks as one rigid plate on ground without tension.
+
+    Parameters
+    ----------
+    weight : float
+        N, into the ground, at `ahead` and `aside` of the middle, m.
+    footprint : Footprints
+        Of both tracks.
+    law : Law, optional
+        Of the ground; linear if none, whose stiffness then does not matter.
+
+    Raises
+    ------
+    ValueError
+        Where the weight is off the rectangle about both footprints, so that the machine tips.
+
+    Notes
+    -----
+    The depth is a plane d = d0 + d1 x + d2 y; Newton's method finds the one whose pressures carry weight and
+    moments. On linear ground, as long as all of it carries, it is P / A + M c / I of both rectangles, with
+    I_y = 2 b L^3 / 12 and I_x = 2 (b L B^2 / 4 + L b^3 / 12) (eng-tips 135414).
+    """
+    gauge, length, width = footprint
+    if abs(ahead) >= 0.5 * length or abs(aside) >= 0.5 * (gauge + width):
+        raise ValueError(f"the machine tips: its weight acts at x = {ahead:.4g} m, y = {aside:.4g} m")
+    along = length * ((np.arange(ALONG) + 0.5) / ALONG - 0.5)
+    across = width * ((np.arange(ACROSS) + 0.5) / ACROSS - 0.5)
+    y = np.concatenate((across - 0.5 * gauge, across + 0.5 * gauge))
+    x, y = (place.ravel() for place in np.meshgrid(along, y, indexing="ij"))
+    plane = np.stack((np.ones_like(x), x / length, y / gauge))
+    part = footprint.area / len(x)
+    wanted = weight * np.array([1.0, ahead / length, aside / gauge])
+    ground = law or linear_ground(weight / footprint.area)
+    motion = np.array([_even_depth(ground, weight / footprint.area), 0.0, 0.0])
+    for _ in range(ITERATIONS):
+        pressure, slope = ground(plane.T @ motion)
+        missing = wanted - part * (plane @ pressure)
+        if np.abs(missing).max() <= CLOSE * weight:
+            break
+        motion = _stepped(ground, plane, motion, np.linalg.solve(part * (plane * slope) @ plane.T, missing))
+    else:
+        raise ValueError(f"no plane of depths carries {weight:.4g} N at x = {ahead:.4g} m, y = {aside:.4g} m")
+    corners = np.array(
+        [
+            [1.0, sx * 0.5, sy * 0.5 * (1.0 + side * width / gauge)]
+            for sx in (-1.0, 1.0)
+            for sy in (-1.0, 1.0)
+            for side in (-1.0, 1.0)
+        ]
+    )
+    at_corners = ground(corners @ motion)[0]
+    return PlatePressure(float(at_corners.max()), float(at_corners.min()), x, y, pressure)
+
+
+def _even_depth(law: Law, pressure: float) -> float:
+    """Depth (m) at which a ground has a pressure (Pa), by doubling and halving."""
+    high = 1e-6
+    while law(np.array([high]))[0][0] < pressure:
+        high *= 2.0
+    low = 0.0
+    for _ in range(ITERATIONS):
+        middle = 0.5 * (low + high)
+        if law(np.array([middle]))[0][0] < pressure:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _stepped(law: Law, plane: Floats, motion: Floats, step: Floats) -> Floats:
+    """Motion after as much of Newton's step as leaves enough ground below the plate to go on."""
+    share = 1.0
+    while np.count_nonzero(law(plane.T @ (motion + share * step))[0]) < plane.shape[1] // 50:
+        share *= 0.5
+    return motion + share * step
+
+
+def bearing_capacity(undrained_strength: float, footprint: Footprints) -> float:
+    """Pressure (Pa) at which clay below one track fails: 5.14 c_u (1 + 0.2 b / L).
+
+    `undrained_strength` is c_u, Pa. Prandtl, with Skempton's factor of shape (remembered). Tests of crawler
+    cranes bore up to half more (Liu, Chan and Gerbrandt, Canadian Geotechnical Journal, abstract).
+    """
+    short, long = sorted((footprint.width, footprint.length))
+    return 5.14 * undrained_strength * (1.0 + 0.2 * short / long)
+
+
+def mean_maximum_pressure(
+    weight: float, rollers: int, link_area: float, width: float, pitch: float, diameter: float
+) -> float:
+    """Mean of the greatest pressures below the rollers of link tracks on soft ground, Pa.
+
+    MMP = 1.26 W / (2 n A_l b sqrt(p D)) (Rowland 1972, remembered), in kN, m and kPa.
+
+    Parameters
+    ----------
+    weight : float
+        Of the machine, N.
+    rollers : int
+        Of one track that stand on the ground.
+    link_area : float
+        Area of a shoe over width times pitch.
+    width, pitch, diameter : float
+        Of shoe, chain and roller, m.
+    """
+    return 1.26 * weight / (2.0 * rollers * link_area * width * np.sqrt(pitch * diameter))

@@ -1,0 +1,107 @@
+"""Loads of the lower rollers of one track: on even ground, and where few of them bear.
+
+Rollers stand at places x along the side frame and only push. What the uneven supports are is a convention of
+this assessment (assumed): no source that could be read has a rule for the rollers of large crawlers.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.assessment.forces import Floats
+
+NEGLIGIBLE = 1e-12
+"""Part of the load that counts as none."""
+
+
+class RollerLoads(NamedTuple):
+    """Loads of the rollers of one track under one kind of support."""
+
+    support: str
+    """In words."""
+    loads: Floats
+    """(rollers,), N; they may be less than the load where a tumbler or an idler bears some."""
+
+    @property
+    def greatest(self) -> float:
+        """N."""
+        return float(self.loads.max())
+
+
+def even_loads(load: float, centre: float, places: Floats) -> Floats:
+    """Loads (N) of rollers on even ground: P / n + P e (x - x_m) / sum((x - x_m)^2) (rigid frame, derived).
+
+    `load` (N) at x = `centre` (m) of rollers at `places` (m). Rollers that would pull bear nothing and the
+    rest all of it; a ValueError if the load is not between the outer ones.
+    """
+    places = np.asarray(places, dtype=float)
+    if not places.min() <= centre <= places.max():
+        between = f"rollers from {places.min():.4g} to {places.max():.4g} m"
+        raise ValueError(f"a load must be between its {between}, got x = {centre:.4g} m")
+    bears = np.ones(len(places), dtype=bool)
+    while True:
+        x = places[bears]
+        away = x - x.mean()
+        spread = float(away @ away)
+        share = 1.0 / len(x) + (centre - x.mean()) * away / (spread or 1.0)
+        if share.min() >= -NEGLIGIBLE or len(x) <= 2:
+            break
+        bears[np.flatnonzero(bears)[share.argmin()]] = False
+    loads = np.zeros(len(places))
+    loads[bears] = load * np.maximum(share, 0.0)
+    return loads
+
+
+def two_loads(load: float, centre: float, places: Floats, pair: tuple[int, int]) -> Floats:
+    """Loads (N) where two rollers, from 0, bear all: R_i = P (x_j - x_c) / (x_j - x_i) (lever, derived).
+
+    A ValueError if the load is not between them.
+    """
+    first, second = (float(places[number]) for number in pair)
+    if not min(first, second) <= centre <= max(first, second):
+        raise ValueError(f"a load at x = {centre:.4g} m must be between {first:.4g} and {second:.4g} m")
+    share = (second - centre) / (second - first)
+    loads = np.zeros(len(places))
+    loads[list(pair)] = load * share, load * (1.0 - share)
+    return loads
+
+
+def neighbours(centre: float, places: Floats) -> tuple[int, int]:
+    """Numbers, from 0, of the rollers next to a place (m) between the outer ones."""
+    first = int(np.clip(np.searchsorted(places, centre) - 1, 0, len(places) - 2))
+    return first, first + 1
+
+
+def one_load(load: float, centre: float, places: Floats) -> Floats:
+    """Loads (N) where the roller nearest to the load bears all of it."""
+    loads = np.zeros(len(places))
+    loads[int(np.abs(np.asarray(places) - centre).argmin())] = load
+    return loads
+
+
+def end_load(load: float, centre: float, places: Floats) -> Floats:
+    """Loads (N) where an obstacle lifts one end: the outer rollers bear all, the nearer one the more."""
+    return two_loads(load, centre, places, (0, len(places) - 1))
+
+
+def corner_load(weight: float, ahead: float, aside: float, length: float, gauge: float) -> float:
+    """Greatest load (N) of a corner where a stone lifts it: the machine stands on it and the one opposite.
+
+    Corners at (+-L / 2, +-B / 2). A rigid machine on two opposite corners and a third one as light as can be
+    has on the higher of the two V (1/2 + d / D), d the way of the weight along their diagonal from the middle
+    and D its length; the greatest of the four (statics; derived).
+    """
+    diagonal = float(np.hypot(length, gauge))
+    ways = [(sx * ahead * length + sy * aside * gauge) / diagonal for sx in (1, -1) for sy in (1, -1)]
+    return weight * min(1.0, 0.5 + max(ways) / diagonal)
+
+
+def supports(load: float, centre: float, places: Floats) -> list[RollerLoads]:
+    """Loads of one track under all kinds of support; its load (N) at x = `centre` (m)."""
+    pair = neighbours(centre, places)
+    return [
+        RollerLoads("even", even_loads(load, centre, places)),
+        RollerLoads("two rollers beside the load", two_loads(load, centre, places, pair)),
+        RollerLoads("one roller on a ridge", one_load(load, centre, places)),
+        RollerLoads("both outer rollers", end_load(load, centre, places)),
+    ]

@@ -1,0 +1,263 @@
+"""Travel on two tracks: what a straight way, a grade and a turn ask for, and what ground and drive give.
+
+Two tracks at the distance B, each on a rectangle of the length L and the shoes' width; the names of parts of
+the resistance are those of the Caterpillar Performance Handbook (rolling and grade resistance).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq, root
+
+from exudyn_crawler.assessment.forces import Floats
+from exudyn_crawler.assessment.pressure import Footprints, track_loads, track_pressure
+
+ALONG, ACROSS = 160, 24
+"""Parts of a footprint along and across over which friction is summed."""
+LEAST_SLIP, GREATEST_SLIP = 1e-6, 1e3
+"""Of a track along itself over that across at its ends, between which the turn is looked for."""
+BALANCED = 1e-6
+"""Part of the weight by which forces of a turn may be out of balance."""
+
+
+def resistance(weight: float, slope: float, rolling: float, other: float = 0.0) -> float:
+    """Pull (N) that a straight way takes: V (sin a + f cos a) + other resistance.
+
+    Parameters
+    ----------
+    weight : float
+        Of the machine, N.
+    slope : float
+        Uphill, rad.
+    rolling : float
+        f, of chain, rollers and ground over the force on the ground.
+    other : float
+        Sinkage, digging, N.
+    """
+    return weight * (np.sin(slope) + rolling * np.cos(slope)) + other
+
+
+def sinkage_resistance(pressure: float, law: tuple[float, float, float], width: float) -> float:
+    """Resistance (N) of both tracks by compaction of the ground: 2 b k z^(n+1) / (n + 1), p = k z^n.
+
+    `pressure` below the tracks, Pa; `law` has k_c (N/m^(n+1)), k_phi (N/m^(n+2)) and n, k = k_c / b + k_phi;
+    `width` b of the shoes, m. Bekker 1956 (remembered); sinkage is that of the mean pressure.
+    """
+    k_c, k_phi, exponent = law
+    modulus = k_c / width + k_phi
+    sinkage = (pressure / modulus) ** (1.0 / exponent)
+    return float(2.0 * width * modulus * sinkage ** (exponent + 1.0) / (exponent + 1.0))
+
+
+def traction(load: Floats, friction: float, cohesion: float = 0.0, area: float = 0.0) -> Floats:
+    """Greatest pull (N) of the ground on a track that presses with a load (N): c A + P mu.
+
+    Mohr and Coulomb, mu = tan(phi) or a coefficient of traction; `cohesion` in Pa, `area` in m2.
+    """
+    return cohesion * area + friction * np.asarray(load, dtype=float)
+
+
+def slip_share(slip: float, length: float, deformation: float) -> float:
+    """Part of the greatest traction that a track has at a slip: 1 - K / (i L) (1 - exp(-i L / K)).
+
+    `slip` i (way lost over way of the chain), `length` L (m), `deformation` K (m). Janosi and Hanamoto 1961,
+    integrated over an even pressure.
+    """
+    ways = slip * length / deformation
+    return float(1.0 + np.expm1(-ways) / ways)
+
+
+def greatest_slope_by_drive(pull: float, weight: float, rolling: float) -> float:
+    """Slope (rad) at which a drive's pull (N) is used up; pi / 2 where it lifts the machine.
+
+    V (sin a + f cos a) = F gives sin(a + atan f) = F / (V sqrt(1 + f^2)) (derived). Negative where the pull
+    does not even move it on the level.
+    """
+    part = pull / (weight * np.hypot(1.0, rolling))
+    return float(np.arcsin(part) - np.arctan(rolling)) if part < 1.0 else 0.5 * np.pi
+
+
+def greatest_slope_by_traction(friction: float, rolling: float) -> float:
+    """Slope (rad) at which the ground gives way: tan a = mu - f_ground, f that of `rolling` (derived).
+
+    What chain and rollers resist by themselves does not pass through the ground; all of f counted here is on
+    the safe side.
+    """
+    return float(np.arctan(friction - rolling))
+
+
+class Turn(NamedTuple):
+    """Turn at which drive and friction are in balance."""
+
+    slip: float
+    """Of a track along itself over that across at the ends of its length, kappa."""
+    moment: float
+    """Of friction against the turn, N m."""
+    pull: float
+    """Of the track that pulls forward, N; the other one pulls as hard back."""
+    pole: float = 0.0
+    """X about which the tracks turn, from the middle of their length, m."""
+
+
+def share_across(slip: float) -> float:
+    """Part of mu V L / 4 that friction has across a track which also slips along itself.
+
+    sqrt(1 + k^2) - k^2 arsinh(1 / k), even pressure on a line (derived; `docs/closed-track.md`).
+    """
+    return float(np.sqrt(1.0 + slip**2) - slip**2 * np.arcsinh(1.0 / slip))
+
+
+def share_along(slip: float) -> float:
+    """Part of mu V / 2 that a track pulls with as it slips: k arsinh(1 / k) (derived)."""
+    return float(slip * np.arcsinh(1.0 / slip))
+
+
+def turn_of_lines(weight: float, length: float, gauge: float, friction: float) -> Turn:
+    """Turn on the spot of tracks as lines of even pressure: the slip follows from L / B alone.
+
+    F B = mu V L / 4 g(k) with F = mu V / 2 k arsinh(1 / k) (derived). The shoes' width is left out, see
+    `turn_of_footprints`.
+    """
+
+    def left_over(slip: float) -> float:
+        return share_along(slip) - 0.5 * length / gauge * share_across(slip)
+
+    slip = brentq(left_over, LEAST_SLIP, GREATEST_SLIP)
+    moment = 0.25 * friction * weight * length * share_across(slip)
+    return Turn(slip, moment, moment / gauge)
+
+
+def turn_of_footprints(
+    weight: float, footprint: Footprints, friction: float, ahead: float = 0.0, aside: float = 0.0
+) -> Turn:
+    """Turn of tracks as rectangles: with the moment of the shoes' width, and pressure that changes along.
+
+    It is that of any radius, on the spot or about a track that is held: the friction of a rate of turning
+    asks for slips along the tracks and a pole across them, and chains and radius only add up to these.
+
+    Parameters
+    ----------
+    weight : float
+        N.
+    footprint : Footprints
+        Of both tracks.
+    friction : float
+        Of shoes on the ground, the same along and across.
+    ahead, aside : float
+        X and y of the weight from the middle, m: pressure is a trapezoid or a triangle along the tracks.
+
+    Raises
+    ------
+    ValueError
+        Where the lighter track cannot pull as hard as the turn asks: it slips, and the machine stands.
+
+    Notes
+    -----
+    A shoe at (x, y) of the machine, h beside its track's middle, slips with (u - h w, (x - x0) w) and bears
+    -mu p v / |v|. Slips u of both tracks and the pole x0 follow from the sums of forces along and across and
+    of moments, which are zero (derived; Merritt and Steeds have lines without width).
+    """
+    gauge, length, _ = footprint
+    x, beside, press = _pressed(weight, footprint, ahead, aside)
+    y = beside + np.array([[-0.5 * gauge], [0.5 * gauge]])
+
+    def forces(unknown: Floats) -> tuple[Floats, Floats]:
+        """Forces ahead and to the left (2, n) over the friction as the machine turns to the left, N."""
+        # slips of a light track grow beyond all bounds: its pull is what the ground gives
+        right, left = 0.5 * length * np.sinh(unknown[:2])
+        pole = 0.5 * length * unknown[2]
+        ahead_speed = np.array([[-right], [left]]) - beside
+        left_speed = np.broadcast_to(x - pole, ahead_speed.shape)
+        speed = np.hypot(ahead_speed, left_speed)
+        return -press * ahead_speed / speed, -press * left_speed / speed
+
+    def out_of_balance(unknown: Floats) -> Floats:
+        along, across = forces(unknown)
+        moment = (x * across - y * along).sum() / length
+        return np.array([along.sum(), across.sum(), moment]) / weight
+
+    slip = np.arcsinh(turn_of_lines(weight, length, gauge, friction).slip)
+    found = root(out_of_balance, np.array([slip, slip, ahead / length]), method="hybr", tol=1e-10)
+    if not found.success and np.abs(found.fun).max() > BALANCED:
+        lighter = friction * min(track_loads(weight, aside, gauge))
+        raise ValueError(f"the lighter track slips at {lighter:.4g} N before the machine turns")
+    along, _ = forces(found.x)
+    pull = friction * float(along[0].sum())
+    right, left = np.sinh(found.x[:2])
+    return Turn(0.5 * float(right + left), pull * gauge, pull, 0.5 * length * float(found.x[2]))
+
+
+def _pressed(
+    weight: float, footprint: Footprints, ahead: float, aside: float
+) -> tuple[Floats, Floats, Floats]:
+    """X and place beside the track's middle of the parts of a footprint (n,), and load on them (2, n), N."""
+    gauge, length, width = footprint
+    along = length * ((np.arange(ALONG) + 0.5) / ALONG - 0.5)
+    across = width * ((np.arange(ACROSS) + 0.5) / ACROSS - 0.5)
+    x, beside = (place.ravel() for place in np.meshgrid(along, across, indexing="ij"))
+    shape = track_pressure(1.0, ahead, length, 1.0)
+    end = np.copysign(1.0, ahead) * 0.5 * length
+    # from the loaded end on, where the pressure is greatest
+    away = np.abs(end - x)
+    fall = (shape.greatest - shape.least) / shape.length
+    line = np.maximum(shape.greatest - fall * away, 0.0)
+    left, right = track_loads(weight, aside, gauge)
+    return x, beside, np.array([[right], [left]]) * line / line.sum()
+
+
+class TrackDrive(NamedTuple):
+    """What drives one track."""
+
+    torque: float
+    """Greatest of its tumbler or sprocket, N m."""
+    radius: float
+    """Of the pins' circle by pitches, teeth times pitch over 2 pi, m."""
+    efficiency: float = 1.0
+    """Of the chain, from the tumbler's torque to its pull."""
+
+    @property
+    def pull(self) -> float:
+        """Greatest pull of the chain, N: T eta / r."""
+        return self.torque * self.efficiency / self.radius
+
+
+def pitch_radius(teeth: float, pitch: float) -> float:
+    """Travel of a chain for each radian of its tumbler, m: z p / (2 pi)."""
+    return teeth * pitch / (2.0 * np.pi)
+
+
+def polygon_share(teeth: float) -> float:
+    """Part by which the chain's speed falls within a pitch: 1 - cos(pi / z)."""
+    return float(1.0 - np.cos(np.pi / teeth))
+
+
+def ends_by(needed: float, drive: float, ground: float) -> str:
+    """Word for what a pull (N) of one track comes to: "goes", "stalls" (drive first) or "slips" (ground)."""
+    if needed <= min(drive, ground):
+        return "goes"
+    return "stalls" if drive <= ground else "slips"
+
+
+class Blocked(NamedTuple):
+    """One track that a stone or a shoe blocks while its drive pulls."""
+
+    tension: float
+    """Of its chain where it is blocked, N: what it has at rest, and all of the stalled drive's pull."""
+    yaw_moment: float
+    """On the car body, N m, as far as the other track's ground bears it."""
+    idler_push: float
+    """Of an idler on which both runs pull so, N."""
+    ground_pull: float
+    """Along the ground, N: the lesser of the drive's pull and the ground's."""
+
+
+def blocked_track(stall_pull: float, rest_tension: float, ground_pull: float, gauge: float) -> Blocked:
+    """Loads of a track that is blocked: the stalled drive's pull, and none of it through the ground.
+
+    Blocked between shoe and frame the loop bears the pull by itself; blocked by the ground it is at most what
+    ground and friction give, with the moment F B / 2 on the car body (derived; DIN 22261-2 has loads by what
+    responds to overload in 6.1, of which the contents alone were seen).
+    """
+    through_ground = min(stall_pull, ground_pull)
+    tension = rest_tension + stall_pull
+    return Blocked(tension, 0.5 * through_ground * gauge, 2.0 * tension, through_ground)

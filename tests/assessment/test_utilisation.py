@@ -1,0 +1,73 @@
+"""Rollers, pins and treads against hand calculations."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler.assessment import rollers, utilisation
+from exudyn_crawler.assessment.utilisation import PartStrength, PinnedHinge, RollerTread
+
+PLACES = 0.95 * (np.arange(7) - 3.0)
+HINGE = PinnedHinge(diameter=0.1, inner=0.2, outer=0.1, gap=0.01, play=0.001)
+STEEL = PartStrength(tensile=800e6, yield_strength=500e6)
+
+
+@pytest.mark.parametrize("centre", [-2.0, 0.0, 0.5, 2.8])
+def test_all_supports_carry_the_load_at_its_place(centre):
+    for support in rollers.supports(6.5e6, centre, PLACES):
+        assert support.loads.sum() == pytest.approx(6.5e6)
+        assert (support.loads >= 0.0).all()
+        if support.support != "one roller on a ridge":
+            assert support.loads @ PLACES == pytest.approx(6.5e6 * centre, abs=1e-3), support
+
+
+def test_even_loads_by_hand():
+    """P / n + P e x / sum(x^2), sum(x^2) = 28 x 0.9025 m2."""
+    found = rollers.even_loads(7e6, 0.5, PLACES)
+    assert found == pytest.approx(1e6 + 3.5e6 * PLACES / (28.0 * 0.9025))
+
+
+def test_outer_rollers_and_neighbours():
+    outer = rollers.end_load(6e6, 0.95, PLACES)
+    assert outer[[0, -1]] == pytest.approx([2e6, 4e6])
+    assert rollers.neighbours(0.5, PLACES) == (3, 4)
+    with pytest.raises(ValueError, match="between"):
+        rollers.even_loads(1.0, 3.0, PLACES)
+
+
+def test_a_corner_carries_half_the_weight_or_more():
+    assert rollers.corner_load(14e6, 0.0, 0.0, 6.0, 8.0) == pytest.approx(7e6)
+    # along the diagonal of 10 m by 1 m
+    assert rollers.corner_load(14e6, 0.6, 0.8, 6.0, 8.0) == pytest.approx(8.4e6)
+
+
+def test_pin_by_hand():
+    """1 MN on 0.1 m: two sections of 7854 mm2, W = 98 175 mm3, M = F (0.2 + 0.04 + 0.2) / 8."""
+    stress = utilisation.pin_stress(1e6, HINGE)
+    assert stress.shear == pytest.approx(0.5e6 / 7.853982e-3)
+    assert stress.bearing_inner == pytest.approx(50e6)
+    assert stress.bearing_outer == pytest.approx(50e6)
+    assert stress.moment == pytest.approx(55e3)
+    assert stress.bending == pytest.approx(55e3 / 9.817477e-5)
+    check = utilisation.pin_check(1e6, HINGE, STEEL, PartStrength(600e6, 400e6))
+    assert check.shear == pytest.approx(0.5e6 * 1.25 / (0.6 * 7.853982e-3 * 800e6))
+    assert check.bearing == pytest.approx(1e6 / (1.5 * 0.2 * 0.1 * 400e6))
+    assert check.bending == pytest.approx(55e3 / (1.5 * 9.817477e-5 * 500e6))
+    assert check.together == pytest.approx(check.bending**2 + check.shear**2)
+    # 0.591 sqrt(210 GPa x 1 MN x 1 mm / (0.01 m2 x 0.2 m))
+    assert utilisation.hole_contact(1e6, HINGE, 210e9) == pytest.approx(0.591 * np.sqrt(2.1e14 / 2e-3))
+    assert utilisation.chain_strength(HINGE, 2, STEEL) == pytest.approx(4.0 * 0.6 * 800e6 * 7.853982e-3)
+
+
+def test_roller_on_a_rail_by_hand():
+    """574 kN on 0.18 x 0.8 m: 4.0 MPa and 528 MPa, E = 200 GPa, nu = 0.3."""
+    found = utilisation.roller_contact(574e3, RollerTread(0.4, 0.18), 690e6, 200e9)
+    assert found.specific == pytest.approx(574e3 / 0.144)
+    assert found.pressure == pytest.approx(np.sqrt(574e3 * 200e9 / (2.0 * np.pi * 0.4 * 0.18 * 0.91)))
+    # Johnson: first yield by von Mises at 3.1 k, shakedown at 4 k, k = yield / sqrt(3)
+    k = 690e6 / np.sqrt(3.0)
+    assert found.to_yield * found.pressure == pytest.approx(3.1 * k, rel=0.01)
+    assert found.to_shakedown * found.pressure == pytest.approx(4.0 * k, rel=0.01)
+
+
+def test_bending_of_a_shoe():
+    assert utilisation.bending_of_shoe(1e6, 3.5, 0.24) == pytest.approx(1e6 * 0.635)
