@@ -7,6 +7,7 @@ import pytest
 
 from exudyn_crawler import Case, CaseFile, MachineCycle, read_case, write_case
 from exudyn_crawler.case import CarBody, Closed, Dragged, Machine, Rolled, saved_case
+from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.errors import ParameterError
 
 KINDS = {
@@ -99,3 +100,59 @@ def test_a_machine_is_two_of_its_tracks():
     assert len(case.gear.wheel_names) == 2 * len(tracks[0].gear.wheel_names)
     beside = np.concatenate([one.shoe_reference for one in tracks])
     np.testing.assert_allclose(case.shoe_reference, beside, rtol=0.0, atol=1e-12)
+
+
+BOGIE = """
+[[gear.bogies]]
+rollers = [2, 3]
+pivot = [{pivot}, 0.1]
+mass = "1.2 t"
+inertia = [60, 400, 400, 0, 0, 0]
+"""
+
+
+def middle(gear, rear):
+    """X of the middle between a roller, from 1, and the next."""
+    return 0.5 * (gear.rollers[rear - 1] + gear.rollers[rear])
+
+
+@pytest.mark.parametrize("base", ["rolled", "closed", "shovel"])
+def test_a_file_names_the_bogies_of_any_running_gear(base, read, tmp_path):
+    gear = read(f'duration = 0.1\nbase = "{base}"\n').case.gear
+    whole = read(f'duration = 0.1\nbase = "{base}"\n' + BOGIE.format(pivot=middle(gear, 2)))
+    (bogie,) = whole.case.gear.bogies
+    assert bogie.rollers == (2, 3)
+    assert bogie.mass == 1200.0
+    assert read_case(write_case(whole, tmp_path / "again.toml")) == whole
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            {"rollers": (2, 4)},
+            r"rollers must be two neighbours, rear to front, such as \[2, 3\], got \[2, 4\]",
+        ),
+        ({"rollers": (7, 8)}, r"gear.bogies\[1\].rollers must be in 1..7, got \[7, 8\]"),
+        ({"rollers": (3, 4)}, r"gear.bogies\[1\].rollers must not be those of another.*\[0\] has roller 3"),
+        (
+            {"pivot": (9.0, 0.1)},
+            r"gear.bogies\[1\].pivot must be between its rollers at x = .* got \[9.0, 0.1\]",
+        ),
+    ],
+)
+def test_bogies_that_cannot_be_are_refused(changes, told):
+    gear = Closed.ph4100c()
+    first, second = (
+        Bogie(rollers=(k, k + 1), pivot=(middle(gear, k), 0.1), mass=1e3, inertia=(60, 400, 400, 0, 0, 0))
+        for k in (2, 4)
+    )
+    with pytest.raises(ParameterError, match=told):
+        Case.closed().with_({"gear.bogies": (first, second.with_(changes))})
+
+
+def test_bogies_of_implausible_inertia_are_told():
+    gear = Closed.ph4100c()
+    bogie = Bogie(rollers=(2, 3), pivot=(middle(gear, 2), 0.1), mass=1e3, inertia=(9e3, 9e3, 9e3, 0, 0, 0))
+    case = Case.closed().with_({"gear.bogies": (bogie,)})
+    assert "gear.bogies[0].inertia" in " ".join(case.gear.implausible(case.shoe, case.track))

@@ -10,7 +10,8 @@ import pytest
 import xarray as xr
 
 import exudyn_crawler.results
-from exudyn_crawler import simulate
+from exudyn_crawler import Case, simulate
+from exudyn_crawler.case.parameters.fields import key_paths
 from exudyn_crawler.results.history.catalogue import CATALOGUE, DERIVED, NEEDS, QUANTITIES, select
 from exudyn_crawler.results.history.files import packed
 from exudyn_crawler.results.loads.exports import roller_loads
@@ -46,7 +47,8 @@ def test_rows_say_where_each_quantity_comes_from():
     for name, quantity in QUANTITIES.items():
         assert quantity.name == name
         assert all((quantity.label, quantity.meaning, quantity.per, quantity.files or quantity.derived_from))
-        assert set(quantity.needs) <= set(NEEDS)
+        paths = set(quantity.needs) - set(NEEDS)
+        assert all(any(key.startswith(f"{path}.") for key in key_paths(Case)) for path in paths)
         assert set(quantity.derived_from) <= set(QUANTITIES)
 
 

@@ -5,10 +5,13 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, History, simulate
+from exudyn_crawler.case.gear.running_gear import Bogie
+from exudyn_crawler.case.parameters.heights import Heights, Ridge
+from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.forces.teeth import Profile, tooth
 from exudyn_crawler.results.history.summary import tension_along_chain
-from exudyn_crawler.views.figures import chain_figure
+from exudyn_crawler.views.figures import chain_figure, history_series
 from exudyn_crawler.views.scenes.gear import gear_forces, gear_solids, tooth_outline, wheel_solids
 from exudyn_crawler.views.scenes.pictures import MARGIN, ground_figure, plan_solids, side_scene, windows
 from exudyn_crawler.views.scenes.scene import SIDES
@@ -23,6 +26,7 @@ from exudyn_crawler.views.scenes.track import (
 )
 from exudyn_crawler.views.style import drawn_scale, round_up
 from studies.grounds import STEP_HEIGHT, STEP_PLACE, uneven_case
+from tests.rolled import small_case
 
 ANGLE = 0.7
 """rad that the tumbler turns between the two instants."""
@@ -347,3 +351,39 @@ def test_tension_of_a_closed_chain_by_links_and_by_places_that_they_come_through
     assert len(chain_figure(closed).axes) == 4
     with pytest.raises(ValueError, match="must be 'closed' or 'machine'"):
         tension_along_chain(History(Case.rolled(), xr.Dataset()))
+
+
+BOGIE = {"mass": 2e3, "inertia": (100.0, 800.0, 800.0, 0.0, 0.0, 0.0)}
+
+
+def test_drawn_rollers_of_a_bogie_stand_on_their_rails():
+    """Their axes are a radius from where treads press; the bogie has swung, since a ridge is below one."""
+    bogie = Bogie(rollers=(1, 2), pivot=(-0.6, 0.2), **BOGIE)
+    ridge = Heights(parts=(Ridge(x=11.4, height=0.06, width=0.3, flank=0.4),))
+    case = small_case(bogies=(bogie,)).on_cells(RockFloor.hard_floor(), ridge)
+    history = simulate(case, 2e-3, progress=False)
+    now = instants(history, [0.0])
+    assert now.bogie_angle.item() > 0.02
+    solids = by_name(gear_solids(now))
+    assert "bogie 1" in solids
+    axes = solids["rollers"].origin[0].reshape(-1, 2, 3).mean(axis=1)
+    force = now.tread_force.isel(time=0)
+    feet = now.tread_foot.isel(time=0).where(np.abs(force).sum("axis") > 0.0)
+    feet = feet.mean(("rail", "strip", "neighbour")).transpose("roller", "axis").values
+    apart = np.linalg.norm((axes - feet)[:, [0, 2]], axis=1)
+    assert apart == pytest.approx(np.full(len(axes), case.gear.radius), abs=1e-3)
+
+
+def test_bogies_of_two_tracks_are_drawn_and_read_on_each():
+    rollers = Case.shovel().gear.rollers
+    bogie = Bogie(rollers=(1, 2), pivot=(0.5 * (rollers[0] + rollers[1]), 0.2), **BOGIE)
+    history = simulate(Case.shovel().with_({"gear.bogies": (bogie,)}), 0.01, progress=False)
+    assert history.bogie.values.tolist() == ["right bogie 1", "left bogie 1"]
+    left = history.of_track("left")
+    assert left.bogie.values.tolist() == ["bogie 1"]
+    assert left.wheel.values.tolist() == left.case.wheel_names
+    np.testing.assert_array_equal(left.bogie_angle[:, 0], history.bogie_angle[:, 1])
+    angles = history_series(history)["angle of the bogies"].values
+    assert angles["item"].values.tolist() == ["right bogie 1", "left bogie 1"]
+    names = {one.name for one in gear_solids(instants(history, [0.0]))}
+    assert {"right bogie 1", "left bogie 1"} <= names

@@ -1,4 +1,4 @@
-"""Side frames whose wheels run on the shoes' rails."""
+"""Side frames whose wheels run on the shoes' rails, and bogies that carry some of their rollers."""
 
 from collections.abc import Iterator, Sequence
 from typing import ClassVar, Literal
@@ -7,14 +7,32 @@ import numpy as np
 
 from exudyn_crawler.case.gear.base import SIDE_FRAME, Gear, Resistance, WheelLabel, Whole
 from exudyn_crawler.case.parameters import base, fields, sizes
-from exudyn_crawler.case.parameters.base import Errors, quantity
+from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.drive import Drive
-from exudyn_crawler.case.parameters.track import Shoe, Track
+from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 
 ACROSS = (1, 5)
 """Coordinates of a side frame across the track: y and yaw."""
 TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
+
+
+class Bogie(Parameters):
+    """Body that swings about a pivot of the side frame and carries two rollers, which share their load.
+
+    Nothing stops its swing but the rails below its rollers.
+    """
+
+    rollers: tuple[int, int] = quantity("1", "numbers of its two rollers, neighbours, rear to front")
+    pivot: base.Two = quantity("m", "x and z of its pivot's axis in the frame")
+    mass: base.Mass = quantity("kg", "with its rollers, which are no part of the frame's mass", (10.0, 2e4))
+    com: base.Two = quantity("m", "x and z of its COM from the pivot", default=(0.0, 0.0))
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
+
+    def _errors(self) -> Errors:
+        rear, front = self.rollers
+        if front != rear + 1:
+            yield f"rollers must be two neighbours, rear to front, such as [2, 3], got {list(self.rollers)}"
 
 
 class RunningGear(Gear):
@@ -33,6 +51,7 @@ class RunningGear(Gear):
     rollers: tuple[base.Roller, ...] = quantity(
         "m", "x of the lower rollers' axes, rear to front", min_length=2
     )
+    bogies: tuple[Bogie, ...] = option("bodies on pivots of the frame that carry two rollers each", ())
     tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
     strips: Literal[1, 2] = quantity("1", "of a tread, which share its load on a tilted rail", default=2)
     stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e6, 1e12))
@@ -45,12 +64,19 @@ class RunningGear(Gear):
     @property
     def parts(self) -> tuple[str, ...]:
         """Files of `model.parts` that its machine is made of, in the order of their bodies."""
-        return (*super().parts, "frame", *self.chain_parts)
+        return (*super().parts, "frame", *self.chain_parts, "bogie")
 
     @property
     def bodies(self) -> tuple[str, ...]:
         """Names of the bodies beside the shoes: the side frame, then what turns in it."""
-        return (SIDE_FRAME, *self.tumblers, *self.sliding_idlers)
+        return (SIDE_FRAME, *self.tumblers, *self.sliding_idlers, *self.bogie_names)
+
+    @property
+    def bogie_names(self) -> tuple[str, ...]:
+        """Names of the bogies, track by track, rear to front."""
+        tracks = [""] if self.tracks == 1 else [f"{side} " for side in SIDES]
+        numbers = range(1, len(self.bogies) + 1)
+        return tuple(f"{track}bogie {number}" for track in tracks for number in numbers)
 
     @property
     def wheel_labels(self) -> list[WheelLabel]:
@@ -113,6 +139,14 @@ class RunningGear(Gear):
         """Origin of the side frame, or the machine, at t = 0, on rails that have not settled: (3,), m."""
         raise NotImplementedError
 
+    def bogie_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Pivots of the bogies (m, global) and their angles (rad) at t = 0: array (tracks * bogies, 6)."""
+        start = self.frame_start(shoe, chain)
+        pivots = [(x, y, z) for y in self.middles for x, z in (bogie.pivot for bogie in self.bogies)]
+        reference = np.zeros((len(pivots), 6))
+        reference[:, :3] = start + np.reshape(pivots, (-1, 3))
+        return reference
+
     def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
         """X and z in the frame and radius of the wheels of one track at t = 0: array (wheels, 3), m."""
         raise NotImplementedError
@@ -134,6 +168,7 @@ class RunningGear(Gear):
         front = self.rollers[-1] + start[0]
         under = (coms[:, 0] >= rear - half) & (coms[:, 0] <= front + half) & (coms[:, 2] < start[2])
         carried = sum(part.mass for part in self.frame_parts)
+        carried += self.tracks * sum(bogie.mass for bogie in self.bogies)
         return super().first_loads(case) + under * carried * case.gravity / max(1, under.sum())
 
     def errors(self, case: Whole) -> Errors:
@@ -150,6 +185,7 @@ class RunningGear(Gear):
             yield f"gear.tread_width must not exceed {width}, got {self.tread_width}"
         if case.drive.on is not None:
             yield f"drive.on must be None with {kind}, always moved or held; a speed of zero is a brake"
+        yield from self._bogie_errors()
         yield from self.turn_errors(case.drive)
         if any(load != 0.0 for phase in case.loads.phases for load in phase.loads):
             yield f"loads must be zero on every shoe with {kind}, whose rollers carry the machine"
@@ -158,10 +194,33 @@ class RunningGear(Gear):
             gravity = case.gravity_vector()
             yield from case.machine.balance_errors(self.frame_parts, self.rollers, self.tipping, gravity)
 
+    def _bogie_errors(self) -> Errors:
+        """Bogies whose rollers are not there or are another's, or that stand on one side of their pivot."""
+        carrier: dict[int, int] = {}
+        for number, bogie in enumerate(self.bogies):
+            name = f"gear.bogies[{number}]"
+            if not all(1 <= roller <= len(self.rollers) for roller in bogie.rollers):
+                yield f"{name}.rollers must be in 1..{len(self.rollers)}, got {list(bogie.rollers)}"
+                return
+            for roller in bogie.rollers:
+                if roller in carrier:
+                    other = f"gear.bogies[{carrier[roller]}]"
+                    yield f"{name}.rollers must not be those of another bogie, {other} has roller {roller}"
+                carrier[roller] = number
+            rear, front = (self.rollers[roller - 1] for roller in bogie.rollers)
+            if not rear < bogie.pivot[0] < front:
+                between = f"between its rollers at x = {rear:g} and {front:g} m"
+                yield f"{name}.pivot must be {between}, got {list(bogie.pivot)}"
+
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
         """Lines that say what no machine is known to have: an inertia that does not go with the mass."""
         yield from sizes.thin_inertia("gear", self.mass, self.inertia)
         yield from sizes.far_inertia("gear", self.mass, self.inertia, self.length)
+        for number, bogie in enumerate(self.bogies):
+            rear, front = (self.rollers[roller - 1] for roller in bogie.rollers)
+            turning = f"gear.bogies[{number}]", bogie.mass, bogie.inertia
+            yield from sizes.thin_inertia(*turning)
+            yield from sizes.far_inertia(*turning, front - rear)
 
     def turn_errors(self, drive: Drive) -> Errors:
         """Lines that refuse a turn of a single track."""

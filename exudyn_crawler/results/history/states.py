@@ -212,7 +212,19 @@ def _dragged(states: _States, motion: Arrays) -> Arrays:
 def _side_frame(states: _States) -> tuple[Arrays, "GearForces"]:
     """Motion of the side frame, and forces of its wheels."""
     found = states.system.gear_forces(states.part("time"), *map(states.part, COORDINATES))
-    return _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_"), found
+    motion = _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_")
+    return motion | _bogies(states, motion), found
+
+
+def _bogies(states: _States, of_frame: Arrays) -> Arrays:
+    """Angles of the bogies about the frame's y, if there are any."""
+    names = states.system.case.running_gear().bogie_names
+    if not names:
+        return {}
+    frame = rotations.rotation_matrices(of_frame["side_frame_angles"])
+    turns = rotations.rotation_matrices(states.parts(names)[..., 3:])
+    forward = np.einsum("tki,tbk->tbi", frame, turns[..., 0])
+    return {"bogie_angle": np.arctan2(-forward[..., 2], forward[..., 0])}
 
 
 def _rolled(states: _States, motion: Arrays) -> Arrays:
@@ -328,19 +340,29 @@ def _tread_coordinates(system: "TrackSystem") -> dict[str, object]:
     }
 
 
+def _bogie_coordinates(system: "TrackSystem") -> dict[str, object]:
+    """Names of the bogies, if there are any."""
+    names = system.case.running_gear().bogie_names
+    return {"bogie": list(names)} if names else {}
+
+
 def _roller_coordinates(system: "TrackSystem") -> dict[str, object]:
     """Coordinates of the dimensions of rollers and their treads."""
     rollers = np.arange(1, len(system.case.running_gear().rollers) + 1)
     under = "shoe under a roller's axis, or the next"
-    return _tread_coordinates(system) | {
-        "roller": ("roller", rollers, {"long_name": "from rear to front"}),
-        "neighbour": ("neighbour", list(NEIGHBOURS), {"long_name": under}),
-    }
+    return (
+        _tread_coordinates(system)
+        | _bogie_coordinates(system)
+        | {
+            "roller": ("roller", rollers, {"long_name": "from rear to front"}),
+            "neighbour": ("neighbour", list(NEIGHBOURS), {"long_name": under}),
+        }
+    )
 
 
 def _wheel_coordinates(system: "TrackSystem") -> dict[str, object]:
     """Coordinates of the dimensions of wheels, and of their treads, which flexible shoes alone have."""
-    named: dict[str, object] = {"wheel": system.case.gear.wheel_names}
+    named = {"wheel": system.case.gear.wheel_names} | _bogie_coordinates(system)
     return named if system.frequencies is None else named | _tread_coordinates(system)
 
 

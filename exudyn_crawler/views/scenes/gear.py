@@ -1,4 +1,4 @@
-"""Side frame, wheels and drive tumbler as solids, under a rolled track and in a closed one.
+"""Side frame, bogies, wheels and drive tumbler as solids, under a rolled track and in a closed one.
 
 `history` holds some instants, as of `track.instants`. How high and wide a side frame is, and how wide the
 teeth are, no parameter says: their drawn size means nothing.
@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
+from scipy.spatial import ConvexHull
 
 from exudyn_crawler.case import SIDES, Case, Rails, RunningGear
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -22,6 +23,8 @@ GAP, MARK = 0.03, 0.012
 TEETH, SLIDE, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.12, 0.3, 16, 7
 """m, width of drawn teeth and lugs, height of drawn slides; radius of the tumbler's shaft over that of its
 pins' circle; sides of a drawn lug; points along a gap between two teeth."""
+EYE = 0.1
+"""m, half width of a drawn bogie about its pivot and the axes of its rollers."""
 TURNING = {"roller": "rollers", "idler": "idler", "carrier": "carriers"}
 """Titles of the kinds of wheels that turn; slides do not."""
 
@@ -53,7 +56,8 @@ def gear_solids(history: History) -> list[Solid]:
         return []
     solids = [] if history.case.tracks == 1 else [car_body(history)]
     for name, track in each_track(history).items():
-        of_track = [beam(track), *wheel_solids(track), *slide_solids(track), *tumbler_solids(track)]
+        on_frame = [beam(track), *bogie_solids(track), *wheel_solids(track)]
+        of_track = [*on_frame, *slide_solids(track), *tumbler_solids(track)]
         solids += [replace(solid, name=f"{name}{solid.name}") for solid in of_track]
     return solids
 
@@ -87,6 +91,45 @@ def beam(history: History) -> Solid:
     rear, front, _ = frame.extent(history.case.shoe, history.case.track)
     shape = box((rear, -half, low), (front, half, high))
     return Solid("side frame", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
+
+
+def bogie_solids(history: History) -> list[Solid]:
+    """Bodies of the bogies, each round its pivot and the axes of its rollers."""
+    frame, rails = frame_on_rails(history.case)
+    # arms on both sides of the rollers, which are seen below them
+    width = float(np.ptp(rails.middles)) + frame.tread_width + 2.0 * GAP
+    names = frame.bogie_names
+    solids = []
+    for name, bogie, turn in zip(names, frame.bogies, _bogie_turns(history), strict=True):
+        pivot = np.array([bogie.pivot[0], 0.0, bogie.pivot[1]])
+        joints = np.array([(frame.rollers[number - 1], 0.0) for number in bogie.rollers] + [bogie.pivot])
+        around = (joints - bogie.pivot)[:, None] + EYE * np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]])
+        corners = around.reshape(-1, 2)
+        outline = corners[ConvexHull(corners).vertices[::-1]]
+        placed = carried(*frame_poses(history), pivot[None], turn)
+        solids.append(Solid(name, *star(outline, width), style.BEAM, *placed, edges=style.ROLLER_EDGE))
+    return solids
+
+
+def _bogie_turns(history: History) -> list[np.ndarray]:
+    """Turns (times, 1, 3, 3) of all bogies."""
+    if not history.has("bogie_angle"):
+        return []
+    _, turn = frame_poses(history)
+    angles = history.bogie_angle.transpose("bogie", "time").values
+    return [turn @ rotation_matrices(angle[:, None, None] * np.eye(3)[1]) for angle in angles]
+
+
+def _swung(history: History) -> np.ndarray:
+    """Ways by which bogies have moved the axes of the rollers: array (times, rollers, 3), m, global."""
+    frame, _ = frame_on_rails(history.case)
+    _, turn = frame_poses(history)
+    ways = np.zeros((len(turn), len(frame.rollers), 3))
+    for bogie, swung in zip(frame.bogies, _bogie_turns(history), strict=True):
+        for number in bogie.rollers:
+            arm = np.array([frame.rollers[number - 1] - bogie.pivot[0], 0.0, -bogie.pivot[1]])
+            ways[:, number - 1] = (swung - turn)[:, 0] @ arm
+    return ways
 
 
 def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
@@ -134,6 +177,8 @@ def wheel_solids(history: History) -> list[Solid]:
         if name == "idler":  # a tensioner moves it from where it was assembled
             hub = origin + (history.take_up.values - case.assembled.take_up)[:, None, None] * turn[..., 0]
         placed = carried(hub, turn, places, level @ rotation_matrices(way[..., None] / radius * np.eye(3)[1]))
+        if name == TURNING["roller"]:
+            placed = placed[0] + np.repeat(_swung(history), len(rails.middles), axis=1), placed[1]
         half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, radius])
         tread, named = disc(radius, frame.tread_width), tuple(np.repeat(labels, len(rails.middles)).tolist())
         solids += [
