@@ -82,7 +82,9 @@ def _shoes(history: History) -> _Motion:
 
 
 def _side_frame(history: History) -> _Motion:
-    """Motion of the side frame, or of the machine on two tracks."""
+    """Motion of the side frame, or of the machine on two tracks; ValueError if bogies swing in it."""
+    if history.has("bogie_angle"):
+        raise ValueError("balances know no bogies: gear.bogies must be empty")
     parts = history.case.frame_parts
     mass = sum(part.mass for part in parts)
     center = sum(part.mass * part.com for part in parts) / mass
