@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import dask
@@ -311,7 +312,9 @@ def test_a_client_that_does_not_wait_is_refused(scheduler, tmp_path):
             ):
                 pass
 
-    asyncio.run(refused())
+    # the thread of the tests may have a loop of its own
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(lambda: asyncio.run(refused())).result()
 
 
 def test_workers_of_several_threads_are_refused_also_later(tmp_path):
