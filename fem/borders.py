@@ -15,8 +15,8 @@ STRAIGHT = 1e-3
 """Of its longest edge: how far a mid-side node of a flat face is off its corners' plane at most."""
 ROUND = 0.05
 """Of a bore's radius: how far corners of its faces are off the circle at most."""
-INWARD = 0.7
-"""Least cosine of the angle between a bore's faces and the way to its axis."""
+INWARD = 0.75
+"""Least cosine of the angle between a bore's faces and the way to its axis; a rim's chamfer has less."""
 
 
 class BoundaryFaces(NamedTuple):

@@ -113,7 +113,8 @@ def _check_bores(boundary: BoundaryFaces, name: str) -> None:
     parts = {}
     for surface, faces in bores.items():
         joined, parts[surface] = bore_beyond(boundary, faces)
-        _refuse_beyond(mesh, name, surface, "the bore", joined)
+        # a lug in the middle has its bore in parts, for the right and the left joint
+        _refuse_beyond(mesh, name, surface, "the bore", joined[[key not in seen for key in _keys(joined)]])
     if not {f"bore {joint}" for joint in JOINT_CENTERS} <= set(bores):
         return  # a bore without a name is refused where its pin is
     for surface, apart in parts.items():

@@ -1,0 +1,225 @@
+"""Unit and axes of a shoe by its pins: x from the rear to the front pin, y to the left along them, z up.
+
+What geometry leaves open is a `Question` with the flag that decides it, and with what was taken.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from fem.mesh import Floats
+from meshes.recognition.pins import CLOSE, PinLine, PinPair
+from meshes.recognition.triangles import Triangles
+
+Unit = Literal["mm", "m", "inch", "cm"]
+Sole = Literal["plate", "tips"]
+
+UNITS: dict[Unit, float] = {"mm": 1e-3, "m": 1.0, "inch": 0.0254, "cm": 1e-2}
+"""Lengths in m, the likeliest unit of a file first."""
+LEAST_PITCH, GREATEST_PITCH = 0.05, 1.5
+"""m, of the shoes of any machine."""
+LEAST_MASS, GREATEST_MASS = 1.0, 2e4
+"""kg, of the same."""
+STEEL_DENSITY = 7850.0
+"""kg/m3, by which a unit is likely or not."""
+SAME_REACH = 0.02
+"""Of the outer lugs' reach: within which both ends have the same."""
+WEAK, OPPOSED = 0.25, -0.04
+"""Sum of the signs of up that is too small to be sure, and product of two that oppose each other."""
+OUTER = 0.4
+"""Of the height: how far a plane may be within the outline to count for up."""
+PIN_LIFT = 4.0
+"""Times the part of the height by which pins are above the COM: a sign of up of 1 at a quarter."""
+LEVEL = np.radians(2.0)
+"""Of a plane that may be the underside, from the axes that bores give."""
+ALIGNED = np.radians(0.6)
+"""Up to which the axes turn so that this plane is level: the error of axes of coarse bores."""
+SAME_PLANE = np.radians(0.1)
+"""Angle between neighbouring faces of one plane."""
+
+
+class Question(NamedTuple):
+    """Choice that the geometry leaves open.
+
+    Attributes
+    ----------
+    flag : str
+        Of the command, which decides it otherwise.
+    words : str
+        What is open, and what was taken.
+    """
+
+    flag: str
+    words: str
+
+    def __str__(self) -> str:
+        return f"{self.words}; {self.flag} decides"
+
+
+class Choices(NamedTuple):
+    """What a user decides of what geometry leaves open; None is left to the geometry."""
+
+    unit: Unit | None = None
+    flip_front: bool = False
+    flip_up: bool = False
+    footprint: Sole | None = None
+    body: str | None = None
+    pins: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class ShoeAxes:
+    """Axes of a shoe in those of its file.
+
+    Attributes
+    ----------
+    rows : array (3, 3)
+        Unit vectors x, y and z of the shoe.
+    origin : array (3,)
+        COM, in the file's unit.
+    unit : str
+    pins : PinPair
+        Rear and front, in the file's unit.
+    questions : tuple of Question
+    """
+
+    rows: Floats
+    origin: Floats
+    unit: Unit
+    pins: PinPair
+    questions: tuple[Question, ...]
+
+    @property
+    def scale(self) -> float:
+        """Unit of the file in m."""
+        return UNITS[self.unit]
+
+    def place_of(self, line: PinLine) -> Floats:
+        """Place of a pin's axis in the shoe's axes, m, at the y of the COM."""
+        point = self.scale * self.rows @ (line.point - self.origin)
+        axis = self.rows @ line.axis
+        return np.asarray(point - axis * point[1] / axis[1])
+
+
+def find_axes(triangles: Triangles, pairs: list[PinPair], choices: Choices) -> ShoeAxes:
+    """Find unit and axes of a shoe by its pins, and what is open about them.
+
+    Raises
+    ------
+    ValueError
+        If no unit makes it a shoe.
+    """
+    questions = []
+    pair = pairs[0]
+    if len(pairs) > 1 and choices.pins == 1 and pairs[1].score > CLOSE * pair.score:
+        words = (
+            f"another pair of bores, {pairs[1].pitch / pair.pitch:.3g} times as far apart, could be the pins"
+        )
+        questions.append(Question("--pins 2", words))
+    unit, asked = _unit(pair.pitch, triangles.volume, choices)
+    questions += asked
+    ordered, asked = _front(pair, choices)
+    axes = ShoeAxes(_rows(ordered), triangles.center, unit, ordered, ())
+    turned, more = _upright(triangles, axes, choices)
+    questions += asked + more
+    return replace(_levelled(triangles, turned), questions=tuple(questions))
+
+
+def _unit(pitch: float, volume: float, choices: Choices) -> tuple[Unit, list[Question]]:
+    """Unit of a file that makes pitch and mass those of a shoe."""
+    if choices.unit is not None:
+        return choices.unit, []
+    fits = [
+        unit
+        for unit, size in UNITS.items()
+        if LEAST_PITCH <= pitch * size <= GREATEST_PITCH
+        and LEAST_MASS <= volume * size**3 * STEEL_DENSITY <= GREATEST_MASS
+    ]
+    if not fits:
+        raise ValueError(
+            f"the shoe must have a pitch of {LEAST_PITCH:g} to {GREATEST_PITCH:g} m and a mass of "
+            f"{LEAST_MASS:g} to {GREATEST_MASS:g} kg in mm, m, inch or cm; with a pitch of {pitch:.4g} and a "
+            f"volume of {volume:.4g} in its unit it has neither; --unit names the unit"
+        )
+    if len(fits) == 1:
+        return fits[0], []
+    sizes = ", ".join(f"{unit}: pitch {pitch * UNITS[unit]:.4g} m" for unit in fits)
+    return fits[0], [Question("--unit", f"the unit may be {sizes}; {fits[0]} was taken")]
+
+
+def _front(pair: PinPair, choices: Choices) -> tuple[PinPair, list[Question]]:
+    """Pair with the rear line first: the front has the outer lugs, a fork's cheeks, as on the ready shoe."""
+    reaches = [float(np.ptp(line.spans(pair.axis))) for line in pair.lines]
+    counts = [len(line.bores) for line in pair.lines]
+    asked: list[Question] = []
+    same = abs(reaches[0] - reaches[1]) <= SAME_REACH * max(reaches)
+    first_is_front = counts[0] > counts[1] if same else reaches[0] > reaches[1]
+    if same and counts[0] == counts[1]:
+        # with equal ends the larger place decides, so that any file of the shoe gives the same
+        asked = [Question("--flip-front", "both ends have equal lugs: either may lead")]
+    if first_is_front != choices.flip_front:
+        rear, front = pair.lines[1], pair.lines[0]
+        return replace(pair, lines=(rear, front), ahead=-pair.ahead), asked
+    return pair, asked
+
+
+def _rows(pair: PinPair) -> Floats:
+    """Axes with either sense of up."""
+    return np.array([pair.ahead, pair.axis, np.cross(pair.ahead, pair.axis)])
+
+
+def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[ShoeAxes, list[Question]]:
+    """Axes with z up: pins are above the COM, and the largest plane near the outline looks down."""
+    local = triangles.moved(axes.origin, axes.rows, axes.scale)
+    low, high = local.points[:, 2].min(), local.points[:, 2].max()
+    pins = np.mean([axes.place_of(line)[2] for line in axes.pins.lines])
+    lift = float(np.clip(PIN_LIFT * pins / (high - low), -1.0, 1.0))
+    planes = [_outer_plane(local, sign) for sign in (-1.0, 1.0)]
+    larger = (planes[0] - planes[1]) / max(sum(planes), 1e-300)
+    total = lift + larger
+    asked = []
+    if abs(total) < WEAK or lift * larger < OPPOSED:
+        # in the axes that are taken
+        sense = -1.0 if total < 0.0 else 1.0
+        below, above = planes if sense > 0.0 else planes[::-1]
+        words = (
+            f"up is not sure: taken so, pins are {1e3 * sense * pins:.3g} mm above the COM, and level planes "
+            f"of {below:.3g} m2 look down, of {above:.3g} m2 up"
+        )
+        asked.append(Question("--flip-up", words))
+    if (total < 0.0) != choices.flip_up:
+        return replace(axes, rows=axes.rows * np.array([[1.0], [-1.0], [-1.0]])), asked
+    return axes, asked
+
+
+def _outer_plane(local: Triangles, sign: float) -> float:
+    """Greatest area at one height, near the outline, of faces that look up or down."""
+    low, high = local.points[:, 2].min(), local.points[:, 2].max()
+    height = high - low
+    depth = (high - local.middles[:, 2]) if sign > 0.0 else (local.middles[:, 2] - low)
+    chosen = (sign * local.normals[:, 2] > np.cos(LEVEL)) & (depth < OUTER * height)
+    levels = np.round(depth[chosen] / (0.01 * height)).astype(int)
+    return float(np.bincount(levels, local.areas[chosen]).max()) if len(levels) else 0.0
+
+
+def _levelled(triangles: Triangles, axes: ShoeAxes) -> ShoeAxes:
+    """Axes turned a little so that the largest plane of the lower side is level.
+
+    Shoes that lie level have both pins at one height, so that the plane knows z better than coarse bores do.
+    """
+    local = triangles.moved(np.zeros(3), axes.rows, 1.0)
+    down = local.normals[:, 2] < -np.cos(LEVEL)
+    flat = local.labels((np.abs(local.bends) < SAME_PLANE) & down[local.pairs].all(axis=1))
+    sizes = np.bincount(flat, np.where(down, local.areas, 0.0))
+    members = (flat == int(np.argmax(sizes))) & down
+    if not members.any():
+        return axes
+    normal = -(local.areas[members] @ local.normals[members])
+    normal /= np.linalg.norm(normal)
+    if np.arccos(min(normal[2], 1.0)) > ALIGNED:
+        return axes
+    z = normal @ axes.rows
+    x = axes.rows[0] - z * (z @ axes.rows[0])
+    x /= np.linalg.norm(x)
+    return replace(axes, rows=np.array([x, np.cross(z, x), z]))

@@ -1,0 +1,51 @@
+"""Tetrahedra of files that are read: bodies that are apart, mid-side nodes, centre of the volume."""
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from fem.mesh import CUBIC_POINTS, CUBIC_WEIGHTS, TETRA_EDGES, Floats, Integers, jacobian_determinants
+
+
+def bodies(elements: Integers, count: int) -> list[Integers]:
+    """Numbers of the elements of each connected body among `count` nodes, the largest first."""
+    corners = elements[:, :4]
+    ends = np.repeat(corners[:, 0], 3), corners[:, 1:].ravel()
+    links = coo_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(count, count))
+    label = connected_components(links, directed=False)[1][corners[:, 0]]
+    order = np.argsort(label, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
+    return sorted(parts, key=len, reverse=True)
+
+
+def renumbered(nodes: Floats, elements: Integers) -> tuple[Floats, Integers, Integers]:
+    """Nodes of some elements alone, these elements, and the new number of every old node or -1."""
+    used = np.unique(elements)
+    number = np.full(len(nodes), -1, dtype=np.int64)
+    number[used] = np.arange(len(used))
+    return nodes[used], number[elements], number
+
+
+def with_middles(nodes: Floats, elements: Integers) -> tuple[Floats, Integers]:
+    """Tetrahedra of 10 nodes with straight edges, of those of 4."""
+    ends = np.sort(elements[:, TETRA_EDGES].reshape(-1, 2), axis=1)
+    edges, number = np.unique(ends, axis=0, return_inverse=True)
+    middles = nodes[edges].mean(axis=1)
+    return np.concatenate((nodes, middles)), np.hstack((elements, len(nodes) + number.reshape(-1, 6)))
+
+
+def centroid(nodes: Floats, elements: Integers) -> Floats:
+    """Centre of the volume of tetrahedra with straight or curved edges: array (3,)."""
+    points = CUBIC_POINTS
+    if elements.shape[1] == 4:
+        shapes = points
+    else:
+        a, b = TETRA_EDGES.T
+        shapes = np.hstack((points * (2.0 * points - 1.0), 4.0 * points[:, a] * points[:, b]))
+    determinants = np.broadcast_to(
+        jacobian_determinants(nodes, elements, points), (len(elements), len(points))
+    )
+    middle = nodes.mean(axis=0)
+    places = np.einsum("pa,eac->epc", shapes, nodes[elements] - middle)
+    moments = np.einsum("p,ep,epc->c", CUBIC_WEIGHTS, determinants, places)
+    return np.asarray(middle + moments / (determinants @ CUBIC_WEIGHTS).sum())

@@ -1,0 +1,322 @@
+"""Shoes of makers' files in the program's form: STEP, STL or tetrahedra, in any unit and axes."""
+
+import warnings
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import meshio
+import numpy as np
+
+from fem.mesh import Floats, Integers, Mesh, MeshError, boundary_faces
+from fem.mesh_content import VolumeMesh
+from fem.mesh_files import read_volume
+from meshes.load_surfaces import with_known_names
+from meshes.recognition import bores, elements as tetrahedra, pins, solids
+from meshes.recognition.axes import Choices, Question, ShoeAxes, Unit, find_axes
+from meshes.recognition.pins import PinPair
+from meshes.recognition.surfaces import ShoeSurfaces, find_surfaces
+from meshes.recognition.triangles import Triangles
+
+STEP_FILES, STL_FILES = (".step", ".stp"), (".stl",)
+SAME_AXES = 1e-3
+"""Rad, and of the pitch: between the shoes of two meshes of one solid."""
+SAME_PIN_HEIGHT = 1e-3
+"""m, between front and rear pins: shoes that lie level have them at one height."""
+FEWEST_TRIANGLES = 20
+DOUBLE_PINS = 0.5
+"""Of the extent: how far apart two lines of equal bores are that connectors link."""
+
+
+class FileSolid(NamedTuple):
+    """Tetrahedra of a file.
+
+    Attributes
+    ----------
+    nodes : array (n, 3)
+        In the file's unit and axes.
+    elements : int array (m, 10)
+    unit : str or None
+        What the file says; None if it says nothing.
+    surfaces : dict of str to int array (k, 6)
+        That the file names.
+    remarks : tuple of str
+    questions : tuple of Question
+    """
+
+    nodes: Floats
+    elements: Integers
+    unit: Unit | None
+    surfaces: dict[str, Integers]
+    remarks: tuple[str, ...] = ()
+    questions: tuple[Question, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class RecognizedShoe:
+    """Shoe of a file in its own axes, with what its chain needs.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        In m, x ahead, y to the left, z up, origin at the COM; with all named surfaces.
+    axes : ShoeAxes
+    surfaces : ShoeSurfaces
+    remarks : tuple of str
+        What was left out or done.
+    questions : tuple of Question
+        What geometry leaves open.
+    """
+
+    mesh: Mesh
+    axes: ShoeAxes
+    surfaces: ShoeSurfaces
+    remarks: tuple[str, ...]
+    questions: tuple[Question, ...]
+
+    @property
+    def pitch(self) -> float:
+        """Distance of front and rear pins, m."""
+        return float(self.pin_ahead - self.axes.place_of(self.axes.pins.lines[0])[0])
+
+    @property
+    def pin_ahead(self) -> float:
+        """X of the front pins, m."""
+        return float(self.axes.place_of(self.axes.pins.lines[1])[0])
+
+    @cached_property
+    def pin_height(self) -> float:
+        """Z of all pins, m; ValueError if front and rear ones are not at one height."""
+        rear, front = (float(self.axes.place_of(line)[2]) for line in self.axes.pins.lines)
+        if abs(front - rear) > SAME_PIN_HEIGHT:
+            raise ValueError(
+                "front and rear pins must be at one height above the underside within "
+                f"{1e3 * SAME_PIN_HEIGHT:g} mm, as shoes on a plane have them, the front ones are "
+                f"{1e3 * (front - rear):+.3g} mm higher"
+            )
+        return 0.5 * (rear + front)
+
+    @property
+    def joint_y(self) -> tuple[float, float]:
+        """Y of the right and of the left joint, m."""
+        return self.surfaces.joint_y
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Radii of the rear and of the front bores, m."""
+        rear, front = (line.radius * self.axes.scale for line in self.axes.pins.lines)
+        return rear, front
+
+
+def recognize_file(path: str | Path, choices: Choices | None = None, size: str = "study") -> RecognizedShoe:
+    """Read a maker's file of a shoe and find what of it is what.
+
+    Parameters
+    ----------
+    path : str or Path
+        STEP, STL, or a mesh of tetrahedra as `fem.read_volume` reads it.
+    choices : Choices, optional
+        What the user decides.
+    size : str
+        "coarse", "study" or "fine": elements of a solid that is meshed here.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ModuleNotFoundError
+        If it needs netgen, and netgen is not there.
+    MeshError
+        If the file cannot be read or meshed.
+    ValueError
+        If it is no shoe, or the choices do not fit it.
+    """
+    path, choices = Path(path), choices or Choices()
+    if not path.is_file():
+        raise FileNotFoundError(f"no file {path}")
+    if size not in solids.SIZES:
+        raise ValueError(f"size must be one of {', '.join(solids.SIZES)}, got {size!r}")
+    try:
+        return recognize_solid(read_solid(path, choices, solids.SIZES[size]), choices)
+    except MeshError as error:
+        text = str(error)
+        raise MeshError(text if text.startswith(str(path)) else f"{path}: {text}") from error
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def read_solid(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileSolid:
+    """Tetrahedra of 10 nodes of a file; parameters and errors are those of `recognize_file`."""
+    suffix = path.suffix.lower()
+    if suffix in STEP_FILES:
+        return _of_step(path, choices, size)
+    if suffix in STL_FILES:
+        return _of_stl(path, choices, size)
+    return _of_mesh(read_volume(path), choices)
+
+
+def recognize_solid(solid: FileSolid, choices: Choices) -> RecognizedShoe:
+    """Find a shoe's axes, unit and surfaces on the boundary of its tetrahedra; raises as `recognize_file`."""
+    rows = boundary_faces(solid.elements)
+    triangles = Triangles(solid.nodes, rows[:, :3])
+    axes = axes_of(triangles, choices, solid.unit)
+    axes = replace(axes, origin=tetrahedra.centroid(solid.nodes, solid.elements))
+    surfaces = find_surfaces(triangles, axes, choices.footprint)
+    named = {name: rows[numbers] for name, numbers in surfaces.faces.items()}
+    nodes = (solid.nodes - axes.origin) @ axes.rows.T * axes.scale
+    others = Mesh(nodes, solid.elements, solid.surfaces)
+    kept = {name: faces for name, faces in with_known_names(others).surfaces.items() if name not in named}
+    known = sorted(set(with_known_names(others).surfaces) & set(named))
+    remarks = [*solid.remarks, *surfaces.remarks]
+    if known:
+        remarks.append(f"surfaces of the file that the shape says again are replaced: {', '.join(known)}")
+    return RecognizedShoe(
+        others.with_surfaces(named) if not known else Mesh(nodes, solid.elements, kept | named),
+        axes,
+        surfaces,
+        tuple(remarks),
+        (*solid.questions, *axes.questions, *surfaces.questions),
+    )
+
+
+def axes_of(triangles: Triangles, choices: Choices, unit: Unit | None = None) -> ShoeAxes:
+    """Axes and unit of a shoe by the bores on its boundary.
+
+    Raises
+    ------
+    ValueError
+        If no two lines of bores make a chain, with the bores that there are.
+    """
+    lines = pins.pin_lines(bores.find_bores(triangles))
+    pairs = pins.pin_pairs(triangles, lines)
+    if not pairs:
+        raise ValueError(_no_pins(triangles, lines))
+    if not 1 <= choices.pins <= len(pairs):
+        raise ValueError(
+            f"--pins must be in 1..{len(pairs)}, the pairs of bores that make a chain, got {choices.pins}"
+        )
+    chosen = pins.refined(triangles, pairs.pop(choices.pins - 1))
+    return find_axes(triangles, [chosen, *pairs], choices._replace(unit=choices.unit or unit))
+
+
+def _no_pins(triangles: Triangles, lines: list[pins.PinLine]) -> str:
+    """Reason why a shoe has no pins of a chain."""
+    held = [f"{len(line.bores)} of radius {line.radius:.4g}" for line in lines if line.length > 0.0]
+    words = "; ".join(held[:8]) + (f" and {len(held) - 8} more" if len(held) > 8 else "")
+    reason = (
+        "it must have round bores at both ends whose lugs stand between those of its neighbours, "
+        f"got {f'lines of {words}' if held else 'no round hole'}"
+    )
+    if _is_double_pin(triangles, lines):
+        reason += (
+            "; two equal lines over each other are those of a track with two pins a link and connectors, "
+        )
+        reason += "which is not covered"
+    return reason
+
+
+def _is_double_pin(triangles: Triangles, lines: list[pins.PinLine]) -> bool:
+    """True where two lines of bores have the same spans, far apart."""
+    for number, first in enumerate(lines):
+        for second in lines[:number]:
+            if abs(first.axis @ second.axis) < pins.PARALLEL:
+                continue
+            apart = bores.across(second.point, first.axis, first.point)
+            far = float(np.linalg.norm(apart))
+            extent = np.ptp(triangles.points @ (apart / max(far, 1e-300)))
+            spans = first.spans(first.axis), second.spans(first.axis)
+            whole = max(first.length, second.length)
+            if far > DOUBLE_PINS * extent and pins.overlap(*spans) > 0.9 * whole:
+                return True
+    return False
+
+
+def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileSolid:
+    """Solid of a STEP file: bores found on a quick mesh of its faces get small elements."""
+    solid = solids.StepSolid(path, choices.body)
+    triangles, face = solid.quick()
+    guess = axes_of(triangles, choices, "mm")
+    pair: PinPair = guess.pins
+    for line in pair.lines:
+        solid.refine(face[line.faces], size.of_bores * line.radius)
+    nodes, elements, straightened = solid.mesh(size.of_pitch * pair.pitch)
+    found = axes_of(Triangles(nodes, boundary_faces(elements)[:, :3]), choices, "mm")
+    turned = np.arccos(np.clip((np.trace(found.rows @ guess.rows.T) - 1.0) / 2.0, -1.0, 1.0))
+    if turned > SAME_AXES or abs(found.pins.pitch / pair.pitch - 1.0) > SAME_AXES:
+        raise ValueError(
+            "the shoe must be the same on any mesh, its axes differ by "
+            f"{np.degrees(turned):.3g} degrees and its pitch by {found.pins.pitch - pair.pitch:.3g} mm "
+            "between two: mesh it finer (--size fine)"
+        )
+    remarks = [f"meshed by netgen: {len(nodes)} nodes, {len(elements)} elements"]
+    if straightened:
+        remarks.append(f"{straightened} elements have straight edges, which curved ones would have folded")
+    return FileSolid(nodes, elements, "mm", {}, tuple(remarks), tuple(solid.questions))
+
+
+def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileSolid:
+    """Inside of a closed STL boundary, whose triangles stay as they are."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # of a text whose bytes are taken for a number
+            raw = meshio.read(path)
+        parts = [block.data for block in raw.cells if block.type == "triangle"]
+        triangles = Triangles.welded(np.asarray(raw.points, float), np.concatenate(parts).astype(np.int64))
+    except Exception as error:  # meshio's readers raise all kinds of errors
+        reason = " ".join(str(error).split()) or repr(error)
+        raise MeshError(f"{path} must be an STL file that can be read: {reason}") from error
+    if len(triangles.faces) < FEWEST_TRIANGLES or not np.isfinite(triangles.points).all():
+        raise MeshError(f"{path} must be a closed boundary of triangles, got {len(triangles.faces)}")
+    triangles = triangles.outward()
+    pair = axes_of(triangles, choices).pins
+    nodes, corners = solids.fill_boundary(triangles, size.of_pitch * pair.pitch)
+    nodes, elements = tetrahedra.with_middles(nodes, corners)
+    remark = (
+        f"filled by netgen: {len(nodes)} nodes, {len(elements)} elements; an STL file has flat triangles "
+        "alone, on which edges are straight: bores and fillets are as coarse as it has them"
+    )
+    return FileSolid(nodes, elements, None, {}, (remark,))
+
+
+def _of_mesh(content: VolumeMesh, choices: Choices) -> FileSolid:
+    """Tetrahedra of a mesh file, of one body."""
+    nodes, elements, surfaces = content.nodes, content.elements, content.surfaces
+    remarks = list(content.notes)
+    remarks += [f"surface {name!r} is left out: {reason}" for name, reason in content.unread.items()]
+    parts = tetrahedra.bodies(elements, len(nodes))
+    body, held = (
+        choices.body,
+        ", ".join(f"{number}: {len(part)} elements" for number, part in enumerate(parts, 1)),
+    )
+    if body is None and len(parts) > 1:
+        raise MeshError(
+            f"the mesh must be one body, got {len(parts)} that share no nodes ({held}); --body N chooses "
+            "one, and those that are bolted together have to be meshed as one"
+        )
+    if body is not None and body in content.cell_sets:
+        chosen: Integers | None = content.cell_sets[body]
+    else:
+        number = 1 if body in (None, "all") else solids.body_number(str(body), len(parts), held)
+        chosen = parts[number - 1] if len(parts) > 1 else None
+    if chosen is not None:
+        nodes, elements, number_of = tetrahedra.renumbered(nodes, elements[chosen])
+        rows = {tuple(face) for face in np.sort(boundary_faces(elements)[:, :3], axis=1).tolist()}
+        surfaces = {name: number_of[faces] for name, faces in surfaces.items()}
+        surfaces = {
+            name: faces
+            for name, faces in surfaces.items()
+            if all(tuple(face) in rows for face in np.sort(faces[:, :3], axis=1).tolist())
+        }
+    if elements.shape[1] == 4:
+        nodes, elements = tetrahedra.with_middles(nodes, elements)
+        surfaces = {}
+        remarks.append(
+            "linear elements were given mid-side nodes on straight edges: the shape stays as coarse"
+        )
+    else:
+        straight = replace(content, nodes=nodes, elements=elements).straightened()
+        if (straight.nodes != nodes).any():
+            remarks.append(straight.notes[-1])
+        nodes = straight.nodes
+    return FileSolid(nodes, elements, None, surfaces, tuple(remarks))

@@ -1,0 +1,188 @@
+"""Solids of STEP files and closed STL boundaries, meshed by netgen with its own CAD kernel (extra `mesh`)."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.distortion import straighten_distorted
+from fem.mesh import Floats, Integers, MeshError
+from meshes.build_shoe import FROM_NETGEN
+from meshes.recognition.axes import Question
+from meshes.recognition.triangles import Triangles
+
+SEND_STEP = "send the shoe as STEP, or as a mesh of tetrahedra"
+NEEDS = "{} needs netgen: pip install 'exudyn-crawler[mesh]'"
+QUICK = 0.06
+"""Of the extent: greatest edge of the mesh on which bores are searched."""
+QUICK_CURVES, CURVES = 2.0, 1.0
+"""Elements along a curve's radius, of the search and of the shoe."""
+GROWTH = 0.3
+OPEN = 1e-9
+"""Share of edges with one triangle, or three, of a boundary that is not closed."""
+
+
+class SizesOfElements(NamedTuple):
+    """Greatest edges of elements: parts of the pitch, and of a bore's radius."""
+
+    of_pitch: float
+    of_bores: float
+
+
+SIZES = {
+    "coarse": SizesOfElements(0.2, 0.67),
+    "study": SizesOfElements(0.125, 0.4),
+    "fine": SizesOfElements(0.085, 0.25),
+}
+"""How fine a shoe is meshed, about as the ready meshes of these names are."""
+
+
+def netgen_module(name: str, for_what: str) -> Any:
+    """Module of netgen; a ModuleNotFoundError says what needs it, and how to get it."""
+    import importlib
+
+    try:
+        module = importlib.import_module(f"netgen.{name}")
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(NEEDS.format(for_what)) from error
+    from netgen import libngpy
+
+    libngpy._meshing.SetMessageImportance(0)
+    return module
+
+
+class StepSolid:
+    """One solid of a STEP file, in mm, as netgen hands it out whatever the file's unit.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If netgen is not there.
+    MeshError
+        If the file is not STEP, has no solid, or several that are not chosen from and do not touch.
+    """
+
+    def __init__(self, path: Path, body: str | None = None) -> None:
+        self._occ = netgen_module("occ", "a STEP file")
+        if not path.read_bytes()[:4096].lstrip().startswith(b"ISO-10303-21"):
+            raise MeshError(f"{path} must be a STEP file, which begins with ISO-10303-21")
+        try:
+            whole = self._occ.OCCGeometry(str(path)).shape
+            solids = sorted(whole.solids, key=lambda solid: -solid.mass)
+        except Exception as error:  # the kernel raises all kinds of errors
+            raise MeshError(f"{path} must be a STEP file that can be read: {_line(error)}") from error
+        if not solids:
+            raise MeshError(
+                f"{path} must hold a solid, got surfaces or nothing; sew them to a solid, or export it"
+            )
+        self.questions: list[Question] = []
+        self.shape = self._chosen(path, solids, body)
+
+    def _chosen(self, path: Path, solids: list[Any], body: str | None) -> Any:
+        volumes = ", ".join(
+            f"{number}: {solid.mass:.4g} mm3" for number, solid in enumerate(solids[:8], start=1)
+        )
+        if body not in (None, "all"):
+            return solids[body_number(body, len(solids), volumes) - 1]
+        if len(solids) == 1:
+            return solids[0]
+        try:
+            fused = solids[0]
+            for solid in solids[1:]:
+                fused = fused + solid
+            parts = list(fused.solids)
+        except Exception as error:  # the kernel raises all kinds of errors
+            raise MeshError(f"{path}: its {len(solids)} solids cannot be fused: {_line(error)}") from error
+        if len(parts) != 1:
+            raise MeshError(
+                f"{path} must hold one solid, or several that touch, got {len(parts)} apart of {volumes}; "
+                "--body N chooses one"
+            )
+        if body is None:
+            self.questions = [Question("--body N", f"{len(solids)} solids were fused, {volumes}")]
+        return parts[0]
+
+    def quick(self) -> tuple[Triangles, Integers]:
+        """Triangles of a mesh on which bores are searched, and the number of each one's face of the solid."""
+        low, high = self.shape.bounding_box
+        size = QUICK * max(high.x - low.x, high.y - low.y, high.z - low.z)
+        mesh = self._generate(size, QUICK_CURVES, surface=True)
+        sides = mesh.Elements2D().NumPy()
+        triangles = Triangles(np.array(mesh.Coordinates()), sides["nodes"][:, :3].astype(np.int64) - 1)
+        return triangles.outward(), sides["index"].astype(np.int64)
+
+    def refine(self, faces: Integers, size: float) -> None:
+        """Set the greatest edge, mm, on some faces of the solid."""
+        for number in np.unique(faces):
+            self.shape.faces[int(number) - 1].maxh = size
+
+    def mesh(self, size: float) -> tuple[Floats, Integers, int]:
+        """Nodes (mm) and tetrahedra of 10 nodes with edges up to a size, and how many were straightened."""
+        mesh = self._generate(size, CURVES)
+        mesh.SecondOrder()
+        return second_order(mesh)
+
+    def _generate(self, size: float, curves: float, surface: bool = False) -> Any:
+        steps = self._occ
+        last = ""
+        for finer in (1.0, 1.5, 2.5):
+            how = {"maxh": size / finer, "grading": GROWTH, "segmentsperedge": 0.5}
+            if surface:
+                from netgen.meshing import MeshingStep
+
+                how["perfstepsend"] = MeshingStep.MESHSURFACE
+            try:
+                return steps.OCCGeometry(self.shape).GenerateMesh(curvaturesafety=finer * curves, **how)
+            except Exception as error:  # netgen raises all kinds of errors
+                last = _line(error)
+        raise MeshError(f"netgen cannot mesh the solid: {last}; heal it, or send a mesh of tetrahedra")
+
+
+def body_number(body: str, count: int, held: str) -> int:
+    """Number of a chosen body, from 1; a MeshError says which there are."""
+    if not body.isdecimal() or not 1 <= int(body) <= count:
+        raise MeshError(f"--body must be a number in 1..{count}, the largest first ({held}), got {body!r}")
+    return int(body)
+
+
+def second_order(mesh: Any) -> tuple[Floats, Integers, int]:
+    """Nodes and elements of a netgen mesh of second order, distorted edges straightened, and how many."""
+    elements = mesh.Elements3D().NumPy()["nodes"][:, FROM_NETGEN].astype(np.int64) - 1
+    nodes, count = straighten_distorted(np.array(mesh.Coordinates()), elements)
+    return nodes, elements, count
+
+
+def fill_boundary(triangles: Triangles, size: float) -> tuple[Floats, Integers]:
+    """Fill a closed boundary with tetrahedra that keep its triangles; edges up to a size.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If netgen is not there.
+    MeshError
+        If the boundary is not closed, or netgen cannot fill it.
+    """
+    meshing = netgen_module("meshing", "an STL file")
+    if triangles.open_share > OPEN:
+        raise MeshError(
+            f"its boundary must be closed, got {100.0 * triangles.open_share:.2g} % of edges that have not "
+            f"two triangles; {SEND_STEP}"
+        )
+    mesh = meshing.Mesh()
+    mesh.Add(meshing.FaceDescriptor(surfnr=1, domin=1, bc=1))
+    mesh.AddPoints(np.ascontiguousarray(triangles.points))
+    mesh.AddElements(dim=2, index=1, data=np.ascontiguousarray(triangles.faces.astype(np.int32)), base=0)
+    try:
+        mesh.GenerateVolumeMesh(maxh=size, grading=GROWTH)
+    except Exception as error:  # netgen raises all kinds of errors
+        raise MeshError(
+            f"netgen cannot fill its boundary with tetrahedra: {_line(error)}; {SEND_STEP}"
+        ) from error
+    nodes = mesh.Elements3D().NumPy()["nodes"]
+    if not len(nodes):
+        raise MeshError(f"netgen cannot fill its boundary with tetrahedra; {SEND_STEP}")
+    return np.array(mesh.Coordinates()), nodes[:, FROM_NETGEN[:4]].astype(np.int64) - 1
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split())[:200] or repr(error)

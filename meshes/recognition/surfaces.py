@@ -1,0 +1,253 @@
+"""Named surfaces of a shoe in its own axes: bores, underside, top and rails, and where its joints act."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.mesh import Floats, Integers
+from meshes.recognition.axes import Question, ShoeAxes, Sole
+from meshes.recognition.pins import PinLine
+from meshes.recognition.triangles import Triangles
+
+LEVEL, NEARLY = np.radians(0.2), np.radians(2.0)
+"""Of faces that are level, and of those that are where nothing else is: cast, or in few digits."""
+SAME_HEIGHT = 2e-3
+"""m, between parts of one surface."""
+LARGE = 0.3
+"""Of the largest level part below: parts of the plate."""
+SOLE = 0.005
+"""Of the whole surface: the least area below at which something stands."""
+TOP = 0.01
+"""Of the largest level part below: the least part of the top."""
+LUG = 0.2
+"""Of a bore's radius and length: how far a flat on its lug may end before its axis, or reach beside it."""
+RAIL_FILL = 0.8
+"""Of its outline: what a rail has to fill."""
+EQUAL_RAILS = 1e-3
+"""m, between the outlines of both."""
+MIRRORED = 0.02
+"""Of the outer reach: greatest difference of the lugs on the right and on the left."""
+PARTED = 1e-3
+"""m beside the middle: a bore that reaches over it is parted there between right and left."""
+SIDES = ("right", "left")
+ENDS = ("rear", "front")
+
+
+@dataclass(frozen=True, eq=False)
+class ShoeSurfaces:
+    """Surfaces of a shoe and what its chain needs of them, in its axes, m.
+
+    Attributes
+    ----------
+    triangles : Triangles
+    faces : dict of str to int array
+        Numbers of the triangles of each named surface.
+    joint_y : tuple of float
+        y of the right and of the left joint.
+    footprint : str
+        "plate" or "tips".
+    footprint_area : float
+        Area of the underside, m2.
+    remarks : tuple of str
+    questions : tuple of Question
+    """
+
+    triangles: Triangles
+    faces: dict[str, Integers]
+    joint_y: tuple[float, float]
+    footprint: Sole
+    footprint_area: float
+    remarks: tuple[str, ...]
+    questions: tuple[Question, ...]
+
+    def box(self, name: str) -> Floats:
+        """Least and greatest x, y, z of a surface: array (2, 3), m."""
+        return outline(self.triangles, self.faces[name])
+
+
+def outline(triangles: Triangles, faces: Integers) -> Floats:
+    """Least and greatest x, y, z of some triangles: array (2, 3)."""
+    places = triangles.corners[faces].reshape(-1, 3)
+    return np.stack((places.min(axis=0), places.max(axis=0)))
+
+
+def find_surfaces(triangles: Triangles, axes: ShoeAxes, footprint: Sole | None) -> ShoeSurfaces:
+    """Find the named surfaces of a shoe.
+
+    Raises
+    ------
+    ValueError
+        If an end has no bores on one side, or nothing level is below.
+    """
+    local = triangles.moved(axes.origin, axes.rows, axes.scale)
+    remarks: list[str] = []
+    lines = dict(zip(ENDS, axes.pins.lines, strict=True))
+    spans = {end: _spans(axes, line) for end, line in lines.items()}
+    every = np.concatenate(list(spans.values()))
+    middle = 0.5 * float(every.min() + every.max())
+    faces: dict[str, Integers] = {}
+    for end, line in lines.items():
+        faces |= _sides_of_bores(local, end, line, middle)
+        if ((spans[end][:, 0] < middle - PARTED) & (spans[end][:, 1] > middle + PARTED)).any():
+            remarks.append(
+                f"a {end} bore reaches over y = {middle:.4g} m: it is parted there in right and left"
+            )
+        off = np.abs(np.sort(2.0 * middle - spans[end].ravel()) - spans[end].ravel()).max()
+        if off > MIRRORED * np.ptp(every):
+            remarks.append(
+                f"the {end} lugs are not alike on the right and on the left, by {1e3 * off:.3g} mm: look "
+                "whether the picture has all of their bores"
+            )
+    joint_y, words = _joints(local, faces)
+    remarks += words
+    sole, area, words, questions = _underside(local, faces, footprint)
+    faces |= _top(local, axes, faces, remarks)
+    return ShoeSurfaces(local, faces, joint_y, sole, area, (*remarks, *words), tuple(questions))
+
+
+def _spans(axes: ShoeAxes, line: PinLine) -> Floats:
+    """Ends (bores, 2) of a line's bores along y, m."""
+    return np.asarray((line.spans(axes.rows[1]) - axes.origin @ axes.rows[1]) * axes.scale)
+
+
+def _sides_of_bores(local: Triangles, end: str, line: PinLine, middle: float) -> dict[str, Integers]:
+    """Bores of an end on the right and on the left."""
+    y = local.middles[line.faces, 1]
+    sides = {f"bore {end} {side}": line.faces[(y >= middle) == (side == "left")] for side in SIDES}
+    if empty := [name for name, chosen in sides.items() if not len(chosen)]:
+        raise ValueError(
+            f"each end must have bores right and left of y = {middle:.4g} m, none is {empty[0]!r}"
+        )
+    return sides
+
+
+def _joints(local: Triangles, faces: dict[str, Integers]) -> tuple[tuple[float, float], list[str]]:
+    """Y of the joints: the middle of what both ends' bores share on a side, or of the gap between them."""
+    places, gaps = [], []
+    for side in SIDES:
+        boxes = [outline(local, faces[f"bore {end} {side}"])[:, 1] for end in ENDS]
+        low, high = max(box[0] for box in boxes), min(box[1] for box in boxes)
+        places.append(float(0.5 * (low + high)))
+        gaps.append(low - high)
+    remarks = []
+    if max(gaps) > 0.0:
+        remarks.append(
+            f"front and rear lugs stand beside each other: joints act in the gap of {1e3 * max(gaps):.3g} mm "
+            f"between them, at y = {places[0]:.4g} and {places[1]:.4g} m"
+        )
+    return (places[0], places[1]), remarks
+
+
+def level_parts(local: Triangles, sign: float) -> list[Integers]:
+    """Connected level parts that look up (1) or down (-1), the largest first."""
+    upward = sign * local.normals[:, 2]
+    nearly = upward > np.cos(NEARLY)
+    level = upward > np.cos(LEVEL)
+    if local.areas[level].sum() < LARGE * local.areas[nearly].sum():
+        level = nearly
+    return sorted(local.patches(level), key=lambda part: -float(local.areas[part].sum()))
+
+
+def _underside(
+    local: Triangles, faces: dict[str, Integers], footprint: Sole | None
+) -> tuple[Sole, float, list[str], list[Question]]:
+    """Name the underside: the plate, or the tips of grousers below it."""
+    parts = level_parts(local, -1.0)
+    if not parts:
+        raise ValueError("the shoe must have a level underside, nothing level looks down")
+    areas = np.array([local.areas[part].sum() for part in parts])
+    heights = np.array([local.middles[part, 2].mean() for part in parts])
+    stands = (areas > SOLE * local.areas.sum()) | (np.arange(len(parts)) == 0)
+    tips = np.abs(heights - heights[stands].min()) < SAME_HEIGHT
+    plate = np.abs(heights - heights[0]) < SAME_HEIGHT
+    plate &= (areas > LARGE * areas[0]) | tips
+    drop = float(heights[0] - heights[stands].min())
+    asked: list[Question] = []
+    has_grousers = drop > SAME_HEIGHT
+    sole: Sole = footprint or "plate"
+    if has_grousers:
+        words = (
+            f"grousers reach {1e3 * drop:.3g} mm below the plate: the underside may be the plate of "
+            f"{areas[plate].sum():.4g} m2 or their tips of {areas[tips].sum():.4g} m2"
+        )
+        if footprint is None:
+            asked.append(Question("--footprint tips", f"{words}; the plate was taken"))
+    else:
+        sole = "plate"
+    chosen = tips if sole == "tips" or not has_grousers else plate
+    faces["underside"] = np.concatenate([part for part, is_in in zip(parts, chosen, strict=True) if is_in])
+    area = float(areas[chosen].sum())
+    low, high = outline(local, faces["underside"])[:, :2]
+    fill = area / float(np.prod(high - low))
+    remarks = []
+    if fill < RAIL_FILL:
+        remarks.append(
+            f"the underside of {area:.4g} m2 fills {100 * fill:.0f} % of its rectangle of "
+            f"{high[0] - low[0]:.4g} x {high[1] - low[1]:.4g} m, which is the footprint of contact"
+        )
+    return sole, area, remarks, asked
+
+
+def _top(
+    local: Triangles,
+    axes: ShoeAxes,
+    faces: dict[str, Integers],
+    remarks: list[str],
+) -> dict[str, Integers]:
+    """Top, and rails on it if there are two: level parts that look up above the pins, lugs' apart."""
+    parts = level_parts(local, 1.0)
+    least = TOP * local.areas[faces["underside"]].sum()
+    bores = [outline(local, chosen) for name, chosen in faces.items() if name.startswith("bore")]
+    height = max(float(axes.place_of(line)[2]) for line in axes.pins.lines)
+    large = [part for part in parts if local.areas[part].sum() > least]
+    above = [part for part in large if local.middles[part, 2].mean() > height]
+    # on shoes of links the rails are on the lugs themselves
+    above = [
+        part for part in above if not any(_is_on_lug(outline(local, part), box) for box in bores)
+    ] or above
+    if not above:
+        above = [part for part in large if local.middles[part, 2].mean() > local.points[:, 2].min()]
+        if not above:
+            return {}
+        remarks.append("no level part is above the pins: the top is what of the shoe looks up level")
+    named = {"top": np.concatenate(above)}
+    rails, why = _rails(local, above)
+    if rails is not None:
+        named["roller path"] = rails
+    else:
+        remarks.append(f"no rails: {why}")
+    return named
+
+
+def _is_on_lug(part: Floats, bore: Floats) -> bool:
+    """True for a part that ends above a pin, and is as wide as the lug, or the fork, of a bore; outlines."""
+    (x0, y0, _), (x1, y1, _) = bore
+    slack = LUG * (y1 - y0)
+    pin, radius = 0.5 * (x0 + x1), 0.5 * (x1 - x0)
+    reaches = part[0, 0] - LUG * radius < pin < part[1, 0] + LUG * radius
+    return bool(reaches and y0 - slack < part[0, 1] and part[1, 1] < y1 + slack)
+
+
+def _rails(local: Triangles, above: list[Integers]) -> tuple[Integers | None, str]:
+    """Two equal level bands at the greatest height, one a side; else why there are none."""
+    heights = np.array([local.middles[part, 2].mean() for part in above])
+    highest = [part for part, z in zip(above, heights, strict=True) if heights.max() - z < SAME_HEIGHT]
+    boxes, sides = [], []
+    y = np.array([local.middles[part, 1].mean() for part in highest])
+    middle = 0.5 * (y.min() + y.max())
+    for side in (y < middle, y >= middle):
+        chosen = [part for part, is_in in zip(highest, side, strict=True) if is_in]
+        if not chosen:
+            return None, "the top is one band"
+        sides.append(np.concatenate(chosen))
+        boxes.append(outline(local, sides[-1]))
+        size = np.ptp(boxes[-1], axis=0)[:2]
+        if local.areas[sides[-1]].sum() < RAIL_FILL * np.prod(size):
+            return None, "the highest level parts are no bands"
+    right, left = boxes
+    sizes = np.ptp(right, axis=0)[:2] - np.ptp(left, axis=0)[:2]
+    if np.abs(sizes).max() > EQUAL_RAILS or np.abs(right[:, 0] - left[:, 0]).max() > EQUAL_RAILS:
+        return None, "the highest level parts on the right and on the left are not equal"
+    if right[1, 1] >= left[0, 1]:
+        return None, "the highest level parts lie over each other"
+    return np.concatenate(sides), ""
