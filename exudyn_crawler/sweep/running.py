@@ -134,7 +134,7 @@ def tasks_of(
 
 
 def run_time(case_file: CaseFile) -> float:
-    """Wall time of a run by a rule of thumb, s, without what is done once and what is written of it."""
+    """Processor time of a run by a rule of thumb, s, without what is done once and what is written of it."""
     times = parts.rule_of_thumb(case_file)
     return sum(times[part] for part in (parts.SIMULATE, parts.RECOVER) if part in times)
 
@@ -143,7 +143,7 @@ def estimate(case_file: CaseFile, missing: int, workers: int | None, stored: Ite
     """Time of the missing runs in a line; finished runs show how long one takes."""
     times = [float(one["wall_time_s"]) for one in stored if one.get("status") == DONE]
     each = sum(times) / len(times) if times else run_time(case_file)
-    whence = f"as {len(times)} finished ones took" if times else "by a rule of thumb"
+    whence = f"as {len(times)} finished ones took" if times else "of processor time, by a rule of thumb"
     count = workers or os.cpu_count() or 1
     whole = each * missing / min(count, max(missing, 1))
     return (

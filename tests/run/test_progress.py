@@ -1,6 +1,7 @@
 """Progress: a bar on a terminal, lines elsewhere, numbers only."""
 
 import logging
+import threading
 import time as clock
 
 import pytest
@@ -73,12 +74,31 @@ def test_a_log_has_the_progress_of_all_parts(monkeypatch, caplog, capsys):
     monkeypatch.setattr(progress, "LINE_EVERY", 0.02)
     with caplog.at_level(logging.INFO, "exudyn_crawler"), progress.heartbeat("drawing", 60.0, show=False):
         clock.sleep(0.1)
-    assert set(caplog.messages) == {"drawing: 0 s so far of about 60 s"}
+    assert set(caplog.messages) == {"drawing: 0 s so far, 0 of about 60 s of processor time"}
     monkeypatch.setattr(progress, "LINE_EVERY", 0.0)
     with caplog.at_level(logging.INFO, "exudyn_crawler"):
         run(show=False)
     assert "haul: 0.2 of 1 s" in caplog.messages
     assert capsys.readouterr() == ("", "")
+
+
+def test_what_is_left_is_by_how_fast_a_part_has_been(monkeypatch, caplog):
+    """A machine whose processors have other work: 2 s of processor time took 10 s."""
+    monkeypatch.setattr(progress, "LINE_EVERY", 0.02)
+    processor = iter([0.0, 2.0, *[70.0] * 1000])
+    wall = iter([0.0, 0.0, *[10.0] * 1000])
+    monkeypatch.setattr(progress.clock, "process_time", lambda: next(processor))
+    monkeypatch.setattr(progress.clock, "perf_counter", lambda: next(wall))
+    waiting = threading.Event()
+    with caplog.at_level(logging.INFO, "exudyn_crawler"), progress.heartbeat("drawing", 60.0, show=False):
+        waiting.wait(0.2)
+    assert caplog.messages[0] == "drawing: 10 s so far, 2 of about 60 s of processor time, about 290 s left"
+
+
+def test_more_than_the_rule_says_is_said():
+    assert progress._of_expected(70.0, 60.0, 100.0) == (
+        ", 70 s of processor time, more than the 60 s of the rule"
+    )
 
 
 def test_a_terminal_has_a_bar_of_what_is_expected(capsys):

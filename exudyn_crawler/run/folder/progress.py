@@ -1,7 +1,8 @@
 """What a run takes: the time of its parts before it begins, and its progress while it works.
 
-Times are those of a rule, in s of wall time on two cores (docs/speed.md, docs/sweeps.md). Progress is a bar
-on a terminal and elsewhere a line now and then; a run's log has the lines, too.
+Times are those of a rule, in s of processor time (docs/speed.md, docs/sweeps.md): beside other work a part
+takes longer, and its progress says what is left by how fast it has been. Progress is a bar on a terminal and
+elsewhere a line now and then; a run's log has the lines, too.
 """
 
 import logging
@@ -42,7 +43,10 @@ logger = logging.getLogger("exudyn_crawler")
 
 
 def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
-    """Wall time in s of the parts of a run of which nothing is cached, by a rule."""
+    """Processor time in s of the parts of a run of which nothing is cached, by a rule.
+
+    Compiling takes as much in a second process beside.
+    """
     case, solver, outputs = case_file.case, case_file.case.solver, case_file.outputs
     flexible = 0 if case.flexible is None else len(case.flexible.shoes)
     step = STEP[case.is_compiled] * SLOWER.get(case.gear.kind, 1.0) * case.track.shoe_count / SHOES
@@ -64,12 +68,12 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
 
 
 def times_line(times: Mapping[str, float]) -> str:
-    """Time of the parts of a run (s) by the rule, for reading; apart what earlier ones may have left."""
+    """Processor time of the parts of a run (s) by the rule, for reading; apart what stays for other runs."""
     from exudyn_crawler.case.parameters.fields import in_units
 
     def told(parts: Mapping[str, float]) -> str:
         words = ", ".join(f"{part} {in_units(time, TIMES, 2)}" for part, time in parts.items())
-        return f"about {in_units(sum(parts.values()), TIMES, 2)} ({words})"
+        return f"about {in_units(sum(parts.values()), TIMES, 2)} of processor time ({words})"
 
     once = {part: time for part, time in times.items() if part in ONCE}
     every = {part: time for part, time in times.items() if part not in ONCE}
@@ -92,7 +96,7 @@ def _shown(
         transient=transient and console.is_terminal,
         disable=not on_terminal,
     ) as bar:
-        task = bar.add_task(title, total=total, speed="")
+        task = bar.add_task(title, total=total, speed="", about="")
 
         def tell(done: float, now: float, line: str, **fields: Any) -> None:
             nonlocal told
@@ -114,7 +118,8 @@ def progress_bar(
 
     `show` None shows a bar on a terminal, and a line every `LINE_EVERY` where stderr is something else.
     """
-    begun, shown = list[tuple[float, float]](), 0.0
+    begun = list[tuple[float, float]]()
+    shown = 0.0
     digits = ".2f" if unit == "s" else ".0f"
     done = bars.TextColumn(f"{{task.completed:{digits}}} of {{task.total:g}} {unit}")
     columns = done, bars.TextColumn("{task.fields[speed]}"), bars.TimeRemainingColumn()
@@ -128,7 +133,8 @@ def progress_bar(
                 begun.append((time, now))
             if now - shown < min(REFRESH, LINE_EVERY) and time < duration:
                 return
-            shown, (first, start) = now, begun[-1]
+            shown = now
+            first, start = begun[-1]
             wall = (now - start) / (time - first) if time > first else None
             speed = "" if wall is None else f"{wall:.3g} s wall per {unit.removesuffix('s') or unit}"
             left = "" if wall is None else f", {speed}, about {wall * (duration - time):.0f} s left"
@@ -140,18 +146,24 @@ def progress_bar(
 
 @contextmanager
 def heartbeat(title: str, expected: float | None = None, show: bool | None = None) -> Iterator[None]:
-    """Show how long a block has taken, of what it is `expected` to take (s); `show` as of `progress_bar`."""
-    start, ended = clock.perf_counter(), threading.Event()
-    about = "" if expected is None else f" of about {expected:.0f} s"
+    """Show how long a block has taken, of which processor time (s) is `expected`; for `show` see above.
+
+    What is left is what of that is left, as fast as the block has been.
+    """
+    start = clock.perf_counter()
+    begun = clock.process_time()
+    ended = threading.Event()
 
     def beat() -> None:
         while not ended.wait(min(REFRESH, LINE_EVERY)):
             now = clock.perf_counter()
-            tell(now - start, now, f"{now - start:.0f} s so far{about}")
+            taken = clock.process_time() - begun
+            about = "" if expected is None else _of_expected(taken, expected, now - start)
+            done = now - start if expected is None else min(taken, expected)
+            tell(done, now, f"{now - start:.0f} s so far{about}", about=about)
 
-    with _shown(
-        title, expected, show, bars.TimeElapsedColumn(), bars.TextColumn(about), transient=True
-    ) as tell:
+    columns = bars.TimeElapsedColumn(), bars.TextColumn("{task.fields[about]}")
+    with _shown(title, expected, show, *columns, transient=True) as tell:
         thread = threading.Thread(target=beat, daemon=True)
         thread.start()
         try:
@@ -159,3 +171,12 @@ def heartbeat(title: str, expected: float | None = None, show: bool | None = Non
         finally:
             ended.set()
             thread.join()
+
+
+def _of_expected(taken: float, expected: float, wall: float) -> str:
+    """Processor time taken of what is expected (s), and what is left in s of wall time."""
+    if taken >= expected:
+        return f", {taken:.0f} s of processor time, more than the {expected:.0f} s of the rule"
+    share = f", {taken:.0f} of about {expected:.0f} s of processor time"
+    # the first instants say nothing of the speed
+    return share if taken < 1.0 else f"{share}, about {wall * (expected - taken) / taken:.0f} s left"

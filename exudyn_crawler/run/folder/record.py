@@ -141,11 +141,13 @@ class RunFolder:
         """Take the wall time of a stage."""
         logger.info("%s: begins", stage)
         start = time.perf_counter()
+        begun = time.process_time()
         try:
             yield
         finally:
             self.stages[stage] = round(time.perf_counter() - start, 3)
-            logger.info("%s: %.1f s", stage, self.stages[stage])
+            taken = time.process_time() - begun
+            logger.info("%s: %.1f s, %.1f s of processor time", stage, self.stages[stage], taken)
             # who kills a run leaves files that are known all the same
             with suppress(OSError):
                 self._record()
