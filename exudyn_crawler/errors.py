@@ -18,6 +18,10 @@ class ImplausibleWarning(UserWarning):
     """A case has values that no machine and no ground is known to have; it is run all the same."""
 
 
+class UnbalancedWarning(UserWarning):
+    """A run starts farther from rest than a hundredth of the weight; it is run all the same."""
+
+
 class ParameterError(CrawlerError, ValueError):
     """Parameters that are not allowed: a line for each error with the name, its value and what is allowed."""
 

@@ -21,7 +21,7 @@ from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.model import state, track_system
 from exudyn_crawler.model.assemble import Assembly, assemble
 from exudyn_crawler.model.diagnostics import NewtonError
-from exudyn_crawler.model.exudyn import exu, items
+from exudyn_crawler.model.exudyn import exu, integrator, items
 from exudyn_crawler.model.forces.cells import CellWorkspace, OnCells, TrackOnCells
 from exudyn_crawler.model.layout import layout_of
 
@@ -156,9 +156,10 @@ class ExudynSystem(track_system.TrackSystem):
         """Multipliers of all constraints; see `TrackSystem`."""
         return np.array(self.mbs.systemData.GetAECoordinates())[self._rows]
 
-    def set_initial(self, q: np.ndarray) -> None:
-        """Start from rest at the coordinates `q`."""
-        self._start(np.stack((q, np.zeros_like(q), np.zeros_like(q))))
+    def set_initial(self, q: np.ndarray, q_t: np.ndarray | None = None) -> None:
+        """Start from coordinates, and from rest or from rates."""
+        none = np.zeros_like(q)
+        self._start(np.stack((q, none if q_t is None else q_t, none)))
 
     def _start(self, state: np.ndarray, multipliers: np.ndarray | None = None) -> None:
         data = self.mbs.systemData
@@ -193,31 +194,40 @@ class ExudynSystem(track_system.TrackSystem):
         for item, speed in zip(self._drives, speeds, strict=True):
             self.mbs.SetObjectParameter(item, "activeConnector", on and speed is not None)
 
-    def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings; for errors see `TrackSystem.solve`."""
+    def solve(
+        self, settings: "exu.SimulationSettings", next_end: Callable[[float], float] | None = None
+    ) -> None:
+        """Integrate between the times of the settings; see `TrackSystem.solve`."""
         newton = settings.timeIntegration.newton
+        newton.numericalDifferentiation.doSystemWideDifferentiation = self.general is not None
         tolerance = newton.absoluteTolerance
+        solver = integrator(self.mbs, next_end)
         newton.absoluteTolerance = SHARPENING * tolerance
-        self._run(self.mbs.SolveDynamic, settings, newton, "dynamicSolver")
-        newton.absoluteTolerance = tolerance
+        try:
+            if not solver.SolveSystem(self.mbs, settings):
+                raise self._failure(solver)
+        except exu.InternalError as error:  # where a matrix is not finite
+            raise self._failure(solver) from error
+        finally:
+            newton.absoluteTolerance = tolerance
         if self._cause:
             raise NewtonError(np.zeros(self.layout.equation_count), False, self._cause)
 
     def rest(self, settings: "exu.SimulationSettings") -> np.ndarray:
         """Coordinates at rest of a system built for statics, from its initial ones, or a `NewtonError`."""
-        self._run(self.mbs.SolveStatic, settings, settings.staticSolver.newton, "staticSolver")
-        return self.coordinates()[0]
-
-    def _run(self, solve: Callable, settings: "exu.SimulationSettings", newton: Any, name: str) -> None:
-        """Call a solver; where it fails, say so with what it left behind, in the layout's equations."""
+        newton = settings.staticSolver.newton
         newton.numericalDifferentiation.doSystemWideDifferentiation = self.general is not None
         try:
-            solve(settings)
+            self.mbs.SolveStatic(settings)
         except (exu.SolverError, exu.InternalError) as error:  # the latter where a matrix is not finite
-            solver = self.mbs.sys[name]
-            q = np.array(self.mbs.systemData.GetODE2Coordinates())
-            # the dynamic one multiplies the equations of motion by what makes accelerations of displacements
-            scale = 1.0 if solver.IsStaticSolver() else solver.newmarkBeta * solver.it.currentStepSize**2
-            forces, gaps = np.split(np.array(solver.GetSystemResidual()), [len(q)])
-            residual = np.concatenate((self._coordinates.wrenches(q, forces / scale), gaps[self._rows]))
-            raise NewtonError(residual, bool(solver.conv.linearSolverFailed)) from error
+            raise self._failure(self.mbs.sys["staticSolver"]) from error
+        return self.coordinates()[0]
+
+    def _failure(self, solver: Any) -> NewtonError:
+        """Error with what a solver left behind where it failed, in the layout's equations."""
+        q = np.array(self.mbs.systemData.GetODE2Coordinates())
+        # the dynamic one multiplies the equations of motion by what makes accelerations of displacements
+        scale = 1.0 if solver.IsStaticSolver() else solver.newmarkBeta * solver.it.currentStepSize**2
+        forces, gaps = np.split(np.array(solver.GetSystemResidual()), [len(q)])
+        residual = np.concatenate((self._coordinates.wrenches(q, forces / scale), gaps[self._rows]))
+        return NewtonError(residual, bool(solver.conv.linearSolverFailed))

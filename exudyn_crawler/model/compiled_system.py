@@ -4,6 +4,7 @@ Exudyn's generalized-alpha method predicts a step, accepts or halves it and says
 is a single object that has the coordinates and nothing else.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from exudyn_crawler.model import elimination, gear, newton, track_system
 from exudyn_crawler.model.assemble import Assembly, assemble
 from exudyn_crawler.model.diagnostics import NewtonError, in_units
 from exudyn_crawler.model.equations import matrix, residual
-from exudyn_crawler.model.exudyn import add_coordinates, exu, predict
+from exudyn_crawler.model.exudyn import add_coordinates, exu, integrator, predict
 from exudyn_crawler.model.forces.cells import OnCells, TrackOnCells
 from exudyn_crawler.model.inputs import Inputs, TimedInputs
 from exudyn_crawler.model.layout import layout_of
@@ -105,10 +106,11 @@ class CompiledSystem(track_system.TrackSystem):
             state[0] = self.first_guess()
             self.cells.put_down(state)
 
-    def set_initial(self, q: np.ndarray) -> None:
-        """Start from rest at the coordinates `q`."""
+    def set_initial(self, q: np.ndarray, q_t: np.ndarray | None = None) -> None:
+        """Start from coordinates, and from rest or from rates."""
         self._state[0] = q
-        self._state[1:] = 0.0
+        self._state[1] = 0.0 if q_t is None else q_t
+        self._state[2] = 0.0
         self._multipliers[:] = 0.0
         self._hand_over(exu.ConfigurationType.Initial)
 
@@ -129,8 +131,10 @@ class CompiledSystem(track_system.TrackSystem):
         """Multipliers of all constraints; see `TrackSystem`."""
         return self._multipliers
 
-    def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings; for errors see `TrackSystem.solve`."""
+    def solve(
+        self, settings: "exu.SimulationSettings", next_end: Callable[[float], float] | None = None
+    ) -> None:
+        """Integrate between the times of the settings; see `TrackSystem.solve`."""
         # a run that goes on from here later has no matrix, either
         self._factored = None
         newton_settings = settings.timeIntegration.newton
@@ -138,8 +142,7 @@ class CompiledSystem(track_system.TrackSystem):
         if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:
             self._accelerate(settings.timeIntegration.startTime)
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
-        # Exudyn's stub gives a solver's methods without self
-        solver: Any = exu.MainSolverImplicitSecondOrder()
+        solver = integrator(self.mbs, next_end)
         solver.SetUserFunctionNewton(self.mbs, self._newton)
         if not solver.SolveSystem(self.mbs, settings):
             raise self.failure()

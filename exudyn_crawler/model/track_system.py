@@ -29,6 +29,7 @@ class TrackSystem(ABC):
         self.case = case
         self.contact = assembly.contact  # contact forces as functions of its coordinates
         self.floating = assembly.floating  # what the flexible shoes share
+        self.mass = float(assembly.tables.bodies.mass.sum())  # of all bodies but the ground, kg
         self.point = assembly.point  # point of the front shoe that the drive moves
         self.container = exu.SystemContainer()
         self.mbs = self.container.AddSystem()
@@ -105,8 +106,8 @@ class TrackSystem(ABC):
             self.cells.ground.restore(memory)
 
     @abstractmethod
-    def set_initial(self, q: np.ndarray) -> None:
-        """Start from rest at the coordinates `q`."""
+    def set_initial(self, q: np.ndarray, q_t: np.ndarray | None = None) -> None:
+        """Start from coordinates, and from rest or from rates."""
 
     def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
         """Start from a row, see `state`, whose time goes into the solver's settings, and a memory.
@@ -148,5 +149,10 @@ class TrackSystem(ABC):
         """Move the front shoe from now on, or leave it free."""
 
     @abstractmethod
-    def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings; a `NewtonError` if a step fails at its least size."""
+    def solve(
+        self, settings: "exu.SimulationSettings", next_end: Callable[[float], float] | None = None
+    ) -> None:
+        """Integrate between the times of the settings; a `NewtonError` if a step fails at its least size.
+
+        `next_end` gives the time (s) behind one at which a step has to end; None leaves it to Exudyn.
+        """

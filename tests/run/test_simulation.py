@@ -1,6 +1,7 @@
 """Short runs: the drive is exact, mechanics holds, stops are kept, and failures name what they hang on."""
 
 import gc
+import itertools
 import pkgutil
 import signal
 import sys
@@ -20,7 +21,7 @@ from exudyn_crawler.model import newton
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.diagnostics import NewtonError
 from exudyn_crawler.model.exudyn import exu
-from exudyn_crawler.run.solve import simulation
+from exudyn_crawler.run.solve import simulation, stages
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import integrate
 from studies.balance import shoe_imbalance, track_imbalance
@@ -112,7 +113,7 @@ def test_a_run_that_compiles_says_so(monkeypatch, capsys, progress):
     monkeypatch.setattr(simulation, "integrate", lambda *_, **__: None)
     simulate(Case.translation(), 0.01, progress)
     told = set(capsys.readouterr().err.splitlines())
-    line = "translation: compile the equations: 0 s so far of about 50 s"
+    line = "translation: compile the equations: 0 s so far, 0 of about 50 s of processor time"
     assert told == (set() if progress is False else {line})
 
 
@@ -316,3 +317,51 @@ def test_a_search_for_rest_is_interrupted_within_the_engine(monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         static_equilibrium(Case.translation().with_(terrain_formulation="constrained"))
     assert len(calls) > 3  # Exudyn has ended its search itself
+
+
+def test_states_are_stored_at_the_asked_times_behind_a_step_that_was_halved(monkeypatch):
+    """Exudyn goes on with whole steps behind half of one: all rows were half a step off."""
+    calls, solve_step = [], newton.step
+
+    def failing(*arguments):
+        calls.append(1)
+        found = solve_step(*arguments)
+        return (False, *found[1:]) if len(calls) in (4, 9, 10) else found
+
+    monkeypatch.setattr(newton, "step", failing)
+    times = simulate(Case.translation().with_({"solver.output_interval": 4e-3}), 0.04).time.values
+    assert len(calls) > 20 + 3
+    assert times == pytest.approx(np.arange(0.0, 0.041, 4e-3), abs=1e-12)
+
+
+@pytest.mark.parametrize("formulation", ["compiled", "engine"])
+def test_states_are_stored_at_the_asked_times_where_steps_do_not_go_into_them(formulation):
+    case = Case.translation().with_({"solver.output_interval": 5e-3, "formulation": formulation})
+    times = simulate(case, 0.0173).time.values
+    assert times == pytest.approx([0.0, 5e-3, 1e-2, 1.5e-2, 0.0173], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("stage", "step", "interval", "expected"),
+    [
+        ((0.0, 0.01), 2e-3, 2e-3, [2e-3, 4e-3, 6e-3, 8e-3, 1e-2]),
+        # a part of a step is divided evenly, and the interval anchors at t = 0
+        ((0.0, 0.01), 2e-3, 5e-3, [5e-3 / 3, 1e-2 / 3, 5e-3, 2e-2 / 3, 2.5e-2 / 3, 1e-2]),
+        ((0.007, 0.012), 2e-3, 4e-3, [8e-3, 1e-2, 1.2e-2]),
+        # an output next to the end of a stage would be reached by a step that is far too short
+        ((0.0, 0.0040001), 2e-3, 2e-3, [2e-3, 3.00005e-3, 4.0001e-3]),
+        # quiet steps are longer than the interval
+        ((3.0, 3.03), 1e-2, 2e-3, [3.01, 3.02, 3.03]),
+        ((0.0, 5e-4), 2e-3, 2e-3, [5e-4]),
+    ],
+)
+def test_steps_end_at_output_times_and_are_even_between(stage, step, interval, expected):
+    next_end = stages.step_ends(*stage, step, interval)
+    time, ends = stage[0], []
+    while time < stage[1] - 1e-12:
+        time = next_end(time)
+        ends.append(time)
+    assert ends == pytest.approx(expected, abs=1e-12)
+    # a step that was halved ends where the whole one would have
+    for first, last in itertools.pairwise([stage[0], *ends]):
+        assert next_end(0.5 * (first + last)) == last

@@ -108,8 +108,8 @@ def test_what_follows_the_simulation_does_not_simulate_again_and_refuses_an_alte
 
 
 def test_an_interrupted_simulation_keeps_what_it_had_until_it_has_ended(staged, tmp_path, monkeypatch):
-    def interrupted(system, settings, sunken, solve=simulation._solve):
-        reason = solve(system, settings, sunken)
+    def interrupted(system, *others, solve=simulation._solve):
+        reason = solve(system, *others)
         return INTERRUPTED if system.layout.part(system.state(), "time") > 0.07 else reason
 
     with monkeypatch.context() as patch:

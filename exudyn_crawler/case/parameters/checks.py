@@ -93,11 +93,11 @@ def warn_implausible(case: Case, duration: float | None = None) -> None:
     warn_of(implausible(case, duration))
 
 
-def warn_of(lines: Iterable[str]) -> None:
-    """Warn of each line, by an `ImplausibleWarning`, and log it."""
+def warn_of(lines: Iterable[str], category: type[Warning] = ImplausibleWarning) -> None:
+    """Warn of each line, and log it."""
     for line in lines:
         logger.info("warning: %s", line)
-        warnings.warn(line, ImplausibleWarning, stacklevel=4)
+        warnings.warn(line, category, stacklevel=4)
 
 
 def out_of_range(parameters: BaseModel) -> Iterator[str]:

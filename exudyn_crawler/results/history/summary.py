@@ -48,14 +48,15 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     way = part.side_frame_way if framed else part.displacement.isel(shoe=-1)
     of = "side frame" if framed else f"shoe {int(history.shoe[-1])}"
     rows.append(("distance travelled", float(_size(way.isel(time=-1))), "m", of, history.duration))
-    of, force = _unbalanced(history)
+    of, force = unbalanced(history)
     rows.append(("residual force at the start", 1e-3 * force, "kN", of, float(history.time[0])))
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
 
 
-def _unbalanced(history: History) -> tuple[str, float]:
+def unbalanced(history: History) -> tuple[str, float]:
     """Shoe or side frame farthest from rest as a run starts, and its mass times its acceleration then, N."""
-    case, start = history.case, history.dataset.isel(time=0)
+    case = history.case
+    start = history.dataset.isel(time=0)
     shoes = case.shoe.mass * _size(start.acceleration).values
     forces = {f"shoe {shoe}": float(force) for shoe, force in zip(history.shoe.values, shoes, strict=True)}
     if case.frame_parts:

@@ -10,8 +10,7 @@ from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.ground import terrain
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.model.diagnostics import NewtonError, no_rest
-from exudyn_crawler.model.track_system import TrackSystem
-from exudyn_crawler.run.solve.rest import CREEPS, creep, newton_rest, settle
+from exudyn_crawler.run.solve.rest import CREEPS, creep, newton_rest
 
 CREEPING = 6.0
 """s, after which what still creeps is held by friction, on ground that is not level and even units."""
@@ -23,25 +22,6 @@ PORTIONS = 8
 OIL_SPEEDS = (0.02, 0.1, 0.5, 2.0)
 """m/s, tried in this order: up to which friction holds creeping shoes in proportion to their slip. With more
 oil shoes creep further and Newton's method fails less."""
-
-
-def begin(system: TrackSystem) -> None:
-    """Bring a system to its rest at t = 0, on cells to that to which shoes settle on these.
-
-    An EquilibriumError if it finds none.
-    """
-    q = static_equilibrium(system.case)
-    try:
-        if isinstance(system, CompiledSystem):
-            system.set_initial(settle(system, q))
-            return
-        if system.sticks:
-            twin = compiled_system(system.case)
-            q = settle(twin, q)
-            system.remember(twin.memory())
-        system.set_initial(q)
-    except NewtonError as failed:
-        raise no_rest(system, failed) from failed
 
 
 def static_equilibrium(case: Case) -> np.ndarray:

@@ -64,6 +64,18 @@ FAIR = 12
 MOST = 25
 """Most iterations of a step of creeping."""
 
+STEADY_DRAGS = (8.0, 1.0, 0.1)
+"""1/s, one after the other, with which what creeps comes to its steady speed, as far as each is found with
+some ease. The last one takes 2e-5 of the weight at 2 mm/s, the first one 2e-3; a run starts without."""
+STEADY_TIME = 1.0
+"""s of each of these: speeds change by half within 0.2 s."""
+STEADY_STEP = 5e-3
+"""s, the first one of each."""
+STEADY_STEPS = 700
+"""Most steps of each of these. Newton's matrix leaves out how shoes turn about a single contact."""
+STEADY_RESIDUAL = 2e-3
+"""N, root mean square, that ends a step's search."""
+
 SETTLING = 4.0
 """s in which shoes creep to their rest on even cells, which remember them."""
 SETTLING_RESIDUAL = 1e-2
@@ -168,17 +180,11 @@ def creep(
     least, drag, step, *_ = CREEPS[system.case.gear.kind]
     time = 0.0
     multipliers = np.zeros(system.tables.multipliers)
-    inputs = system.inputs(0.0)
-    inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
     while time < duration:
-        state = np.zeros((3, len(q)))
-        state[0] = q
-        after = multipliers.copy()
-        weights = Weights(1.0, 1.0 / step, drag / step, False, step)
-        converged, iterations = system.step(state, after, inputs, weights, (residual, MOST, False))
-        if converged and np.isfinite(state).all():
+        state, after, iterations = _creeping_step(system, q, multipliers, drag, step, residual)
+        if state is not None:
             accepted()
-            q = state[0].copy()
+            q = state[0]
             multipliers = after
             if drag > least:
                 drag = max(least, 0.5 * drag) if iterations < FAIR else drag
@@ -192,6 +198,67 @@ def creep(
             if step < LEAST_STEP:
                 raise system.failure()
     return q
+
+
+def _creeping_step(
+    system: CompiledSystem,
+    q: np.ndarray,
+    multipliers: np.ndarray,
+    drag: float,
+    step: float,
+    residual: float,
+) -> tuple[np.ndarray | None, np.ndarray, int]:
+    """State and multipliers a step (s) of creeping later, and iterations; no state where it failed."""
+    state = np.zeros((3, len(q)))
+    state[0] = q
+    after = multipliers.copy()
+    inputs = system.inputs(0.0)
+    inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
+    weights = Weights(1.0, 1.0 / step, drag / step, False, step)
+    converged, iterations = system.step(state, after, inputs, weights, (residual, MOST, False))
+    return (state if converged and np.isfinite(state).all() else None), after, iterations
+
+
+def steady(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
+    """Coordinates and rates (2, coordinates) of a track that creeps steadily by its friction, near to `q`.
+
+    Friction that needs slip holds no track still: where it has to hold one, as on a slope, the track creeps
+    with what balances its weight. A run that started with no rates there would begin with a fall. Where
+    friction does not hold it below the stiction speed, `q` and no rates are given back.
+    """
+    system.switch_drive(system.case.drive.drives_after(0.0))
+    start = np.stack((q, np.zeros_like(q)))
+    motion = start
+    multipliers = np.zeros(system.tables.multipliers)
+    for drag in STEADY_DRAGS:
+        after = _steadied(system, motion, multipliers, drag)
+        if after is None:
+            break
+        motion, multipliers = after
+    speeds = np.linalg.norm(motion[1, : 6 * system.layout.shoes].reshape(-1, 6)[:, :3], axis=1)
+    return start if speeds.max() > system.case.pair_contact().stiction_speed else motion
+
+
+def _steadied(
+    system: CompiledSystem, motion: np.ndarray, multipliers: np.ndarray, drag: float
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Motion and multipliers `STEADY_TIME` later; None where steps are too many or too small."""
+    time = 0.0
+    step = STEADY_STEP
+    for _ in range(STEADY_STEPS):
+        state, after, iterations = _creeping_step(system, motion[0], multipliers, drag, step, STEADY_RESIDUAL)
+        if state is None:
+            step *= 0.25
+            if step < LEAST_STEP:
+                break
+            continue
+        motion = state[:2]
+        multipliers = after
+        time += step
+        if time >= STEADY_TIME:
+            return motion, multipliers
+        step = 1.5 * step if iterations < EASY else step
+    return None
 
 
 def settle(system: CompiledSystem, q: np.ndarray) -> np.ndarray:

@@ -22,7 +22,8 @@ from exudyn_crawler.model.track_system import TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import COMPILE, COMPILING, REDUCE, heartbeat, progress_bar
-from exudyn_crawler.run.solve import equilibrium, stages
+from exudyn_crawler.run.solve import stages
+from exudyn_crawler.run.solve.start import begin, warn_unbalanced
 from fem import interrupts
 
 
@@ -44,14 +45,19 @@ def solver_settings(solver: Solver) -> "exu.SimulationSettings":
 
 def set_times(
     settings: "exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
-) -> None:
-    """Put the times of a stage into Exudyn's settings; a quiet one takes longer steps."""
+) -> Callable[[float], float]:
+    """Put the times of a stage into Exudyn's settings, and give `stages.step_ends`.
+
+    A quiet stage has longer steps. Where steps do not go into a stage, those of the settings are a little
+    too long, and the ends of steps shorten them.
+    """
     time = settings.timeIntegration
     step = max(solver.step, solver.quiet_step) if quiet else solver.step
     time.startTime = start
     time.endTime = end
-    time.numberOfSteps = max(1, math.ceil((end - start) / step - 1e-6))
+    time.numberOfSteps = max(1, math.floor((end - start) / step + stages.SAME))
     time.minimumStepSize = min(solver.minimum_step, end - start)
+    return stages.step_ends(start, end, step, solver.output_interval)
 
 
 def integrate(
@@ -70,9 +76,12 @@ def integrate(
             if number < recorder.first:
                 continue
             system.switch_drive(case.drive.drives_after(start))
-            set_times(settings, case.solver, start, end, stages.is_quiet(case, start))
+            next_end = set_times(settings, case.solver, start, end, stages.is_quiet(case, start))
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
-            reason = _solve(system, settings, watch)
+            reason = _solve(system, settings, next_end, watch)
+            if number == 0 and not recorder.nothing:
+                # not within the engine's steps, which know no errors but their own
+                warn_unbalanced(system, recorder.first_state)
             if reason or watch.waiting:
                 break
             recorder.end_stage(number)
@@ -229,13 +238,19 @@ def _watched(
         system.after_step(None)
 
 
-def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str:
+def _solve(
+    system: TrackSystem,
+    settings: "exu.SimulationSettings",
+    next_end: Callable[[float], float],
+    watch: _Watch,
+) -> str:
     """Integrate one stage; gives why it stopped early, if it did."""
     reason = ""
     try:
-        system.solve(settings)
+        system.solve(settings, next_end)
     except NewtonError as failed:
-        least, fault = system.case.solver.minimum_step, failed.fault(system.layout)
+        least = system.case.solver.minimum_step
+        fault = failed.fault(system.layout)
         reason = failed.cause or f"Newton's method failed at the least step {least:g} s; {fault}"
         if watch.chain is not None and (wrong := watch.chain.fault(system.state())):
             reason = f"{wrong}; {reason}"
@@ -284,5 +299,5 @@ def simulate(
     # matrices of a step are so small that threads wait for each other, and round by how many they are
     with threadpool_limits(1, user_api="blas"):
         system = formulation.track_system(case)
-        equilibrium.begin(system)
+        begin(system)
         return integrate(system, duration, progress, checkpoints, ground_times)

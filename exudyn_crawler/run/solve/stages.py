@@ -1,7 +1,9 @@
 """Stages of a run, each of which the solver starts anew: times, stored states, history."""
 
 import math
-from collections.abc import Mapping, Sequence
+from bisect import bisect_left
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -37,6 +39,36 @@ def stage_times(case: Case, duration: float) -> list[float]:
 def is_quiet(case: Case, start: float) -> bool:
     """Whether the track is quiet in the stage that starts at a time, s."""
     return case.drive.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
+
+
+SAME = 1e-6
+"""Part of a step below which two times are the same."""
+LEAST_PART = 0.1
+"""Part of a step by which an output time is off the ends of a stage at least for a step to end there."""
+
+
+def step_ends(start: float, end: float, step: float, interval: float) -> Callable[[float], float]:
+    """Function of a time (s) within a stage that gives the next one at which a step has to end.
+
+    Steps end at every multiple of the output interval, where that is no shorter than a step, and at the end
+    of the stage; each part between has equal steps, none longer than `step`. So stored states are those of
+    the asked times also behind a step that was halved.
+    """
+    fixed: list[float] = []
+    if interval > (1.0 - SAME) * step:
+        numbers = range(math.floor(start / interval), math.ceil(end / interval) + 1)
+        outputs = [number * interval for number in numbers]
+        fixed = [time for time in outputs if min(time - start, end - time) > LEAST_PART * step]
+    parts = pairwise([start, *fixed, end])
+    ends: list[float] = []
+    for first, last in parts:
+        count = max(1, math.ceil((last - first) / step - SAME))
+        ends += np.linspace(first, last, 1 + count)[1:].tolist()
+
+    def next_end(time: float) -> float:
+        return ends[min(bisect_left(ends, time + SAME * step), len(ends) - 1)]
+
+    return next_end
 
 
 KEPT = "then"
@@ -141,6 +173,11 @@ class Recorder:
     def nothing(self) -> bool:
         """Whether no state was stored yet."""
         return not (self._chunks or self._states)
+
+    @property
+    def first_state(self) -> np.ndarray:
+        """First state of those that were stored since `taken`, a row."""
+        return self._states[0]
 
     def history(self) -> History:
         """History of all stages, and of as much of one that stopped early as was stored.
