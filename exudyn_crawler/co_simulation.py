@@ -1,15 +1,21 @@
 """A machine on its track as a unit of co-simulation (FMU, FMI 2.0) that other programs step.
 
-pythonfmu makes the unit and carries it: the program that runs it needs this package in its Python.
+pythonfmu makes the unit and carries it: the program that runs it needs this package in its Python. Its
+library (0.7) gives back the unit, its class and its log a second time after an exception has left a method of
+the unit, and the process ends in the memory that was freed twice. So no exception leaves one here.
 """
 
+import logging
+import math
 import sys
 import tempfile
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, FmuBuilder, Real
+from pythonfmu.enums import Fmi2Status
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import errors, files
@@ -17,9 +23,12 @@ from exudyn_crawler.case import Case, CaseFile, MachineCycle, MachinePhase, read
 from exudyn_crawler.model import compiled_system, compiling, diagnostics
 from exudyn_crawler.results.history import History, states
 from exudyn_crawler.results.history.catalogue import QUANTITIES
-from exudyn_crawler.run.solve import equilibrium, simulation
+from exudyn_crawler.run.solve import simulation
+from exudyn_crawler.run.solve.start import begin
 
 AXES = "xyz"
+COMMANDS = ("speed", "turn_rate", *(f"{part}.{axis}" for part in ("force", "moment") for axis in AXES))
+"""Names of what comes from outside."""
 STEP = 0.01  # s, step of communication that a unit proposes
 CASE, SCRIPT = "case.toml", "machine_on_track"
 """Files within a unit: the case, and the module that pythonfmu looks for."""
@@ -34,12 +43,21 @@ FRAME = {
 }
 
 
+SAME_TIME = 1e-9
+"""s, and part of the time, by which the host's time may differ from the unit's."""
+
+logger = logging.getLogger("exudyn_crawler")
+
 _held: list[dict[str, object]] = []
 
 
 def hold(names: dict[str, object]) -> None:
     """Keep the names of a unit's script, which pythonfmu 0.7 releases once more than it takes them."""
     _held.append(names)
+
+
+class StepRefusedError(ValueError):
+    """A step was asked for that is not taken; nothing has been done."""
 
 
 class SteppedRun:
@@ -62,7 +80,7 @@ class SteppedRun:
             self.case = case.with_(machine=MachineCycle(phases=(phase,)))
         compiling.compile_equations()
         self._system = compiled_system.compiled_system(self.case)
-        equilibrium.begin(self._system)
+        begin(self._system)
         self._system.timed_inputs.commands = self._at
         self._settings = simulation.solver_settings(case.solver)
         self._span = (0.0, 1.0)
@@ -84,20 +102,33 @@ class SteppedRun:
     def advance(self, step: float, speed: float, wrench: np.typing.ArrayLike, turn_rate: float = 0.0) -> None:
         """Integrate a step (s) to a speed (m/s), a wrench (6,) and on two tracks a turn (rad/s) at its end.
 
-        A ValueError if the rollers would leave the track; SimulationStopped if a step fails at the least.
+        A StepRefusedError if a value is not finite, the step is below the solver's least one or the rollers
+        would leave the track; SimulationStopped if a step fails at the least, which ends the run.
         """
-        end, travel = self.time + step, self.travel + 0.5 * step * (self._after[0] + speed)
+        least = self.case.solver.minimum_step
+        if not least <= step < math.inf:
+            raise StepRefusedError(
+                f"the step must be finite and at least solver.minimum_step = {least:g} s, got {step:g} s"
+            )
+        after = np.array([speed, turn_rate, *np.asarray(wrench, dtype=float)])
+        for name, value in zip(COMMANDS, after.tolist(), strict=True):
+            if not math.isfinite(value):
+                raise StepRefusedError(f"{name} must be finite, got {value}")
+        end = self.time + step
+        travel = self.travel + 0.5 * step * (self._after[0] + speed)
         for error in self.case.gear.reach_errors(self.case.track, travel, end):
-            raise ValueError(error)
-        self._span, self._before = (self.time, end), self._after
-        self._after = np.array([speed, turn_rate, *np.asarray(wrench, dtype=float)])
-        simulation.set_times(self._settings, self.case.solver, self.time, end)
+            raise StepRefusedError(error)
+        self._span = (self.time, end)
+        self._before = self._after
+        self._after = after
+        next_end = simulation.set_times(self._settings, self.case.solver, self.time, end)
         try:
-            self._system.solve(self._settings)
+            self._system.solve(self._settings, next_end)
         except diagnostics.NewtonError as failed:
             reason = f"Newton's method failed at the least step; {failed.fault(self._system.layout)}"
             raise errors.SimulationStopped(self.time, reason, self.history()) from None
-        self.time, self.travel = end, travel
+        self.time = end
+        self.travel = travel
         self._system.set_state(self._system.state())
 
     def history(self) -> History:
@@ -139,7 +170,12 @@ def _output_names(case: Case) -> dict[str, str]:
 
 
 class MachineOnTrack(Fmi2Slave):
-    """Unit of a case: inputs are the speed of the drive and the load on the side frame, beside its weight."""
+    """Unit of a case: inputs are the speed of the drive and the load on the side frame, beside its weight.
+
+    A step that is refused for a value, a size or a gap in time has done nothing, and the host may ask again;
+    one that failed ends the unit. Both answer *discard*, the only answer of pythonfmu beside *ok* and
+    *fatal*, with the reason as an error in the log.
+    """
 
     description = "Crawler track of a mining shovel: side frame, rollers, shoes, links and ground"
 
@@ -147,6 +183,9 @@ class MachineOnTrack(Fmi2Slave):
         super().__init__(**about)
         self._case = read_case(Path(self.resources) / CASE).case
         self._run: SteppedRun | None = None
+        self._start = 0.0  # time of the host when the unit starts, s
+        self._refused: list[str] = []  # what was refused since the last step
+        self._ended = "it was not initialized"  # why there are no more steps; empty while there are
         self._outputs = dict.fromkeys(_output_names(self._case), 0.0)
         self.default_experiment = DefaultExperiment(start_time=0.0, step_size=STEP)
         units = {f"force.{axis}": "N, on the side frame's origin beside its weight" for axis in AXES}
@@ -160,27 +199,109 @@ class MachineOnTrack(Fmi2Slave):
         self._register(_output_names(self._case), self._outputs, Fmi2Causality.output)
 
     def _register(self, named: dict[str, str], values: dict[str, float], causality: Fmi2Causality) -> None:
-        """Register variables, by their names and meanings, that are kept in `values`."""
+        """Register variables, by their names and meanings, whose values are in `values`."""
         for name, meaning in named.items():
             ways = {"getter": partial(values.__getitem__, name), "setter": partial(values.__setitem__, name)}
             variable = Real(name, causality=causality, description=meaning, **ways)
             self.register_variable(variable, nested=False)
+
+    def _say(self, reason: str) -> None:
+        """Log an error, also where the host's log is off."""
+        self.log(reason, Fmi2Status.error)
+        logger.error("%s: %s", self.instance_name, reason)
+
+    def _refuse(self, reason: str) -> None:
+        """Log what is refused, and refuse the next step for it: pythonfmu cannot answer *error* at once."""
+        self._refused.append(reason)
+        self._say(reason)
+
+    def _variables(self, references: Sequence[int], causality: Fmi2Causality | None = None) -> list[Real]:
+        """Variables of value references; refuses those that are none, or not of a causality."""
+        variables = []
+        for reference in references:
+            variable = self.vars.get(reference)
+            if variable is None:
+                self._refuse(f"there is no variable of value reference {reference}")
+            elif causality is not None and variable.causality != causality:
+                self._refuse(f"{variable.name} must not be set: it is an {variable.causality.name}")
+            else:
+                variables.append(variable)
+        return variables
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values of variables; NaN for each where one is none of the unit."""
+        variables = self._variables(vrs)
+        if len(variables) < len(vrs):
+            return [math.nan] * len(vrs)
+        return [float(variable.getter()) for variable in variables]
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set inputs; none where one is none of the unit."""
+        variables = self._variables(vrs, Fmi2Causality.input)
+        if len(variables) == len(vrs):
+            for variable, value in zip(variables, values, strict=True):
+                variable.setter(value)
+
+    def _refuse_kind(self, vrs: list[int], _values: object = None) -> list[int]:
+        """Refuse a type that no variable of the unit has."""
+        self._refuse("all variables of the unit are real numbers")
+        return [0] * len(vrs)
+
+    get_integer = set_integer = get_boolean = set_boolean = set_string = _refuse_kind
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """Refuse texts, which the unit has none of."""
+        return [str(value) for value in self._refuse_kind(vrs)]
+
+    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
+        """Take the time at which the host starts; stop time and tolerance do not matter."""
+        self._start = start_time
 
     def _commands(self) -> tuple[float, np.ndarray, float]:
         *wrench, speed, turn_rate = (*self._inputs.values(), 0.0)[:8]
         return speed, np.array(wrench), turn_rate
 
     def exit_initialization_mode(self) -> None:
-        """Bring the track to rest under the load that the inputs have."""
-        self._run = SteppedRun(self._case, self._commands()[1])
-        self._outputs.update(outputs(self._run.history()))
+        """Bring the track to rest under the load that the inputs have; where it finds none the unit ends."""
+        try:
+            self._run = SteppedRun(self._case, self._commands()[1])
+            self._outputs.update(outputs(self._run.history()))
+            self._ended = ""
+        except BaseException as error:
+            self._end(error)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Integrate a step of communication, s."""
+        """Integrate a step of communication, s; False where it is refused or fails."""
+        refused = self._refused.copy()
+        self._refused.clear()
+        if self._ended:
+            self._say(f"the unit has ended: {self._ended}")
+        if self._ended or refused:
+            return False
+        try:
+            self._step(current_time, step_size)
+        except StepRefusedError as error:
+            self._say(f"the step at {current_time:g} s is refused: {error}")
+            return False
+        except BaseException as error:
+            self._end(error)
+            return False
+        return True
+
+    def _step(self, current_time: float, step_size: float) -> None:
+        """Integrate a step; a StepRefusedError for a gap in time, and as `SteppedRun.advance` raises it."""
         assert self._run is not None
+        ended = self._start + self._run.time
+        if not abs(current_time - ended) <= SAME_TIME * max(1.0, abs(ended)):
+            raise StepRefusedError(f"it must start where the last one ended, at {ended:.9g} s")
         self._run.advance(step_size, *self._commands())
         self._outputs.update(outputs(self._run.history()))
-        return True
+
+    def _end(self, error: BaseException) -> None:
+        """End the unit for an error; its outputs are no numbers from now on."""
+        self._ended = str(error) or type(error).__name__
+        self._outputs.update(dict.fromkeys(self._outputs, math.nan))
+        self._say(f"the unit ends: {self._ended}")
 
 
 def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:

@@ -1,12 +1,16 @@
 """A case as a unit of co-simulation: the same numbers as a plain run, late by a step of communication."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from fmpy import read_model_description, simulate_fmu
 
 from exudyn_crawler import Case, CaseFile, Drive, StepProfile, simulate
 from exudyn_crawler.case import MachineCycle, MachinePhase
-from exudyn_crawler.co_simulation import SteppedRun, outputs, write_fmu
+from exudyn_crawler.co_simulation import SteppedRun, StepRefusedError, outputs, write_fmu
+from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
 
@@ -83,6 +87,107 @@ def test_a_unit_starts_at_rest_under_its_load_and_sinks_under_more(loaded):
     for _ in range(5):
         run.advance(0.02, 0.0, WRENCH)
     assert outputs(run.history())["side_frame_position.z"] < free["side_frame_position.z"] - 1e-4
+
+
+def test_a_step_that_is_refused_has_done_nothing(loaded):
+    """A step of 1e-9 s gave a joint 307 MN: what closes a gap within it divides by its square."""
+    run = SteppedRun(loaded, WRENCH)
+    before = outputs(run.history())
+    refused = {
+        "the step must be finite and at least solver.minimum_step = 1e-06 s, got 1e-09 s": {"step": 1e-9},
+        "the step must be .* got -0.01 s": {"step": -0.01},
+        "the step must be .* got nan s": {"step": np.nan},
+        "force.y must be finite, got nan": {"wrench": WRENCH * [1.0, np.nan, 1.0, 1.0, 1.0, 1.0]},
+        "speed must be finite, got inf": {"speed": np.inf},
+    }
+    for told, changes in refused.items():
+        with pytest.raises(StepRefusedError, match=f"^{told}$"):
+            run.advance(**{"step": 0.01, "speed": 0.0, "wrench": WRENCH} | changes)
+    assert outputs(run.history()) == before
+    assert run.time == 0.0
+
+
+def test_the_least_step_changes_no_force(loaded):
+    run = SteppedRun(loaded, WRENCH)
+    before = outputs(run.history())
+    run.advance(loaded.solver.minimum_step, 0.0, WRENCH)
+    after = outputs(run.history())
+    for name in ("joint_force[18].x", "ground_force[10].z", "drive_pull"):
+        assert after[name] == pytest.approx(before[name], rel=1e-3), name
+
+
+HOST = """
+import sys
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+description = read_model_description(sys.argv[1])
+folder = extract(sys.argv[1])
+numbers = {one.name: one.valueReference for one in description.modelVariables}
+
+
+def asked(call, *arguments):
+    try:
+        call(*arguments)
+        print("-> ok")
+    except Exception as error:
+        print("->", str(error).rpartition("(")[2].strip(")."))
+
+
+for number in range(2):
+    unit = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=folder,
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="u",
+    )
+    unit.instantiate(loggingOn=True)
+    unit.setupExperiment(startTime=5.0)
+    unit.enterInitializationMode()
+    unit.exitInitializationMode()
+    asked(unit.doStep, 5.0, 0.01)
+    asked(unit.doStep, 5.02, 0.01)
+    asked(unit.doStep, 5.01, 1e-9)
+    unit.setReal([numbers["force.z"]], [float("nan")])
+    asked(unit.doStep, 5.01, 0.01)
+    unit.setReal([numbers["force.z"]], [0.0])
+    unit.setReal([numbers["drive_pull"]], [1.0])
+    asked(unit.doStep, 5.01, 0.01)
+    asked(unit.getReal, [98765])
+    asked(unit.doStep, 5.01, 0.01)
+    asked(unit.doStep, 5.01, 0.01)
+    unit.setReal([numbers["force.z"]], [1e30])
+    asked(unit.doStep, 5.02, 0.01)
+    print("z", unit.getReal([numbers["side_frame_position.z"]]))
+    asked(unit.doStep, 5.02, 0.01)
+    unit.terminate()
+    unit.freeInstance()
+    print("freed")
+"""
+
+
+def test_a_host_gets_discard_and_the_reason_and_lives_on(tmp_path):
+    """After an exception that left the unit, pythonfmu freed it twice: one process in four ended in that."""
+    unit = write_fmu(CaseFile(case=small_case(), duration=DURATION), tmp_path / "small.fmu")
+    done = subprocess.run([sys.executable, "-c", HOST, unit], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    answers = [line for line in done.stdout.splitlines() if line.startswith(("->", "z", "freed"))]
+    whole = ["-> ok", *["-> discard"] * 4, "-> ok", "-> discard", "-> ok", "-> discard", "z [nan]"]
+    assert answers == [*whole, "-> discard", "freed"] * 2
+    reasons = [line.partition("u: ")[2] for line in done.stderr.splitlines() if "u: " in line]
+    expected = (
+        r"the step at 5.02 s is refused: it must start where the last one ended, at 5.01 s",
+        r"the step at 5.01 s is refused: the step must be finite and at least solver.minimum_step = 1e-06 s",
+        r"the step at 5.01 s is refused: force.z must be finite, got nan",
+        r"drive_pull must not be set: it is an output",
+        r"there is no variable of value reference 98765",
+        r"the unit ends: the simulation stopped at t = 0.02 s: Newton's method failed at the least step",
+        r"the unit has ended: the simulation stopped",
+    )
+    assert len(reasons) == 2 * len(expected)
+    for told, start in zip(reasons, expected * 2, strict=True):
+        assert told.startswith(start)
+        assert told in done.stdout  # the host's log
 
 
 def test_refuses_what_has_no_machine_and_rollers_off_the_track(tmp_path, loaded):
