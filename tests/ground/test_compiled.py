@@ -1,9 +1,13 @@
 """Decorators of compiled functions: who may call what they make."""
 
+import re
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+from numba import njit, types
+from numba.core.errors import NumbaError
 
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.model import equations
@@ -29,6 +33,37 @@ def once_more(x: float) -> float:
     return _twice(x) + 1.0
 
 
+def long(x: float) -> float:
+    """Take longer than what the compiler makes part of its callers by itself."""
+    y = x
+    for k in range(3):
+        y += np.sin(k * x) + np.cos(k + x) * np.exp(-y) + np.tan(k - x) / np.log(2.0 + k)
+        y += np.sinh(k * y) + np.cosh(k + y) * np.arctan(-y) + np.tanh(k - y) / np.sqrt(2.0 + k)
+        y -= np.sin(k * y) + np.cos(k + y) * np.exp(-x) + np.tan(k - y) / np.log(3.0 + k)
+        y -= np.sinh(k * x) + np.cosh(k + x) * np.arctan(-x) + np.tanh(k - x) / np.sqrt(3.0 + k)
+    return y
+
+
+def new_row(count: int) -> float:
+    """Make an array."""
+    row = np.zeros(count)
+    for k in range(count):
+        row[k] = k * row[k - 1]
+    return row.sum()
+
+
+def code_of(function, *arguments):
+    """Code that the compiler makes of a function for types of arguments."""
+    dispatcher = getattr(function, "_dispatcher", function)
+    dispatcher.compile(arguments)
+    return dispatcher.inspect_llvm(dispatcher.signatures[-1])
+
+
+def entries(code):
+    """What there is in code for Python and for C to call."""
+    return set(re.findall(r"^define .*@(?:\"?_ZN7)?(cpython|cfunc)", code, re.MULTILINE))
+
+
 def test_a_kernel_calls_what_python_may_not_call():
     assert once_more(3.0) == 7.0
     with pytest.raises(TypeError, match="_twice is for compiled callers alone; Python calls a kernel"):
@@ -44,3 +79,28 @@ def test_a_compiled_function_is_not_stale_by_a_change_of_files_that_it_does_not_
     files = {path.name for path in compiling.sources_of(equations.residual)}
     assert {"equations.py", "bodies.py", "wheels.py", "overlap.py", "packed.py", "patches.py"} <= files
     assert not {"build.py", "compiled_system.py", "case.py"} & files
+
+
+def test_python_has_no_way_into_what_it_may_not_call():
+    """A later numba that leaves the way in takes 20 s more to compile."""
+    assert entries(code_of(once_more, types.float64)) == {"cpython"}
+    assert entries(code_of(_twice, types.float64)) == set()
+
+
+def test_what_makes_no_arrays_counts_no_references():
+    """A later numba that counts all the same takes longer for a step, and would let this function pass."""
+    with pytest.raises(NumbaError):
+        code_of(inner(new_row, cached=False), types.intp)
+    assert "NRT_" in code_of(inner(new_row, allocates=True, cached=False), types.intp)
+
+
+@pytest.mark.parametrize("merged", [True, False])
+def test_what_is_merged_is_part_of_its_callers(merged):
+    callee = inner(long, merged=merged, cached=False)
+
+    @njit
+    def calls(x):
+        return callee(x) + callee(2.0 * x) + callee(3.0 * x)
+
+    code = code_of(calls, types.float64)
+    assert bool(re.search("call .*long", code)) is not merged
