@@ -19,7 +19,7 @@ from exudyn_crawler.case.case_file import CaseFile, case_text
 from exudyn_crawler.case.parameters import faults, fields, loads, reading, terrain, track
 from exudyn_crawler.files import whole_file
 
-CYCLE = "file"  # key of the loads that names a file with their cycle
+CYCLE = "file"  # key of the loads that names a file with their cycle, and of a soil law's file
 TEXT = {"type": "string", "description": "a number with its unit, such as '20 MN/m'"}
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -117,6 +117,7 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
             raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {table!r}")
         cycle = folder / content.pop("loads")[CYCLE]
     beside = {name: content.pop(name) for name in ("duration", "outputs") if name in content}
+    content = _with_law(content, folder)
     case = reading.filled(content, Case)
     if cycle is not None:
         try:
@@ -129,6 +130,23 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
             whole = fields.with_value(whole, path, value, CaseFile)
         whole["case"] = with_equal_loads(whole["case"])
     return whole
+
+
+def _with_law(content: reading.Content, folder: Path) -> reading.Content:
+    """Values of a case whose soil law has those of the file that it names, where it says no more itself."""
+    contact = content.get("contact")
+    law = contact.get("law") if isinstance(contact, dict) else None
+    if not isinstance(contact, dict) or not isinstance(law, dict) or CYCLE not in law:
+        return content
+    name = f"contact.law.{CYCLE}"
+    if not isinstance(law[CYCLE], str):
+        raise ValueError(f"{name} must be the name of a law file, got {law[CYCLE]!r}")
+    try:
+        of_file = reading.toml_content(folder / law[CYCLE], "law file")
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{name}: {error}") from error
+    rest = {key: value for key, value in law.items() if key != CYCLE}
+    return content | {"contact": contact | {"law": of_file | rest}}
 
 
 def with_equal_loads(case: reading.Content) -> reading.Content:
@@ -156,6 +174,8 @@ class _FileSchema(GenerateJsonSchema):
             return {"anyOf": [self.generate_inner(law.__pydantic_core_schema__) for law in laws]}
         found = super().model_schema(schema)
         found.pop("required", None)
+        if issubclass(kind, terrain.SoilLaw):
+            found["properties"][CYCLE] = {"type": "string", "description": "law file with what is left out"}
         if names := sorted(fields.named_values(kind)):
             found["properties"][fields.BASE] = {"enum": names, "description": "gives all that is left out"}
         return found

@@ -1,0 +1,1 @@
+"""Measured series: soils fitted to tests, and runs beside what was measured."""

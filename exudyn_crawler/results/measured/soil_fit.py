@@ -1,0 +1,273 @@
+"""Parameters of the soil law `BekkerSoil` from tests: pressed plates, their unloading, and shear.
+
+Pressure over sinkage by Wong's procedure, with all plates together: least is the sum of
+``p**2 (ln p - ln p_law)**2``, with the weights p**2 that give every stress the same error (Wong, J. of
+Terramechanics 17 (1980) 13-41; Theory of Ground Vehicles, chapter 2). Shear likewise: Wong weights
+``ln(1 - tau / tau_max)`` with ``(1 - tau / tau_max)**2``, which is to first order the least sum of the
+squares of the stresses themselves; these are taken, together with the strength over the pressure.
+"""
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.cells.shear import COHESION_PRESSURE
+from exudyn_crawler.results.measured.least_squares import Parameter, PartFit, Problem, fit, part
+from exudyn_crawler.results.measured.soil_tests import Loop, PlateTests, ShearTests
+
+SAME = 1.2
+"""Ratio of widths, pressures or sinkages below which they count as the same. Chosen here."""
+FACTOR = 3.0
+"""Factor between the value of a positive parameter and an end of its interval, beyond which it is not
+determined. Chosen here."""
+CLOSE = 0.99
+"""Correlation from which on two parameters are hard to tell apart. Chosen here."""
+
+ONE_WIDTH = (
+    "k_c and k_phi are not told apart by plates of one width: k_c = 0, and k_phi holds for {:.4g} mm alone"
+)
+ONE_PRESSURE = "cohesion and friction are not told apart by shear under one pressure: cohesion = 0 is taken"
+ONE_DEPTH = "reload_stiffness and reload_growth are not told apart by unloading from one sinkage: growth = 0"
+
+
+@dataclass(frozen=True)
+class SoilFit:
+    """Law that tests give, and how well."""
+
+    law: BekkerSoil
+    parts: tuple[PartFit, ...]
+    taken: tuple[str, ...]  # parameters that no test gives, as the base has them
+    remarks: tuple[str, ...]  # what tests leave open
+    plates: PlateTests
+    shear: ShearTests | None
+
+
+def named_soil(name: str) -> BekkerSoil:
+    """Soil of a name, such as "lete_sand"; ValueError if there is none."""
+    soils = fields.named_values(BekkerSoil)
+    if name not in soils:
+        raise ValueError(f"base must be one of {', '.join(soils)}, got {name!r}")
+    return BekkerSoil(**dict(soils[name]()))
+
+
+def _spread(values: Sequence[float] | np.ndarray) -> float:
+    """Greatest over least of positive values; 1 for none."""
+    return float(np.max(values) / max(np.min(values), 1e-300)) if len(values) else 1.0
+
+
+def _require(part_fit: PartFit, name: str, why: str) -> None:
+    """Refuse a positive parameter whose interval is wider than `FACTOR` to a side."""
+    value = part_fit.number(name)
+    low, high = part_fit.span(name)
+    if low <= 0.0 or high > FACTOR * value or value > FACTOR * low:
+        raise ValueError(f"{name} is not determined: {value:.4g}, 95 % from {low:.4g} to {high:.4g}; {why}")
+
+
+def fit_plates(tests: PlateTests) -> tuple[PartFit, list[str]]:
+    """Bekker's modulus and exponent from points of first loading, with remarks on what stays open.
+
+    ``p = p_0 (1 + s (b_0 / b - 1)) (z / z_0)**n`` has nearly independent parameters: pressure p_0 at a middle
+    sinkage z_0 and width b_0, and the share s of k_c in it. ValueError if exponent or modulus is not
+    determined, or k_phi would not be positive.
+    """
+    if len(tests.sinkage) < 4:
+        raise ValueError(f"plates must have at least 4 points of first loading, got {len(tests.sinkage)}")
+    z_0 = math.exp(np.average(np.log(tests.sinkage), weights=tests.pressure))
+    b_0 = 1.0 / np.mean(1.0 / tests.width)
+    several = _spread(tests.widths) > SAME
+    remarks = [] if several else [ONE_WIDTH.format(1e3 * float(tests.width.mean()))]
+
+    def residuals(theta: np.ndarray, data: PlateTests) -> np.ndarray:
+        share = 1.0 + theta[2] * (b_0 / data.width - 1.0) if len(theta) == 3 else 1.0
+        law = theta[0] + theta[1] * np.log(data.sinkage / z_0) + np.log(np.maximum(share, 1e-12))
+        return data.pressure * (np.log(data.pressure) - law)
+
+    def outputs(theta: np.ndarray) -> np.ndarray:
+        logarithm = theta[0] - theta[1] * math.log(z_0)
+        if len(theta) == 2:
+            return np.array([logarithm, theta[1]])
+        rest = max(1.0 - theta[2], 1e-12)
+        return np.array([theta[2] * b_0 * math.exp(logarithm), logarithm + math.log(rest), theta[1]])
+
+    def fitted(with_width: bool) -> PartFit:
+        names = [Parameter("k_c")] * with_width + [Parameter("k_phi", True), Parameter("exponent")]
+        start = np.array([math.log(np.interp(z_0, *_sorted(tests))), 1.0, *[0.0] * with_width])
+
+        def rest(data: PlateTests) -> bool:
+            return len(data.widths) == len(tests.widths)
+
+        return fit(Problem(residuals, outputs, names), tests, start, rest)
+
+    result = fitted(several)
+    if several and result.number("k_c") < 0.0:
+        low, high = result.span("k_c")
+        remarks.append(
+            f"k_c would be negative ({low:.4g} to {high:.4g}), wider plates carry more: the law has k_c = 0 "
+            "and lies between the plates; those about as wide as the shoe would fit it better"
+        )
+        result = fitted(False)
+    elif several and result.span("k_c")[0] <= 0.0:
+        remarks.append("k_c is not told apart from zero")
+    if result.number("k_phi") < 1e-6 * max(1.0, result.value[0]):
+        raise ValueError("k_phi must be greater than zero, the plates give none: k_c alone carries them")
+    wider = "a wider range of sinkages would determine it"
+    _require(result, "exponent", wider)
+    _require(result, "k_phi", "more sizes of plates, or a wider range of sinkages, would determine it")
+    return result, remarks
+
+
+def _sorted(tests: PlateTests) -> tuple[np.ndarray, np.ndarray]:
+    """Sinkages in order, and pressures there."""
+    order = np.argsort(tests.sinkage)
+    return tests.sinkage[order], tests.pressure[order]
+
+
+def fit_unloading(loops: Sequence[Loop]) -> tuple[PartFit, list[str]]:
+    """Wong's modulus of unloading ``k_0 + A_u z_u`` from loops: linear least squares of their pressures.
+
+    Each loop has a pressure of its own where it began. What would be negative is zero in the law.
+    """
+    depths = np.concatenate([np.full(len(loop.sinkage), loop.deepest) for loop in loops])
+    risen = depths - np.concatenate([loop.sinkage for loop in loops])
+    pressure = np.concatenate([loop.pressure for loop in loops])
+    which = np.repeat(np.arange(len(loops)), [len(loop.sinkage) for loop in loops])
+    begins = (which[:, None] == np.arange(len(loops))).astype(float)
+    slopes = {"reload_stiffness": -risen, "reload_growth": -depths * risen}
+    remarks = []
+    if _spread([loop.deepest for loop in loops]) <= SAME:
+        remarks.append(ONE_DEPTH)
+        del slopes["reload_growth"]
+
+    def solved(names: Sequence[str]) -> PartFit:
+        matrix = np.column_stack([begins, *(slopes[name] for name in names)])
+        freedom = len(pressure) - matrix.shape[1]
+        if freedom < 1:
+            raise ValueError(
+                f"unloading must have at least {matrix.shape[1] + 1} points, got {len(pressure)}"
+            )
+        values, *_ = np.linalg.lstsq(matrix, pressure, rcond=None)
+        rest = pressure - matrix @ values
+        covariance = rest @ rest / freedom * np.linalg.pinv(matrix.T @ matrix)
+        scatter = float(np.sqrt(np.mean(rest**2)))
+        begin = len(loops)
+        parameters = [Parameter(name) for name in names]
+        return part(parameters, values[begin:], covariance[begin:, begin:], freedom, scatter, len(pressure))
+
+    result = solved([*slopes])
+    for name in [name for name in slopes if result.number(name) < 0.0][:1]:
+        low, high = result.span(name)
+        remarks.append(f"{name} would be negative ({low:.4g} to {high:.4g}): 0 is taken, as the law allows")
+        rest = [other for other in slopes if other != name]
+        if not rest:
+            raise ValueError("the pressure must fall while a plate is unloaded, it rises")
+        result = solved(rest)
+    return result, remarks
+
+
+def fit_shear(tests: ShearTests) -> tuple[PartFit, list[str]]:
+    """Cohesion, friction and shear deformation from shear stress over displacement under pressures.
+
+    ValueError if friction or deformation is not determined.
+    """
+    several = _spread(tests.pressures) > SAME
+    remarks = [] if several else [ONE_PRESSURE]
+
+    def residuals(theta: np.ndarray, data: ShearTests) -> np.ndarray:
+        cohesion = theta[2] / (data.pressure + COHESION_PRESSURE) if len(theta) == 3 else 0.0
+        strength = data.pressure * (theta[0] + cohesion)
+        return data.stress + strength * np.expm1(-data.displacement / math.exp(theta[1]))
+
+    def outputs(theta: np.ndarray) -> np.ndarray:
+        angle = math.degrees(math.atan(theta[0]))
+        return np.array([*theta[2:], angle, theta[1]])
+
+    def fitted(with_cohesion: bool) -> PartFit:
+        names = [Parameter("cohesion")] * with_cohesion
+        names += [Parameter("friction_angle"), Parameter("shear_deformation", True)]
+        friction = float(np.max(tests.stress / tests.pressure))
+        start = np.array([friction, math.log(0.2 * tests.displacement.max()), *[0.0] * with_cohesion])
+
+        def rest(data: ShearTests) -> bool:
+            return _spread(data.pressures) > SAME or not several
+
+        return fit(Problem(residuals, outputs, names), tests, start, rest)
+
+    if tests.displacement.max() <= 0.0:
+        raise ValueError("displacement must be greater than zero somewhere")
+    result = fitted(several)
+    if several and result.number("cohesion") < 0.0:
+        low, high = result.span("cohesion")
+        remarks.append(f"cohesion would be negative ({low:.4g} to {high:.4g} Pa): 0 is taken")
+        result = fitted(False)
+    _require(result, "shear_deformation", "displacements far enough for the strength would determine it")
+    _require(result, "friction_angle", "more pressures would determine it")
+    return result, remarks
+
+
+def fit_soil(plates: PlateTests, shear: ShearTests | None = None, base: BekkerSoil | None = None) -> SoilFit:
+    """Soil law of tests; what none of them gives is that of a `base`.
+
+    Raises
+    ------
+    ValueError
+        If the tests do not determine a parameter, or one is given neither by tests nor by a base.
+    """
+    first, loops = plates.split()
+    parts = [fit_plates(first)]
+    if loops:
+        parts.append(fit_unloading(loops))
+    if shear is not None:
+        parts.append(fit_shear(shear))
+    remarks = [remark for _, of_part in parts for remark in of_part]
+    results = tuple(result for result, _ in parts)
+    values = {name: result.number(name) for result in results for name in result.names}
+    # those of a kind are measured together: what tests do not tell apart is zero
+    kinds = [({"k_c", "k_phi"}, True), ({"reload_stiffness", "reload_growth"}, bool(loops))]
+    kinds.append(({"cohesion", "friction_angle"}, shear is not None))
+    for names, measured in kinds:
+        values |= dict.fromkeys(names - values.keys(), 0.0) if measured else {}
+    needed = [name for name, field in BekkerSoil.model_fields.items() if field.is_required()]
+    lacking = tuple(name for name in needed if name not in values)
+    if lacking and base is None:
+        raise ValueError(f"tests say nothing of {', '.join(lacking)}: name a base, such as lete_sand")
+    law = BekkerSoil(**values) if base is None else base.with_(**values)
+    for result in results:
+        remarks += _close(result)
+    if loops:
+        remarks += _floored(law, loops, float(np.median(first.width)))
+    return SoilFit(law, results, lacking, tuple(remarks), plates, shear)
+
+
+def _close(result: PartFit) -> list[str]:
+    """Remarks on parameters that are hard to tell apart."""
+    rows, columns = np.nonzero(np.triu(np.abs(result.correlation) > CLOSE, k=1))
+    return [
+        f"{result.names[a]} and {result.names[b]} are correlated by {result.correlation[a, b]:.3f}: "
+        "take them together"
+        for a, b in zip(rows, columns, strict=True)
+    ]
+
+
+def _floored(law: BekkerSoil, loops: Sequence[Loop], width: float) -> list[str]:
+    """Remark where the law unloads stiffer than measured, since it must not give more back than it took."""
+    for loop in loops:
+        wanted = law.reload_stiffness + law.reload_growth * loop.deepest
+        pressure = (law.k_c / width + law.k_phi) * loop.deepest**law.exponent
+        least = max(1.0, law.exponent) * pressure / loop.deepest
+        if wanted < least:
+            return [
+                f"unloading from {1e3 * loop.deepest:.4g} mm is measured softer ({wanted:.4g} Pa/m) than the "
+                f"law allows ({least:.4g} Pa/m)"
+            ]
+    return []
+
+
+def warn(result: SoilFit) -> None:
+    """Warn of what the tests leave open."""
+    for remark in result.remarks:
+        warnings.warn(remark, stacklevel=2)

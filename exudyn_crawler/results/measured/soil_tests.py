@@ -1,0 +1,134 @@
+"""Tests of a soil as tables have them: plates pressed in, and shear under a pressure."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from exudyn_crawler.results.measured.columns import read_columns
+
+LOOP_SHARE, LOOP_DROP = 0.8, 0.1
+"""A pressure that falls below this share of the greatest one before, and by more than this share of the
+greatest one of the test, is an unloading and no scatter. Chosen here."""
+LIFTED = 0.02
+"""Share of the pressure where unloading began, below which the plate may not touch any more. Chosen here."""
+
+
+@dataclass(frozen=True)
+class Loop:
+    """An unloading of a plate with the reloading that follows."""
+
+    deepest: float  # m, sinkage where it began
+    sinkage: np.ndarray  # (points,), m
+    pressure: np.ndarray  # (points,), Pa
+
+
+@dataclass(frozen=True)
+class PlateTests:
+    """Points of pressed plates in the order in which they were taken."""
+
+    sinkage: np.ndarray  # (points,), m
+    pressure: np.ndarray  # (points,), Pa
+    width: np.ndarray  # (points,), m, shorter side or diameter of the plate
+    test: np.ndarray  # (points,), name of the test
+
+    @property
+    def widths(self) -> np.ndarray:
+        """Different widths of plates, m."""
+        return np.unique(self.width)
+
+    def each(self) -> Iterator[np.ndarray]:
+        """Numbers of the points of every test, in their order."""
+        for name in dict.fromkeys(self.test.tolist()):
+            yield np.flatnonzero(self.test == name)
+
+    def of(self, points: np.ndarray) -> "PlateTests":
+        """Some of the points, by their numbers or as a mask."""
+        return PlateTests(self.sinkage[points], self.pressure[points], self.width[points], self.test[points])
+
+    def split(self) -> tuple["PlateTests", list[Loop]]:
+        """Points of first loading, and the loops of unloading and reloading."""
+        first = np.ones(len(self.sinkage), dtype=bool)
+        loops = []
+        for points in self.each():
+            pressure = self.pressure[points]
+            greatest = np.maximum.accumulate(pressure)
+            below = np.flatnonzero(pressure < greatest)
+            for run in np.split(below, np.flatnonzero(np.diff(below) > 1) + 1):
+                if not len(run):
+                    continue
+                top = greatest[run[0]]
+                least = pressure[run].min()
+                if least > LOOP_SHARE * top or top - least < LOOP_DROP * greatest[-1]:
+                    continue
+                first[points[run]] = False
+                inside = points[run[pressure[run] > LIFTED * top]]
+                start = points[run[0] - 1]
+                loops.append(Loop(self.sinkage[start], self.sinkage[inside], self.pressure[inside]))
+        return self.of(first & (self.sinkage > 0.0) & (self.pressure > 0.0)), loops
+
+
+@dataclass(frozen=True)
+class ShearTests:
+    """Points of shear tests."""
+
+    displacement: np.ndarray  # (points,), m
+    stress: np.ndarray  # (points,), Pa
+    pressure: np.ndarray  # (points,), Pa
+    test: np.ndarray  # (points,), name of the test
+
+    @property
+    def pressures(self) -> np.ndarray:
+        """Mean pressures of the tests, Pa."""
+        return np.array([self.pressure[self.test == name].mean() for name in np.unique(self.test)])
+
+
+def read_plates(path: str | Path) -> PlateTests:
+    """Plate tests of a CSV file with `sinkage`, `pressure` or `force`, `width` or `diameter`, and `test`.
+
+    A force is divided by the area of a round plate of this diameter, or of one of ``width`` and ``length``.
+    Without `test` the points of a plate size are one test. FileNotFoundError, or ValueError with the file
+    and what is missing or wrong.
+    """
+    units = {"sinkage": "m", "pressure": "Pa", "force": "N", "width": "m", "length": "m", "diameter": "m"}
+    columns = read_columns(path, units, ("test",))
+    if "sinkage" not in columns:
+        raise ValueError(f"{path} must have a column 'sinkage', such as 'sinkage in mm'")
+    if ("width" in columns) == ("diameter" in columns):
+        raise ValueError(f"{path} must have a column 'width' (of the shorter side) or 'diameter'")
+    if ("pressure" in columns) == ("force" in columns):
+        raise ValueError(f"{path} must have a column 'pressure' or 'force'")
+    if "diameter" in columns:
+        width = columns["diameter"]
+        area = 0.25 * np.pi * width**2
+    else:
+        width = columns["width"]
+        area = width * columns.get("length", width)
+    if (area <= 0.0).any():
+        raise ValueError(f"{path}: sizes of plates must be greater than zero, got {width.min():g} m")
+    if "force" in columns and "diameter" not in columns and "length" not in columns:
+        raise ValueError(f"{path}: forces on plates with a 'width' need a column 'length', too")
+    pressure = columns["pressure"] if "pressure" in columns else columns["force"] / area
+    test = columns.get("test", np.array([f"{1e3 * size:.4g} mm" for size in width]))
+    tests = PlateTests(columns["sinkage"], pressure, width, test)
+    for points in tests.each():
+        if len(np.unique(width[points])) > 1:
+            raise ValueError(f"{path}: test {str(test[points[0]])!r} must have one plate")
+    return tests
+
+
+def read_shear(path: str | Path) -> ShearTests:
+    """Shear tests of a CSV file with `displacement`, `stress`, `pressure`, and `test`.
+
+    Without `test` the points of a pressure are one test. FileNotFoundError, or ValueError with the file and
+    what is missing or wrong.
+    """
+    columns = read_columns(path, {"displacement": "m", "stress": "Pa", "pressure": "Pa"}, ("test",))
+    for name in ("displacement", "stress", "pressure"):
+        if name not in columns:
+            raise ValueError(f"{path} must have a column {name!r}")
+    if (columns["pressure"] <= 0.0).any():
+        raise ValueError(f"{path}: pressure must be greater than zero, got {columns['pressure'].min():g} Pa")
+    test = columns.get("test", np.array([f"{1e-3 * value:.4g} kPa" for value in columns["pressure"]]))
+    return ShearTests(columns["displacement"], columns["stress"], columns["pressure"], test)

@@ -1,0 +1,62 @@
+"""Figures of what was measured beside what a law or a run gives."""
+
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from exudyn_crawler.results.measured.soil_fit import SoilFit
+from exudyn_crawler.results.measured.soil_tests import PlateTests, ShearTests
+
+DOTS = {"linestyle": "none", "marker": ".", "markersize": 4.0}
+BESIDE = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}  # where a legend hides no point
+DRAWN = 200  # points of a curve
+
+
+def draw_soil_fit(fit: SoilFit, figure: Figure) -> None:
+    """Draw a fitted law over its points: pressure over sinkage by plates, and shear by pressures."""
+    panels = figure.subplots(1, 1 if fit.shear is None else 2, squeeze=False)[0]
+    _draw_plates(fit, fit.plates, panels[0])
+    if fit.shear is not None:
+        _draw_shear(fit, fit.shear, panels[1])
+
+
+def _draw_plates(fit: SoilFit, plates: PlateTests, axes: Axes) -> None:
+    """Draw pressure over sinkage of every test, and the law along the way of one test a plate size."""
+    for number, width in enumerate(plates.widths):
+        here = plates.of(plates.width == width)
+        colour = f"C{number}"
+        label = f"{1e3 * width:.4g} mm"
+        axes.plot(1e3 * here.sinkage, 1e-3 * here.pressure, color=colour, alpha=0.5, **DOTS)
+        longest = max(here.each(), key=lambda points: float(here.sinkage[points].max()))
+        way = _finer(np.maximum(here.sinkage[longest], 0.0))
+        pressure, _ = fit.law.drive(way, np.zeros_like(way), float(width))
+        axes.plot(1e3 * way, 1e-3 * pressure, color=colour, label=label)
+    axes.set(xlabel="sinkage, mm", ylabel="pressure, kPa", ylim=(0.0, None))
+    axes.legend(title="plate", **BESIDE)
+
+
+def _finer(way: np.ndarray) -> np.ndarray:
+    """Way with more points between those at which it turns, so that the law is drawn as a curve."""
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(way))) != 0) + 1
+    corners = way[np.unique([0, *turns, len(way) - 1])]
+    count = max(2, DRAWN // max(1, len(corners) - 1))
+    return np.concatenate(
+        [np.zeros(1), *(np.linspace(begin, end, count) for begin, end in pairwise(corners))]
+    )
+
+
+def _draw_shear(fit: SoilFit, shear: ShearTests, axes: Axes) -> None:
+    """Draw shear stress over displacement of every test, and the law under its mean pressure."""
+    for number, name in enumerate(dict.fromkeys(shear.test.tolist())):
+        here = shear.test == name
+        pressure = float(shear.pressure[here].mean())
+        colour = f"C{number % 10}"
+        slip = np.linspace(0.0, float(shear.displacement[here].max()), DRAWN)
+        depth = np.full_like(slip, fit.law.sinkage(pressure))
+        _, stress = fit.law.drive(depth, slip)
+        axes.plot(1e3 * shear.displacement[here], 1e-3 * shear.stress[here], color=colour, alpha=0.5, **DOTS)
+        axes.plot(1e3 * slip, 1e-3 * stress, color=colour, label=f"{1e-3 * pressure:.4g} kPa")
+    axes.set(xlabel="displacement, mm", ylabel="shear stress, kPa", ylim=(0.0, None))
+    axes.legend(title="pressure", **BESIDE)
