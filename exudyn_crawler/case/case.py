@@ -47,8 +47,7 @@ class Case(NamedCases):
             yield f"formulation must be 'engine' or None with {NOT_COMPILED}"
         if isinstance(contact, SphereContact):
             yield from self._sphere_errors(contact.radius)
-        yield from self._support_errors(0.0)
-        yield from self._map_errors(np.zeros(1))
+        yield from self._support_errors(np.zeros(1))
 
     def _unit_errors(self, terrain: Terrain) -> Errors:
         """Yield what does not go with a terrain of units."""
@@ -216,7 +215,11 @@ class Case(NamedCases):
         return self.mean_load / self.settled_penetration / self.sphere_contact().count
 
     def outline(self, time: float) -> np.ndarray:
-        """Corners of the track on the ground at a time: array (4, 2), m, global x and y.
+        """Corners of the track on the ground at a time (s), see `outlines`: array (4, 2), m."""
+        return self.outlines(np.array([time]))[0]
+
+    def outlines(self, times: np.ndarray) -> np.ndarray:
+        """Corners of the track on the ground at times (s): array (times, 4, 2), m, global x and y.
 
         The track is rigid seen from above, since its hinges only pitch: the drive carries its outline
         along and turns it about its middle, and a machine on two tracks goes where it heads. A track that a
@@ -226,24 +229,23 @@ class Case(NamedCases):
         rear, front = coms[:, 0].min() + footprint[0], coms[:, 0].max() + footprint[1]
         right, left = coms[:, 1].min() + footprint[2], coms[:, 1].max() + footprint[3]
         corners = np.array([[rear, right], [front, right], [front, left], [rear, left]])
-        middle, angle = corners.mean(axis=0), self.drive.turn(time)
-        c, s = np.cos(angle), np.sin(angle)
-        return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + self.gear.way(self.drive, time)
+        middle = corners.mean(axis=0)
+        angles = self.drive.turn(times)
+        c, s = np.cos(angles), np.sin(angles)
+        turns = np.moveaxis(np.array([[c, s], [-s, c]]), 2, 0)
+        return middle + (corners - middle) @ turns + self.gear.way(self.drive, times)[:, None]
 
     def check_support(self, duration: float) -> None:
         """Refuse, by a `ValueError`, a drive off the terrain, or a frame off the track, in `duration` (s)."""
         times = np.linspace(0.0, duration, 101 if duration > 0.0 else 1)
-        for time in times:
-            for error in self._support_errors(time):
-                raise ValueError(error)
-        for error in self._map_errors(times):
+        for error in self._support_errors(times):
             raise ValueError(error)
 
-    def _map_errors(self, times: np.ndarray) -> Errors:
-        """Yield where measured heights do not carry the track."""
-        yield from self.terrain.map_errors(np.array([self.outline(time) for time in times]))
-
-    def _support_errors(self, time: float) -> Errors:
-        """Yield what is off the track or off the terrain at a time, s."""
-        yield from self.gear.reach_errors(self.track, self.drive.travel(time), time)
-        yield from self.terrain.reach_errors(self.outline(time), time)
+    def _support_errors(self, times: np.ndarray) -> Errors:
+        """Yield what is off the track or off the terrain at times, s."""
+        outlines = self.outlines(times)
+        travels = self.drive.travel(times)
+        for time, travel, corners in zip(times.tolist(), travels.tolist(), outlines, strict=True):
+            yield from self.gear.reach_errors(self.track, travel, time)
+            yield from self.terrain.reach_errors(corners, time)
+        yield from self.terrain.map_errors(outlines)

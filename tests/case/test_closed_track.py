@@ -228,6 +228,23 @@ def test_machine_goes_where_it_heads():
         case.check_support(200.0)
 
 
+def test_chain_is_assembled_once_for_all_times_of_a_drive(monkeypatch):
+    """Sweeps check thousands of cases, and each drive at a hundred times."""
+    calls = []
+    place = type(CLOSED.gear).shoe_reference
+    monkeypatch.setattr(
+        type(CLOSED.gear), "shoe_reference", lambda *parts: calls.append(parts) or place(*parts)
+    )
+    CLOSED.check_support(5.0)
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize("case", [CLOSED, SHOVEL, Case.rolled(), Case.turning(), Case.stress()])
+def test_outlines_of_many_times_are_those_of_each(case):
+    times = np.array([0.0, 0.3, 7.0, 22.0])
+    assert (case.outlines(times) == [case.outline(time) for time in times]).all()
+
+
 def test_slewing_upper_structure_moves_the_weight_of_the_machine():
     case = Case.shovel()
     weight = case.gear.car_body.upper_mass * case.gravity

@@ -187,9 +187,10 @@ class Gear(Parameters):
         """Loads on the shoes at t = 0: array (shoes,), N."""
         return case.loads.loads(0.0)[0]
 
-    def way(self, drive: Drive, time: float) -> np.ndarray:
-        """Way along x and y of the track's middle by a time (s), as the drive wants it: array (2,), m."""
-        return np.array([drive.travel(time), 0.0])
+    def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:
+        """Way along x and y of the track's middle by times (s), as the drive wants it: (times, 2), m."""
+        travels = drive.travel(times)
+        return np.column_stack((travels, np.zeros_like(travels)))
 
     @property
     def resistance(self) -> Resistance:

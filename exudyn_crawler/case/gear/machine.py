@@ -92,15 +92,15 @@ class Machine(Closed):
         """Where the chain of the right track starts; `assembly.MisfitError` if it does not close."""
         return self.single.assembled(shoe, self.loop(chain))
 
-    def way(self, drive: Drive, time: float) -> np.ndarray:
-        """Way of the machine's middle, which goes where it heads: array (2,), m."""
+    def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:
+        """Way of the machine's middle, which goes where it heads: array (times, 2), m."""
         if drive.turn_rate is None:
-            return super().way(drive, time)
-        times = np.linspace(0.0, time, INSTANTS)
-        heading = drive.turn_rate.integral(times)
+            return super().way(drive, times)
+        instants = np.linspace(0.0, times, INSTANTS, axis=-1)
+        heading = drive.turn_rate.integral(instants)
         ahead = np.array([np.cos(heading), np.sin(heading)])
-        way: np.ndarray = np.trapezoid(drive.speed.value(times) * ahead, times)
-        return way
+        way: np.ndarray = np.trapezoid(drive.speed.value(instants) * ahead, instants)
+        return way.T
 
     def errors(self, case: Whole) -> Errors:
         """Lines that say what does not fit the rest of the case."""

@@ -62,9 +62,9 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
         height = shoe.com_height + rails.height + self.radius
         return np.array([self.start, chain.first_com[1], height])
 
-    def way(self, drive: Drive, time: float) -> np.ndarray:
+    def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:
         """Way of the track's middle: the shoes stand."""
-        return np.zeros(2)
+        return np.zeros((len(times), 2))
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
         """Forces and moments beside those on shoes (n, 6): machine, and tension of the chain's ends."""

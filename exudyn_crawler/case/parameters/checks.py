@@ -60,8 +60,10 @@ def _gear(case: Case) -> Iterator[str]:
 
 
 def _sinking(case: Case) -> Iterator[str]:
-    depth, height = case.settled_penetration, case.shoe.com_height + case.shoe.load_point[2]
-    sinks = f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)},"
+    depth = case.settled_penetration
+    height = case.shoe.com_height + case.shoe.load_point[2]
+    load = case.mean_load
+    sinks = f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(load)},"
     if depth > DEEPEST * height:
         yield f"{sinks} more than half its height of {height:.3g} m; is it in N/m^exponent? Are loads in N?"
     elif 0.0 < depth < SHALLOWEST:
@@ -69,7 +71,7 @@ def _sinking(case: Case) -> Iterator[str]:
     terrain = case.terrain
     if terrain.model == "cells":
         return
-    sag = (case.mean_load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness
+    sag = (load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness
     if sag > GREATEST_SAG * terrain.unit_height:
         half = f"more than half its height of {terrain.unit_height:g} m; the stiffness is in N/m"
         yield f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, {half}"

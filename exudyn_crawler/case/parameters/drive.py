@@ -145,20 +145,20 @@ class Drive(Parameters):
         """Whether the drive is on just after a time (s)."""
         return self.on is None or any(start <= time * (1.0 + SAME_TIME) < end for start, end in self.on)
 
-    def travel(self, time: float) -> float:
-        """Way that the drive has moved the front shoe by a time (s), m."""
+    def travel(self, time: np.typing.ArrayLike) -> np.ndarray:
+        """Way that the drive has moved the front shoe by each time (s), m."""
         return self._driven(self.speed, time)
 
-    def turn(self, time: float) -> float:
-        """Angle that the drive has turned the front shoe by a time (s), rad."""
-        return 0.0 if self.turn_rate is None else self._driven(self.turn_rate, time)
+    def turn(self, time: np.typing.ArrayLike) -> np.ndarray:
+        """Angle that the drive has turned the front shoe by each time (s), rad."""
+        return np.zeros(np.shape(time)) if self.turn_rate is None else self._driven(self.turn_rate, time)
 
-    def _driven(self, rate: StepProfile, time: float) -> float:
-        """Integral of a rate over the times up to `time` at which the drive is on."""
+    def _driven(self, rate: StepProfile, time: np.typing.ArrayLike) -> np.ndarray:
+        """Integral of a rate over the times up to each `time` at which the drive is on."""
         if self.on is None:
-            return float(rate.integral(time))
-        parts = [(start, min(end, time)) for start, end in self.on if start < time]
-        return sum(float(rate.integral(end) - rate.integral(start)) for start, end in parts)
+            return rate.integral(time)
+        parts = [rate.integral(np.clip(time, *window)) - rate.integral(window[0]) for window in self.on]
+        return np.sum(parts, axis=0)
 
 
 def _risen(value: float) -> StepProfile:
