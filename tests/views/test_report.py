@@ -92,6 +92,22 @@ def test_the_page_opens_with_key_results_versions_and_dates(stress_page, history
     assert f"<td>highest von Mises stress</td>{highest}<td>shoe 13, t = " in head
 
 
+def test_the_first_screen_says_what_was_simulated_and_answers(stress_page, history, stress):
+    head = stress_page.split("<main>")[0]
+    assert "Track of 13 shoes, whose front shoe is dragged; 2 flexible: " in head
+    assert f" m in {history.duration:.4g} s on units on springs." in head
+    highest = f"<b>{float(stress.highest_von_mises.max()) / 1e6:.4g} MPa</b>"
+    assert f"<dt>highest von Mises stress</dt><dd>{highest} shoe 13, t = " in head
+    assert head.count("<dt>") == 5
+    assert 'alt="stress from the right"' in head
+    start = history.dataset.isel(time=0)
+    carried = float((start.normal_force + start.friction_force).sel(axis="z").sum())
+    greatest = float(
+        history.over_time(["contact_force"])["contact_force"].pipe(np.linalg.norm, axis=-1).max()
+    )
+    assert f"{100.0 * greatest / carried:.3g} % of what the ground carries at first" in head
+
+
 @pytest.mark.parametrize(
     "record", ["", "[]", "{", '{"finished": 3}', '{"finished": "soon", "status": "done"}']
 )

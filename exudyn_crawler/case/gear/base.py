@@ -96,6 +96,9 @@ class Gear(Parameters):
 
     kind: str
 
+    phrase: ClassVar[str] = "Track of {shoes} shoes, whose front shoe is dragged"
+    """Words for readers: what stands on which shoes; `mass` is that of all but the shoes, in t."""
+
     quantities: ClassVar[frozenset[str]] = frozenset()
     """Words by which the catalogue of quantities says that one needs such a gear."""
     tracks: ClassVar[int] = 1
@@ -196,6 +199,11 @@ class Gear(Parameters):
     def resistance(self) -> Resistance:
         """Resistance of the wheels of a track."""
         return Resistance(np.zeros(0), 1.0)
+
+    def words(self, chain: Track) -> str:
+        """Say what stands on which shoes, for readers."""
+        mass = sum(part.mass for part in self.frame_parts) / 1e3
+        return self.phrase.format(mass=f"{mass:.4g}", shoes=chain.shoe_count // self.tracks)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
         """Forces and moments beside those on shoes: array (n, 6), N and N m; `machine` (6,) is on a frame."""

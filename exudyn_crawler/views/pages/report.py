@@ -15,7 +15,7 @@ from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.results.history import History, ground_map, summary
 from exudyn_crawler.views import figures, style, tables
-from exudyn_crawler.views.pages import packing, page, runs
+from exudyn_crawler.views.pages import first_screen, packing, page, runs
 from exudyn_crawler.views.pages.page import Section, part, table, together
 from exudyn_crawler.views.scenes import pictures, shoes, track
 
@@ -86,7 +86,12 @@ def report_page(folder: Path) -> str:
     title = f"Crawler track: {' and '.join(histories) or folder.resolve().name}"
     data = curves | {"first_picture": first, "scenes": scenes, "arrays": arrays.packed}
     data |= {"bands": style.PHASE_BANDS, "phase_name": style.PHASE_NAME}
-    return page.page(title, provenance(folder, histories), sections, data, _key_table(histories, stresses))
+    opening = [
+        first_screen.first_screen(histories[name], stresses.get(name)) for name in [*bent, *histories][:1]
+    ]
+    keys = _key_table(histories, stresses)
+    top = together(*opening, part("folded", "All key results", keys, len(histories) > 1))
+    return page.page(title, provenance(folder, histories), sections, data, top)
 
 
 def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, object]:

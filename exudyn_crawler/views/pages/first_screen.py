@@ -1,0 +1,90 @@
+"""First screen of a run's page: the machine, a sentence of what was simulated, answers, the first warning."""
+
+from typing import Any
+
+import matplotlib as mpl
+import pandas as pd
+import xarray as xr
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.results.history import History, summary
+from exudyn_crawler.views import style
+from exudyn_crawler.views.pages import page
+from exudyn_crawler.views.scenes import pictures, shoes, track
+from fem import trust
+
+ANSWERS = 5  # of the first screen; the rest of the key results is in a table
+WIDTH = 11.0  # inches, of the picture
+LEVEL = 1e-6  # grade of ground that is level
+ROOM = 0.8  # inches, of a picture for its title and labels
+
+
+def first_screen(history: History, stress: xr.Dataset | None = None) -> Markup:
+    """Picture of the machine, what was simulated, answers, and the first warning if there is any."""
+    results = summary.key_results(history, stress)
+    case = history.case
+    now = track.instants(history, [results["at"].iloc[0]])
+    answers = [_answer(result, history, stress) for result in results.head(ANSWERS).itertuples()]
+    parts = [
+        page.figure_picture(f"{case.name} from the right", machine_figure(now)),
+        page.paragraph(sentence(history, results)),
+        page.part("answers", answers),
+    ]
+    if (line := next(checks.implausible(case, history.duration), None)) is not None:
+        parts.append(page.part("warning", line))
+    return page.together(*parts)
+
+
+def sentence(history: History, results: pd.DataFrame) -> str:
+    """Say what was simulated, on which ground, how far and how long; `results` are its key results."""
+    case = history.case
+    travel = results.set_index("result").loc["distance travelled", "value"]
+    way = f"{travel:.3g} m in {history.duration:.4g} s"
+    bending = "" if case.flexible is None else f"; {len(case.flexible.shoes)} flexible"
+    return f"{case.gear.words(case.track)}{bending}: {way} on {ground_words(case)}."
+
+
+def ground_words(case: Case) -> str:
+    """Say of what the ground of a case is, and its relief and grade."""
+    words = (
+        f"cells of {case.cell_contact().law.model}" if case.contact.model == "cells" else "units on springs"
+    )
+    relief = "" if case.terrain.is_even else " with a relief"
+    ahead, across, down = case.terrain.down
+    rises = {"ahead": ahead / down, "to the left": across / down}
+    grades = [f"{100.0 * rise:+.3g} % {way}" for way, rise in rises.items() if abs(rise) > LEVEL]
+    return f"{words}{relief}" + (f", a grade of {' and '.join(grades)}" if grades else "")
+
+
+def machine_figure(now: History) -> Figure:
+    """Side view of an instant, with the forces of the ground on the shoes."""
+    left, right, bottom, top = pictures.windows(now)[1]
+    with mpl.rc_context(style.STYLE):
+        figure = Figure(figsize=(WIDTH, WIDTH * (top - bottom) / (right - left) + ROOM))
+        ax = figure.subplots()
+        ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xlabel="x in m", ylabel="z in m")
+        ax.grid(False)
+        pictures.draw_side(ax, now, force_scale=shoes.shoe_force_scale(now))
+        ax.set_title(f"t = {float(now.time[0]):.3g} s")
+    return figure
+
+
+def _answer(result: Any, history: History, stress: xr.Dataset | None) -> tuple[str, str, str, str]:
+    """Name, value, place, and limit or verdict of a key result."""
+    place = ", ".join(filter(None, (result.of, f"t = {result.at:.4g} s")))
+    limit = ""
+    if result.unit == "kN":
+        limit = f"{1e5 * result.value / _carried(history):.3g} % of what the ground carries at first"
+    elif result.unit == "MPa" and stress is not None:
+        peak = stress.peak_von_mises.argmax(...)
+        limit = trust.verdict_words([int(stress.peak_verdict.isel(peak))])[0]
+    return result.result, f"{result.value:.4g} {result.unit}", place, limit
+
+
+def _carried(history: History) -> float:
+    """Force of the ground on all shoes at the start, upward, N."""
+    start = history.dataset.isel(time=0)
+    return float((start.normal_force + start.friction_force).sel(axis="z").sum())
