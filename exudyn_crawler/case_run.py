@@ -13,7 +13,7 @@ from exudyn_crawler.model import flexible_shoes, reductions as cache
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress import basis, recovery
 from exudyn_crawler.run.folder import checkpoints, folder as folders, progress as parts, record
-from exudyn_crawler.run.solve.simulation import compiled, simulate
+from exudyn_crawler.run.solve.simulation import compiled, simulate, solved_for_tension
 from exudyn_crawler.views.outputs import write_outputs
 
 
@@ -68,17 +68,20 @@ def run_case(
     track finds no rest before t = 0, or SimulationStopped if the run ends early; its history stays there.
     """
     check_case_file(case_file)
-    case, outputs = case_file.case, case_file.outputs
     # an empty path would be where the program runs
     if "" in (out, reuse):
         raise ValueError("out and reuse must name folders, or be None, got ''")
-    path = None if out is None else Path(out)
-    reused = None if reuse is None else folders.matching_history(Path(reuse), case_file)
-    # a mesh that does not fit, or ruts of another ground, are refused while nothing is written yet
+    # a mesh that does not fit, or ruts of another ground, are refused while nothing is solved or written yet
+    case = case_file.case
     if case.flexible is not None:
         flexible_shoes.check_shoe(case)
     if isinstance(case.terrain, CellTerrain):
         case.terrain.earlier(case.cell_contact().law)
+    case = solved_for_tension(case, progress)
+    case_file = case_file.with_(case=case)
+    outputs = case_file.outputs
+    path = None if out is None else Path(out)
+    reused = None if reuse is None else folders.matching_history(Path(reuse), case_file)
     with cache.reductions_in(reductions):
         if path is not None and take_finished and folders.held_of(path, case_file) is record.Holds.FINISHED:
             say(f"{case.name}: finished already, in {path}")

@@ -139,7 +139,9 @@ def row(run: CaseRun) -> dict[str, float]:
     history = run.history
     tilt = np.abs(history.angles.sel(axis="y").values)
     carried = history.contacts_by_shoe()
-    pressed = carried.normal_force.sel(axis="z").values > 0.25 * history.case.mean_load
+    case = history.case
+    evenly = float(case.pressed(case.first_loads).mean())
+    pressed = carried.normal_force.sel(axis="z").values > 0.25 * evenly
     sunk = np.where(pressed, carried.penetration.values, np.nan)
     heave = history.side_frame_position.sel(axis="z").values
     treads = np.linalg.norm(history.roller_force.values, axis=-1)

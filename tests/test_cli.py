@@ -100,6 +100,17 @@ def test_a_law_of_the_ground_is_drawn_from_its_file(told, refused, tmp_path):
         assert all(word in err for word in words), err
 
 
+@pytest.mark.filterwarnings("default::exudyn_crawler.errors.ImplausibleWarning")
+def test_a_law_that_no_ground_has_is_drawn_with_a_warning(call, tmp_path):
+    text = 'model = "bekker"\nbase = "lete_sand"\nk_phi = 5e12\nfriction_angle = 0.0\n'
+    (tmp_path / "law.toml").write_text(text)
+    code, out, err = call("ground", "law.toml")
+    assert code == 0
+    assert "law.png" in out
+    assert "law.toml: k_phi: 5e+12" in err
+    assert "law.toml: friction_angle: 0 deg is outside of 5 to 50 deg" in err
+
+
 ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso", "dask", "distributed"}
 TABLES = {"xarray", "pandas"}
 NUMBERS = {"numpy", "scipy"} | TABLES
@@ -314,7 +325,7 @@ def test_a_track_of_another_length_has_all_figures(call, tmp_path):
         '[outputs]\nfigure_format = "svg"\n'
     )
     assert call("run", "case.toml", "--out", "out")[0] == 0
-    assert len(list((tmp_path / "out").glob("*.svg"))) == 13
+    assert len(list((tmp_path / "out").glob("*.svg"))) == 14
     assert (tmp_path / "out" / "report.html").stat().st_size > 1e6
     assert "report.html" in json.loads((tmp_path / "out" / "run.json").read_text())["files"]
     table = pd.read_csv(tmp_path / "out" / "extremes.csv").set_index(["variable", "axis"])

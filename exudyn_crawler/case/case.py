@@ -1,15 +1,18 @@
 """Everything that a run depends on."""
 
+from typing import Any
+
 import numpy as np
 
 from exudyn_crawler.case.gear.assembled import Assembled
 from exudyn_crawler.case.gear.base import WheelLabel
+from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.named import NamedCases
 from exudyn_crawler.case.parameters import fields, sizes
 from exudyn_crawler.case.parameters.base import Errors
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
-from exudyn_crawler.case.parameters.loads import LoadCycle
+from exudyn_crawler.case.parameters.loads import LoadCycle, follow_shoes
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import SIDES, Track
 
@@ -48,6 +51,19 @@ class Case(NamedCases):
         if isinstance(contact, SphereContact):
             yield from self._sphere_errors(contact.radius)
         yield from self._support_errors(np.zeros(1))
+
+    @classmethod
+    def _fitted(cls, values: dict[str, Any]) -> dict[str, Any]:
+        """Values of a copy: the loads of a machine, which are none, are those of however many shoes."""
+        # parts of which a value was changed by its path are tables
+        gear, chain = (
+            values[name] if isinstance(values[name], dict) else dict(iter(values[name]))
+            for name in ("gear", "track")
+        )
+        count = chain["shoe_count"]
+        if gear["kind"] == fields.tag_of(Dragged) or not isinstance(count, int) or count < 1:
+            return values
+        return values | {"loads": follow_shoes(values["loads"], count)}
 
     def _unit_errors(self, terrain: Terrain) -> Errors:
         """Yield what does not go with a terrain of units."""
@@ -187,8 +203,8 @@ class Case(NamedCases):
 
     @property
     def mean_load(self) -> float:
-        """Mean over the shoes of the normal force that the ground carries at t = 0, N: load and weight."""
-        return float(self.pressed(self.first_loads.mean()))
+        """Mean normal force below the shoes that carry the machine at t = 0, N: load and weight."""
+        return float(self.pressed(self.first_loads[self.gear.standing(self)]).mean())
 
     @property
     def settled_penetration(self) -> float:

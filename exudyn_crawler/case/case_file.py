@@ -22,6 +22,7 @@ HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
 IN_WORDS = 'Numbers are in the units of their comments, or texts with units: "20 MN/m", "9 km/h", "5 min".'
 DIGITS = 10  # of a number in a file to be changed by hand: those behind are rounding alone
 Time = Annotated[float, Ge(0.0)]
+MANIFOLD = 2.0  # from which on a ratio is read as such and not in per cent
 ABSENT = "-"  # in place of a value that a case does not have
 
 
@@ -174,19 +175,25 @@ def _toml(value: object, unit: str, by_hand: bool) -> str:
 
 
 def run_lines(case_file: CaseFile) -> list[str]:
-    """What a case comes to before it is run: weights, pressure and sinkage; way and steps; a line each.
+    """What a case comes to before it is run: weights, pressure and sinkage; travel and steps; a line each.
 
-    A third line has the weights of rigid and of flexible shoes. Raises if these have no mesh.
+    Where a machine is on the track, the pressure below its shoes is that of its rest, which
+    `run.solve.standing` finds. A third line has the weights of rigid and of flexible shoes. Raises if these
+    have no mesh.
     """
     case, end = case_file.case, float(case_file.duration)
     shoes, shoe = case.track.shoe_count, case.shoe
-    loads = shoes * case.mean_load
-    pressure = loads / (shoes * shoe.length * shoe.width)
+    track = f"track: {shoes} shoes of {shoe.mass / 1e3:.4g} t"
+    if not case.frame_parts:
+        loads = shoes * case.mean_load
+        pressure = loads / (shoes * shoe.length * shoe.width)
+        track += (
+            f"; the ground carries {loads / 1e6:.4g} MN at the start, {pressure / 1e3:.4g} kPa below the "
+            f"shoes, which sink by about {1e3 * case.settled_penetration:.3g} mm"
+        )
     way, steps = float(case.drive.speed.integral(end)), end / case.solver.step
     lines = [
-        f"track: {shoes} shoes of {shoe.mass / 1e3:.4g} t; the ground carries {loads / 1e6:.4g} MN at the "
-        f"start, {pressure / 1e3:.4g} kPa below the shoes, which sink by about "
-        f"{1e3 * case.settled_penetration:.3g} mm",
+        track,
         f"run: {end:g} s, {abs(way):.3g} m of travel by the drive, {steps:.0f} steps of "
         f"{1e3 * case.solver.step:g} ms, {case.solver.stored_times(end):.0f} stored times",
     ]
@@ -196,7 +203,8 @@ def run_lines(case_file: CaseFile) -> list[str]:
         volume = geometry.VOLUMES[mesh] if mesh in geometry.VOLUMES else mesh_named(mesh).volume
         mass = volume * case.flexible.density
         weigh = f"rigid ones weigh {shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg"
-        more = f"{100.0 * (mass / shoe.mass - 1.0):+.2g} %"
+        ratio = mass / shoe.mass
+        more = f"{100.0 * (ratio - 1.0):+.2g} %" if ratio < MANIFOLD else f"{ratio:.3g} times as much"
         lines.append(f"shoes: {weigh} ({more}), as their mesh and density make them")
     return lines
 

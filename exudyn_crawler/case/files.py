@@ -16,6 +16,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
+from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.parameters import faults, fields, loads, reading, terrain, track
 from exudyn_crawler.files import whole_file
 
@@ -150,10 +151,18 @@ def _with_law(content: reading.Content, folder: Path) -> reading.Content:
 
 
 def with_equal_loads(case: reading.Content) -> reading.Content:
-    """Values of a case with one number for the loads on all shoes put on each of them."""
+    """Values of a case with one number for the loads on all shoes put on each of them.
+
+    The loads of a machine, which its wheels bring to its shoes, are none on however many there are.
+    """
     if "loads" not in case:
         return case
-    return case | {"loads": loads.with_equal_loads(case["loads"], _shoe_count(case))}
+    count = _shoe_count(case)
+    content = loads.with_equal_loads(case["loads"], count)
+    gear = case.get("gear")
+    if isinstance(gear, dict) and gear.get("kind") not in (None, fields.tag_of(Dragged)):
+        content = loads.follow_shoes(content, count)
+    return case | {"loads": content}
 
 
 def _shoe_count(case: reading.Content) -> int:

@@ -20,6 +20,7 @@ from exudyn_crawler.run.folder.progress import rule_of_thumb, times_line
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
+    from exudyn_crawler.case import Case
     from exudyn_crawler.case_run import CaseRun
     from exudyn_crawler.sweep.results import SweepRun
 
@@ -105,15 +106,18 @@ def info(
 ) -> None:
     """Show all values of a case, and where they differ from the nearest case of the papers."""
     from exudyn_crawler.case.case_file import nearest_base, run_lines
+    from exudyn_crawler.case.kept import kept_lines
     from exudyn_crawler.case.parameters import checks, fields
 
     studies = application.study_names(cases=True)
+    kept = list[str]()
     if case in studies:
         if changes:
             raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")
         case_file = application.study_case(case)
     elif Path(case).suffix or Path(case).exists():
         case_file = crawler.read_case(case, changes or ())
+        kept = kept_lines(case, changes or ())
     else:
         raise ValueError(f"case must be a case file or a study of {studies}, got {case!r}")
     base, of_base = nearest_base(case_file.case)
@@ -121,8 +125,9 @@ def info(
     columns = ("key", "value", "in the base", "meaning")
     title = f"{case}: {sum(row[2] != '' for row in rows)} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
-    typer.echo("\n".join([*run_lines(case_file), times_line(rule_of_thumb(case_file))]))
+    typer.echo("\n".join([*kept, *run_lines(case_file), times_line(rule_of_thumb(case_file))]))
     checks.warn_implausible(case_file.case, case_file.duration)
+    show_standing(case_file.case)
     if case_file.case.flexible is not None:
         from exudyn_crawler.model.reductions import reductions_line
 
@@ -148,8 +153,10 @@ def run(
         case_file = case_file.with_({"outputs.page": page})
     out = out or application.RESULTS / case.stem
     from exudyn_crawler.case.case_file import run_lines
+    from exudyn_crawler.case.kept import kept_lines
 
-    typer.echo("\n".join(run_lines(case_file)))
+    typer.echo("\n".join([*kept_lines(case, changes or ()), *run_lines(case_file)]))
+    show_standing(case_file.case)
     done = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo)
     show_answers(done)
     name, duration = case_file.case.name, done.history.duration
@@ -158,6 +165,19 @@ def run(
         typer.echo(f"{out / 'report.html'}: open it in a browser")
     else:
         typer.echo(f"everything on one page: exudyn-crawler report {out}")
+
+
+def show_standing(case: "Case") -> None:
+    """Print how a machine stands on its track, and warn where its chains are too taut or too slack."""
+    if not case.frame_parts:
+        return
+    from exudyn_crawler.case.parameters import checks
+    from exudyn_crawler.run.solve.standing import standing
+
+    found = standing(case)
+    assert found is not None
+    typer.echo("\n".join(found.lines))
+    checks.warn_of(found.warnings)
 
 
 def show_answers(run: "CaseRun") -> None:

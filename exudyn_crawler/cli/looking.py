@@ -177,10 +177,12 @@ def ground(
     overwrite: application.Overwrite = False,
 ) -> None:
     """Draw a law of the ground: pressure over sinkage with unloading, shear over slip with a reversal."""
+    from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.ground.cells.laws import read_law
     from exudyn_crawler.views import style
 
     law = read_law(file)
+    checks.warn_of(f"{file}: {line}" for line in checks.out_of_range(law))
     with style.titled_figure(file.stem, 8.0, 3.2) as figure:
         law.draw(*figure.subplots(1, 2))
     application.report_made(style.save_figure(figure, out or file.with_suffix(".png"), overwrite))

@@ -7,6 +7,7 @@ import xarray as xr
 from pydantic import Field, TypeAdapter
 
 from exudyn_crawler.case import Case, CaseFile
+from exudyn_crawler.case.gear.base import WheelKind
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured
 from exudyn_crawler.case_run import CaseRun
@@ -86,6 +87,7 @@ class Answer(AnyAnswer):
     )
     axis: Literal["x", "y", "z"] | None = option("of a vector, global; its length, if not given", None)
     of: tuple[int, ...] | None = option("of shoes, links or units; all, if not given", None, min_length=1)
+    wheels: WheelKind | None = option("of wheels of a closed track: of this kind; all, if not given", None)
     start: float = measured("s", "first time that counts", ge=0, default=0.0)
     end: float | None = measured("s", "last time that counts; the run's end, if not given", default=None)
 
@@ -96,20 +98,26 @@ class Answer(AnyAnswer):
             yield f"quantity must be {of}, got {self.quantity!r}; the nearest is {near[0]!r}"
         if self.axis is not None and "axis" not in QUANTITIES[self.quantity].dimensions:
             yield f"axis must be left out with {self.quantity}, which is no vector"
+        if self.wheels is not None and "wheel" not in QUANTITIES[self.quantity].dimensions:
+            yield f"wheels must be left out with {self.quantity}, which is not of wheels"
         if self.end is not None and self.end <= self.start:
             yield f"end must be greater than start = {self.start:g} s, got {self.end:g} s"
 
     @property
     def _column(self) -> tuple[str, str, str]:
         quantity, axis = QUANTITIES[self.quantity], f", {self.axis}" if self.axis else ""
-        name = "_".join(filter(None, [self.quantity, self.axis, self.statistic, *map(str, self.of or ())]))
-        return name, quantity.unit, f"{self.statistic} of {quantity.meaning}{axis}"
+        parts = [self.quantity, self.axis, self.statistic, self.wheels, *map(str, self.of or ())]
+        name, kind = "_".join(filter(None, parts)), f", {self.wheels}" if self.wheels else ""
+        return name, quantity.unit, f"{self.statistic} of {quantity.meaning}{axis}{kind}"
 
     def _case_errors(self, case_file: CaseFile) -> Errors:
         case, quantity = case_file.case, QUANTITIES[self.quantity]
         if lacking := quantity.lacking(case):
             yield f"{self.quantity} needs {lacking}"
         yield from _beyond(case_file, start=self.start, end=self.end)
+        kinds = {label.kind for label in case.wheel_labels}
+        if self.wheels is not None and not lacking and self.wheels not in kinds:
+            yield f"wheels must be of {' or '.join(sorted(kinds))}, got {self.wheels!r}"
         what, numbers = _counted(quantity, case)
         wrong = [one for one in self.of or () if one not in numbers]
         if wrong and not numbers:
@@ -124,6 +132,9 @@ class Answer(AnyAnswer):
         values = run.history.over_time([self.quantity], stress)[self.quantity].sel(time=window)
         if "axis" in values.dims:
             values = ((values**2).sum("axis") ** 0.5) if self.axis is None else values.sel(axis=self.axis)
+        if self.wheels is not None:
+            labels = run.history.case.wheel_labels
+            values = values.sel(wheel=[label.words for label in labels if label.kind == self.wheels])
         item = next((dim for dim in DIMENSIONS if dim in values.dims), None)
         if item is not None and self.of is not None:
             values = values.sel({item: list(self.of)})

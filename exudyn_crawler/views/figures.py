@@ -36,7 +36,8 @@ KINEMATICS = {name.replace("_", " "): one.label for name, one in select(curves="
 """Figures of kinematic quantities that the papers draw, and the labels of what they show."""
 VECTORS = select(curves="contact", curve_axes=False, dimensions="axis")
 CONTACT_VECTORS = [one.label for one in VECTORS.values()]
-CONTACT_SCALARS = [one.label for one in select(curves="contact").values() if one.label not in CONTACT_VECTORS]
+SCALARS = select(curves="contact", dimensions="contact")
+CONTACT_SCALARS = [one.label for one in SCALARS.values() if one.label not in CONTACT_VECTORS]
 JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values() if not one.needs]
 """Labels of forces and sinkage of shoes, and of forces of links."""
 OF_RUNS = {name: [label] for name, label in KINEMATICS.items()}

@@ -68,6 +68,7 @@ def write_figures(history: History, stresses: Stresses, folder: Path, outputs: O
         drawn["ground"] = pictures.ground_figure(history, history.duration)
     # curves of a long run would not fit into memory, and no figure shows them at every step
     thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
+    drawn["ground pressure"] = pictures.pressure_figure(thinned)
     if stresses is not None:
         found = figures.stress_figures(thinned, stresses.dataset)
         drawn |= {f"flexible {name}": one for name, one in found.items()}

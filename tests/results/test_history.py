@@ -234,3 +234,24 @@ def test_a_large_history_is_read_when_it_is_asked_for(translation, tmp_path, mon
     for name in ("position", "unit_heave", "normal_force"):
         np.testing.assert_array_equal(found.dataset[name].values, large.dataset[name].values[::3])
     assert translation.every(1) is translation
+
+
+def test_ground_pressure_is_the_normal_force_over_the_underside(translation):
+    case, area = translation.case, translation.case.shoe.length * translation.case.shoe.width
+    carried = area * translation.ground_pressure.isel(time=0).sum().item()
+    weight = case.track.shoe_count * case.mean_load
+    assert carried == pytest.approx(weight, rel=1e-4)
+    # all shoes of this track are loaded
+    mean = translation.mean_ground_pressure.isel(time=0).item()
+    assert mean == pytest.approx(weight / (case.track.shoe_count * area), rel=1e-4)
+
+
+def test_mean_ground_pressure_is_that_of_loaded_shoes(translation):
+    force = translation.normal_force.copy(deep=True)
+    on_first = translation.contact_shoe.values <= 4
+    lightly = force.where(xr.DataArray(on_first, dims="contact"), 0.05 * force)
+    history = History(translation.case, translation.dataset.assign(normal_force=lightly))
+    pressure = history.ground_pressure.isel(time=0)
+    mean = history.mean_ground_pressure.isel(time=0).item()
+    assert mean == pytest.approx(pressure.sel(shoe=slice(1, 4)).mean().item(), rel=1e-12)
+    assert (pressure.sel(shoe=slice(5, None)) < 0.1 * mean).all()

@@ -161,6 +161,11 @@ class Gear(Parameters):
         return 0.0
 
     @property
+    def is_set_by_tension(self) -> bool:
+        """True where the place of an idler is what gives its chain the tension at rest."""
+        return False
+
+    @property
     def single(self) -> "Gear":
         """Gear of one of the tracks by itself."""
         return self
@@ -186,8 +191,12 @@ class Gear(Parameters):
         coms = chain.com_positions(shoe.com_height)
         return np.hstack((coms, np.zeros_like(coms)))
 
+    def standing(self, case: Whole) -> np.ndarray:
+        """True for shoes that carry the machine as it stands at t = 0: array (shoes,)."""
+        return np.ones(case.track.shoe_count, dtype=bool)
+
     def first_loads(self, case: Whole) -> np.ndarray:
-        """Loads on the shoes at t = 0: array (shoes,), N."""
+        """Loads on the shoes beside their weight at t = 0: array (shoes,), N."""
         return case.loads.loads(0.0)[0]
 
     def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:

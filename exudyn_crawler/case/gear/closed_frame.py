@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.gear.base import Resistance, WheelLabel
+from exudyn_crawler.case.gear.base import Resistance, WheelLabel, Whole
 from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
 from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, option, quantity
@@ -15,6 +15,8 @@ from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 
 MAKERS_SAG = 0.025
 """Sag over the free span between idler and carrier that a chain has where no file says more: chosen here."""
+DEEPEST = 0.1
+"""Sag over the span of the deepest chain that a search for a pretension starts from."""
 LEAST_SAG, GREATEST_SAG = 0.007, 0.04
 """The same that makers ask for, least and greatest.
 
@@ -134,6 +136,27 @@ class ClosedFrame(RunningGear):
         return found
 
     @property
+    def carried_mass(self) -> float:
+        """Mass on the shoes beside their own, kg: tumblers and idlers on springs are bodies of their own."""
+        idlers = 0.0 if self.idler.tensioner is None else self.tracks * self.idler.tensioner.mass
+        return super().carried_mass + self.tracks * self.tumbler.mass + idlers
+
+    def first_loads(self, case: Whole) -> np.ndarray:
+        """Loads on the shoes beside their weight at t = 0: array (shoes,), N.
+
+        Shoes that do not stand below the rollers hang on the frame, which weighs with them on those that do.
+        """
+        under = self.standing(case)
+        weight = case.shoe.mass * case.gravity
+        hanging = np.where(under, np.sum(~under) / max(1, under.sum()), -1.0) * weight
+        return super().first_loads(case) + hanging
+
+    @property
+    def is_set_by_tension(self) -> bool:
+        """True where the place of the idler is what gives the chain its tension at rest."""
+        return self.idler.is_set_by_tension
+
+    @property
     def upper_spans(self) -> np.ndarray:
         """Distances along x from tumbler to idler, without take-up, by what carries the upper run, m."""
         supports = [self.tumbler.place[0], *(x for x, _ in self.upper.values()), self.idler.place[0]]
@@ -159,6 +182,7 @@ class ClosedFrame(RunningGear):
             # of the two runs the upper one pulls harder, by the weight of the chain between them
             apart = 2.0 * self.idler.radius
             hanging = weight / (self.idler.pretension + 0.5 * weight * apart)
+            hanging = min(hanging, 8.0 * DEEPEST / float(spans.max()))
         return 0.5 * float(np.sum(spans**3)) * hanging**2 / 24.0
 
     def idler_circle(self, take_up: float, rise: float, pitch: float) -> tuple[Wheel, float]:

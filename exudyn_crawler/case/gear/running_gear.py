@@ -159,17 +159,29 @@ class RunningGear(Gear):
         """Forces and moments beside those on shoes: array (n, 6), N and N m; the machine's (6,) first."""
         return machine[None]
 
-    def first_loads(self, case: Whole) -> np.ndarray:
-        """Loads on the shoes at t = 0: array (shoes,), N; the side frame weighs evenly on those below it."""
+    @property
+    def carried_mass(self) -> float:
+        """Mass on the shoes beside their own, kg."""
+        bogies = self.tracks * sum(bogie.mass for bogie in self.bogies)
+        return bogies + sum(part.mass for part in self.frame_parts)
+
+    def standing(self, case: Whole) -> np.ndarray:
+        """True for shoes below the outer rollers or between them: array (shoes,)."""
         start = self.frame_start(case.shoe, case.track)
         half = 0.5 * case.track.pitch
         coms = self.shoe_reference(case.shoe, case.track)
         rear = self.rollers[0] + start[0]
         front = self.rollers[-1] + start[0]
-        under = (coms[:, 0] >= rear - half) & (coms[:, 0] <= front + half) & (coms[:, 2] < start[2])
-        carried = sum(part.mass for part in self.frame_parts)
-        carried += self.tracks * sum(bogie.mass for bogie in self.bogies)
-        return super().first_loads(case) + under * carried * case.gravity / max(1, under.sum())
+        within = (coms[:, 0] >= rear - half) & (coms[:, 0] <= front + half)
+        return within & (coms[:, 2] < start[2])
+
+    def first_loads(self, case: Whole) -> np.ndarray:
+        """Loads on the shoes beside their weight at t = 0: array (shoes,), N.
+
+        What the shoes carry weighs evenly on those that stand below it.
+        """
+        under = self.standing(case)
+        return super().first_loads(case) + under * self.carried_mass * case.gravity / max(1, under.sum())
 
     def errors(self, case: Whole) -> Errors:
         """Lines that say what does not fit the rest of the case."""

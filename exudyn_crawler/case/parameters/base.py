@@ -145,7 +145,12 @@ class Parameters(pydantic.BaseModel):
         for path, value in (changes or {}).items():
             with fields.errors_at(path):
                 changed = fields.with_value(changed, fields.parse_path(path), value, type(self))
-        return type(self)(**changed)
+        return type(self)(**self._fitted(changed))
+
+    @classmethod
+    def _fitted(cls, values: dict[str, Any]) -> dict[str, Any]:
+        """Values of a copy, of which some follow others."""
+        return values
 
     def _repr_html_(self) -> str:
         """Table of every value with unit and meaning, for notebooks."""

@@ -203,6 +203,26 @@ def with_equal_loads(content: Any, shoe_count: int) -> Any:
     return content
 
 
+def follow_shoes(content: Any, shoe_count: int) -> Any:
+    """Load cycle, or its content, that loads no shoe: for another number of shoes; any other as it is."""
+    whole = content.model_dump() if isinstance(content, LoadCycle) else content
+    match whole:
+        case {"phases": [*phases]} if all(_is_of_nothing(phase) for phase in phases):
+            spread = [phase | {"loads": [0.0] * shoe_count} for phase in phases]
+            if isinstance(content, LoadCycle):
+                return LoadCycle.model_validate({"phases": spread})
+            return whole | {"phases": spread}
+    return content
+
+
+def _is_of_nothing(phase: Any) -> bool:
+    """True for a phase whose loads are all zero."""
+    values = phase.get("loads") if isinstance(phase, dict) else None
+    return isinstance(values, list | tuple) and all(
+        fields.is_number(value) and value == 0 for value in values
+    )
+
+
 def _falling(greatest: float, total: float, distance: np.ndarray) -> np.ndarray:
     """Loads that fall evenly with the distance from `greatest` to nothing, with a given sum."""
     reach = np.cumsum(np.sort(distance))

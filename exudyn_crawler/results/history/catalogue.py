@@ -60,6 +60,9 @@ READ_IN = {
     "rad/s2": ("deg/s²", float(np.degrees(1.0))),
 }
 """Units in which quantities are read, and factors to them, by those of the catalogue; others stay."""
+OF_GROUND = {"ground_pressure": ("kPa", 1e-3), "mean_ground_pressure": ("kPa", 1e-3)}
+"""Same of quantities, by their names."""
+LOADED = 0.1  # of the force on the most loaded shoe, from which on another one counts as loaded
 
 
 @dataclass(frozen=True)
@@ -208,6 +211,39 @@ def link_tension(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.Dat
     return xr.DataArray(np.linalg.norm(along, axis=-1), {name: dataset[name] for name in dims}, dims)
 
 
+def ground_pressure(case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
+    """Normal force on every shoe over the area of its underside: (time, shoe), Pa."""
+    force = dataset.normal_force.transpose("contact", "time", "axis").values
+    on_shoes = np.zeros((dataset.sizes["shoe"], *force.shape[1:]))
+    row = {shoe: k for k, shoe in enumerate(dataset.shoe.values.tolist())}
+    np.add.at(on_shoes, [row[shoe] for shoe in dataset.contact_shoe.values.tolist()], force)
+    dims = QUANTITIES["ground_pressure"].dimensions
+    pressure = np.linalg.norm(on_shoes, axis=-1).T / (case.shoe.length * case.shoe.width)
+    return xr.DataArray(pressure, {name: dataset[name] for name in dims}, dims)
+
+
+def mean_ground_pressure(case: Case, dataset: xr.Dataset, begin: xr.Dataset) -> xr.DataArray:
+    """Mean ground pressure below the loaded shoes: (time,), Pa."""
+    pressure = ground_pressure(case, dataset, begin)
+    is_loaded = (pressure > 0.0) & (pressure >= LOADED * pressure.max("shoe"))
+    # of a track that is in the air no shoe is loaded
+    return pressure.where(is_loaded, 0.0).sum("shoe") / np.maximum(is_loaded.sum("shoe"), 1)
+
+
+def pretension(case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
+    """Half of the push of every chain on its idler, backwards along the side frame: (time,), N.
+
+    Of two tracks (time, track).
+    """
+    ahead = rotation_matrices(dataset.side_frame_angles.transpose("time", "axis").values)[..., 0]
+    idlers = [label.words for label in case.wheel_labels if label.kind == "idler"]
+    force = dataset.wheel_force.sel(wheel=idlers).transpose("time", "wheel", "axis").values
+    pull = -0.5 * np.einsum("twi,ti->tw", force, ahead)
+    if case.tracks == 1:
+        return xr.DataArray(pull[:, 0], {"time": dataset.time}, ["time"])
+    return xr.DataArray(pull, {"time": dataset.time, TRACK: dataset[TRACK]}, ["time", TRACK])
+
+
 DERIVED: dict[str, Callable[[Case, xr.Dataset, xr.Dataset], xr.DataArray]] = {
     "displacement": lambda _, data, begin: data.position - begin.position.isel(time=0),
     "axes": axes,
@@ -218,6 +254,9 @@ DERIVED: dict[str, Callable[[Case, xr.Dataset, xr.Dataset], xr.DataArray]] = {
     ),
     "rail_force": rail_force,
     "link_tension": link_tension,
+    "ground_pressure": ground_pressure,
+    "mean_ground_pressure": mean_ground_pressure,
+    "pretension": pretension,
 }
 """What computes each derived quantity of the catalogue."""
 
@@ -256,8 +295,13 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
 BY_SHOE = tuple(select(by_shoe=True))  # quantities of contacts that can be taken by shoe
 
 
+def reading_unit(name: str, unit: str) -> tuple[str, float]:
+    """Unit in which a quantity is read, and the factor to it."""
+    return OF_GROUND.get(name) or READ_IN.get(unit, (unit, 1.0))
+
+
 def for_reading(values: xr.DataArray) -> xr.DataArray:
     """Values of a quantity in the unit for reading, which stands among their attributes."""
     unit = values.attrs.get("units", "")
-    drawn, factor = READ_IN.get(unit, (unit, 1.0))
+    drawn, factor = reading_unit(str(values.name), unit)
     return values if drawn == unit else (factor * values).assign_attrs(values.attrs | {"units": drawn})

@@ -1,6 +1,6 @@
 """What a run comes to: key results, extremes, loads, and differences from another run."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from operator import attrgetter
 from typing import Any, Literal, NamedTuple
 
@@ -8,11 +8,17 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from exudyn_crawler.case import Case
 from exudyn_crawler.files import blocks
-from exudyn_crawler.results.history import History, catalogue, phases
+from exudyn_crawler.results.history import History, catalogue, phases, tension
 
 KEY_UNITS = catalogue.READ_IN | {"m": ("mm", 1e3)}
 """Units in which key results are read, which are small in m."""
+WHEELS = {"roller": "a roller", "idler": "the idler", "carrier": "a carrier", "slide": "a line of a slide"}
+"""Kinds of wheels of closed tracks, and what a result calls one of them."""
+AT_LIMIT = 0.95
+"""Of the greatest torque of a drive, at which it has it: the chain lags three times `torque_speed`."""
+MOST_CHANGE = 1000.0  # in %, beyond which a change of a greatest value says nothing
 
 
 class Extreme(NamedTuple):
@@ -34,15 +40,20 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     """
     ranked = sorted(catalogue.select(key_result=True).values(), key=lambda one: one.key_result)
     named = {one.name: one for one in ranked if history.has(one.name, stress)}
-    greatest: dict[str, Extreme] = {}
+    greatest: dict[tuple[str, str], Extreme] = {}
+    driven = _Driven()
     for part, own in history.parts(stress):
         for name, values in part.over_time(named, own).items():
-            found = _extreme(_size(values))
-            greatest[name] = max(greatest.get(name, found), found, key=_value)
+            for label, some in _apart(part.case, name, values):
+                found = _extreme(_size(some))
+                greatest[name, label] = max(greatest.get((name, label), found), found, key=_value)
+        driven.add(part)
     rows = []
-    for name, one in greatest.items():
-        unit, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
-        rows.append((named[name].key_result.partition(" ")[2], one.value * factor, unit, one.of, one.at))
+    for (name, label), one in greatest.items():
+        drawn, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
+        unit, factor = catalogue.OF_GROUND.get(name, (drawn, factor))
+        rows.append((label, one.value * factor, unit, one.of, one.at))
+    rows += [*driven.rows(), *_hanging(history)]
     # of the front shoe, or of the side frame that rolls over the shoes
     framed = history.has("side_frame_way")
     way = part.side_frame_way if framed else part.displacement.isel(shoe=-1)
@@ -51,6 +62,58 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     of, force = unbalanced(history)
     rows.append(("residual force at the start", 1e-3 * force, "kN", of, float(history.time[0])))
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
+
+
+def _apart(case: Case, name: str, values: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
+    """Key results of a quantity by their names: forces on rollers, idler and carriers apart."""
+    result = catalogue.QUANTITIES[name].key_result.partition(" ")[2]
+    if "wheel" not in values.dims:
+        yield result, values
+        return
+    for kind, words in WHEELS.items():
+        some = [label.words for label in case.wheel_labels if label.kind == kind]
+        if some:
+            yield result.replace("a wheel", words), values.sel(wheel=some)
+
+
+class _Driven:
+    """How long drives that have a limit of their torque are at it."""
+
+    def __init__(self) -> None:
+        self._since: dict[str, float] = {}
+        self._seconds: dict[str, float] = {}
+
+    def add(self, part: History) -> None:
+        """Count a part of a run."""
+        if not part.case.gear.loops or (limit := part.case.closed_gear().torque_limit) is None:
+            return
+        time = part.time.values
+        moment = part.drive_moment.transpose("time", ...).values.reshape(len(time), -1)
+        for name, one in zip(part.case.gear.tumblers, np.abs(moment).T, strict=True):
+            at_limit = one >= AT_LIMIT * limit
+            if at_limit.any():
+                self._since.setdefault(name, float(time[at_limit.argmax()]))
+                self._seconds[name] = self._seconds.get(name, 0.0) + float(np.trapezoid(at_limit, time))
+
+    def rows(self) -> list[tuple[str, float, str, str, float]]:
+        """Rows of the key results: none where no drive came to its limit."""
+        return [
+            ("time of the drive at its torque limit", seconds, "s", name, self._since[name])
+            for name, seconds in self._seconds.items()
+        ]
+
+
+def _hanging(history: History) -> list[tuple[str, float, str, str, float]]:
+    """Rows of the tension of closed chains as the run starts, and of how far they sag."""
+    if not history.case.gear.loops:
+        return []
+    start = history.dataset.isel(time=0)
+    time, rows = float(start.time), []
+    for chain in tension.hanging_chains(history.case, start):
+        of = f"{chain.side} idler".strip()
+        rows.append(("pretension at the start", 1e-3 * chain.pretension, "kN", of, time))
+        rows.append(("sag at the start", 1e3 * chain.sag, "mm", f"{of} to {chain.carrier}", time))
+    return rows
 
 
 def unbalanced(history: History) -> tuple[str, float]:
@@ -187,7 +250,7 @@ def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.
     Shoes, links and units that both have are compared, over the time that both have; the second is read
     between its stored times, linearly, where the first has others. Only what differs beyond rounding has a
     row: greatest magnitude in each over that time and its change, root mean square and greatest magnitude of
-    B less A, and what that is of and when.
+    B less A, and what that is of and when. A change of more than tenfold is left out: both values say it.
     """
     rows = []
     for name in [name for name in first if name in second]:
@@ -203,6 +266,7 @@ def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.
                 continue
             size, now = float(abs(one).max()), float(abs(other).max())
             change = 100.0 * (now - size) / size if size > 0.0 else np.nan
+            change = change if abs(change) <= MOST_CHANGE else np.nan
             rms, found = float(np.sqrt((difference**2).mean())), _extreme(difference.fillna(0.0), "largest")
             rows.append((str(name), axis, one.attrs.get("units", ""), size, now, change, rms, *found))
     return pd.DataFrame(rows, columns=COLUMNS)

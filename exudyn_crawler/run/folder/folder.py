@@ -15,6 +15,7 @@ from exudyn_crawler.case import CaseFile, differences, read_case, write_case
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.record import CASE, HISTORY, Holds, RunFolder, quiet
+from exudyn_crawler.run.solve.tension import tensioned_file
 from fem.interrupts import interrupts_wait
 
 RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
@@ -70,9 +71,9 @@ def run_in(
 
 def held_of(out: Path, case_file: CaseFile) -> Holds:
     """What the folder of a run holds of a case; nothing, too, if it holds another one, or a longer run."""
-    noted, found = record.earlier_record(out), None
-    with suppress(errors.CaseFileError, FileNotFoundError):
-        found = read_case(out / CASE) if noted else None
+    noted = record.earlier_record(out)
+    found = _its_case(out / CASE) if noted else None
+    case_file = tensioned_file(case_file)
     if found is None or found.case != case_file.case or found.duration > case_file.duration + SAME_TIME:
         return Holds.NOTHING
     end = _end(out / HISTORY)
@@ -81,6 +82,13 @@ def held_of(out: Path, case_file: CaseFile) -> Holds:
         return Holds.NOTHING if end is None else Holds.STOPPED if is_shorter else Holds.FINISHED
     # a history that cannot be read is refused where it is read
     return Holds.STOPPED if is_shorter or not (out / HISTORY).is_file() else Holds.HISTORY
+
+
+def _its_case(path: Path) -> CaseFile | None:
+    """Case of a folder as it is run, which is solved for its tension at rest; None if there is none."""
+    with suppress(errors.CaseFileError, FileNotFoundError):
+        return tensioned_file(read_case(path))
+    return None
 
 
 def _held_of_study(out: Path, cases: Mapping[str, CaseFile]) -> Holds:
@@ -115,9 +123,7 @@ def _refuse_results(out: Path, below: bool = False) -> None:
 
 def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
     """Write the resolved case file; one that says the same stays as its author wrote it."""
-    found = None
-    with suppress(errors.CaseFileError, FileNotFoundError):
-        found = read_case(path)
+    found = _its_case(path)
     if path.exists() and found != case_file and not replace:
         other = "" if found is None else f" ({differences(found, case_file)[0]})"
         raise FileExistsError(
@@ -159,7 +165,7 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
     FileNotFoundError if the folder holds none; ValueError, naming what differs, if it comes from other
     parameters or is shorter or longer.
     """
-    case = case_file.case
+    case = tensioned_file(case_file).case
     paths = (folder / HISTORY, folder / case.name / HISTORY)
     path = next(filter(Path.is_file, paths), None)
     if path is None:

@@ -24,6 +24,7 @@ from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import COMPILE, COMPILING, REDUCE, heartbeat, progress_bar
 from exudyn_crawler.run.solve import stages
 from exudyn_crawler.run.solve.start import begin, warn_unbalanced
+from exudyn_crawler.run.solve.tension import tensioned
 from fem import interrupts
 
 
@@ -265,6 +266,15 @@ def compiled(case: Case, progress: bool | None = None) -> None:
             compiling.compile_equations()
 
 
+def solved_for_tension(case: Case, progress: bool | None = None) -> Case:
+    """Case with the idler where its chains have their tension at rest; as it is, if it says where."""
+    if not case.gear.is_set_by_tension:
+        return case
+    compiled(case, progress)
+    with threadpool_limits(1, user_api="blas"):
+        return tensioned(case)
+
+
 def simulate(
     case: Case,
     duration: float,
@@ -275,7 +285,8 @@ def simulate(
     """Run a case from static equilibrium for a duration (s), or from the last of the checkpoints.
 
     The run is made of stages (`stage_times`); each starts from the end of the one before, whether in
-    the same process or, after a kill, in a later one, so that both give the same numbers.
+    the same process or, after a kill, in a later one, so that both give the same numbers. The history's case
+    has the take-up that gives its chains their tension at rest.
 
     `progress` shows a bar; None shows one on a terminal and a line every 10 s elsewhere. `checkpoints` keep
     every stage but the last; the run goes on behind those that they have. `ground_times` (s) rise; at them,
@@ -290,6 +301,7 @@ def simulate(
     """
     case_file.check_run(case, duration)
     warn_implausible(case, duration)
+    case = solved_for_tension(case, progress)
     if checkpoints is not None:
         checkpoints.load(case)
     if case.flexible is not None:

@@ -284,3 +284,33 @@ def map_figure(history: History, ground: xr.Dataset, time: float | None = None) 
             ax.set_title(stays, loc="right", fontsize=8)
         figure.colorbar(image, ax=ax, label=label, fraction=0.025, pad=0.01, shrink=0.75)
     return figure
+
+
+def pressure_figure(history: History) -> Figure:
+    """Ground pressure below every shoe from above: as the run starts, and where it is greatest."""
+    case, pressure = history.case, history.ground_pressure.transpose("time", "shoe")
+    greatest = int(pressure.max("shoe").argmax("time"))
+    x0, x1, y0, y1, z0 = case.shoe.footprint
+    corners = np.array([[x0, y0, z0], [x1, y0, z0], [x1, y1, z0], [x0, y1, z0]])
+    scale = style.scale_of(0.0, float(pressure.max()) / style.KILO or 1.0, style.SINKAGE_MAP)
+    with style.titled_figure(f"{case.name}: ground pressure", 11.0, 7.0) as figure:
+        panels = figure.subplots(2, 1, sharex=True, sharey=True)
+        for ax, row, words in zip(panels, (0, greatest), ("start", "greatest"), strict=True):
+            now, below = history.dataset.isel(time=row), pressure.values[row] / style.KILO
+            mean = float(history.mean_ground_pressure[row]) / style.KILO
+            on_ground = now.shoe.values[below > 0.0]
+            outlines = [track.shoe_pose(now, shoe).place(corners)[:, :2] for shoe in on_ground]
+            colours = scale.to_rgba(below[below > 0.0])
+            edges: dict[str, Any] = {"edgecolors": style.SHOE_EDGE, "linewidths": 0.6}
+            ax.add_collection(mpl.collections.PolyCollection(outlines, facecolors=colours, **edges))
+            for outline, number in zip(outlines, on_ground, strict=True):
+                x, y = outline.mean(axis=0)
+                ax.text(x, y, str(number), ha="center", va="center", fontsize=6.5, clip_on=True)
+            ax.autoscale_view()
+            ax.grid(False)
+            ax.set(ylabel="y in m", aspect="equal")
+            most = f"{below.max():.4g} kPa at most, {mean:.4g} on the mean of the loaded shoes"
+            ax.set_title(f"{words}, t = {float(now.time):.3g} s: {most}", loc="left", fontsize=8)
+        panels[-1].set_xlabel("x in m; numbers are those of the shoes")
+        figure.colorbar(scale, ax=panels, label="ground pressure in kPa", fraction=0.025, pad=0.01)
+    return figure

@@ -1,0 +1,83 @@
+"""Tension of closed chains where they stand: their push on the idlers, and how far they sag before these."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from exudyn_crawler.case import SIDES, Case
+from exudyn_crawler.results.history import catalogue
+
+IDLER = "idler"
+
+
+class Hanging(NamedTuple):
+    """A closed chain in one state."""
+
+    side: str  # of two tracks right or left; empty for one
+    push: float  # of the chain on the idler, backwards along the side frame, N
+    sag: float  # of the pins between idler and carrier below a straight edge on them, m
+    span: float  # from the axis of the idler to that of the carrier, or of the tumbler, along the frame, m
+    carrier: str  # name of the latter
+
+    @property
+    def pretension(self) -> float:
+        """Half of its push on the idler, on which both runs pull, N."""
+        return 0.5 * self.push
+
+
+def hanging_chains(case: Case, state: xr.Dataset) -> list[Hanging]:
+    """Chains of all tracks in one state of a history: a dataset without times."""
+    frame, turn = (
+        state.side_frame_position.values,
+        catalogue.rotation_matrices(state.side_frame_angles.values),
+    )
+    pins = _pins(case, state).reshape(case.tracks, -1, 3)
+    take_ups = np.atleast_1d(state.take_up.values)
+    sides = ("",) if case.tracks == 1 else SIDES
+    chains = []
+    for side, its_pins, take_up in zip(sides, pins, take_ups, strict=True):
+        force = state.wheel_force.sel(wheel=f"{side} {IDLER}".strip()).values
+        places = (its_pins - frame) @ turn
+        chains.append(_hanging(case, side, -float(force @ turn[:, 0]), places[:, [0, 2]], float(take_up)))
+    return chains
+
+
+def _pins(case: Case, state: xr.Dataset) -> np.ndarray:
+    """Front pins of all shoes in the chain's plane: array (shoes, 3), m, global."""
+    turn = catalogue.rotation_matrices(state.angles.transpose("shoe", "axis").values)
+    arm = [case.track.pin_ahead, 0.0, case.track.pin_height]
+    return state.position.transpose("shoe", "axis").values + turn @ arm
+
+
+def _hanging(case: Case, side: str, push: float, pins: np.ndarray, take_up: float) -> Hanging:
+    """Chain of pins (n, 2) at x and z in the frame."""
+    closed = case.closed_gear()
+    place, height = closed.idler.place
+    carriers = {label.words: place for label, place in closed.upper.items()}
+    carriers["tumbler"] = closed.tumbler.place
+    name, (start, _) = max(carriers.items(), key=lambda item: item[1][0])
+    end = place + take_up
+    half = 0.5 * closed.chain_pitch(case.track)
+    between = (pins[:, 1] > height) & (pins[:, 0] > start - half) & (pins[:, 0] < end + half)
+    return Hanging(side, push, depth_below_edge(pins[between]), end - start, name)
+
+
+def depth_below_edge(points: np.ndarray) -> float:
+    """Greatest depth (m) of points (n, 2), x and z, below straight edges laid on them."""
+    ordered = points[np.argsort(points[:, 0])]
+    edge = list[np.ndarray]()
+    for point in ordered:
+        while len(edge) > 1 and _turns_up(edge[-2], edge[-1], point):
+            edge.pop()
+        edge.append(point)
+    if len(edge) < 2:
+        return 0.0
+    x, z = np.array(edge).T
+    return float(np.max(np.interp(ordered[:, 0], x, z) - ordered[:, 1]))
+
+
+def _turns_up(first: np.ndarray, second: np.ndarray, third: np.ndarray) -> bool:
+    """True where the second of three points lies on or below the line of the others."""
+    (x0, z0), (x1, z1) = second - first, third - second
+    return bool(x0 * z1 - z0 * x1 >= 0.0)

@@ -1,0 +1,87 @@
+"""How a machine stands on its track before it moves, for reading: ground pressure, tension of its chains."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.case.gear.closed_frame import GREATEST_SAG, LEAST_SAG
+from exudyn_crawler.case.parameters.fields import in_units
+from exudyn_crawler.results.history import History, tension
+from exudyn_crawler.results.history.catalogue import LOADED
+from exudyn_crawler.run.solve.simulation import compiled, solved_for_tension
+from exudyn_crawler.run.solve.tension import history_at_rest
+
+FORCES = {"MN": 1e6, "kN": 1e3, "N": 1.0}
+
+
+class Standing(NamedTuple):
+    """A machine at rest on its track."""
+
+    case: Case  # with the take-up of its idler
+    history: History  # of one time
+
+    @property
+    def lines(self) -> list[str]:
+        """Ground pressure and tension, a line each."""
+        return [self._on_ground(), *self._chains()]
+
+    @property
+    def warnings(self) -> Iterator[str]:
+        """Chains that are tauter or slacker than makers ask for."""
+        for chain in self.chains:
+            share = chain.sag / chain.span
+            if not LEAST_SAG <= share <= GREATEST_SAG:
+                side = f"{chain.side} chain" if chain.side else "chain"
+                how = "tauter" if share < LEAST_SAG else "slacker"
+                sags = f"it sags by {1e3 * chain.sag:.3g} mm in {chain.span:.3g} m before the idler"
+                makers = f"{100.0 * LEAST_SAG:g} to {100.0 * GREATEST_SAG:g} %"
+                yield (
+                    f"gear.idler: the {side} is {how} than makers ask for: {sags}, "
+                    f"{100.0 * share:.2g} %, not {makers}; idler.sag or idler.pretension say its tension"
+                )
+
+    @property
+    def chains(self) -> list[tension.Hanging]:
+        """Chains of a machine that stands on the ground with closed tracks."""
+        if not self.case.gear.loops or self.case.closed_gear().support == "posts":
+            return []
+        return tension.hanging_chains(self.case, self.history.dataset.isel(time=0))
+
+    def _on_ground(self) -> str:
+        pressure = self.history.ground_pressure.isel(time=0)
+        mean = float(self.history.mean_ground_pressure.isel(time=0))
+        # normals lean with the units that a shoe tilts, and some of them push against each other
+        carried = float(self.history.normal_force.isel(time=0).sel(axis="z").sum())
+        if not mean:
+            return "at rest: no shoe is on the ground"
+        loaded = int((pressure >= LOADED * pressure.max()).sum())
+        return (
+            f"at rest: the ground carries {in_units(carried, FORCES, 4)}, most of it on {loaded} of "
+            f"{len(pressure)} shoes; the pressure below these is {1e-3 * mean:.4g} kPa on the mean and "
+            f"{1e-3 * float(pressure.max()):.4g} kPa at most"
+        )
+
+    def _chains(self) -> Iterator[str]:
+        weight = sum(part.mass for part in self.case.frame_parts) * self.case.gravity / self.case.tracks
+        for chain in self.chains:
+            side = f"{chain.side} chain" if chain.side else "chain"
+            push = f"half of its push on the idler of {in_units(chain.push, FORCES, 4)}"
+            share = f"{100.0 * chain.push / weight:.3g} % of the weight on its rollers"
+            sag = (
+                f"it sags by {1e3 * chain.sag:.3g} mm in {chain.span:.3g} m between idler and {chain.carrier}"
+            )
+            take_up = f"take-up {1e3 * float(self.case.assembled.take_up):.1f} mm"
+            pull = in_units(chain.pretension, FORCES, 4)
+            yield f"tension at rest: {side} {pull}, {push} ({share}); {sag}; {take_up}"
+
+
+def standing(case: Case, progress: bool | None = None) -> Standing | None:
+    """Rest of a machine on its track with rigid shoes; None for a track without a machine on it.
+
+    An EquilibriumError if it finds none.
+    """
+    if not case.frame_parts:
+        return None
+    compiled(case, progress)
+    rigid = solved_for_tension(case.with_(flexible=None), progress)
+    return Standing(rigid, history_at_rest(rigid))

@@ -1,0 +1,134 @@
+"""Tension of closed chains at rest: what is asked for is what the rest has; key results of a closed track."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, StepProfile, simulate
+from exudyn_crawler.case import Drive
+from exudyn_crawler.case.gear.closed_frame import LEAST_SAG, MAKERS_SAG
+from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.results.history.summary import difference_table, key_results
+from exudyn_crawler.results.history.tension import depth_below_edge
+from exudyn_crawler.run.solve.standing import standing
+from exudyn_crawler.run.solve.tension import chains_at_rest, tensioned
+
+pytestmark = pytest.mark.simulation
+
+LIMIT = 20e3
+"""N m, far less than what the chain takes to move."""
+
+
+def with_idler(case, **idler):
+    """Same case with some values of its idler."""
+    return case.with_({f"gear.idler.{name}": value for name, value in idler.items()})
+
+
+def test_straight_edge_on_points_that_hang_as_a_parabola():
+    x = np.linspace(0.0, 2.0, 21)
+    hanging = np.column_stack((x, -4.0 * 0.03 * x / 2.0 * (1.0 - x / 2.0)))
+    assert depth_below_edge(hanging) == pytest.approx(0.03, rel=1e-12)
+    # the edge lies on the highest ones between its ends
+    assert depth_below_edge(np.array([[0.0, 0.0], [1.0, 0.2], [2.0, 0.0]])) == 0.0
+    assert depth_below_edge(np.array([[0.0, 0.1], [1.0, 0.0], [2.0, 0.3]])) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("asked", [{"pretension": 300e3}, {"sag": 0.06}])
+def test_rest_has_the_tension_that_is_asked_for(asked):
+    ((name, value),) = asked.items()
+    (chain,) = chains_at_rest(tensioned(with_idler(Case.closed(), **asked)))
+    assert getattr(chain, name) == pytest.approx(value, rel=3e-3)
+
+
+def test_chain_that_no_file_says_more_of_sags_as_makers_ask():
+    """Far from taut: 45 mm in 1.8 m, where a taut chain pulls nearly three times as hard."""
+    case = tensioned(Case.closed())
+    (chain,) = chains_at_rest(case)
+    (taut,) = chains_at_rest(with_idler(Case.closed(), slack=0.0))
+    assert chain.sag == pytest.approx(MAKERS_SAG * 1.8, rel=3e-3)
+    assert chain.carrier == "carrier 4"
+    assert chain.span == pytest.approx(1.8 + case.gear.idler.take_up)
+    assert chain.pretension < 0.4 * taut.pretension
+    # it does not change what says where its idler is
+    assert tensioned(case) is case
+
+
+def test_tension_that_no_take_up_gives_is_refused_with_the_nearest():
+    with pytest.raises(EquilibriumError, match=r"pretension of 20 kN at rest; the nearest is [\d.]+ kN"):
+        tensioned(with_idler(Case.closed(), pretension=20e3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("side", [0, 1])
+def test_both_tracks_of_a_machine_have_it(side):
+    chain = chains_at_rest(tensioned(with_idler(Case.shovel(), pretension=300e3)))[side]
+    assert chain.pretension == pytest.approx(300e3, rel=0.02)
+
+
+def test_machine_says_how_it_stands():
+    """Pressure is that below loaded shoes, of the whole weight, with tumbler and shoes."""
+    case = Case.closed()
+    found = standing(case)
+    ground, chain = found.lines
+    assert list(found.warnings) == []
+    closed, shoe = case.gear, case.shoe
+    weight = (closed.mass + closed.tumbler.mass + 38 * shoe.mass) * case.gravity
+    # units lean, so that friction carries 1e-4 of it, which has no slip yet
+    carried = float(ground.partition("carries ")[2].partition(" MN, most of it on")[0])
+    assert 1e6 * carried == pytest.approx(weight, rel=2e-4)
+    count = int(ground.partition("most of it on ")[2].split()[0])
+    mean = float(ground.partition("these is ")[2].split()[0])
+    # nearly all of the weight is on these
+    assert mean == pytest.approx(1e-3 * weight / (count * shoe.length * shoe.width), rel=0.05)
+    assert 9 <= count <= 13
+    assert "sags by 45 mm in 1.85 m between idler and carrier 4" in chain
+
+
+def test_taut_chain_of_short_links_is_warned_of():
+    """The chain of a light shoe hangs less at the same slack."""
+    light = with_idler(Case.closed(), slack=0.0).with_(
+        {"shoe.mass": 468.0, "shoe.inertia": (400.0, 18.0, 400.0, 0, 0, 0)}
+    )
+    (line,) = standing(light).warnings
+    assert "the chain is tauter than makers ask for" in line
+    assert f"not {100 * LEAST_SAG:g} to 4 %" in line
+
+
+@pytest.fixture(scope="module")
+def stalled():
+    """A drive that has not the torque to move the machine."""
+    drive = Drive(speed=StepProfile(times=(0.0, 0.05), values=(0.0, 0.3)))
+    case = with_idler(Case.closed(), slack=0.005)
+    return simulate(case.with_({"drive": drive, "gear.torque_limit": LIMIT}), 0.1, progress=False)
+
+
+def test_drive_at_its_torque_limit_says_so(stalled):
+    found = key_results(stalled).set_index("result")
+    row = found.loc["time of the drive at its torque limit"]
+    assert row["of"] == "tumbler"
+    assert 0.03 < row["value"] < 0.1
+    moment = np.abs(stalled.drive_moment.values)
+    assert row["at"] == stalled.time.values[(moment >= 0.95 * LIMIT).argmax()]
+
+
+def test_key_results_tell_idler_rollers_and_carriers_apart(stalled):
+    found = key_results(stalled).set_index("result")
+    force = np.linalg.norm(stalled.wheel_force.transpose("wheel", "time", "axis").values, axis=-1).max(axis=1)
+    force = dict(zip(stalled.wheel.values.tolist(), force, strict=True))
+    assert found.loc["greatest force on the idler", "value"] == pytest.approx(1e-3 * force["idler"])
+    for kind in ("roller", "carrier"):
+        greatest = max(value for name, value in force.items() if name.startswith(kind))
+        row = found.loc[f"greatest force on a {kind}"]
+        assert row["value"] == pytest.approx(1e-3 * greatest)
+        assert row["of"].startswith(f"wheel {kind}")
+    assert "greatest force on a wheel" not in found.index
+    assert found.loc["pretension at the start", "value"] == pytest.approx(
+        1e-3 * float(stalled.pretension[0]), rel=1e-9
+    )
+
+
+def test_changes_of_more_than_tenfold_have_no_per_cent(stalled):
+    first = {"way": stalled.drive_moment.rename("way")}
+    table = difference_table(first, {"way": 11.5 * first["way"]})
+    assert np.isnan(table["change in %"].item())
+    table = difference_table(first, {"way": 2.0 * first["way"]})
+    assert table["change in %"].item() == pytest.approx(100.0)
