@@ -311,6 +311,7 @@ def changed_line(line, dice):
     ],
 )
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.UnbalancedWarning")
 def test_no_change_of_a_case_ends_in_a_traceback(base, count, call, tmp_path, nothing_hangs):
     dice = random.Random(SEED)
     lines = case_text(base()).splitlines()

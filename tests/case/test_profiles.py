@@ -63,6 +63,8 @@ def test_the_track_travels_only_while_driven():
     speed = StepProfile(times=(0.0, 0.05, 0.1, 0.15, 0.2), values=(0.0, 0.01, 0.0, 0.0, 0.02))
     case = Case.translation().with_(drive=Drive(speed=speed, on=((0.0, 0.05),)))
     assert case.outline(0.2)[0, 0] - case.outline(0.0)[0, 0] == pytest.approx(0.05 * 0.01 / 2)
+    free = case.with_(drive=Drive(speed=speed, on=()))
+    np.testing.assert_array_equal(free.outlines(EARLY), np.tile(free.outline(0.0), (len(EARLY), 1, 1)))
 
 
 def test_the_shovel_cycle_keeps_every_sum_and_the_printed_loads():

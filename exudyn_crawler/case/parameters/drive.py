@@ -157,8 +157,10 @@ class Drive(Parameters):
         """Integral of a rate over the times up to each `time` at which the drive is on."""
         if self.on is None:
             return rate.integral(time)
-        parts = [rate.integral(np.clip(time, *window)) - rate.integral(window[0]) for window in self.on]
-        return np.sum(parts, axis=0)
+        driven = np.zeros(np.shape(time))
+        for window in self.on:
+            driven += rate.integral(np.clip(time, *window)) - rate.integral(window[0])
+        return driven
 
 
 def _risen(value: float) -> StepProfile:
