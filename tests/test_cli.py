@@ -33,7 +33,7 @@ STUDIES = {
 }
 COMMANDS = {
     *("demo", "scatter", "schema", "fmu", "check", "init", "run", "info", "report", "animate", "node-stress"),
-    *("pin-forces", "shoe-loads", "compare", "fit-soil", "ground", "life", "spread", "sweep"),
+    *("pin-forces", "shoe-loads", "compare", "fit-soil", "ground", "life", "spread", "sweep", "machine", "machines"),
 }
 
 

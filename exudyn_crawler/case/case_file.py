@@ -10,6 +10,7 @@ from annotated_types import Ge
 from pydantic import BaseModel
 
 from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.parameters import drive, fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, Rising, option, quantity
 from meshes import geometry, mesh_named
@@ -118,6 +119,9 @@ class CaseFile(Parameters):
     case: Annotated[Case, fields.BESIDE]
     duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)
     outputs: Outputs = Outputs()
+    datasheet: Datasheet | None = option(
+        "what the maker prints, of which all follows that the file does not say; none: no datasheet", None
+    )
 
     def _errors(self) -> Errors:
         check_run(self.case, self.duration)

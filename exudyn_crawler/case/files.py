@@ -16,10 +16,13 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
+from exudyn_crawler.case.datasheet import files as datasheets
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.parameters import faults, fields, loads, reading, terrain, track
 from exudyn_crawler.files import whole_file
 
+BESIDE = ("duration", "outputs", datasheets.KEY)
+"""Keys of a case file beside those of its case."""
 CYCLE = "file"  # key of the loads that names a file with their cycle, and of a soil law's file
 TEXT = {"type": "string", "description": "a number with its unit, such as '20 MN/m'"}
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -91,7 +94,8 @@ def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
     names, known = ".".join(fields.names_of(path)), list(fields.key_paths(CaseFile))
     if path[-1] in (fields.BASE, CYCLE) or any(f"{one}.".startswith(f"{names}.") for one in known):
         return path
-    meant = [one for one in known if one.endswith(f".{names}")]
+    # a datasheet has some names of its own: its values have to be named with it
+    meant = [one for one in known if one.endswith(f".{names}") and not one.startswith(f"{datasheets.KEY}.")]
     if len(meant) > 1:
         raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
     if meant:
@@ -105,6 +109,8 @@ def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
 def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = ()) -> reading.Content:
     """Values of a file in a folder as `CaseFile` takes them: bases filled in, and changes made."""
     content, of_items, cycle = dict(content), [], None
+    if datasheets.has_datasheet(content):
+        content = datasheets.with_machine(content)
     for key, path, value in map(_change, changes):
         # lists may come from a base
         if len(fields.names_of(path)) < len(path):
@@ -117,9 +123,14 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
         if len(table) > 1 or not isinstance(table[CYCLE], str):
             raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {table!r}")
         cycle = folder / content.pop("loads")[CYCLE]
-    beside = {name: content.pop(name) for name in ("duration", "outputs") if name in content}
+    beside = {name: content.pop(name) for name in BESIDE if name in content}
+    below: reading.Content | None = None
+    if datasheets.has_datasheet(beside):
+        sheet = datasheets.datasheet_of(beside[datasheets.KEY])
+        beside[datasheets.KEY] = sheet.model_dump(mode="json")
+        below = datasheets.case_values(sheet)
     content = _with_law(content, folder)
-    case = reading.filled(content, Case)
+    case = reading.filled(content, Case, below=below)
     if cycle is not None:
         try:
             case["loads"] = loads.LoadCycle.from_file(cycle, _shoe_count(case)).model_dump(mode="json")

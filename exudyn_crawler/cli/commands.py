@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import exudyn_crawler as crawler
-from exudyn_crawler.cli import application
+from exudyn_crawler.cli import application, datasheets
 from exudyn_crawler.run.folder.progress import rule_of_thumb, times_line
 from exudyn_crawler.views.tables import print_rows, print_table
 
@@ -76,6 +76,10 @@ def init(
     study: Annotated[
         str | None, typer.Option(help="study to start from, as m113; that of NAME, if not given")
     ] = None,
+    machine: Annotated[
+        str | None,
+        typer.Option(help="machine of the library to start from, as pc300lc; `machines` lists them"),
+    ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Write a case file with every value, its unit and its meaning, to be changed and run.
@@ -83,6 +87,12 @@ def init(
     Studies of duties and sweeps are copied as they are.
     """
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
+    if machine is not None:
+        if study is not None:
+            raise ValueError("--study and --machine must not be given together: each is what to start from")
+        datasheets.copy_machine(machine, path, overwrite)
+        typer.echo(f"{path}: edit it, see what follows: exudyn-crawler machine {path}, and run it")
+        return
     start, known = study or path.stem, application.study_names()
     if start not in known:
         how = "" if study else f"; give {path.stem!r} one to start from, such as --study {START}"
@@ -120,6 +130,11 @@ def info(
         kept = kept_lines(case, changes or ())
     else:
         raise ValueError(f"case must be a case file or a study of {studies}, got {case!r}")
+    if case_file.datasheet is not None:
+        datasheets.show_values(case_file, case)
+        typer.echo("\n".join([*run_lines(case_file), times_line(rule_of_thumb(case_file))]))
+        checks.warn_implausible(case_file.case, case_file.duration)
+        return
     base, of_base = nearest_base(case_file.case)
     rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in fields.case_rows(case_file)]
     columns = ("key", "value", "in the base", "meaning")

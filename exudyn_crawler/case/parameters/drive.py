@@ -87,7 +87,7 @@ class Drive(Parameters):
 
     speed: StepProfile = quantity("m/s", "velocity along global x", (-1.5, 1.5))
     turn_rate: StepProfile | None = quantity(
-        "rad/s", "angular velocity about the shoe's z axis; None leaves it free", (-0.2, 0.2), default=None
+        "rad/s", "angular velocity about the shoe's z axis; None leaves it free", (-1.0, 1.0), default=None
     )
     on: tuple[tuple[float, float], ...] | None = quantity(
         "s", "times from and to which the drive moves the front shoe, free else; None: always", default=None

@@ -51,6 +51,10 @@ rpm = revolution / minute
 hertz = 1 / second = Hz
 newton = 1000 * gram * metre / second ** 2 = N
 pascal = newton / metre ** 2 = Pa
+watt = newton * metre / second = W
+horsepower = 745.6998715822702 * watt = hp
+kilogram_force = 9.80665 * newton = kgf
+short_ton = 907184.74 * gram
 bar = 100000 * pascal
 inch = 0.0254 * metre = in
 foot = 12 * inch = ft = feet

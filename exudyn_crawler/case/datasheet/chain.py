@@ -1,0 +1,187 @@
+"""Chain of a datasheet: pitch, number of shoes, lengths, sprocket, each given or derived from the others."""
+
+import math
+from typing import NamedTuple
+
+from exudyn_crawler.case.datasheet import rules
+from exudyn_crawler.case.datasheet.notes import Notes
+from exudyn_crawler.case.datasheet.sheet import GREATEST_GAPS, LEAST_GAPS, Datasheet, DatasheetError
+from exudyn_crawler.case.parameters.track import MOST_SHOES
+
+SHOES = "track.shoe_count of one track"
+"""Key of a note."""
+LOOSE = 0.01  # of a chain's length, by which lengths of a datasheet may disagree
+LONGEST, SHORTEST = 40.0, 5.0  # pitches of a length on ground
+
+
+class Chain(NamedTuple):
+    """Dimensions of one track, m."""
+
+    pitch: float
+    shoes: int
+    on_ground: float  # from the sprocket's axis to the idler's
+    diameter: float  # of the pins' circle about sprocket and idler, their mean
+    gaps: float  # of the sprocket, that its maker has
+    whole_gaps: int  # of the sprocket as it is built
+    depth: float  # of the plate's underside below the pins
+    grouser: float
+
+    @property
+    def tips(self) -> float:
+        """Tips of the grousers below the pins, m."""
+        return self.depth + self.grouser
+
+    @property
+    def over_shoes(self) -> float:
+        """Length over the shoes, m."""
+        return self.on_ground + self.diameter + 2.0 * self.tips
+
+
+def chain_of(sheet: Datasheet, notes: Notes, gravity: float) -> Chain:
+    """Dimensions of a datasheet's chain; a DatasheetError where they contradict each other."""
+    pitch = _pitch(sheet, notes)
+    depth = pitch * notes.typical("plate_depth")
+    grouser = sheet.grouser_height
+    if grouser is None:
+        grouser = pitch * notes.typical("grouser_height")
+    tips = depth + grouser
+    on_ground, over_shoes = sheet.sprocket_to_idler or sheet.length_on_ground, sheet.crawler_length
+    diameter = _diameter(sheet, notes, pitch, tips)
+    if on_ground is None:
+        on_ground = _on_ground(sheet, notes, pitch, diameter, tips, gravity)
+    shoes = sheet.shoes
+    if shoes is None:
+        shoes = notes.note(
+            SHOES,
+            round(rules.loop_length(on_ground, diameter) / pitch),
+            "",
+            "derived",
+            "length of the loop, 2 C + pi d, over the pitch",
+        )
+    _check_lengths(on_ground, pitch, shoes)
+    if sheet.sprocket_to_idler is None:
+        _check_closing(sheet, pitch, shoes, on_ground, diameter)
+    gaps = sheet.sprocket_gaps
+    if gaps is None:
+        gaps = rules.gaps_of(pitch, diameter)
+    if not LEAST_GAPS - 0.5 < gaps < GREATEST_GAPS:
+        length = f"{on_ground:.3g} m on the ground" + (
+            f" and {over_shoes:.3g} m over the shoes" if over_shoes else ""
+        )
+        fits = f"{LEAST_GAPS:g} to {GREATEST_GAPS:g} gaps can be built"
+        raise DatasheetError(
+            f"{length} leave {_length(max(diameter, 0.0))} for the sprocket's circle of pins, which is "
+            f"{gaps:.3g} shoes of {_length(pitch)}; {fits}: is the pitch right?"
+        )
+    whole = max(int(LEAST_GAPS), round(gaps))
+    how = "pins' circle p / sin(pi / z) of the length that loop and shoes leave"
+    if sheet.sprocket_gaps is not None:
+        how = f"{gaps:g} of the datasheet"
+    if abs(whole - gaps) > 1e-9:
+        how += f", {gaps:.3g}; built with whole gaps"
+    notes.note("gear.tumbler.teeth", whole, "", "derived", how)
+    return Chain(pitch, shoes, on_ground, diameter, gaps, whole, depth, grouser)
+
+
+def _length(value: float) -> str:
+    return f"{1e3 * value:.4g} mm" if value < 1.0 else f"{value:.3g} m"
+
+
+def _pitch(sheet: Datasheet, notes: Notes) -> float:
+    """Pitch, m: given, of the loop's closing, or by the machine's mass."""
+    if sheet.pitch is not None:
+        return sheet.pitch
+    on_ground, over_shoes, shoes = sheet.length_on_ground, sheet.crawler_length, sheet.shoes
+    if shoes is not None and on_ground is not None and over_shoes is not None:
+        depth = notes.typical("plate_depth")
+        grouser = sheet.grouser_height
+        if grouser is None:
+            depth += notes.typical("grouser_height")
+        pitch = rules.pitch_of_loop(on_ground, over_shoes, shoes, depth, grouser or 0.0)
+        how = "a chain of so many shoes closes: (2 C + pi (L - C - 2 grouser)) / (N + 2 pi depth)"
+        if pitch > 0.0:
+            return float(notes.note("track.pitch", pitch, "m", "derived", how))
+    if shoes is not None and on_ground is not None:
+        gaps = sheet.sprocket_gaps or notes.typical("sprocket_gaps")
+        how = (
+            "a chain of so many shoes closes about wheels of a sprocket's size: 2 C / (N - pi / sin(pi / z))"
+        )
+        return float(
+            notes.note("track.pitch", rules.pitch_of_gaps(on_ground, shoes, gaps), "m", "derived", how)
+        )
+    row = notes.typical("pitch_by_mass")
+    return float(
+        notes.note(
+            "track.pitch",
+            rules.pitch_by_mass(sheet.operating_weight, row),
+            "m",
+            "assumed",
+            "0.066 m (weight / t)^(1/3), within 15 % [remembered]",
+        )
+    )
+
+
+def _diameter(sheet: Datasheet, notes: Notes, pitch: float, tips: float) -> float:
+    """Mean diameter of the pins' circles about sprocket and idler, m."""
+    on_ground, over_shoes, shoes = sheet.length_on_ground, sheet.crawler_length, sheet.shoes
+    if on_ground is not None and over_shoes is not None:
+        return over_shoes - on_ground - 2.0 * tips
+    if sheet.sprocket_gaps is not None:
+        return rules.pin_circle(pitch, sheet.sprocket_gaps)
+    if shoes is not None and on_ground is not None:
+        return (shoes * pitch - 2.0 * on_ground) / math.pi
+    if shoes is not None and over_shoes is not None:
+        return (shoes * pitch - 2.0 * (over_shoes - 2.0 * tips)) / (math.pi - 2.0)
+    return rules.pin_circle(pitch, notes.typical("sprocket_gaps"))
+
+
+def _on_ground(
+    sheet: Datasheet, notes: Notes, pitch: float, diameter: float, tips: float, gravity: float
+) -> float:
+    """Length on ground, m, where the datasheet has none."""
+    over_shoes, shoes, pressure = sheet.crawler_length, sheet.shoes, sheet.ground_pressure
+    if over_shoes is not None:
+        how, value = (
+            "length over the shoes less circle and shoes: L - d - 2 e",
+            over_shoes - diameter - 2.0 * tips,
+        )
+    elif shoes is not None:
+        how, value = "what the chain leaves: (N p - pi d) / 2", 0.5 * (shoes * pitch - math.pi * diameter)
+    else:
+        assert pressure is not None
+        whole = sheet.operating_weight * gravity / (2.0 * sheet.shoe_width * pressure)
+        share = notes.typical("pressure_share")
+        how = "length that the ground pressure says, m g / (2 b p), less what counts of the ends"
+        value = whole - share * (diameter + 2.0 * tips)
+    return float(notes.note("length on ground", value, "m", "derived", how))
+
+
+def _check_lengths(on_ground: float, pitch: float, shoes: int) -> None:
+    """Refuse lengths that no track of this pitch has."""
+    if not SHORTEST * pitch <= on_ground <= LONGEST * pitch:
+        least, most = (_length(on_ground / bound) for bound in (LONGEST, SHORTEST))
+        raise DatasheetError(
+            f"a length on ground of {on_ground:.3g} m is {on_ground / pitch:.3g} shoes of {_length(pitch)}; "
+            f"{SHORTEST:g} to {LONGEST:g} can be built, with a pitch of {least} to {most}"
+        )
+    if not 10 <= shoes <= MOST_SHOES // 2:
+        raise DatasheetError(f"a track of {shoes} shoes cannot be built; 10 to {MOST_SHOES // 2} can")
+
+
+def _check_closing(sheet: Datasheet, pitch: float, shoes: int, on_ground: float, diameter: float) -> None:
+    """Refuse a number of shoes that does not close about the lengths."""
+    loop = rules.loop_length(on_ground, diameter)
+    missing = loop - shoes * pitch
+    if abs(missing) <= max(LOOSE * loop, 0.5 * pitch):
+        return
+    fit, other = round(loop / pitch), loop / shoes
+    how = "short" if missing > 0.0 else "long"
+    length = f"a length on ground of {on_ground:.3g} m"
+    if sheet.length_on_ground is None and sheet.crawler_length is not None:
+        length = f"a crawler of {sheet.crawler_length:.3g} m"
+    if sheet.crawler_length is not None and sheet.length_on_ground is not None:
+        length += f" and {sheet.crawler_length:.3g} m over the shoes"
+    raise DatasheetError(
+        f"{shoes} shoes of {_length(pitch)} are {abs(missing):.2g} m too {how} for {length}; "
+        f"{fit} fit, or a pitch of {_length(other)}"
+    )

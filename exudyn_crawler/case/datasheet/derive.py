@@ -1,0 +1,79 @@
+"""Case of a datasheet: a machine on two closed tracks of which every value has a note where it comes from."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.datasheet import chain as chains, gear, shoes, travel
+from exudyn_crawler.case.datasheet.notes import Note, Notes
+from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.loads import LoadCycle
+from exudyn_crawler.errors import ParameterError
+
+PLACES = {
+    "gauge": "gear.car_body.track_distance",
+    "shoe_width": "shoe.width",
+    "shoes": chains.SHOES,
+    "pitch": "track.pitch",
+    "shoe_weight": "shoe.mass",
+    "upper_weight": "gear.car_body.upper_mass",
+    "sag": "gear.idler.sag",
+    "chain_tension": "gear.idler.pretension",
+}
+"""Where values of a datasheet stand in the case as they are."""
+NO_FIGURES = ("source", "remembered", "typical", "lift_chart", "kind", "sprocket", "travel")
+
+
+class Derived(NamedTuple):
+    """What follows from a datasheet."""
+
+    case: Case
+    notes: tuple[Note, ...]
+    chain: chains.Chain
+
+
+@lru_cache(maxsize=64)
+def derived(sheet: Datasheet) -> Derived:
+    """Case of a datasheet with the notes on its values; a ParameterError in the datasheet's words."""
+    overrides = {name: getattr(sheet.typical, name) for name in type(sheet.typical).model_fields}
+    notes = Notes(sheet.kind, overrides)
+    chain = chains.chain_of(sheet, notes, ph4100c.GRAVITY)
+    shoe = shoes.shoe_of(sheet, chain, notes)
+    track = shoes.track_of(sheet, chain, shoe, notes)
+    try:
+        case = Case(
+            name=sheet.kind,
+            shoe=shoe,
+            track=track,
+            gear=gear.gear_of(sheet, chain, shoe, track, notes),
+            terrain=travel.ground_of(sheet, chain),
+            contact=travel.soil_of(),
+            drive=travel.drive_of(sheet, notes),
+            loads=LoadCycle.constant([0.0] * track.shoe_count),
+            solver=travel.solver_of(chain.pitch),
+        )
+    except DatasheetError:
+        raise
+    except ParameterError as error:
+        lines = str(error).splitlines()
+        raise DatasheetError(f"the machine that follows cannot be built: {lines[0]}") from error
+    given = list(_given(sheet))
+    paths = {note.path for note in given}
+    return Derived(case, (*given, *(note for note in notes if note.path not in paths)), chain)
+
+
+def _given(sheet: Datasheet) -> Iterator[Note]:
+    """Notes on the values that the datasheet has."""
+    for name, field in type(sheet).model_fields.items():
+        value = getattr(sheet, name)
+        if value is None or name in NO_FIGURES:
+            continue
+        path = PLACES.get(name, f"datasheet.{name}")
+        unit = fields.unit_of(field)
+        if name in sheet.remembered:
+            yield Note(path, value, unit, "assumed", "remembered: not seen in a source")
+        else:
+            yield Note(path, value, unit, "given", sheet.source)

@@ -1,0 +1,128 @@
+"""Figures of a datasheet beside those of the machine that follows: weight, pressure, pull, speed, grade."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.datasheet import rules, typical
+from exudyn_crawler.case.datasheet.sheet import Datasheet
+
+CLOSE, OF_LENGTH = 0.03, 0.05
+"""Relative differences up to which a figure is that of the datasheet: of weight and pressure, of a length."""
+LOSS = 0.05
+"""Of the weight: resistance of a slow excavator on firm ground, in all (0.04 to 0.08, remembered)."""
+
+
+class Figure(NamedTuple):
+    """Figure of the machine that was built beside that of its datasheet, in SI units."""
+
+    name: str
+    value: float
+    printed: float | None
+    unit: str
+    verdict: str
+
+    @property
+    def difference(self) -> float | None:
+        """Relative difference; None where nothing is printed."""
+        return self.value / self.printed - 1.0 if self.printed else None
+
+
+def machine_mass(case: Case) -> float:
+    """Mass of all parts of a machine, kg: frame, shoes and tumblers."""
+    gear = case.closed_gear()
+    shoes = case.track.shoe_count * case.shoe.mass
+    return float(sum(part.mass for part in gear.frame_parts) + shoes + gear.tracks * gear.tumbler.mass)
+
+
+def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
+    """Length on ground, and over the shoes of one track as it was assembled, m."""
+    gear = case.closed_gear()
+    start = gear.assembled(case.shoe, case.track)
+    rear, front, _, _, low = case.shoe.footprint
+    place, pitch = start.shoes[:, 0], start.shoes[:, 4]
+    ends = [place + x * np.cos(pitch) + low * np.sin(pitch) for x in (rear, 0.5 * (rear + front), front)]
+    on_ground = gear.length + start.take_up
+    if sheet.sprocket_to_idler is not None:
+        on_ground = gear.rollers[-1] - gear.rollers[0]
+    return on_ground, float(np.max(ends) - np.min(ends))
+
+
+def mean_pressure(case: Case, sheet: Datasheet) -> float:
+    """Mean ground pressure of the machine as it was assembled, as datasheets print it, Pa."""
+    row = typical.row_of("pressure_share", sheet.kind)
+    share = getattr(sheet.typical, row.name)
+    counts = rules.ground_length(*lengths(case, sheet), row.value if share is None else share)
+    return rules.ground_pressure(machine_mass(case), case.shoe.width, counts, case.gravity)
+
+
+def figures(case: Case, sheet: Datasheet) -> list[Figure]:
+    """All figures that the datasheet lets be checked."""
+    return [*_built(case, sheet), *_travelling(case, sheet)]
+
+
+def _verdict(value: float, printed: float | None, most: float) -> str:
+    if not printed:
+        return "follows"
+    off = value / printed - 1.0
+    return "agrees" if abs(off) <= most else f"differs by {100.0 * off:+.1f} %"
+
+
+def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
+    """Weight, lengths and pressure."""
+    mass, printed = machine_mass(case), sheet.operating_weight
+    yield Figure("weight of all parts", mass, printed, "kg", _verdict(mass, printed, CLOSE))
+    on_ground, over_shoes = lengths(case, sheet)
+    for name, value, one in (
+        ("length on ground", on_ground, sheet.length_on_ground),
+        ("length over shoes", over_shoes, sheet.crawler_length),
+    ):
+        yield Figure(name, value, one, "m", _verdict(value, one, OF_LENGTH))
+    pressure = mean_pressure(case, sheet)
+    verdict = _verdict(pressure, sheet.ground_pressure, CLOSE)
+    yield Figure("mean ground pressure", pressure, sheet.ground_pressure, "Pa", verdict)
+
+
+def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
+    """Speed of the sprocket, power, pull and grade."""
+    gear = case.closed_gear()
+    radius = gear.travel_per_angle(case.track)
+    weight = machine_mass(case) * case.gravity
+    speed, pull = sheet.travel_speed, sheet.drawbar_pull
+    if speed is not None:
+        turns = speed / radius
+        rpm = 60.0 * turns / (2.0 * math.pi)
+        yield Figure(
+            "speed of the sprockets", turns, None, "rad/s", f"{rpm:.3g} rpm at {3.6 * speed:.3g} km/h"
+        )
+    if pull is not None:
+        need = f"takes a coefficient of traction of {pull / weight:.2f}"
+        yield Figure("drawbar pull over weight", pull / weight, None, "1", need)
+    if pull is not None and speed is not None:
+        words = "at once they take this power: "
+        power = pull * speed
+        if sheet.power is None:
+            words += "its gears have less pull where they have more speed"
+        else:
+            share = power / sheet.power
+            words += (
+                "the drives have it"
+                if share <= 1.0
+                else f"{share:.2g} times what the drives have, so never at once"
+            )
+        yield Figure("pull times speed", power, None, "W", words)
+    if sheet.gradeability is not None:
+        yield from _grade(sheet.gradeability, pull, weight)
+
+
+def _grade(slope: float, pull: float | None, weight: float) -> Iterator[Figure]:
+    """Pull that a grade takes, and friction."""
+    steep = math.hypot(1.0, slope)
+    needed = weight * (slope + LOSS) / steep
+    verdict = f"and a coefficient of traction of {slope + LOSS:.2f}"
+    if pull is not None:
+        verdict = f"the drawbar pull has {pull / needed:.2g} times as much; {verdict}"
+    yield Figure(f"pull up a grade of {100.0 * slope:.0f} %", needed, None, "N", verdict)

@@ -1,0 +1,169 @@
+"""Datasheet of a machine on two tracks: what makers print, of which any subset will do that determines it."""
+
+from typing import Literal
+
+from exudyn_crawler.case.datasheet.typical import Typical
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
+from exudyn_crawler.errors import ParameterError
+
+Kind = Literal["excavator", "dozer", "shovel", "crane", "drill", "vehicle"]
+LEAST_GAPS, GREATEST_GAPS = 6.0, 30.0
+
+
+class DatasheetError(ParameterError):
+    """A datasheet contradicts itself, or no machine follows from it: a line in its own words."""
+
+
+class LiftPoint(Parameters):
+    """Entry of a lift chart: a load at a radius."""
+
+    radius: base.Length = quantity("m", "of the load from the swing axis", (1.0, 60.0))
+    load: base.Mass = quantity("kg", "that the chart prints there, limited by tipping", (50.0, 1e6))
+
+
+class LiftChart(Parameters):
+    """Loads of one height and direction that tipping limits: those that the chart prints without asterisk."""
+
+    over: Literal["side", "front"] = option("direction of the boom: side, or front along the tracks", "side")
+    tipping_share: float = quantity(
+        "1", "of the tipping load that is printed", (0.6, 0.9), gt=0, le=1, default=0.75
+    )
+    points: base.Several[LiftPoint]
+
+    def _errors(self) -> Errors:
+        if len({point.radius for point in self.points}) < 2:
+            yield f"points must have two or more radii, got {[point.radius for point in self.points]}"
+
+
+class Datasheet(Parameters):
+    """What a maker prints of a machine on two tracks; all that is left out follows or is typical.
+
+    Places are measured from the middle of the length on ground, x to the front of the machine, z from the
+    ground.
+    """
+
+    kind: Kind = option("of machine, whose typical values it has", "excavator")
+    operating_weight: base.Mass = quantity("kg", "of the whole machine", (1e3, 2e6))
+    length_on_ground: base.Length | None = quantity(
+        "m",
+        "between the axes of sprocket and idler, or of the outer road wheels",
+        (1.0, 15.0),
+        default=None,
+    )
+    sprocket_to_idler: base.Length | None = quantity(
+        "m", "between their axes, where it is not the length on ground", (1.0, 15.0), default=None
+    )
+    sprocket_height: base.Length | None = quantity(
+        "m", "of its axis above the ground; none: as low as the rollers let it", (0.1, 3.0), default=None
+    )
+    idler_height: base.Length | None = quantity("m", "the same of the idler's", (0.1, 3.0), default=None)
+    first_roller: base.Length | None = quantity(
+        "m",
+        "from the sprocket's axis to that of the roller or road wheel next to it",
+        (0.1, 3.0),
+        default=None,
+    )
+    roller_diameter: base.Length | None = quantity(
+        "m", "of the treads of lower rollers or road wheels", (0.1, 1.5), default=None
+    )
+    idler_diameter: base.Length | None = quantity("m", "of the idler's treads", (0.1, 2.5), default=None)
+    carrier_diameter: base.Length | None = quantity("m", "of the carriers' treads", (0.05, 1.0), default=None)
+    crawler_length: base.Length | None = quantity(
+        "m", "over the shoes of one crawler", (1.2, 20.0), default=None
+    )
+    gauge: base.Length | None = quantity("m", "between the tracks' middles", (0.8, 15.0), default=None)
+    width_over_shoes: base.Length | None = quantity(
+        "m", "over both crawlers, in place of the gauge", (1.2, 20.0), default=None
+    )
+    shoe_width: base.Length = quantity("m", "of a shoe", (0.2, 4.0))
+    shoes: int | None = quantity("1", "shoes of one track", (25, 120), ge=10, le=500, default=None)
+    pitch: base.Length | None = quantity("m", "of the chain", (0.1, 1.0), default=None)
+    shoe_weight: base.Mass | None = quantity(
+        "kg", "of a shoe with its link, pin and bush", (5.0, 1e4), default=None
+    )
+    grouser_height: base.Extent | None = quantity("m", "of the grousers", (0.0, 0.15), default=None)
+    lower_rollers: int | None = quantity(
+        "1", "lower rollers of one track", (4, 20), ge=2, le=60, default=None
+    )
+    carrier_rollers: int | None = quantity(
+        "1", "carrier rollers of one track", (0, 8), ge=0, le=60, default=None
+    )
+    sprocket_gaps: float | None = quantity(
+        "1",
+        "shoes that a whole turn of the sprocket moves: half of its teeth where they mesh every other time",
+        (9.0, 14.0),
+        ge=LEAST_GAPS,
+        le=GREATEST_GAPS,
+        default=None,
+    )
+    sprocket: Literal["rear", "front"] = option("end at which the sprocket is", "rear")
+    ground_pressure: float | None = quantity(
+        "Pa", "mean, as printed", (1e4, 5e5), ge=1e3, le=1e7, default=None
+    )
+    drawbar_pull: float | None = quantity(
+        "N", "greatest, of both tracks", (1e3, 1e7), ge=1.0, le=1e9, default=None
+    )
+    travel_speed: base.Speed | None = quantity("m/s", "greatest", (0.1, 20.0), default=None)
+    gradeability: float | None = quantity("1", "rise over run", (0.1, 1.0), gt=0, le=2, default=None)
+    power: float | None = quantity(
+        "W", "of the engine or of the travel drives", (1e4, 3e6), ge=1.0, le=1e9, default=None
+    )
+    ground_clearance: base.Length | None = quantity("m", "below the car body", (0.1, 3.0), default=None)
+    upper_weight: base.Mass | None = quantity(
+        "kg",
+        "of the upper structure with its front, or of what is above the track frames",
+        (100.0, 1.5e6),
+        default=None,
+    )
+    upper_com: base.Three | None = quantity("m", "its COM, straight ahead", (-20.0, 20.0), default=None)
+    com_ahead: base.Place | None = quantity(
+        "m", "COM of the whole machine ahead of the middle", (-3.0, 3.0), default=None
+    )
+    lift_chart: LiftChart | None = option(
+        "loads over radii, of which front and COM follow; none: no chart", None
+    )
+    sag: base.Length | None = quantity("m", "of the upper run at rest, as its maker asks for", default=None)
+    chain_tension: float | None = quantity(
+        "N", "of the chain at rest, in place of a sag", (1e3, 1e7), gt=0, le=1e10, default=None
+    )
+    travel: Literal["straight", "backward", "on the spot"] = option("what a run does", "straight")
+    speed: base.Speed | None = quantity(
+        "m/s", "of the chains in a run; none: slow travel", (0.01, 5.0), default=None
+    )
+    source: str = option("where its values are printed", "")
+    remembered: tuple[str, ...] = option("values of it that were not seen in a source: shown as assumed", ())
+    typical: Typical = option("typical values in place of those of the table", Typical())
+
+    def _errors(self) -> Errors:
+        if self.gauge is None and self.width_over_shoes is None:
+            yield "gauge must be given, or width_over_shoes, of which it is the rest less a shoe"
+        elif self.gauge is not None and self.width_over_shoes is not None:
+            yield "gauge and width_over_shoes must not be given together"
+        if self.track_gauge <= self.shoe_width:
+            got = f"{self.track_gauge:g} m with shoes of {self.shoe_width:g} m"
+            yield f"gauge must be greater than the shoes' width, or both tracks are one, got {got}"
+        free = self.sprocket_to_idler is not None
+        needed = ("shoes", "pitch", "idler_diameter", "sprocket_gaps", "length_on_ground", "first_roller")
+        if free and (missing := [name for name in needed if getattr(self, name) is None]):
+            yield f"{', '.join(missing)} must be given with sprocket_to_idler: all make the chain's way"
+        if self.sag is not None and self.chain_tension is not None:
+            yield "sag and chain_tension must not be given together: each is the tension at rest"
+        known = [name for name in type(self).model_fields if name not in ("remembered", "typical", "source")]
+        unknown = [name for name in self.remembered if name not in known]
+        if unknown:
+            yield f"remembered must be names of the datasheet's values, got {', '.join(unknown)}"
+        on_track = (self.length_on_ground, self.crawler_length, self.ground_pressure)
+        if not any(on_track) and self.shoes is None:
+            yield (
+                "length_on_ground must be given, or one of crawler_length, ground_pressure and shoes, "
+                "of which it follows"
+            )
+
+    @property
+    def track_gauge(self) -> float:
+        """Distance of the tracks' middles, m."""
+        if self.gauge is not None:
+            return self.gauge
+        assert self.width_over_shoes is not None
+        return self.width_over_shoes - self.shoe_width

@@ -1,0 +1,35 @@
+"""Datasheets on the command line: copies of the library's machines, and tables of where values come from."""
+
+import re
+from pathlib import Path
+
+import exudyn_crawler as crawler
+from exudyn_crawler.views.tables import print_rows
+
+COLUMNS = ("key", "value", "origin", "how")
+NAME = re.compile(r"^name\s*=.*$", re.MULTILINE)
+
+
+def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
+    """Copy a machine of the library to a path, under its name; a ValueError if there is no such one."""
+    from exudyn_crawler.case.datasheet import library
+    from exudyn_crawler.files import whole_file
+
+    known = library.machines()
+    if machine not in known:
+        raise ValueError(f"machine must be of {sorted(known)}, got {machine!r}")
+    text = known[machine].read_text(encoding="utf-8")
+    with whole_file(path, overwrite) as temporary:
+        temporary.write_text(NAME.sub(f'name = "{path.stem}"', text, count=1), encoding="utf-8")
+
+
+def show_values(case_file: "crawler.CaseFile", title: str) -> None:
+    """Print every value of a machine with its origin: given, derived by a rule, or assumed with its range."""
+    from exudyn_crawler.case.datasheet.provenance import provenance
+
+    assert case_file.datasheet is not None
+    rows = provenance(case_file.case, case_file.datasheet)
+    counts = ", ".join(
+        f"{sum(row.origin == origin for row in rows)} {origin}" for origin in ("given", "derived", "assumed")
+    )
+    print_rows(COLUMNS, rows, f"{title}: {counts}", keys=COLUMNS[:3], whole="in the datasheet's page")

@@ -1,0 +1,191 @@
+"""Machines from datasheets: the library, what follows, where values come from, and what is refused."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler.case import read_case
+from exudyn_crawler.case.datasheet import figures, library
+from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.provenance import provenance
+from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.errors import CaseFileError, ParameterError
+
+PC300 = {
+    "operating_weight": 35371.0,
+    "gauge": 2.59,
+    "length_on_ground": 4.03,
+    "crawler_length": 4.955,
+    "shoe_width": 0.8,
+    "shoes": 48,
+}
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Write a case file with a datasheet, and give its path."""
+
+    def write(text):
+        path = tmp_path / "mine.toml"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+SHORT = """
+duration = 2.0
+[datasheet]
+operating_weight = "35.371 t"
+gauge = "2590 mm"
+length_on_ground = "4.03 m"
+crawler_length = "4955 mm"
+shoe_width = "800 mm"
+shoes = 48
+"""
+
+
+@pytest.mark.parametrize("name", library.machines())
+def test_machines_of_the_library_have_their_weight_pressure_and_length(name):
+    case_file = read_case(library.machines()[name])
+    case, sheet = case_file.case, case_file.datasheet
+    assert sheet.source
+    assert figures.machine_mass(case) == pytest.approx(sheet.operating_weight, rel=1e-3)
+    if sheet.ground_pressure is not None:
+        assert figures.mean_pressure(case, sheet) == pytest.approx(sheet.ground_pressure, rel=0.03)
+    on_ground, over_shoes = figures.lengths(case, sheet)
+    if sheet.length_on_ground is not None:
+        assert on_ground == pytest.approx(sheet.length_on_ground, rel=0.01)
+    if sheet.crawler_length is not None:
+        assert over_shoes == pytest.approx(sheet.crawler_length, rel=0.05)
+    if sheet.shoes is not None:
+        assert case.loop.shoe_count == sheet.shoes
+
+
+def test_pitch_of_a_komatsu_pc300lc_follows_and_is_that_of_its_chain():
+    case = derived(Datasheet(**PC300, grouser_height=0.036)).case
+    assert case.track.pitch == pytest.approx(0.2159, rel=1e-3)
+    assert case.track.shoe_count == 96
+    # 10.5 gaps are known of this chain: the nearest whole ones are built
+    assert case.gear.tumbler.teeth in (10, 11)
+
+
+def test_parts_weigh_what_the_datasheet_says_and_com_is_where_it_says():
+    case = derived(Datasheet(**PC300, upper_weight=16e3, com_ahead=-0.3)).case
+    parts = case.gear.frame_parts
+    assert parts[3].mass == 16e3
+    moment = sum(part.mass * part.com[0] for part in parts)
+    # shoes and sprockets are even about the middle but for the sprockets, at the rear
+    assert moment / 35371.0 == pytest.approx(-0.3, abs=1e-9)
+
+
+def test_sprocket_in_front_turns_the_machine_round():
+    rear, front = (
+        derived(Datasheet(**PC300, com_ahead=-0.3, sprocket=end)).case for end in ("rear", "front")
+    )
+    assert front.gear.car_body.upper_com[0] == -rear.gear.car_body.upper_com[0]
+    assert front.drive.speed.values[-1] == -rear.drive.speed.values[-1]
+
+
+def test_tension_asked_for_is_that_of_the_idler():
+    assert derived(Datasheet(**PC300, sag=0.02)).case.gear.idler.sag == 0.02
+    assert derived(Datasheet(**PC300, chain_tension=5e4)).case.gear.idler.pretension == 5e4
+
+
+def test_turning_on_the_spot_moves_tracks_against_each_other_at_the_speed_asked_for():
+    drive = derived(Datasheet(**PC300, travel="on the spot", speed=0.5)).case.drive
+    assert drive.turn_rate.values[-1] * 0.5 * 2.59 == pytest.approx(0.5)
+    assert max(drive.speed.values) == 0.0
+
+
+def test_case_file_with_a_datasheet_has_units_in_words_and_changes_of_what_follows(written):
+    path = written(
+        SHORT + '[gear]\nrolling_resistance = 0.05\n[drive]\nspeed = {times=[0, 1], values=[0, "2 km/h"]}\n'
+    )
+    case_file = read_case(path)
+    assert case_file.datasheet == Datasheet(**PC300)
+    assert case_file.case.gear.rolling_resistance == 0.05
+    assert case_file.case.drive.speed.values[-1] == pytest.approx(2.0 / 3.6)
+    assert case_file.case.track == derived(Datasheet(**PC300)).case.track
+    narrow = read_case(path, ["datasheet.shoe_width='600 mm'"])
+    assert narrow.case.shoe.width == 0.6
+
+
+def test_file_of_a_library_machine_with_another_shoe(written):
+    case_file = read_case(written('duration = 1.0\n[datasheet]\nbase = "pc300lc"\nshoe_width = "700 mm"\n'))
+    assert case_file.case.shoe.width == 0.7
+    assert case_file.case.gear.car_body.track_distance == 2.59
+
+
+def test_every_value_says_where_it_comes_from(written):
+    case_file = read_case(written(SHORT + "[gear]\nrolling_resistance = 0.05\n"))
+    rows = {row.key: row for row in provenance(case_file.case, case_file.datasheet)}
+    assert set(rows) == {entry.path for entry in fields.values_of(case_file.case)}
+    assert rows["shoe.width"].origin == "given"
+    assert rows["gear.rolling_resistance"][2:] == ("given", "the file")
+    assert rows["track.pitch"].origin == "derived"
+    assert "closes" in rows["track.pitch"].how
+    assert rows["gear.roller_radius"].origin == "assumed"
+    assert "remembered" in rows["gear.roller_radius"].how
+    assert rows["gravity"].origin == "assumed"
+
+
+def test_values_that_were_not_seen_are_shown_as_assumed(written):
+    case_file = read_case(written(SHORT + 'remembered = ["gauge"]\n'))
+    rows = {row.key: row for row in provenance(case_file.case, case_file.datasheet)}
+    assert rows["gear.car_body.track_distance"].origin == "assumed"
+    assert rows["shoe.width"].origin == "given"
+
+
+def test_typical_values_can_be_given():
+    sheet = Datasheet(**PC300, typical={"roller_diameter": 0.78})
+    case = derived(sheet).case
+    assert case.gear.roller_radius == pytest.approx(0.39 * case.track.pitch)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"shoes": 55, "pitch": 0.29, "length_on_ground": 7.6, "crawler_length": None}, "gaps can be built"),
+        (
+            {"shoes": 40, "pitch": 0.2159},
+            r"40 shoes of 215.9 mm are 1.7 m too short for a length on ground of 4.03 m and 4.96 m over the "
+            r"shoes; 48 fit, or a pitch of 259 mm",
+        ),
+        ({"lower_rollers": 25}, r"25 lower rollers do not fit beside each other .*: \d+ of 177 mm do"),
+        ({"shoe_weight": 400.0}, r"96 shoes of 400 kg with sprockets weigh 38.8 t, which leaves"),
+        ({"gauge": 0.7}, r"gauge must be greater than the shoes' width, .* got 0.7 m with shoes of 0.8 m"),
+        ({"gauge": None}, "gauge must be given, or width_over_shoes"),
+        ({"sag": 0.02, "chain_tension": 1e4}, "sag and chain_tension must not be given together"),
+        ({"remembered": ("gage",)}, "remembered must be names of the datasheet's values, got gage"),
+    ],
+)
+def test_what_contradicts_itself_is_refused_in_the_datasheets_words(changes, words):
+    with pytest.raises(ParameterError, match=words) as refusal:
+        derived(Datasheet(**(PC300 | changes)))
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('base = "closed"\n' + SHORT, "base must be left out beside a datasheet"),
+        ('[datasheet]\nbase = "pc30"\n', "no 'pc30'; did you mean 'pc300lc'?"),
+        ('datasheet = "pc300lc"\n', "datasheet must be a table"),
+        (SHORT + 'weight = "3 t"\n', "datasheet.weight"),
+        (SHORT + 'pitch = "3 kg"\n', "datasheet.pitch"),
+    ],
+)
+def test_files_with_wrong_datasheets_are_refused_by_name(written, text, words):
+    with pytest.raises(CaseFileError, match=words):
+        read_case(written(text))
+
+
+def test_wheels_of_a_derived_machine_carry_the_chain_evenly():
+    case = derived(Datasheet(**PC300)).case
+    gear = case.gear
+    gaps = np.diff(gear.rollers)
+    assert gaps == pytest.approx(gaps[0])
+    assert gaps[0] > 2.0 * gear.roller_radius
+    # the chain closes where the datasheet has its idler: within what its slack takes
+    assert abs(case.assembled.take_up) < 0.1 * case.track.pitch
