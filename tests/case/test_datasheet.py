@@ -189,3 +189,15 @@ def test_wheels_of_a_derived_machine_carry_the_chain_evenly():
     assert gaps[0] > 2.0 * gear.roller_radius
     # the chain closes where the datasheet has its idler: within what its slack takes
     assert abs(case.assembled.take_up) < 0.1 * case.track.pitch
+
+
+def test_bogies_carry_two_rollers_each_from_the_front_and_are_part_of_the_weight():
+    sheet = Datasheet(**PC300, lower_rollers=7, bogies=3)
+    case = derived(sheet).case
+    assert [bogie.rollers for bogie in case.gear.bogies] == [(2, 3), (4, 5), (6, 7)]
+    for bogie in case.gear.bogies:
+        rear, front = (case.gear.rollers[number - 1] for number in bogie.rollers)
+        assert bogie.pivot[0] == pytest.approx(0.5 * (rear + front))
+    assert figures.machine_mass(case) == pytest.approx(35371.0)
+    with pytest.raises(ParameterError, match="4 bogies take 8 lower rollers, a track has 7: 3 bogies do"):
+        derived(sheet.with_(bogies=4))

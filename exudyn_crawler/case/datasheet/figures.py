@@ -35,7 +35,8 @@ def machine_mass(case: Case) -> float:
     """Mass of all parts of a machine, kg: frame, shoes and tumblers."""
     gear = case.closed_gear()
     shoes = case.track.shoe_count * case.shoe.mass
-    return float(sum(part.mass for part in gear.frame_parts) + shoes + gear.tracks * gear.tumbler.mass)
+    turning = gear.tumbler.mass + sum(bogie.mass for bogie in gear.bogies)
+    return float(sum(part.mass for part in gear.frame_parts) + shoes + gear.tracks * turning)
 
 
 def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:

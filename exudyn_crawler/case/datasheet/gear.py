@@ -7,8 +7,9 @@ from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.datasheet import rules, travel, weights, wheels
 from exudyn_crawler.case.datasheet.chain import Chain
 from exudyn_crawler.case.datasheet.notes import Notes
-from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.case.gear.machine import Machine
+from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.case.parameters.car_body import CarBody
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
 from exudyn_crawler.case.parameters.track import Shoe, Track
@@ -55,14 +56,16 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
     for path in SCALED:
         how = "that of the project's P&H 4100C, by pitch, shoe's mass and speed"
         notes.note(f"gear.{path}", None, "", "assumed", how)
+    bogies = _bogies(sheet, pitch, place.rollers, notes)
     radius = chain.whole_gaps * pitch / (2.0 * math.pi)
     return Machine(
-        mass=parts.frame,
+        mass=parts.frame - sum(bogie.mass for bogie in bogies),
         inertia=parts.frame_inertia,
         com=parts.frame_com,
         tumbler=_tumbler(chain, place, sprocket, contacts, notes),
         idler=_idler(sheet, pitch, place, notes),
         rollers=place.rollers,
+        bogies=bogies,
         roller_radius=place.roller_radius,
         carriers=place.carriers,
         carrier_radius=place.carrier_radius,
@@ -81,6 +84,28 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
         torque_speed=LAG * speed / radius,
         car_body=_car_body(sheet, parts),
     )
+
+
+def _bogies(sheet: Datasheet, pitch: float, rollers: tuple[float, ...], notes: Notes) -> tuple[Bogie, ...]:
+    """Bogies with two lower rollers each, from the front; they are part of the side frame's weight."""
+    if not sheet.bogies:
+        return ()
+    if 2 * sheet.bogies > len(rollers):
+        raise DatasheetError(
+            f"{sheet.bogies} bogies take {2 * sheet.bogies} lower rollers, a track has {len(rollers)}: "
+            f"{len(rollers) // 2} bogies do"
+        )
+    mass = notes.sized("mass of a bogie", "bogie_mass", pitch**3, "kg")
+    height = notes.sized("height of a bogie's pivot", "bogie_pivot", pitch)
+    bogies = []
+    for number in range(len(rollers) + 1 - 2 * sheet.bogies, len(rollers), 2):
+        rear, front = rollers[number - 1 : number + 1]
+        inertia = rules.box_inertia(mass, front - rear + pitch, pitch, pitch).tolist()
+        pivot = 0.5 * (rear + front), height
+        bogies.append(
+            Bogie(rollers=(number, number + 1), pivot=pivot, mass=mass, inertia=(*inertia, 0.0, 0.0, 0.0))
+        )
+    return tuple(bogies)
 
 
 def _contacts(sheet: Datasheet, chain: Chain, shoe: Shoe, rollers: int, notes: Notes) -> Contacts:

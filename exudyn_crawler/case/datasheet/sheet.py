@@ -86,6 +86,9 @@ class Datasheet(Parameters):
     lower_rollers: int | None = quantity(
         "1", "lower rollers of one track", (4, 20), ge=2, le=60, default=None
     )
+    bogies: int = quantity(
+        "1", "bogies of one track, each with two of its lower rollers, from the front", (0, 6), ge=0, le=30, default=0
+    )
     carrier_rollers: int | None = quantity(
         "1", "carrier rollers of one track", (0, 8), ge=0, le=60, default=None
     )

@@ -1,0 +1,69 @@
+"""Datasheets at random: each is refused in a sentence, or a machine follows from it that weighs what it says."""
+
+import pytest
+
+from exudyn_crawler.case.datasheet import figures
+from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.errors import ParameterError
+from tests.case.random_datasheets import drawn
+
+MOST_WORDS = 60
+
+
+def case_of(seed):
+    """Case and datasheet of a seed; None where it is refused, by a sentence in the datasheet's own words."""
+    try:
+        sheet = Datasheet(**drawn(seed))
+        case = derived(sheet).case
+    except ParameterError as error:
+        text = str(error)
+        assert len(text.splitlines()) == 1, text
+        assert len(text.split()) <= MOST_WORDS, text
+        # words of the construction are none of a datasheet
+        assert not any(word in text for word in ("gear.", "tumbler", "flank", "cannot be built: ")), text
+        return None
+    return case, sheet
+
+
+def check(seeds):
+    """Check the machines of some seeds; the number that is refused."""
+    refused = 0
+    for seed in seeds:
+        found = case_of(seed)
+        if found is None:
+            refused += 1
+            continue
+        case, sheet = found
+        assert figures.machine_mass(case) == pytest.approx(sheet.operating_weight, rel=1e-9), seed
+        on_ground, over_shoes = figures.lengths(case, sheet)
+        if sheet.length_on_ground is not None:
+            assert on_ground == pytest.approx(sheet.length_on_ground, rel=0.01), seed
+        if sheet.crawler_length is not None:
+            assert over_shoes == pytest.approx(sheet.crawler_length, rel=0.05), seed
+        if sheet.shoes is not None:
+            assert case.loop.shoe_count == sheet.shoes, seed
+    return refused
+
+
+def test_some_machines_at_random_are_assembled_or_refused_in_a_sentence():
+    assert check(range(12)) < 6
+
+
+@pytest.mark.slow
+def test_200_machines_at_random_are_assembled_or_refused_in_a_sentence():
+    assert check(range(200)) < 100
+
+
+@pytest.mark.slow
+def test_200_machines_at_random_run_for_2_s():
+    from exudyn_crawler import simulate
+
+    for seed in range(200):
+        found = case_of(seed)
+        if found is not None:
+            case = found[0]
+            history = simulate(case, 2.0, progress=False)
+            # the chain's way: the speed rises by a cubic STEP in a second
+            way = history.side_frame_position.values[-1, 0] - history.side_frame_position.values[0, 0]
+            assert way == pytest.approx(case.drive.travel(2.0), rel=0.15), seed
