@@ -146,11 +146,14 @@ def test_typical_values_can_be_given():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"shoes": 55, "pitch": 0.29, "length_on_ground": 7.6, "crawler_length": None}, "gaps can be built"),
+        (
+            {"shoes": 55, "pitch": 0.29, "length_on_ground": 7.6, "crawler_length": None},
+            "55 shoes of 290 mm are 2.5 m too short for a length on ground of 7.6 m; 64 fit, or a pitch of 335",
+        ),
         (
             {"shoes": 40, "pitch": 0.2159},
             r"40 shoes of 215.9 mm are 1.7 m too short for a length on ground of 4.03 m and 4.96 m over the "
-            r"shoes; 48 fit, or a pitch of 259 mm",
+            r"shoes; 48 fit, or a pitch of 259.2 mm",
         ),
         ({"lower_rollers": 25}, r"25 lower rollers do not fit beside each other .*: \d+ of 177 mm do"),
         ({"shoe_weight": 400.0}, r"96 shoes of 400 kg with sprockets weigh 38.8 t, which leaves"),

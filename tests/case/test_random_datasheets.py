@@ -1,4 +1,4 @@
-"""Datasheets at random: each is refused in a sentence, or a machine follows from it that weighs what it says."""
+"""Datasheets at random: each is refused in a sentence, or a machine follows that weighs what it says."""
 
 import pytest
 
@@ -47,12 +47,12 @@ def check(seeds):
 
 
 def test_some_machines_at_random_are_assembled_or_refused_in_a_sentence():
-    assert check(range(12)) < 6
+    assert check(range(25)) < 6
 
 
 @pytest.mark.slow
 def test_200_machines_at_random_are_assembled_or_refused_in_a_sentence():
-    assert check(range(200)) < 100
+    assert check(range(200)) < 30
 
 
 @pytest.mark.slow

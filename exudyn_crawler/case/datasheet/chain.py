@@ -11,6 +11,7 @@ from exudyn_crawler.case.parameters.track import MOST_SHOES
 SHOES = "track.shoe_count of one track"
 """Key of a note."""
 LOOSE = 0.01  # of a chain's length, by which lengths of a datasheet may disagree
+PLAUSIBLE_GAPS = 8, 18  # of sprockets for which a number of shoes is taken as printed
 LONGEST, SHORTEST = 40.0, 5.0  # pitches of a length on ground
 
 
@@ -129,7 +130,10 @@ def _diameter(sheet: Datasheet, notes: Notes, pitch: float, tips: float) -> floa
     if sheet.sprocket_gaps is not None:
         return rules.pin_circle(pitch, sheet.sprocket_gaps)
     if shoes is not None and on_ground is not None:
-        return (shoes * pitch - 2.0 * on_ground) / math.pi
+        left = (shoes * pitch - 2.0 * on_ground) / math.pi
+        least, greatest = (rules.pin_circle(pitch, gaps) for gaps in PLAUSIBLE_GAPS)
+        if least <= left <= greatest:
+            return left
     if shoes is not None and over_shoes is not None:
         return (shoes * pitch - 2.0 * (over_shoes - 2.0 * tips)) / (math.pi - 2.0)
     return rules.pin_circle(pitch, notes.typical("sprocket_gaps"))

@@ -132,7 +132,9 @@ def _contacts(sheet: Datasheet, chain: Chain, shoe: Shoe, rollers: int, notes: N
     )
 
 
-def _tumbler(chain: Chain, place: wheels.Wheels, mass: float, contacts: Contacts, notes: Notes) -> Tumbler:
+def _tumbler(
+    chain: Chain, place: wheels.WheelPlaces, mass: float, contacts: Contacts, notes: Notes
+) -> Tumbler:
     """Sprocket."""
     inertia = (*rules.ring_inertia(mass, place.pins).tolist(), 0.0, 0.0, 0.0)
     how = "a wheel between disc and ring on the pins' circle"
@@ -152,7 +154,7 @@ def _tumbler(chain: Chain, place: wheels.Wheels, mass: float, contacts: Contacts
     )
 
 
-def _idler(sheet: Datasheet, pitch: float, place: wheels.Wheels, notes: Notes) -> Idler:
+def _idler(sheet: Datasheet, pitch: float, place: wheels.WheelPlaces, notes: Notes) -> Idler:
     """Idler where the chain has the tension that the maker asks for."""
     way = notes.sized("gear.idler.range", "take_up", pitch)
     notes.note("gear.idler.place", place.idler, "m", "derived", "by length on ground; idler_lift")
@@ -175,7 +177,7 @@ def _torque(sheet: Datasheet, radius: float, notes: Notes) -> float | None:
     )
 
 
-def _car_body(sheet: Datasheet, parts: weights.Weights) -> CarBody:
+def _car_body(sheet: Datasheet, parts: weights.PartWeights) -> CarBody:
     return CarBody(
         track_distance=sheet.track_gauge,
         mass=parts.body,

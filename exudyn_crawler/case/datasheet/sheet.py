@@ -8,7 +8,7 @@ from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quan
 from exudyn_crawler.errors import ParameterError
 
 Kind = Literal["excavator", "dozer", "shovel", "crane", "drill", "vehicle"]
-LEAST_GAPS, GREATEST_GAPS = 6.0, 30.0
+LEAST_GAPS, GREATEST_GAPS = 7.0, 30.0
 
 
 class DatasheetError(ParameterError):
@@ -87,7 +87,12 @@ class Datasheet(Parameters):
         "1", "lower rollers of one track", (4, 20), ge=2, le=60, default=None
     )
     bogies: int = quantity(
-        "1", "bogies of one track, each with two of its lower rollers, from the front", (0, 6), ge=0, le=30, default=0
+        "1",
+        "bogies of one track, each with two of its lower rollers, from the front",
+        (0, 6),
+        ge=0,
+        le=30,
+        default=0,
     )
     carrier_rollers: int | None = quantity(
         "1", "carrier rollers of one track", (0, 8), ge=0, le=60, default=None

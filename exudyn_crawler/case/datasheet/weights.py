@@ -11,7 +11,7 @@ UPPER_OF_REST, BODY_OF_REST = 0.7, 0.4  # chosen here, for machines whose tracks
 LEAST_FRAMES = 0.02  # of the operating weight: both side frames with their wheels
 
 
-class Weights(NamedTuple):
+class PartWeights(NamedTuple):
     """Masses of a machine's parts beside its shoes, kg, and their COMs in the machine's axes, m."""
 
     frame: float  # one side frame with its wheels, without sprocket
@@ -32,7 +32,7 @@ def gyration_inertia(mass: float, roll: float, pitch: float, yaw: float) -> Six:
 
 def weights_of(
     sheet: Datasheet, chain: Chain, shoe: float, sprocket: float, axes: float, notes: Notes
-) -> Weights:
+) -> PartWeights:
     """Weights of the parts, which add up to the operating weight.
 
     `shoe` and `sprocket` are the masses of one (kg), `axes` the height of the rollers' axes above ground, m.
@@ -58,7 +58,7 @@ def weights_of(
         ("gear.car_body.com", "body_height"),
     ):
         notes.note(path, None, "", "assumed", f"by {how} of the typical values")
-    return Weights(
+    return PartWeights(
         frame,
         gyration_inertia(frame, 0.4 * gyration, gyration, gyration),
         frame_com,

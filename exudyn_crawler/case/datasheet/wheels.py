@@ -17,11 +17,11 @@ from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.closed_track import Wheel
 
 PLAY = 0.1  # pitches, between wheels that stand beside each other, at least
-LEAST_ROLLER = 0.25  # pitches, of a roller's radius where many must stand
+LEAST_ROLLER = 0.3  # pitches, of a roller's radius where many must stand
 IDLERS = 0.6, 1.5  # of the sprocket's circle of pins: those that idlers have
 
 
-class Wheels(NamedTuple):
+class WheelPlaces(NamedTuple):
     """Wheels of one track, m."""
 
     sprocket: Wheel  # x and z of its axis
@@ -38,7 +38,7 @@ class Wheels(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Wheels about which a chain closes, but for the idler's circle of pins; m."""
+    """WheelPlaces about which a chain closes, but for the idler's circle of pins; m."""
 
     pitch: float
     on_ground: float
@@ -88,10 +88,14 @@ class Layout(NamedTuple):
 
     def carrier_places(self, circle: float) -> tuple[Wheel, ...]:
         """X and z of the carriers, evenly and so that they lift the upper run."""
-        ends = self.sprocket[1] + self.pins, self.idler(circle)[1] + circle
+        front = (*self.idler(circle), circle)
+        angle = assembly.tangent_angle(front, (*self.sprocket, self.pins))
         half = 0.5 * self.on_ground
         places = np.linspace(-half, half, self.carriers + 2)[1:-1]
-        heights = np.interp(places, (-half, half), ends) + self.lifts[2] - self.rise - self.carrier_radius
+        # line that touches both circles of pins
+        above = front[0] * math.cos(angle) + front[1] * math.sin(angle) + circle
+        line = (above - places * math.cos(angle)) / math.sin(angle)
+        heights = line + self.lifts[2] - self.rise - self.carrier_radius
         return tuple(zip(places.tolist(), heights.tolist(), strict=True))
 
     def belt(self, circle: float) -> list[assembly.Piece]:
@@ -105,7 +109,7 @@ class Layout(NamedTuple):
         return assembly.belt([(*self.sprocket, self.pins), *lower, (*self.idler(circle), circle), *upper])
 
 
-def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> Wheels:
+def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> WheelPlaces:
     """Wheels that neither overlap nor lie within the chain; `rise` is that of the rails above the pins, m.
 
     A DatasheetError in words of the datasheet where they do not fit.
@@ -159,7 +163,9 @@ def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> Whee
     notes.note("gear.rollers", rollers, "m", "derived", "even between sprocket and idler, which they clear")
     notes.note("gear.carriers", carriers, "m", "derived", "even under the upper run")
     radius, carrier = layout.roller_radius, layout.carrier_radius
-    return Wheels(layout.sprocket, pins, seat, reach, bush, idler, tread, rollers, radius, carriers, carrier)
+    return WheelPlaces(
+        layout.sprocket, pins, seat, reach, bush, idler, tread, rollers, radius, carriers, carrier
+    )
 
 
 def _above(height: float | None, axes: float) -> float | None:
