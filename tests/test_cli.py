@@ -33,7 +33,18 @@ STUDIES = {
 }
 COMMANDS = {
     *("demo", "scatter", "schema", "fmu", "check", "init", "run", "info", "report", "animate", "node-stress"),
-    *("pin-forces", "shoe-loads", "compare", "fit-soil", "ground", "life", "spread", "sweep", "machine", "machines"),
+    *(
+        "pin-forces",
+        "shoe-loads",
+        "compare",
+        "fit-soil",
+        "ground",
+        "life",
+        "spread",
+        "sweep",
+        "machine",
+        "machines",
+    ),
 }
 
 
