@@ -33,7 +33,7 @@ $(MESHER): $(INSTALLED)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[mesh]'
 	touch $@
 
-demo: $(INSTALLED)  ## a machine rolls over a track with a flexible shoe: a page to look at, in 20 s
+demo: $(INSTALLED)  ## half a machine drives on a closed track with a flexible shoe: a page to look at, in 20 s
 	$(BIN)/exudyn-crawler demo --out $(OUT)/demo $(ARGS)
 
 kinematics: $(INSTALLED)  ## the kinematics study: 10 s, straight and turning

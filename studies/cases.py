@@ -1,7 +1,7 @@
 """Cases of the studies to start from, as `pyproject.toml` registers them; this does not load the runs."""
 
 from exudyn_crawler import Case, CaseFile, Drive, FlexibleShoes, StepProfile
-from exudyn_crawler.case import Outputs
+from exudyn_crawler.case import Outputs, ph4100c
 from studies import CYCLE_DURATION, DURATION
 from studies.grounds import uneven_case
 
@@ -50,11 +50,12 @@ def grounds() -> CaseFile:
 
 
 def demo() -> CaseFile:
-    """Machine that rolls at 1 km/h over a track with one flexible shoe, on a coarse mesh."""
-    case = Case.rolled()
+    """Half a machine that gets to 1 km/h on a closed track with one flexible shoe, on a coarse mesh."""
+    case = Case.closed()
     case = case.with_(
         name="demo",
-        flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(14,)),
+        shoe=case.shoe.of_mass(ph4100c.STRESS_SHOE_MASS),
+        flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(7,)),
         drive=Drive(speed=StepProfile(times=(0.0, 1.5), values=(0.0, 0.3))),
         solver=case.solver.with_(output_interval=0.02),
     )

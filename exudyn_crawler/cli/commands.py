@@ -222,7 +222,7 @@ def demo(
     ),
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Roll a machine over a track with a flexible shoe, and make a page to look at."""
+    """Drive half a machine on a closed track with a flexible shoe, and make a page to look at."""
     case_file = application.study_case("demo")
     if prepare:
         typer.echo("compiling the equations of motion and reducing a shoe, once: a minute or two")
@@ -234,7 +234,7 @@ def demo(
         return
     case = case_file.case
     typer.echo(
-        f"a machine rolls over {case.track.shoe_count} shoes, one of them flexible, for "
+        f"half a machine drives on a track of {case.track.shoe_count} shoes, one of them flexible, for "
         f"{case_file.duration:g} s: this takes about 20 s, the first time on a machine a minute or two more"
     )
     done = crawler.run_case(case_file, out, overwrite=overwrite, take_finished=True, say=typer.echo)
