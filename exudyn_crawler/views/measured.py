@@ -1,6 +1,7 @@
 """Figures of what was measured beside what a law or a run gives."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,8 +10,8 @@ from matplotlib.figure import Figure
 from exudyn_crawler.results.measured.soil_fit import SoilFit
 from exudyn_crawler.results.measured.soil_tests import PlateTests, ShearTests
 
-DOTS = {"linestyle": "none", "marker": ".", "markersize": 4.0}
-BESIDE = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}  # where a legend hides no point
+DOTS: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4.0}
+BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}  # where a legend hides no point
 DRAWN = 200  # points of a curve
 
 

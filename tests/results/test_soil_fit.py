@@ -54,6 +54,15 @@ def test_intervals_count_how_tests_scatter():
     assert of_width(3, False) < LEAST
 
 
+def test_intervals_of_many_shear_tests_come_from_leaving_them_out():
+    tests = shear(0.01, pressures=np.linspace(20e3, 90e3, 6))
+    result, _ = fit_shear(tests)
+    assert result.by_tests
+    for name in result.names:
+        low, high = result.span(name)
+        assert low < result.number(name) < high
+
+
 def test_plates_of_one_width_give_the_modulus_of_that_width_alone():
     fit = fit_soil(plates(0.01, widths=(0.1,)), shear())
     remark = fit.remarks[0]

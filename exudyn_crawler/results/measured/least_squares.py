@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, Protocol, Self, TypeVar
 
 import numpy as np
 from scipy import optimize, stats
@@ -16,9 +16,11 @@ FEWEST_TESTS = 6
 class Points(Protocol):
     """Points that belong to tests."""
 
-    test: np.ndarray
+    @property
+    def test(self) -> np.ndarray:
+        """Names of their tests: array (points,)."""
 
-    def of(self, points: np.ndarray) -> "Points":
+    def of(self, points: np.ndarray) -> Self:
         """Some of them, by a mask."""
 
 
@@ -122,13 +124,13 @@ def part(
     spread = np.sqrt(np.diag(covariance))
     half = stats.t.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * spread
     by_log = np.array([parameter.by_log for parameter in parameters])
-    ends = [
+    value, low, high = (
         np.where(by_log, np.exp(np.where(by_log, x, 0.0)), x) for x in (middle, middle - half, middle + half)
-    ]
+    )
     safe = np.where(spread > 0.0, spread, 1.0)
     correlation = covariance / np.outer(safe, safe)
     names = tuple(parameter.name for parameter in parameters)
-    return PartFit(names, *ends, correlation, scatter, points, by_tests)
+    return PartFit(names, value, low, high, correlation, scatter, points, by_tests)
 
 
 def _gradient(function: Callable[[np.ndarray], np.ndarray], place: np.ndarray) -> np.ndarray:

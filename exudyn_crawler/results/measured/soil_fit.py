@@ -235,7 +235,7 @@ def fit_soil(plates: PlateTests, shear: ShearTests | None = None, base: BekkerSo
     lacking = tuple(name for name in needed if name not in values)
     if lacking and base is None:
         raise ValueError(f"tests say nothing of {', '.join(lacking)}: name a base, such as lete_sand")
-    law = BekkerSoil(**values) if base is None else base.with_(**values)
+    law = BekkerSoil.model_validate(values) if base is None else base.with_(**values)
     for result in results:
         remarks += _close(result)
     if loops:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
@@ -43,9 +44,9 @@ class PlateTests:
         for name in dict.fromkeys(self.test.tolist()):
             yield np.flatnonzero(self.test == name)
 
-    def of(self, points: np.ndarray) -> "PlateTests":
+    def of(self, points: np.ndarray) -> Self:
         """Some of the points, by their numbers or as a mask."""
-        return PlateTests(self.sinkage[points], self.pressure[points], self.width[points], self.test[points])
+        return type(self)(self.sinkage[points], self.pressure[points], self.width[points], self.test[points])
 
     def split(self) -> tuple["PlateTests", list[Loop]]:
         """Points of first loading, and the loops of unloading and reloading."""
@@ -77,6 +78,11 @@ class ShearTests:
     stress: np.ndarray  # (points,), Pa
     pressure: np.ndarray  # (points,), Pa
     test: np.ndarray  # (points,), name of the test
+
+    def of(self, points: np.ndarray) -> Self:
+        """Some of the points, by their numbers or as a mask."""
+        values = self.displacement, self.stress, self.pressure, self.test
+        return type(self)(*(array[points] for array in values))
 
     @property
     def pressures(self) -> np.ndarray:
