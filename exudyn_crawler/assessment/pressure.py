@@ -48,7 +48,7 @@ class TrackPressure(NamedTuple):
     length: Floats
     """That carries, m."""
     even: Floats
-    """Pressure of Meyerhof's even equivalent, load over width times (length - 2 |offset|), Pa."""
+    """Pressure of Meyerhof's even equivalent, ``load / (width (length - 2 |offset|))``, Pa."""
 
 
 def track_loads(weight: Numbers, aside: Numbers, gauge: float) -> tuple[Floats, Floats]:
@@ -76,8 +76,8 @@ def track_pressure(load: Numbers, ahead: Numbers, length: float, width: float) -
     Notes
     -----
     Up to a sixth of the length it is a trapezoid, p = P / (b L) (1 +- 6 e / L), beyond a triangle over
-    L' = 3 (L / 2 - |e|) with p = 2 P / (b L') (Navier; no tension). Meyerhof's even pressure acts over
-    L - 2 |e| (Meyerhof 1953, cited in FHWA GEC-6).
+    ``L' = 3 (L / 2 - |e|)`` with p = 2 P / (b L') (Navier; no tension). Meyerhof's even pressure acts over
+    ``L - 2 |e|`` (Meyerhof 1953, cited in FHWA GEC-6).
     """
     bears, away = np.broadcast_arrays(np.asarray(load, dtype=float), np.abs(np.asarray(ahead, dtype=float)))
     inside = away < 0.5 * length

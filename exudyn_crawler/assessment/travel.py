@@ -154,8 +154,8 @@ def turn_of_footprints(
     Notes
     -----
     A shoe at (x, y) of the machine, h beside its track's middle, slips with (u - h w, (x - x0) w) and bears
-    -mu p v / |v|. Slips u of both tracks and the pole x0 follow from the sums of forces along and across and
-    of moments, which are zero (derived; Merritt and Steeds have lines without width).
+    ``-mu p v / |v|``. Slips u of both tracks and the pole x0 follow from the sums of forces along and across,
+    and of moments, which are zero (derived; Merritt and Steeds have lines without width).
     """
     gauge, length, _ = footprint
     x, beside, press = _pressed(weight, footprint, ahead, aside)

@@ -56,6 +56,8 @@ def code_of(function, *arguments):
     """Code that the compiler makes of a function for types of arguments."""
     dispatcher = getattr(function, "_dispatcher", function)
     dispatcher.compile(arguments)
+    # code that comes from a cache cannot be looked at
+    dispatcher.recompile()
     return dispatcher.inspect_llvm(dispatcher.signatures[-1])
 
 

@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import UnionType
 from typing import Any, NamedTuple, Union, get_args, get_origin
@@ -14,6 +14,7 @@ from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import ParameterError
 
 MOST_ERRORS = 100  # that are named
+LISTED = 300  # characters of allowed names, beyond which a list is cut
 NAMED = 5  # values that one table lacks, or keys that it does not know, which are named
 OF_TABLES = ("missing", "extra_forbidden")
 WORDS = (
@@ -105,7 +106,17 @@ def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydan
     allowed = fields.file_fields(model) if not table else spots[0].table.model_fields
     nearest = {name: difflib.get_close_matches(name, allowed, n=1) for name in _last_names(spots[:NAMED])}
     meant = [f"did you mean {near[0]} for {name}? " for name, near in nearest.items() if near]
-    return f"{_names(table, spots)}: unknown keys; {''.join(meant)}allowed are {', '.join(allowed)}"
+    return f"{_names(table, spots)}: unknown keys; {''.join(meant)}allowed are {_listed(allowed)}"
+
+
+def _listed(names: Collection[str]) -> str:
+    """Names of a list that is cut where it gets long."""
+    shown = []
+    for name in names:
+        if sum(len(other) + 2 for other in shown) > LISTED:
+            return f"{', '.join(shown)} and {len(names) - len(shown)} more"
+        shown.append(name)
+    return ", ".join(shown)
 
 
 def _names(table: fields.KeyPath, spots: Sequence[Spot]) -> str:
@@ -249,4 +260,4 @@ def unknown_key(path: fields.KeyPath, allowed: Sequence[str]) -> str:
         return RENAMED[str(path[0])]
     near = difflib.get_close_matches(str(path[-1]), allowed, n=1)
     meant = fields.path_text((*path[:-1], *near))
-    return f"unknown key; did you mean {meant}?" if near else f"unknown key; allowed are {', '.join(allowed)}"
+    return f"unknown key; did you mean {meant}?" if near else f"unknown key; allowed are {_listed(allowed)}"
