@@ -111,7 +111,7 @@ def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydan
 
 def _listed(names: Collection[str]) -> str:
     """Names of a list that is cut where it gets long."""
-    shown = []
+    shown: list[str] = []
     for name in names:
         if sum(len(other) + 2 for other in shown) > LISTED:
             return f"{', '.join(shown)} and {len(names) - len(shown)} more"
