@@ -17,7 +17,9 @@ STEEL_COLOR = "#9fb1bd"
 LIGHT = np.array([0.45, -0.35, 0.82])
 
 
-def draw_surface(ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimuth: float) -> Axes3D:
+def draw_surface(
+    ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimuth: float, light: Floats = LIGHT
+) -> Axes3D:
     """Draw the boundary with shading.
 
     Parameters
@@ -29,6 +31,8 @@ def draw_surface(ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimu
         Red, green, blue of each boundary triangle, 0 to 1.
     elevation, azimuth : float
         Place of the viewer in degrees; faces turned away are left out.
+    light : array (3,)
+        Towards the light.
     """
     corners = mesh.nodes[mesh.boundary[:, :3]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -36,7 +40,7 @@ def draw_surface(ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimu
     up, around = np.radians([elevation, azimuth])
     viewer = [np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)]
     seen = normals @ viewer > 0.0
-    shade = 0.62 + 0.38 * (normals @ LIGHT / np.linalg.norm(LIGHT))
+    shade = 0.62 + 0.38 * (normals @ light / np.linalg.norm(light))
     ax.add_collection3d(
         Poly3DCollection(
             corners[seen],

@@ -8,6 +8,7 @@ import typer
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.commands import command
+from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_table, write_table
 
@@ -207,15 +208,64 @@ def life(
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
 
 
+Unit = Annotated[
+    Literal["mm", "m", "inch", "cm"] | None, typer.Option(help="of lengths in the file; found, if not given")
+]
+FlipFront = Annotated[bool, typer.Option("--flip-front", help="the other end leads")]
+FlipUp = Annotated[bool, typer.Option("--flip-up", help="the other side is up")]
+Footprint = Annotated[
+    Literal["plate", "tips"] | None, typer.Option(help="of grouser shoes: what carries on the ground")
+]
+Body = Annotated[str | None, typer.Option(help="number of the solid, the largest is 1; or all", metavar="N")]
+Pins = Annotated[int, typer.Option(help="number of the pair of bores, the likeliest is 1", min=1)]
+Size = Annotated[
+    Literal["coarse", "study", "fine"], typer.Option(help="of the elements of a solid that is meshed")
+]
+
+
+@command("exudyn-crawler shoe excavator_shoe.step")
+def shoe(
+    file: Annotated[Path, typer.Argument(help="STEP, STL or a mesh of tetrahedra", metavar="FILE")],
+    unit: Unit = None,
+    flip_front: FlipFront = False,
+    flip_up: FlipUp = False,
+    footprint: Footprint = None,
+    body: Body = None,
+    pins: Pins = 1,
+    size: Size = "study",
+    out: Annotated[Path, typer.Option(help="folder for mesh, case and picture")] = Path(),
+    overwrite: application.Overwrite = False,
+) -> None:
+    """Make a mesh and a case of a maker's file of a shoe: what is what is found by its shape."""
+    from exudyn_crawler.shoe_file import paths_of, shoe_of, write_shoe
+    from meshes.recognition.axes import Choices
+
+    name = file.name.partition(".")[0]
+    for path in paths_of(name, out).values():
+        refuse_existing(path, overwrite)
+    with heartbeat(f"shoe of {file}"):
+        found = shoe_of(file, Choices(unit, flip_front, flip_up, footprint, body, pins), size)
+        paths = write_shoe(found, out, overwrite)
+    print_table(found.table, f"{name}: shoe of {file}")
+    typer.echo("\n".join(found.lines()))
+    typer.echo(f"{paths['picture']}: look whether every surface has its colour")
+    typer.echo(f"{paths['case']}: what cracks it: exudyn-crawler check {paths['case']}")
+
+
 @command("exudyn-crawler check overhanging.toml --no-pictures")
 def check(
-    file: Annotated[Path, typer.Argument(help="file of a shoe's check", metavar="SHOE.toml")],
+    file: Annotated[
+        Path, typer.Argument(help="file of a shoe's check, a case, or a maker's file", metavar="SHOE")
+    ],
     out: application.OfName = None,
     pictures: Annotated[bool, typer.Option(help="draw each case")] = True,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Check a shoe by static cases without a run: which case cracks which region after how many cycles."""
     folder = out or application.RESULTS / file.stem
+    if file.suffix.lower() != ".toml":
+        shoe(file, out=folder, overwrite=overwrite)
+        file = folder / f"{file.name.partition('.')[0]}.toml"
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
     shown = result.worst_cycles[["to", "from", "region", "cycles to a crack", "an hour"]]
     hours = f"how many an hour crack within {result.check.hours:g} h"

@@ -12,6 +12,8 @@ from meshes.rails import rail_outline, station_weights
 
 PIN_TOLERANCE = 1e-3
 """m, between the axis of a bore and the pin."""
+BESIDE = 1.0
+"""Of a bore's length: how far a joint may be from its middle, which is half of it beside the lug."""
 TOLERANCE = 5e-3
 """m, between the mesh's underside, or its rails, and those of the rigid shoes, where all shoes are met."""
 EDGES = ["rear", "front", "right", "left", "height"]
@@ -25,6 +27,7 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
     """
     check_extent(mesh, name)
     interfaces = []
+    taken = np.zeros(len(mesh.nodes), dtype=bool)
     for joint, center in track.joint_centers.items():
         if f"bore {joint}" not in mesh.surfaces:
             raise ValueError(
@@ -33,12 +36,16 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
         nodes = mesh.nodes_of(f"bore {joint}")
         bore = mesh.nodes[nodes]
         off = 0.5 * (bore.min(axis=0) + bore.max(axis=0)) - center
-        # a bore is as long as its lug is wide, of which the joint centre need not be the middle
-        if np.hypot(off[0], off[2]) > PIN_TOLERANCE or abs(off[1]) > 0.5 * np.ptp(bore[:, 1]):
+        # a bore is as long as its lug is wide, of which the joint centre need not be the middle; between lugs
+        # side by side it is in their gap
+        if np.hypot(off[0], off[2]) > PIN_TOLERANCE or abs(off[1]) > BESIDE * np.ptp(bore[:, 1]):
             raise ValueError(
                 f"the mesh {name!r} must meet the track's pins within {PIN_TOLERANCE} m: "
                 f"its bore {joint!r} is off the pin by {off.round(4).tolist()} m"
             )
+        # a bore that is parted in the middle has nodes on both sides of the cut
+        nodes = nodes[~taken[nodes]]
+        taken[nodes] = True
         interfaces.append(Interface(joint, center, nodes))
     return interfaces
 

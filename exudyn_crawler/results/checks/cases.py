@@ -10,11 +10,13 @@ from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
-from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case import Case, Track, ph4100c
+from exudyn_crawler.case.files import read_case
 from exudyn_crawler.case.parameters import base, reading
 from exudyn_crawler.case.parameters.base import Name, Parameters, Place, Two, option, quantity
 from exudyn_crawler.results.life.duty import FatigueMaterial
 from fem import Mesh
+from meshes.geometry import ShoeDimensions
 from meshes.rails import RailOutline, rail_outline
 
 SAND, ROCK, STONE = 1e8, 1e9, 10.0
@@ -25,6 +27,9 @@ PULL, SIDE, STRIKE = 2.6e6, 0.26e6, 1e6
 """N: pull of a chain that turns on the spot, what is left of it sideways on a shoe, and a unit strike."""
 BLOW = 25e3
 """J of a dipper of 50 t that falls on a shoe at 1 m/s: assumed, no source has mass and speed."""
+WING = 0.07
+"""Of the width of a shoe, at its left end."""
+DIGITS = 9  # of a size over that of the papers' shoe: those behind are rounding of a mesh
 UNDER_A_SIDE = 0.05  # m, by which a box of a pressure reaches beyond the face that is meant
 
 Side = Literal["left", "right"]
@@ -132,6 +137,15 @@ class ShoeCheck(Parameters):
         default={},
     )
     material: FatigueMaterial = option("against cyclic stress", default=FatigueMaterial.cast_nicrmo())
+    track: Track | None = option("chain whose pins hold it; none: the papers'", default=None)
+    machine: float = quantity(
+        "1",
+        "its machine's pulls and strikes over those of the papers'",
+        (0.001, 3.0),
+        gt=0,
+        le=1e3,
+        default=1.0,
+    )
     spider: Literal["averaging", "rigid"] = option("how pins hold their bores", default="averaging")
     roller_radius: base.Length = quantity("m", "of the treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS)
     tread_width: base.Length = quantity(
@@ -149,9 +163,24 @@ class ShoeCheck(Parameters):
             yield f"cases: names must differ, got {double} twice"
 
 
+def check_of(case: Case) -> ShoeCheck:
+    """Check of the flexible shoes of a case on its own track; forces go with the load on its shoes.
+
+    A ValueError says if it has no flexible shoes.
+    """
+    machine = case.mean_load / ph4100c.PROPEL_LOAD
+    machine = float(f"{machine:.3g}") if machine > 0.0 else 1.0
+    levels = tuple(level.with_(force=machine * level.force) for level in LEVELS)
+    mesh = case.flexible_shoes().mesh
+    return ShoeCheck(name=case.name, mesh=mesh, track=case.track, machine=machine, levels=levels)
+
+
 def read_check(path: str | Path) -> ShoeCheck:
-    """Read the file of a check (TOML); the mesh's file counts from it; raises as `read_parameters`."""
+    """Read the file of a check or of a case; a mesh's file counts from it; raises as their readers."""
     path = Path(path)
+    content = reading.toml_content(path, "check file") if path.suffix == ".toml" else {}
+    if "flexible" in content:
+        return check_of(read_case(path).case)
     named = {"name": path.stem}
     check = reading.read_parameters(path, ShoeCheck, "check file", lambda content: named | content)
     beside = path.parent / check.mesh
@@ -159,29 +188,68 @@ def read_check(path: str | Path) -> ShoeCheck:
 
 
 class ShoeOutline(NamedTuple):
-    """What ready cases are made of: rails, and extents of a shoe, m."""
+    """What ready cases are made of: rails, if there are any, and extents of a shoe, m."""
 
-    rails: RailOutline
+    rails: RailOutline | None
     low: np.ndarray  # (3,) of the underside
     high: np.ndarray
     top: float  # z of the highest place
+    bearing: np.ndarray  # (2, 3): least and greatest x, y, z of what carries the machine without rails
+    wing: float  # z of the highest place at the left end
 
     @classmethod
     def of(cls, mesh: Mesh) -> "ShoeOutline":
-        """Outline of a shoe's mesh; raises as `rail_outline`."""
+        """Outline of a shoe's mesh; raises as `rail_outline` where it names a roller path."""
         under = mesh.nodes[mesh.nodes_of("underside")]
-        return cls(rail_outline(mesh), under.min(axis=0), under.max(axis=0), float(mesh.nodes[:, 2].max()))
+        carries = mesh.nodes[mesh.nodes_of("top")] if "top" in mesh.surfaces else mesh.nodes
+        bearing = np.stack((carries.min(axis=0), carries.max(axis=0)))
+        highest, low, high = float(mesh.nodes[:, 2].max()), under.min(axis=0), under.max(axis=0)
+        at_end = mesh.nodes[:, 1] > high[1] - WING * (high[1] - low[1])
+        return cls(_rails_of(mesh), low, high, highest, bearing, float(mesh.nodes[at_end, 2].max()))
+
+    @property
+    def along(self) -> float:
+        """Length of the underside over that of the papers' shoe, for which distances along it are given."""
+        return float(f"{(self.high[0] - self.low[0]) / ShoeDimensions.plate_length:.{DIGITS}g}")
+
+    @property
+    def beside(self) -> float:
+        """Same of the width."""
+        return float(f"{(self.high[1] - self.low[1]) / ShoeDimensions.width:.{DIGITS}g}")
+
+
+def _rails_of(mesh: Mesh) -> RailOutline | None:
+    """Rails of a mesh; None where it has no roller path and its top is not two bands."""
+    try:
+        return rail_outline(mesh)
+    except ValueError:
+        if "roller path" in mesh.surfaces:
+            raise
+        return None
 
 
 Loads = Iterator[dict[str, Any]]
-"""Fields of check cases in which they differ from a roller above the middle of a shoe on even sand."""
+"""Fields of check cases in which they differ from a machine above the middle of a shoe on even sand."""
 
 
-def ready_cases(outline: ShoeOutline, force: float) -> list[CheckCase]:
-    """Ready check cases of a shoe with a force (N) on each rail."""
-    both: dict[str, Any] = {"treads": _rolled(force), "ground": OneSidedGround()}
-    kinds = (_supports, _rail_ends, _turns, _drives, _strikes)
-    return [CheckCase(**both | one) for kind in kinds for one in kind(outline, force)]
+def ready_cases(outline: ShoeOutline, force: float, machine: float = 1.0) -> list[CheckCase]:
+    """Ready check cases of a shoe with a force (N) on each rail, or both on the top where there is none.
+
+    `machine` is what its pulls and strikes are times those of the papers' machine; distances are theirs,
+    times the size of the shoe.
+    """
+    carried: dict[str, Any] = {"ground": OneSidedGround()}
+    carried |= {"treads": _rolled(force)} if outline.rails else {"pressures": [_on_top(outline, force)]}
+    if outline.rails is None:
+        kinds = [_supports(outline, force), _turns(outline, machine), _strikes(outline, force, machine)]
+    else:
+        kinds = [
+            _supports(outline, force),
+            _rail_ends(outline, outline.rails, force),
+            _turns(outline, machine),
+        ]
+        kinds += [_drives(outline, outline.rails, machine), _strikes(outline, force, machine)]
+    return [CheckCase(**carried | one) for kind in kinds for one in kind]
 
 
 def _rolled(force: float, **place: Any) -> list[TreadForce]:
@@ -189,13 +257,24 @@ def _rolled(force: float, **place: Any) -> list[TreadForce]:
     return [TreadForce(side=side, force=force, **place) for side in get_args(Side)]
 
 
+def _on_top(outline: ShoeOutline, force: float) -> Pressure:
+    """Force of two rails spread over the top."""
+    low, high = outline.bearing + UNDER_A_SIDE * np.array([[-1.0], [1.0]])
+    return Pressure.model_validate(
+        {"facing": "up", "low": tuple(low), "high": tuple(high), "force": (0, 0, -2 * force)}
+    )
+
+
 def _supports(outline: ShoeOutline, force: float) -> Loads:
     """The ground bears here or there."""
     (x0, y0, _), (x1, y1, _) = outline.low, outline.high
-    half, arm = 0.5 * (y1 - y0), 0.5 * (outline.rails.left - outline.rails.right)
+    along, beside, rails = outline.along, outline.beside, outline.rails
+    half = 0.5 * (y1 - y0)
+    arm = None if rails is None else 0.5 * (rails.left - rails.right)
 
-    def case(name: str, stiffness: float, moment: float | None = None, *parts: GroundPart) -> dict[str, Any]:
-        by_hand = None if moment is None else force * moment
+    def case(name: str, stiffness: float, lever: float | None = None, *parts: GroundPart) -> dict[str, Any]:
+        # by hand where two rails have the force
+        by_hand = None if lever is None or arm is None else force * (lever - arm)
         ground = OneSidedGround(stiffness=stiffness, parts=parts)
         return {"name": name, "ground": ground, "hand_moment": by_hand}
 
@@ -203,64 +282,69 @@ def _supports(outline: ShoeOutline, force: float) -> Loads:
         return GroundPart(low=low, high=high, stiffness=stiffness, **shape)
 
     def stone(y: float, ground: float) -> GroundPart:
-        x, size = x1 - 0.045, 0.15
+        x, size = x1 - 0.045 * along, 0.15 * along
         low, high = (x - size, y - size), (x + size, y + size)
-        return part(low, high, STONE * ground, round=True, height=0.05)
+        return part(low, high, STONE * ground, round=True, height=0.05 * along)
 
-    yield case("even, sand", SAND, half / 2 - arm)
-    yield case("even, rock", ROCK, half / 2 - arm)
-    for w in (0.2, 0.5):
+    yield case("even, sand", SAND, half / 2)
+    yield case("even, rock", ROCK, half / 2)
+    for w in (0.2 * beside, 0.5 * beside):
         hole = part((x0, y0 + w), (x1, y1 - w), 0.0)
-        yield case(f"both ends {w} m", SAND, half - w / 2 - arm, hole)
-    yield case("ridge 0.4 m", 0.0, 0.1 - arm, part((x0, -0.2), (x1, 0.2), SAND))
-    corners = part((x1 - 0.3, y1 - 0.3), (x1, y1), ROCK), part((x0, y0), (x0 + 0.3, y0 + 0.3), ROCK)
-    yield case("diagonal corners 0.3 m", 0.0, half - 0.15 - arm, *corners)
-    yield case("stone at the edge, rock", ROCK, None, stone(1.3, ROCK))
-    yield case("stone at the edge, sand", SAND, None, stone(1.6, SAND))
-    yield {"name": "one rail", "treads": [TreadForce(side="left", force=2.0 * force)]}
+        yield case(f"both ends {w:.3g} m", SAND, half - w / 2, hole)
+    middle, w = 0.5 * (y0 + y1), 0.2 * beside
+    yield case(f"ridge {2 * w:.3g} m", 0.0, w / 2, part((x0, middle - w), (x1, middle + w), SAND))
+    a, b = 0.3 * along, 0.3 * beside
+    corners = part((x1 - a, y1 - b), (x1, y1), ROCK), part((x0, y0), (x0 + a, y0 + b), ROCK)
+    yield case(f"diagonal corners {b:.3g} m", 0.0, half - b / 2, *corners)
+    yield case("stone at the edge, rock", ROCK, None, stone(middle + 1.3 * beside, ROCK))
+    yield case("stone at the edge, sand", SAND, None, stone(middle + 1.6 * beside, SAND))
+    if rails is not None:
+        yield {"name": "one rail", "treads": [TreadForce(side="left", force=2.0 * force)]}
 
 
-def _rail_ends(outline: ShoeOutline, force: float) -> Loads:
+def _rail_ends(outline: ShoeOutline, rails: RailOutline, force: float) -> Loads:
     """A roller at the ends of the rails, on all of their width and on their outer third."""
-    third = outline.rails.width / 3
+    third = rails.width / 3
     widths = {"": {}, ", outer third": {"width": third, "across": third}}
-    for end, x, (words, width) in itertools.product(("front", "rear"), (0.0, 0.02), widths.items()):
-        name = f"roller {1e3 * x:g} mm from the {end} end{words}"
+    near = 0.02 * outline.along
+    for end, x, (words, width) in itertools.product(("front", "rear"), (0.0, near), widths.items()):
+        name = f"roller {1e3 * x:.3g} mm from the {end} end{words}"
         yield {"name": name, "treads": _rolled(force, end=end, x=x, **width)}
 
 
-def _turns(outline: ShoeOutline, _force: float) -> Loads:
+def _turns(outline: ShoeOutline, machine: float) -> Loads:
     """Pull of a chain that turns, shared by the pins, with the side force held at rails or pins."""
     under = {"low": tuple(outline.low - UNDER_A_SIDE), "high": tuple(outline.high + UNDER_A_SIDE)}
-    pushed = Pressure.model_validate({"facing": "down", "force": (0.0, SIDE, 0.0), **under})
-    rails, top = outline.rails, outline.top
-    side = rails.left + rails.width / 2
-    low, high = (-0.1, side - 0.005, rails.height - 0.025), (0.1, side + 0.005, top + 0.01)
-    flange = Pressure(facing="left", low=low, high=high, force=(0.0, -SIDE, 0.0))
+    pull, push = machine * PULL, machine * SIDE
+    pushed = Pressure.model_validate({"facing": "down", "force": (0.0, push, 0.0), **under})
     along = [f"{one} x" for one in PINS]
-    holds = {
-        "rails": along,
-        "two pins": ["rear left y", "rear right y", *along],
-        "one pin": ["rear left y", *along],
-    }
+    holds = {"two pins": ["rear left y", "rear right y", *along], "one pin": ["rear left y", *along]}
+    at_rails = []
+    if (rails := outline.rails) is not None:
+        side, reach = rails.left + rails.width / 2, 0.1 * outline.along
+        low = (-reach, side - 0.005, rails.height - 0.025 * outline.along)
+        high = (reach, side + 0.005, outline.top + 0.01)
+        at_rails = [Pressure(facing="left", low=low, high=high, force=(0.0, -push, 0.0))]
+        holds = {"rails": along, **holds}
     for share, (where, held) in itertools.product((0.5, 0.7, 1.0), holds.items()):
         pulls = dict(zip(PINS, (share, 1.0 - share, -share, share - 1.0), strict=True))
         yield {
             "name": f"turn {100 * share:g}/{100 - 100 * share:g}, side force at {where}",
-            "pins": [PinForce(pin=pin, force=(part * PULL, 0.0, 0.0)) for pin, part in pulls.items() if part],
-            "pressures": [pushed, flange] if where == "rails" else [pushed],
+            "pins": [PinForce(pin=pin, force=(part * pull, 0.0, 0.0)) for pin, part in pulls.items() if part],
+            "pressures": [pushed, *at_rails] if where == "rails" else [pushed],
             "held_by": held,
         }
 
 
-def _drives(outline: ShoeOutline, _force: float) -> Loads:
+def _drives(outline: ShoeOutline, rails: RailOutline, machine: float) -> Loads:
     """A tumbler's push on the web between the rails, both ways."""
-    inner = outline.rails.left - outline.rails.width / 2
+    inner, upward = rails.left - rails.width / 2, outline.along
+    pull = machine * PULL
     for name, facing, push, low, high in (
-        ("forward", "rear", PULL, outline.low[0], 0.0),
-        ("back", "front", -PULL, 0.0, outline.high[0]),
+        ("forward", "rear", pull, outline.low[0], 0.0),
+        ("back", "front", -pull, 0.0, outline.high[0]),
     ):
-        box = {"low": (low, -inner, -0.1), "high": (high, inner, 0.15)}
+        box = {"low": (low, -inner, -0.1 * upward), "high": (high, inner, 0.15 * upward)}
         pressure = Pressure.model_validate({"facing": facing, "force": (push, 0.0, 0.0), **box})
         held = [*(f"{one} x" for one in PINS if one.startswith(facing)), *(f"{one} z" for one in PINS)]
         yield {
@@ -272,16 +356,23 @@ def _drives(outline: ShoeOutline, _force: float) -> Loads:
         }
 
 
-def _strikes(outline: ShoeOutline, _force: float) -> Loads:
+def _strikes(outline: ShoeOutline, force: float, machine: float) -> Loads:
     """A dipper on a wing's end."""
     x1, y1, _ = outline.high
-    for name, from_x in (("tip", outline.low[0]), ("edge", 0.1)):
-        low, high = (from_x, y1 - 0.25, 0.1), (x1, y1, outline.top + 0.1)
-        strike = Pressure(facing="up", low=low, high=high, force=(0.0, 0.0, -STRIKE))
-        for size, energy in (("1 MN", None), (f"{BLOW / 1e3:g} kJ", BLOW)):
-            words = f"strike of {size} on the wing's {name}"
+    lowest = outline.wing - 0.1 * outline.along
+    carried = [] if outline.rails else [_on_top(outline, force)]
+    for name, from_x in (("tip", outline.low[0]), ("edge", 0.1 * outline.along)):
+        low, high = (from_x, y1 - 0.25 * outline.beside, lowest), (x1, y1, outline.top + 0.1)
+        strike = Pressure(facing="up", low=low, high=high, force=(0.0, 0.0, -machine * STRIKE))
+        size = f"{machine * STRIKE / 1e6:.3g} MN"
+        yield {"name": f"strike of {size} on the wing's {name}", "pressures": [*carried, strike]}
+        if outline.rails is not None:
+            energy = machine * BLOW
+            words = f"strike of {energy / 1e3:.3g} kJ on the wing's {name}"
             yield {"name": words, "pressures": [strike], "energy": energy}
 
 
-READY_CYCLES = (("even, sand", "both ends 0.2 m"), ("ridge 0.4 m", "both ends 0.2 m"))
-"""Cycles between two ready cases, at each level; their loaded cases are those with the roller."""
+def ready_cycles(outline: ShoeOutline) -> list[tuple[str, str]]:
+    """Cycles between two ready cases, at each level; their loaded cases are those with the machine."""
+    both_ends = f"both ends {0.2 * outline.beside:.3g} m"
+    return [("even, sand", both_ends), (f"ridge {0.4 * outline.beside:.3g} m", both_ends)]

@@ -16,6 +16,7 @@ from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
 from fem import ElasticBody, Partition, Shapes, defects, interfaces, supports, trust
 from fem.stress import principal, von_mises
 from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfaces
+from meshes.checks import check_surfaces
 
 POINTS, RAIL_POINTS = 0.02, 0.01
 """m between points on the underside and on other faces, and on the rails."""
@@ -49,12 +50,13 @@ class CheckedShoe:
     """
 
     def __init__(self, check: ready.ShoeCheck) -> None:
-        track = Track.ph4100c()
+        track = check.track or Track.ph4100c()
         if check.dimensions:
             own = mesh_shoe(ShoeDimensions(**check.dimensions), check.mesh)
             name, mesh = check.name, with_load_surfaces(own)
         else:
             name, mesh = check.mesh, mesh_named(check.mesh)
+        check_surfaces(mesh, "underside", name)
         self.mesh, self.body = mesh, ElasticBody(mesh, STEEL)
         pins = [replace(one, spider=check.spider) for one in pin_interfaces(mesh, name, track)]
         self.partition, self.outline = Partition(self.body, pins), ready.ShoeOutline.of(mesh)
@@ -87,6 +89,8 @@ class CheckedShoe:
     def rail(self, tread: ready.TreadForce) -> np.ndarray:
         """Nodal forces (n, 3) of a tread, N."""
         rails, half = self.outline.rails, 0.5 * tread.length
+        if rails is None:
+            raise ValueError("a tread must press on a rail, the shoe has none")
         if "rail" not in self._points:
             self._points["rail"] = supports.surface_points(self.mesh, self.mesh.surface("rails"), RAIL_POINTS)
         points, sign = self._points["rail"], 1.0 if tread.side == "left" else -1.0
@@ -212,7 +216,7 @@ def all_cases(check: ready.ShoeCheck, outline: ready.ShoeOutline) -> tuple[ready
     found = [
         one.with_(name=f"{one.name}, {level.name}")
         for level in check.levels
-        for one in ready.ready_cases(outline, level.force)
+        for one in ready.ready_cases(outline, level.force, check.machine)
     ]
     return (*found, *check.cases)
 
@@ -222,6 +226,8 @@ def solve_cases(
 ) -> CheckResults:
     """Solve all cases of a check; a ValueError names one not in balance or that ground cannot carry."""
     cases = all_cases(check, shoe.outline)
+    if check.track is not None:
+        cases = _possible(check, shoe, cases, say)
     loads, answers, blows = _solved(shoe, cases, say)
     say("stresses, peaks and cycles")
     surface = shoe.mesh.surface_nodes
@@ -229,7 +235,10 @@ def solve_cases(
     names = [case.name for case in cases]
     by_name, pairs = dict(zip(names, stress, strict=True)), [(UNLOADED, name) for name in names]
     pairs += [
-        (f"{a}, {level.name}", f"{b}, {level.name}") for level in check.levels for a, b in ready.READY_CYCLES
+        (f"{a}, {level.name}", f"{b}, {level.name}")
+        for level in check.levels
+        for a, b in ready.ready_cycles(shoe.outline)
+        if {f"{a}, {level.name}", f"{b}, {level.name}"} <= {*names}
     ]
     return CheckResults(
         check,
@@ -243,6 +252,26 @@ def solve_cases(
         cycle_table(check, shoe, by_name, pairs),
         roller_path.hertz_table(check, cases),
     )
+
+
+def _possible(
+    check: ready.ShoeCheck, shoe: CheckedShoe, cases: Sequence[ready.CheckCase], say: Callable[[str], None]
+) -> tuple[ready.CheckCase, ...]:
+    """Cases without ready ones that a shoe cannot have: what they press on is not there, or it tips over."""
+    chosen = {case.name for case in check.cases}
+    kept, unbent = [], np.zeros_like(shoe.mesh.nodes)
+    for case in cases:
+        try:
+            loads = shoe.loads(case)
+            if case.ground is not None:
+                _rest(shoe, case, loads, unbent)
+        except ValueError as error:
+            if case.name in chosen:
+                raise
+            say(f"left out: case {case.name!r}: {error}")
+        else:
+            kept.append(case)
+    return tuple(kept)
 
 
 def case_shapes(

@@ -1,0 +1,248 @@
+"""A maker's file of a shoe becomes a mesh and a case: what follows from the shape, and what is assumed."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import fem
+from exudyn_crawler import files
+from exudyn_crawler.case import Case, CaseFile, FlexibleShoes, LoadCycle, Shoe, Track, ph4100c
+from exudyn_crawler.case.case_file import case_text
+from exudyn_crawler.case.parameters.track import STEEL_DENSITY
+from exudyn_crawler.model import shoe_mesh
+from exudyn_crawler.results.stress import basis
+from exudyn_crawler.views import style
+from meshes import STEEL, with_load_surfaces
+from meshes.checks import check_whole
+from meshes.recognition import quality
+from meshes.recognition.axes import Choices
+from meshes.recognition.picture import draw_recognized
+from meshes.recognition.shoe import RecognizedShoe, recognize_file
+
+MODES = 6
+"""Elastic free-free modes of the table."""
+MECHANISM = 1e-3
+"""Of the highest of the table: a frequency below it is that of a mechanism."""
+GROUND_PRESSURE = ph4100c.PROPEL_LOAD / (ph4100c.SHOE["length"] * ph4100c.SHOE["width"])
+"""Pa below the papers' shoes, assumed for the load on others."""
+MIDDLE_SHOE = ph4100c.MIDDLE_SHOE
+DURATION = 2.0  # s
+ASSUMED = (
+    "flexible.youngs_modulus",
+    "flexible.poissons_ratio",
+    "flexible.density",
+    "track.shoe_count",
+    "track.first_com",
+    "loads.phases.loads",
+)
+"""Values of the case that no shape of a shoe gives, and that the papers' machine is no source of."""
+MARK = "ASSUMED"
+
+
+@dataclass(frozen=True, eq=False)
+class ShoeFile:
+    """Recognized shoe with the case of a track of it.
+
+    Attributes
+    ----------
+    found : RecognizedShoe
+    mesh : Mesh
+        With the surfaces that may carry the machine.
+    case_file : CaseFile
+    table : DataFrame
+        What the shoe is: quantity, value, unit.
+    refusals : tuple of str
+        Why a run with flexible shoes would be refused.
+    """
+
+    found: RecognizedShoe
+    mesh: fem.Mesh
+    case_file: CaseFile
+    table: pd.DataFrame
+    refusals: tuple[str, ...]
+
+    def lines(self) -> Iterator[str]:
+        """Lines for reading: what was done, what is to be decided, what a flexible run would refuse."""
+        yield from self.found.remarks
+        yield "the front is the end with the outer lugs; --flip-front if the other one leads"
+        for question in self.found.questions:
+            yield f"to be decided: {question}"
+        for reason in self.refusals:
+            yield f"flexible shoes would be refused: {reason}"
+
+
+def shoe_of(
+    path: str | Path, choices: Choices | None = None, size: str = "study", name: str = ""
+) -> ShoeFile:
+    """Shoe of a maker's file with the case of a track of it.
+
+    `name` is that of the case, whose mesh is NAME.msh.gz; the file's if it is not given. Errors are those of
+    `meshes.recognition.shoe.recognize_file`; a MeshError if the mesh is a mechanism or a surface is cut.
+    """
+    found = recognize_file(path, choices, size)
+    name = name or Path(path).name.partition(".")[0]
+    mesh = with_load_surfaces(found.mesh)
+    check_whole(mesh, str(path))
+    body = fem.ElasticBody(mesh, replace(STEEL, density=STEEL_DENSITY))
+    frequencies = body.natural_frequencies(6 + MODES)[6:]
+    if frequencies[0] < MECHANISM * frequencies[-1]:
+        raise fem.MeshError(
+            f"{path}: the mesh must be one stiff body, its first free-free frequency is "
+            f"{frequencies[0]:.3g} Hz: parts of it hang together at edges or corners alone"
+        )
+    surface = "whole top" if "whole top" in mesh.surfaces else "underside"
+    shoe = Shoe.from_mesh(mesh, load_surface=surface)
+    case_file = _case_file(found, mesh, shoe, name)
+    return ShoeFile(
+        found, mesh, case_file, _table(found, mesh, body, frequencies), tuple(_refusals(case_file.case, mesh))
+    )
+
+
+def _case_file(found: RecognizedShoe, mesh: fem.Mesh, shoe: Shoe, name: str) -> CaseFile:
+    """Case of a dragged track of a shoe, the middle one flexible."""
+    papers = Track.ph4100c()
+    y = papers.first_com[1]
+    track = papers.with_(
+        pitch=found.pitch,
+        pin_ahead=found.pin_ahead,
+        pin_height=found.pin_height,
+        spherical_y=y + found.joint_y[0],
+        parallel_y=y + found.joint_y[1],
+    )
+    load = GROUND_PRESSURE * shoe.length * shoe.width
+    flexible = FlexibleShoes.ph4100c(f"{name}.msh.gz").with_(
+        shoes=(MIDDLE_SHOE,), density=STEEL_DENSITY, static_fields=_covers_its_rectangle(mesh)
+    )
+    if "whole top" not in mesh.surfaces:
+        flexible = flexible.with_(load_surface="underside")
+    case = Case.translation().with_(
+        name=name,
+        shoe=shoe,
+        track=track,
+        loads=LoadCycle.constant(float(f"{load:.3g}"), track.shoe_count),
+        flexible=flexible,
+    )
+    return CaseFile(case=case, duration=DURATION)
+
+
+def _covers_its_rectangle(mesh: fem.Mesh) -> bool:
+    """True where the underside has no gap in its rectangle, and rails, if any, none in theirs."""
+    try:
+        return basis.ground_grid(mesh).weights.shape[0] > 0
+    except ValueError:
+        return False
+
+
+def _refusals(case: Case, mesh: fem.Mesh) -> Iterator[str]:
+    """Reasons why a run with flexible shoes of a mesh would be refused."""
+    name = case.flexible_shoes().mesh
+    checks: tuple[Callable[[], object], ...] = (
+        lambda: shoe_mesh.pin_interfaces(mesh, name, case.track),
+        lambda: shoe_mesh.check_fit(mesh, name, case.shoe, case.shoe.rails),
+    )
+    for check in checks:
+        try:
+            check()
+        except ValueError as error:
+            yield str(error)
+
+
+def _table(
+    found: RecognizedShoe, mesh: fem.Mesh, body: fem.ElasticBody, frequencies: np.ndarray
+) -> pd.DataFrame:
+    """What a shoe is, a row a quantity."""
+    inertia, size = body.inertia, np.ptp(mesh.nodes, axis=0)
+    rear, front = found.axes.pins.lines
+    scale = found.axes.scale
+    of_mesh = quality.mesh_quality(mesh)
+    box = found.surfaces.box("underside")
+    words = ", ".join(f"{value:.4g}" for value in frequencies)
+    rows: list[tuple[str, object, str]] = [
+        ("unit of the file", found.axes.unit, ""),
+        ("mass", f"{body.mass:.5g}", "kg"),
+        ("COM above the underside", f"{-box[0, 2]:.5g}", "m"),
+        ("length, width, height", " x ".join(f"{one:.4g}" for one in size), "m"),
+        ("inertia xx, yy, zz", ", ".join(f"{one:.4g}" for one in np.diag(inertia)), "kg m2"),
+        (
+            "inertia yz, xz, xy",
+            ", ".join(f"{inertia[a, b]:.3g}" for a, b in ((1, 2), (0, 2), (0, 1))),
+            "kg m2",
+        ),
+        ("first free-free frequencies", words, "Hz"),
+        ("pitch", f"{1e3 * found.pitch:.3f}", "mm"),
+        ("pins ahead of and above the COM", f"{found.pin_ahead:.5g}, {found.pin_height:.5g}", "m"),
+        ("joints at y", f"{found.joint_y[0]:.5g}, {found.joint_y[1]:.5g}", "m"),
+    ]
+    for end, line in (("front", front), ("rear", rear)):
+        fit = f"{len(line.bores)} of radius {1e3 * scale * line.radius:.3f}"
+        rows.append((f"{end} bores", f"{fit}, round within {1e3 * scale * line.off_round:.2g}", "mm"))
+    footprint = f"{found.surfaces.footprint}, {found.surfaces.footprint_area:.4g}"
+    rows.append(("underside", footprint, "m2"))
+    rows.append(("rails", "two" if "roller path" in mesh.surfaces else "none", ""))
+    rows.append(("nodes, elements", f"{len(mesh.nodes)}, {len(mesh.elements)}", ""))
+    rows.append(("shape of elements, least and mean", f"{of_mesh.least:.2f}, {of_mesh.mean:.2f}", "of 1"))
+    wall = "none of a single element"
+    if of_mesh.thinnest is not None:
+        share = 100.0 * of_mesh.thin_share
+        wall = f"{1e3 * of_mesh.thinnest:.3g} mm, 1 element thick, as at {share:.0f} % of the surface"
+    rows.append(("thinnest wall in elements", wall, ""))
+    return pd.DataFrame(rows, columns=["quantity", "value", "unit"])
+
+
+def paths_of(name: str, folder: Path) -> dict[str, Path]:
+    """Files of a shoe in a folder: "mesh", "case" and "picture"."""
+    endings = {"mesh": "msh.gz", "case": "toml", "picture": "png"}
+    return {kind: folder / f"{name}.{ending}" for kind, ending in endings.items()}
+
+
+def write_shoe(shoe: ShoeFile, folder: str | Path = ".", overwrite: bool = False) -> dict[str, Path]:
+    """Write mesh, case file and picture of a shoe into a folder, by the case's name.
+
+    Returns
+    -------
+    dict of str to Path
+        "mesh", "case" and "picture".
+
+    Raises
+    ------
+    FileExistsError
+        If one of them exists and `overwrite` is false; then none is written.
+    """
+    whole = paths_of(shoe.case_file.case.name, files.writable_folder(Path(folder)))
+    for path in whole.values():
+        files.refuse_existing(path, overwrite)
+    with files.whole_file(whole["mesh"], overwrite) as temporary:
+        # the suffix says how a mesh is written
+        packed = temporary.with_name(f"{temporary.name}.msh.gz")
+        try:
+            fem.write_mesh(packed, shoe.found.mesh)
+            packed.replace(temporary)
+        finally:
+            packed.unlink(missing_ok=True)
+    with files.whole_file(whole["case"], overwrite) as temporary:
+        temporary.write_text(shoe_text(shoe), encoding="utf-8")
+    with style.titled_figure(shoe.case_file.case.name, 9.0, 6.5) as figure:
+        draw_recognized(figure, shoe.found.mesh)
+    style.save_figure(figure, whole["picture"], overwrite)
+    return whole
+
+
+def shoe_text(shoe: ShoeFile) -> str:
+    """Case file of a shoe as TOML, with what is assumed marked so, and what is to be decided on top."""
+    lines, table = [], ""
+    for line in case_text(shoe.case_file, by_hand=True).splitlines():
+        if line.startswith("["):
+            table = line.strip("[]")
+        key = line.partition(" = ")[0]
+        is_assumed = " = " in line and f"{table}.{key}" in ASSUMED
+        joiner = "; " if " # " in line else " # "
+        lines.append(f"{line}{joiner}{MARK}" if is_assumed else line)
+    heads = [
+        "# [shoe], [track] and the mesh follow from the shape of the shoe; steel's values, the number of"
+    ]
+    heads.append(f"# shoes and their loads (the papers' ground pressure) do not, and are marked {MARK}.")
+    heads += [f"# {line}" for line in shoe.lines()]
+    return "\n".join([*heads, *lines]) + "\n"
