@@ -198,18 +198,18 @@ def show_standing(case: "Case") -> None:
 def show_answers(run: "CaseRun") -> None:
     """Print the greatest values of a run, and where the peak of the stress is and how far to trust it."""
     from exudyn_crawler.results.history.summary import key_results
-    from exudyn_crawler.results.stress.hot_spots import hot_spot_table
+    from exudyn_crawler.results.stress.hot_spots import hot_spot_table, peak_spots
 
     stresses = run.stresses
     table = key_results(run.history, None if stresses is None else stresses.dataset)
     print_table(table.rename(columns={"at": "at t in s"}), f"{run.history.case.name}: results")
-    if stresses is not None:
-        spots = stresses.hot_spots
-        shoe = max(spots, key=lambda one: float(spots[one]["value"].max()))
-        top = hot_spot_table(spots[shoe].head(1), stresses.dataset).to_dict("records")[0]
+    if stresses is None:
+        return
+    for words, (shoe, spot) in peak_spots(stresses.hot_spots).items():
+        top = hot_spot_table(spot, stresses.dataset).to_dict("records")[0]
         place = ", ".join(f"{top[f'{axis} in the shoe in m']:.3f}" for axis in "xyz")
         typer.echo(
-            f"peak stress: {top['von Mises in MPa']:.4g} MPa at t = {top['time in s']:g} s in shoe {shoe}, "
+            f"{words}: {top['von Mises in MPa']:.4g} MPa at t = {top['time in s']:g} s in shoe {shoe}, "
             f"{top['region']}, node {top['node']} at ({place}) m in the shoe; {top['verdict']}"
         )
 

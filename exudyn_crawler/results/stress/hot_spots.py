@@ -16,6 +16,7 @@ from exudyn_crawler.results.history import History, catalogue, phases
 from exudyn_crawler.results.stress.basis import StressBasis
 from fem import OneOfEach, Peaks, Shapes, critical_plane, damage, hot_spots, judged
 from fem.stress import von_mises
+from fem.trust import IN_SPIDER
 
 HOT_SPOTS = 5  # rows of the S-paper's hot-spot tables
 
@@ -166,6 +167,25 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
 def in_the_shoe(place: xr.DataArray) -> dict[str, np.ndarray]:
     """Columns of a position in the shoe's frame, m, or of several."""
     return {f"{axis} in the shoe in m": place.sel(axis=axis).values[()] for axis in "xyz"}
+
+
+def peak_spots(by_shoe: Mapping[int, pd.DataFrame]) -> dict[str, tuple[int, pd.DataFrame]]:
+    """Highest hot spot of all shoes that may be used, and behind it a higher one that a rigid pin holds.
+
+    A table of one row and its shoe's number, by the words for it. Where pins hold all of them, their highest
+    stands alone and says so.
+    """
+    every = [(shoe, spots.iloc[[row]]) for shoe, spots in by_shoe.items() for row in range(len(spots))]
+    held = [one for one in every if one[1]["flag"].iloc[0] == IN_SPIDER]
+    free = [one for one in every if one[1]["flag"].iloc[0] != IN_SPIDER]
+
+    def value(one: tuple[int, pd.DataFrame]) -> float:
+        return float(one[1]["value"].iloc[0])
+
+    found = {"peak stress": max(free, key=value)} if free else {}
+    if held and (not free or value(max(held, key=value)) > value(found["peak stress"])):
+        found["higher beside a rigid pin, not to be used"] = max(held, key=value)
+    return found
 
 
 def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:

@@ -1,0 +1,193 @@
+"""Makers' files become shoes: tetrahedra without sets, STL and STEP; broken ones are refused in a line."""
+
+import meshio
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import fem
+from fem.mesh import boundary_faces
+from meshes.recognition.axes import Choices
+from meshes.recognition.elements import with_middles
+from meshes.recognition.quality import mesh_quality
+from meshes.recognition.shoe import recognize_file
+from tests.meshes.swept import SweptShoe
+
+TURN = Rotation.from_rotvec([0.3, 2.0, -0.7]).as_matrix()
+NODES, TETS = SweptShoe(facets=12).mesh()
+TURNED = (NODES @ TURN.T + (500.0, -80.0, 1200.0)).round(4)  # mm
+BOUNDARY = boundary_faces(TETS)
+VOLUME = 1e-9 * np.linalg.det(NODES[TETS][:, 1:] - NODES[TETS][:, :1]).sum() / 6.0  # m3
+STEP = pytest.importorskip  # of netgen, in the tests that need it
+
+
+def written(path, points, blocks, **more):
+    meshio.write(path, meshio.Mesh(points, blocks), **more)
+    return path
+
+
+def check_shoe(found):
+    assert found.axes.unit == "mm"
+    assert found.pitch == pytest.approx(0.25, abs=1e-6)
+    np.testing.assert_allclose(found.axes.rows @ TURN, np.eye(3), atol=1e-5)
+    assert found.joint_y == pytest.approx((-0.1, 0.1), abs=1e-5)
+    assert found.mesh.volume == pytest.approx(VOLUME, rel=1e-6)
+    body = fem.ElasticBody(found.mesh, fem.Material(200e9, 0.3, 7850.0))
+    np.testing.assert_allclose(body.center_of_mass, 0.0, atol=1e-9)
+    assert found.mesh.order == 2
+
+
+@pytest.mark.parametrize("ending", ["inp", "bdf", "vtu", "msh"])
+def test_tetrahedra_without_sets_are_recognized(tmp_path, ending):
+    path = tmp_path / f"shoe.{ending}"
+    if ending == "msh":
+        written(path, TURNED, [("tetra", TETS)], file_format="gmsh22", binary=False)
+    else:
+        written(path, TURNED, [("tetra", TETS)])
+    found = recognize_file(path)
+    check_shoe(found)
+    assert found.questions == ()
+    assert any("mid-side nodes" in one for one in found.remarks)
+
+
+def test_shells_and_beams_beside_the_solid_are_left_out_and_said(tmp_path):
+    points = np.vstack((TURNED, [[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]))
+    blocks = [("tetra", TETS), ("triangle", BOUNDARY[:40]), ("line", [[len(points) - 2, len(points) - 1]])]
+    found = recognize_file(written(tmp_path / "shoe.vtu", points, blocks))
+    check_shoe(found)
+    assert any("1 elements of the kind line are left out" in one for one in found.remarks)
+    assert any("2 nodes belong to no solid element" in one for one in found.remarks)
+
+
+def test_bodies_apart_are_chosen_from(tmp_path):
+    pin = np.array([[0.0, 0.0, 0.0], [30.0, 0.0, 0.0], [0.0, 30.0, 0.0], [0.0, 0.0, 30.0]]) + 9e3
+    blocks = [("tetra", np.vstack((TETS, np.arange(4)[None] + len(TURNED))))]
+    path = written(tmp_path / "two.vtu", np.vstack((TURNED, pin)), blocks)
+    with pytest.raises(fem.MeshError, match=r"one body, got 2 .*--body N chooses one"):
+        recognize_file(path)
+    check_shoe(recognize_file(path, Choices(body="1")))
+    with pytest.raises(fem.MeshError, match=r"--body must be a number in 1\.\.2"):
+        recognize_file(path, Choices(body="3"))
+
+
+def test_a_body_without_bores_is_refused_with_what_it_has(tmp_path):
+    nodes, tets = SweptShoe(front=(), rear=()).mesh()
+    path = written(tmp_path / "plate.vtu", nodes, [("tetra", tets)])
+    with pytest.raises(
+        ValueError, match=r"plate\.vtu: it must have round bores at both ends .* 1 of radius 15"
+    ):
+        recognize_file(path)
+
+
+def test_a_shoe_in_no_unit_is_refused(tmp_path):
+    path = written(tmp_path / "tiny.vtu", 1e-6 * NODES, [("tetra", TETS)])
+    with pytest.raises(ValueError, match=r"must have a pitch of 0\.05 to 1\.5 m .*--unit names the unit"):
+        recognize_file(path)
+
+
+def test_other_choices_and_files_are_refused_by_name(tmp_path):
+    with pytest.raises(FileNotFoundError, match="no file nowhere"):
+        recognize_file("nowhere.step")
+    path = written(tmp_path / "shoe.vtu", TURNED, [("tetra", TETS)])
+    with pytest.raises(ValueError, match="size must be one of coarse, study, fine, got 'huge'"):
+        recognize_file(path, size="huge")
+    with pytest.raises(ValueError, match=r"--pins must be in 1\.\.1"):
+        recognize_file(path, Choices(pins=2))
+
+
+@pytest.mark.parametrize("content", [b"", b"solid nothing\nendsolid\n", b"\x00" * 84, b"ISO-10303-21;"])
+def test_broken_stl_files_are_refused(tmp_path, content):
+    path = tmp_path / "broken.stl"
+    path.write_bytes(content)
+    with pytest.raises(fem.MeshError, match=r"broken\.stl must be"):
+        recognize_file(path)
+
+
+def test_an_stl_boundary_is_filled(tmp_path):
+    pytest.importorskip("netgen")
+    path = written(tmp_path / "shoe.stl", TURNED, [("triangle", BOUNDARY)])
+    found = recognize_file(path, size="coarse")
+    assert found.axes.unit == "mm"
+    assert found.pitch == pytest.approx(0.25, abs=1e-6)
+    assert found.mesh.volume == pytest.approx(VOLUME, rel=1e-5)
+    open_one = written(tmp_path / "open.stl", TURNED, [("triangle", BOUNDARY[3:])])
+    with pytest.raises(
+        fem.MeshError, match=r"open\.stl: its boundary must be closed, .* send the shoe as STEP"
+    ):
+        recognize_file(open_one)
+
+
+def plate_shoe(occ):
+    """Shoe of a pitch of 200 mm: plate with a grouser, lugs ahead outside of those behind."""
+    body = occ.Box(occ.Pnt(-95, -150, 0), occ.Pnt(95, 150, 20)) + occ.Box(
+        occ.Pnt(-60, -150, -45), occ.Pnt(-40, 150, 0)
+    )
+    holes = []
+    for x, root, y in ((100, -80, 120), (100, -80, -120), (-100, 80, 75), (-100, 80, -75)):
+        side = y if y > 0 else y - 40 if x > 0 else y - 40
+        low, high = (side, side + 40) if y > 0 else (y - 40, y)
+        body += occ.Cylinder(occ.Pnt(x, low, 60), occ.Y, 30, high - low)
+        body += occ.Box(occ.Pnt(min(x, root), low, 5), occ.Pnt(max(x, root), high, 90))
+        holes.append(occ.Cylinder(occ.Pnt(x, low - 1, 60), occ.Y, 15, high - low + 2))
+    for hole in holes:
+        body -= hole
+    return body
+
+
+@pytest.mark.parametrize("unit", ["mm", "m"])
+def test_a_step_file_becomes_a_shoe(tmp_path, unit):
+    occ = pytest.importorskip("netgen.occ")
+    path = tmp_path / "plate.step"
+    body = plate_shoe(occ)
+    if unit == "m":
+        body = body.Scale(occ.Pnt(0, 0, 0), 1e-3)
+    body.WriteStep(str(path))
+    if unit == "m":
+        # coordinates stay, and count in m
+        path.write_text(path.read_text().replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
+    found = recognize_file(path, size="coarse")
+    assert found.pitch == pytest.approx(0.2, abs=1e-6)
+    assert found.radii == pytest.approx((0.015, 0.015), abs=1e-6)
+    assert found.joint_y == pytest.approx((-0.1175, 0.1175), abs=1e-3)
+    assert [one.flag for one in found.questions] == ["--footprint tips"]
+    assert any("gap of 5 mm" in one for one in found.remarks)
+    assert found.mesh.volume == pytest.approx(1e-9 * plate_shoe(occ).mass, rel=2e-3)
+
+
+def test_solids_that_touch_are_fused_and_others_chosen_from(tmp_path):
+    occ = pytest.importorskip("netgen.occ")
+    body = plate_shoe(occ)
+    below = occ.Box(occ.Pnt(40, -150, -45), occ.Pnt(60, 150, 0))
+    path = tmp_path / "bolted.step"
+    occ.Compound([body, below]).WriteStep(str(path))
+    found = recognize_file(path, size="coarse")
+    assert found.mesh.volume == pytest.approx(1e-9 * (body.mass + below.mass), rel=2e-3)
+    assert "--body N" in [one.flag for one in found.questions]
+    apart = tmp_path / "apart.step"
+    occ.Compound([body, below.Move(occ.Vec(500, 0, 0))]).WriteStep(str(apart))
+    with pytest.raises(fem.MeshError, match=r"several that touch, got 2 apart .*--body N chooses one"):
+        recognize_file(apart)
+
+
+def test_broken_step_files_are_refused(tmp_path):
+    occ = pytest.importorskip("netgen.occ")
+    path = tmp_path / "box.step"
+    occ.Box(occ.Pnt(0, 0, 0), occ.Pnt(9, 9, 9)).WriteStep(str(path))
+    whole = path.read_bytes()
+    for content in (b"", b"no STEP", whole[: len(whole) // 2], whole.replace(b"CARTESIAN_POINT", b"NOTHING")):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match="box.step") as caught:
+            recognize_file(path)
+        assert "\n" not in str(caught.value)
+
+
+def test_quality_of_a_slab_is_that_of_its_elements():
+    nodes, tets = SweptShoe(front=(), rear=(), rails=False, decoy=False).mesh()
+    mesh = (
+        fem.Mesh(1e-3 * nodes, *with_middles(nodes, tets)[1:], {})
+        if False
+        else fem.Mesh(1e-3 * nodes, tets, {})
+    )
+    of_mesh = mesh_quality(mesh)
+    assert 0.1 < of_mesh.least < of_mesh.mean < 1.0
+    assert of_mesh.thinnest is None or of_mesh.thinnest > 0.019
