@@ -1,0 +1,156 @@
+"""A maker's file becomes a case that runs and checks read without editing."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fem
+import meshes
+from exudyn_crawler import Shoe, read_case
+from exudyn_crawler.model.shoe_mesh import pin_interfaces
+from exudyn_crawler.results.checks import cases
+from exudyn_crawler.results.stress.hot_spots import peak_spots
+from exudyn_crawler.shoe_file import MARK, shoe_of, write_shoe
+from meshes import mesh_named
+from meshes.recognition.axes import Choices
+from tests.meshes.swept import FORK, SweptShoe
+from tests.meshes.test_shoe_files import written
+
+
+@pytest.fixture(scope="module")
+def fork(tmp_path_factory):
+    """Shoe of a fork, as its file in mm gives it, and the paths of what was written."""
+    folder = tmp_path_factory.mktemp("fork")
+    nodes, tets = SweptShoe(facets=12).mesh()
+    shoe = shoe_of(written(folder / "fork.vtu", nodes, [("tetra", tets)]))
+    return shoe, write_shoe(shoe, folder)
+
+
+def test_the_case_has_what_follows_from_the_shape(fork):
+    shoe, paths = fork
+    case_file = read_case(paths["case"])
+    case, mesh = case_file.case, mesh_named(case_file.case.flexible.mesh)
+    assert case.track.pitch == pytest.approx(0.25, abs=1e-9)
+    assert case.track.joint_centers["rear left"] - case.track.joint_centers["rear right"] == pytest.approx(
+        [0.0, 0.2, 0.0]
+    )
+    body = fem.ElasticBody(mesh, fem.Material(200e9, 0.3, case.flexible.density))
+    assert case.shoe.mass == pytest.approx(body.mass, rel=1e-9)
+    assert case.shoe.inertia[0] == pytest.approx(body.inertia[0, 0], rel=1e-8)
+    assert (case.shoe.length, case.shoe.width) == pytest.approx((0.23, 0.7))
+    rails = case.shoe.rails
+    assert (rails.front - rails.rear, rails.left - rails.right, rails.width) == pytest.approx(
+        (0.13, 0.2, 0.04)
+    )
+    assert case.flexible.static_fields
+    assert [one.name for one in pin_interfaces(mesh, "fork", case.track)] == list(case.track.joint_centers)
+    assert shoe.refusals == ()
+
+
+def test_what_no_shape_gives_is_marked(fork):
+    text = fork[1]["case"].read_text(encoding="utf-8")
+    marked = {line.partition(" = ")[0] for line in text.splitlines() if line.endswith(MARK)}
+    assert marked == {"youngs_modulus", "poissons_ratio", "density", "shoe_count", "first_com", "loads"}
+
+
+def test_the_table_has_the_first_frequencies_and_the_pitch(fork):
+    table = fork[0].table.set_index("quantity")["value"]
+    assert table["pitch"] == "250.000"
+    assert table["front bores"].startswith("4 of radius 18.000")
+    assert float(table["first free-free frequencies"].split(",")[0]) > 100.0
+    assert table["rails"] == "two"
+
+
+def test_files_that_exist_are_not_replaced(fork):
+    shoe, paths = fork
+    before = paths["mesh"].read_bytes()
+    with pytest.raises(FileExistsError, match=r"fork\.msh\.gz exists"):
+        write_shoe(shoe, paths["mesh"].parent)
+    assert paths["mesh"].read_bytes() == before
+
+
+def test_a_case_is_checked_on_its_own_track_with_forces_of_its_loads(fork):
+    check = cases.read_check(fork[1]["case"])
+    case = read_case(fork[1]["case"]).case
+    assert check.track == case.track
+    assert check.machine == pytest.approx(case.mean_load / 386.4e3, rel=1e-2)
+    assert [one.force / check.machine for one in check.levels] == pytest.approx([388e3, 574e3, 761e3])
+    outline = cases.ShoeOutline.of(mesh_named(check.mesh))
+    assert outline.beside == pytest.approx(0.7 / 3.505)
+    names = [one.name for one in cases.ready_cases(outline, 1e5, check.machine)]
+    assert f"both ends {0.2 * outline.beside:.3g} m" in names
+    assert len(set(names)) == len(names)
+
+
+def test_a_shoe_without_rails_has_its_load_on_the_top(tmp_path):
+    nodes, tets = SweptShoe(facets=12, rails=False).mesh()
+    shoe = shoe_of(written(tmp_path / "bare.vtu", nodes, [("tetra", tets)]))
+    assert shoe.case_file.case.shoe.rails is None
+    outline = cases.ShoeOutline.of(shoe.mesh)
+    ready = cases.ready_cases(outline, 1e5)
+    assert not any(one.treads for one in ready)
+    even = next(one for one in ready if one.name == "even, sand")
+    assert even.pressures[0].force == (0.0, 0.0, -2e5)
+
+
+@pytest.mark.parametrize(
+    "own",
+    [
+        SweptShoe(facets=12, front=FORK[::3], rear=((-115.0, -75.0), (75.0, 115.0))),
+        SweptShoe(
+            facets=12,
+            front=((-195.0, -125.0), (-35.0, 35.0), (125.0, 195.0)),
+            rear=((-115.0, -45.0), (45.0, 115.0)),
+        ),
+    ],
+    ids=["side by side", "three and two"],
+)
+def test_joints_in_gaps_and_parted_bores_are_accepted(tmp_path, own):
+    nodes, tets = own.mesh()
+    shoe = shoe_of(written(tmp_path / "lugs.vtu", nodes, [("tetra", tets)]))
+    assert shoe.refusals == ()
+    interfaces = pin_interfaces(shoe.mesh, "lugs", shoe.case_file.case.track)
+    every = np.concatenate([one.nodes for one in interfaces])
+    assert len(every) == len(np.unique(every))
+    assert all(len(one.nodes) >= 12 for one in interfaces)
+
+
+def test_grousers_turn_static_fields_off_and_ask(tmp_path):
+    nodes, tets = SweptShoe(facets=12, grouser=True).mesh()
+    path = written(tmp_path / "grouser.vtu", nodes, [("tetra", tets)])
+    plate, tips = shoe_of(path), shoe_of(path, Choices(footprint="tips"))
+    assert any("--footprint tips decides" in line for line in plate.lines())
+    assert not plate.case_file.case.flexible.static_fields
+    assert plate.case_file.case.shoe.length == pytest.approx(0.23)
+    assert tips.case_file.case.shoe.length == pytest.approx(0.02)
+    assert tips.case_file.case.shoe.com_height - plate.case_file.case.shoe.com_height == pytest.approx(0.04)
+
+
+def test_the_ready_shoe_keeps_mass_and_frequencies_in_millimetres():
+    ready = meshes.shoe_mesh("coarse")
+    own = Shoe.from_mesh("coarse")
+    assert own.rails is not None
+    from meshes.recognition.shoe import FileSolid, recognize_solid
+
+    found = recognize_solid(FileSolid(1e3 * ready.nodes[:, [1, 2, 0]], ready.elements, None, {}), Choices())
+    shoe = Shoe.from_mesh(found.mesh)
+    assert shoe.mass == pytest.approx(own.mass, rel=1e-9)
+    assert shoe.inertia == pytest.approx(own.inertia, rel=1e-6, abs=1e-3)
+    assert shoe.rails.width == pytest.approx(own.rails.width)
+    bodies = [fem.ElasticBody(mesh, meshes.STEEL).natural_frequencies(9)[6:] for mesh in (ready, found.mesh)]
+    np.testing.assert_allclose(*bodies, rtol=1e-6)
+
+
+def spots(*rows):
+    return pd.DataFrame(rows, columns=["value", "flag"])
+
+
+def test_a_place_in_a_spider_is_named_behind_the_first_that_may_be_used():
+    by_shoe = {7: spots((9.0, "in spider"), (5.0, "")), 8: spots((8.0, "in spider"), (6.0, ""))}
+    found = peak_spots(by_shoe)
+    assert [(words, shoe, spot["value"].iloc[0]) for words, (shoe, spot) in found.items()] == [
+        ("peak stress", 8, 6.0),
+        ("higher beside a rigid pin, not to be used", 7, 9.0),
+    ]
+    assert list(peak_spots({7: spots((9.0, ""), (5.0, "in spider"))})) == ["peak stress"]
+    assert list(peak_spots({7: spots((9.0, "in spider"))})) == ["higher beside a rigid pin, not to be used"]
