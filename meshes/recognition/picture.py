@@ -39,8 +39,9 @@ def draw_recognized(figure: Figure, mesh: Mesh) -> None:
     tips = np.diag(high + ARROW * float(np.ptp(mesh.nodes, axis=0).max()))
     for place, (title, (elevation, azimuth)) in enumerate(VIEWS.items()):
         corner = (0.5 * (place % 2) - 0.05, 0.48 - 0.44 * (place // 2), 0.6, 0.5)
-        ax = figure.add_axes(corner, projection="3d")
-        draw_surface(ax, mesh, colors, elevation, azimuth, LIGHT * (FROM_BELOW if elevation < 0 else 1.0))
+        light = LIGHT * (FROM_BELOW if elevation < 0 else 1.0)
+        empty = figure.add_axes(corner, projection="3d")
+        ax = draw_surface(empty, mesh, colors, elevation, azimuth, light)
         ax.set_box_aspect(tuple(np.ptp(mesh.nodes, axis=0)), zoom=1.0)
         ax.set_axis_off()
         ax.set_title(title, y=0.86, fontsize=9)
