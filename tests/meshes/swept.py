@@ -1,13 +1,14 @@
 """Shoes of known pins for tests: sections of one plane grid, swept along y and put together; mm."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import Delaunay
 
-STEP = 10.0  # mm, of the grid
-LAYER = 35.0  # mm, thickest along y
+STEP = 30.0  # mm, greatest of the grid
+LAYER = 60.0  # mm, thickest along y
 PIN_Z, PLATE, WEB = 60.0, 20.0, 110.0  # mm, height of the pins, of the plate and of the web
 
 Span = tuple[float, float]
@@ -90,8 +91,10 @@ class SweptShoe:
 
     def _plane(self) -> tuple[np.ndarray, np.ndarray]:
         """Points (x, z) of the grid and triangles of them, those inside of holes left out."""
-        x = np.arange(-self.half_pitch - 40.0, self.half_pitch + 40.1, STEP)
-        grid = np.stack(np.meshgrid(x, np.arange(-40.0, 130.1, STEP), indexing="ij"), axis=-1).reshape(-1, 2)
+        end = self.half_pitch + 40.0
+        x = _filled([-end, -115.0, -65.0, -15.0, 5.0, 65.0, 115.0, end])
+        z = _filled([-40.0, 0.0, PLATE, PIN_Z - 40.0, PIN_Z + 40.0, WEB, WEB + 10.0])
+        grid = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
         points = [grid]
         for cx, cz, r in self.holes:
             points = [p[np.hypot(*(p - (cx, cz)).T) > 1.5 * r] for p in points]
@@ -109,3 +112,12 @@ class SweptShoe:
             keep &= (away > r * np.cos(np.pi / self.facets) - 1e-9).any(axis=1)
         sides = flat[triangles[:, 1:]] - flat[triangles[:, :1]]
         return flat, triangles[keep & (np.abs(np.linalg.det(sides)) > 1e-3)]
+
+
+def _filled(edges: Sequence[float]) -> np.ndarray:
+    """Places at edges, and evenly between those that are farther apart than `STEP`."""
+    places = sorted(set(edges))
+    parts = [
+        np.linspace(a, b, int(np.ceil((b - a) / STEP)), endpoint=False) for a, b in itertools.pairwise(places)
+    ]
+    return np.concatenate((*parts, places[-1:]))

@@ -178,18 +178,11 @@ def test_broken_step_files_are_refused(tmp_path):
         assert "\n" not in str(caught.value)
 
 
-def test_quality_of_a_slab_is_that_of_its_elements():
-    nodes, tets = SweptShoe(front=(), rear=(), rails=False, decoy=False).mesh()
-    of_mesh = mesh_quality(fem.Mesh(1e-3 * nodes, tets, {}))
-    assert 0.1 < of_mesh.least < of_mesh.mean < 1.0
-    assert of_mesh.thinnest is None or of_mesh.thinnest > 0.009
-
-
 def test_a_wall_of_one_element_is_as_thick_as_it_is():
     nodes, tets = SweptShoe(front=(), rear=(), rails=False, decoy=False).mesh()
-    # the grid has two elements through the plate of 20 mm: without the upper ones it is one of 10 mm
-    chosen = tets[nodes[tets][:, :, 2].max(axis=1) < 10.5]
-    used, thin = np.unique(chosen, return_inverse=True)
+    plate = tets[nodes[tets][:, :, 2].max(axis=1) < 20.5]
+    used, thin = np.unique(plate, return_inverse=True)
     of_mesh = mesh_quality(fem.Mesh(1e-3 * nodes[used], thin.reshape(-1, 4), {}))
-    assert of_mesh.thinnest == pytest.approx(0.01)
+    assert of_mesh.thinnest == pytest.approx(0.02)
     assert of_mesh.thin_share > 0.5
+    assert 0.1 < of_mesh.least < of_mesh.mean < 1.0
