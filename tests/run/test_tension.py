@@ -103,7 +103,7 @@ def stalled():
 
 def test_drive_at_its_torque_limit_says_so(stalled):
     found = key_results(stalled).set_index("result")
-    row = found.loc["time of the drive at its torque limit"]
+    row = found.loc["time at the torque limit of the drive"]
     assert row["of"] == "tumbler"
     assert 0.03 < row["value"] < 0.1
     moment = np.abs(stalled.drive_moment.values)
@@ -124,6 +124,15 @@ def test_key_results_tell_idler_rollers_and_carriers_apart(stalled):
     assert found.loc["pretension at the start", "value"] == pytest.approx(
         1e-3 * float(stalled.pretension[0]), rel=1e-9
     )
+
+
+def test_results_of_two_tracks_are_told_apart():
+    """A page sets results of several runs side by side by their names."""
+    found = key_results(standing(Case.shovel()).history).set_index("result")
+    assert found.index.is_unique
+    for side in ("right", "left"):
+        assert found.loc[f"pretension at the start, {side}", "of"] == f"{side} idler"
+        assert found.loc[f"sag at the start, {side}", "value"] == pytest.approx(45.0, rel=0.01)
 
 
 def test_changes_of_more_than_tenfold_have_no_per_cent(stalled):

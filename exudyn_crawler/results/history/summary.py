@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import SIDES, Case
 from exudyn_crawler.files import blocks
 from exudyn_crawler.results.history import History, catalogue, phases, tension
 
@@ -98,7 +98,7 @@ class _Driven:
     def rows(self) -> list[tuple[str, float, str, str, float]]:
         """Rows of the key results: none where no drive came to its limit."""
         return [
-            ("time of the drive at its torque limit", seconds, "s", name, self._since[name])
+            (_of_side("time at the torque limit of the drive", name), seconds, "s", name, self._since[name])
             for name, seconds in self._seconds.items()
         ]
 
@@ -108,12 +108,21 @@ def _hanging(history: History) -> list[tuple[str, float, str, str, float]]:
     if not history.case.gear.loops:
         return []
     start = history.dataset.isel(time=0)
-    time, rows = float(start.time), []
+    time = float(start.time)
+    rows = []
     for chain in tension.hanging_chains(history.case, start):
         of = f"{chain.side} idler".strip()
-        rows.append(("pretension at the start", 1e-3 * chain.pretension, "kN", of, time))
-        rows.append(("sag at the start", 1e3 * chain.sag, "mm", f"{of} to {chain.carrier}", time))
+        pull = 1e-3 * chain.pretension
+        rows.append((_of_side("pretension at the start", chain.side), pull, "kN", of, time))
+        sag = 1e3 * chain.sag
+        rows.append((_of_side("sag at the start", chain.side), sag, "mm", f"{of} to {chain.carrier}", time))
     return rows
+
+
+def _of_side(result: str, name: str) -> str:
+    """Result of one of two tracks by a name that begins with its side: no two rows have one name."""
+    side = name.partition(" ")[0].partition("_")[0]
+    return f"{result}, {side}" if side in SIDES else result
 
 
 def unbalanced(history: History) -> tuple[str, float]:
