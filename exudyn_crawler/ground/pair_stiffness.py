@@ -229,7 +229,8 @@ def _write_gradient(
     part, half = volume.part, volume.half
     along_xi, along_eta = down[0] / down[2], down[1] / down[2]
     polygon = work[1 if part.cut > 0 else 0]
-    overlap.write_gradient(polygon, max(4, part.cut), part, half[0], half[1], along_xi, along_eta, gradient)
+    corners = part.cut if part.cut > 0 else 4
+    overlap.write_gradient(polygon, corners, part, half[0], half[1], along_xi, along_eta, gradient)
     if finger > 0:
         for k in range(3):
             gradient[9, k] = reach[k]

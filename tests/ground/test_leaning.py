@@ -56,6 +56,7 @@ PLACES = {
     "over a side, yawed": at(7.1, 3.0, yaw=0.05, pitch=-0.01),
     "over a side across": at(3.0, 0.8, roll=0.003),
     "over a corner": at(7.05, 0.9, yaw=0.03, roll=0.004, pitch=0.01),
+    "a corner of a turned shoe, a triangle": at(7.0 + 1.05, 3.0, yaw=0.5, roll=0.002),
     "half out of the ground": at(6.95, 3.0, depth=0.04, roll=0.02),
     "a strip of fingers": at(7.0 + 0.344 - 0.08, 3.0, roll=0.002),
     "a strip narrower than deep": at(7.0 + 0.344 - 0.03, 3.0, roll=0.002),
