@@ -247,9 +247,9 @@ class CompiledSystem(track_system.TrackSystem):
         matrix(self.block, weights, values)
         fronts = self.tables.fronts
         elimination.eliminate(fronts, values)
-        # at rest constraints have no gap, and their rates do not change by themselves
+        # at rest constraints have no gap, and their rates do not change by themselves; what a law gives acts
         count = self._state.shape[1]
-        out[count:] = 0.0
+        out[count:][self.work.joints.share != 1.0] = 0.0
         elimination.solve(fronts, values, out)
         self._state[2] = -out[:count]
         self._multipliers[:] = -out[count:]

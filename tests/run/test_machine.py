@@ -33,7 +33,9 @@ def test_straight_each_of_two_tracks_is_a_single_one():
     drive = Drive(speed=StepProfile(times=(0.0, 0.2), values=(0.0, 0.2)))
     # cells lie evenly about the middle of each track
     places = {"track.first_com[1]": 9.3, "track.spherical_y": 9.3 - PINS, "track.parallel_y": 9.3 + PINS}
-    case = Case.closed().with_({"terrain.rows": 6, **places}, drive=drive)
+    # a take-up that is solved for ends within 0.01 mm, and slacker chains creep for longer than their search
+    same = {"gear.idler.slack": 0.005}
+    case = Case.closed().with_({"terrain.rows": 6, **places, **same}, drive=drive)
     cases = [each.on_cells(RockFloor.hard_floor()) for each in (case, twice(case))]
     one, two = (simulate(each, 0.2, progress=False) for each in cases)
     single, tension = one.link_tension.values, two.link_tension.values.reshape(-1, 2, 38)
@@ -74,7 +76,7 @@ def test_flexible_shoes_of_two_tracks_are_those_of_one():
 def spot():
     """Turn on the spot, on rollers that are a pitch apart: shoes come under all of them alike."""
     case = Case.shovel()
-    closed, pitch, count, radius = case.gear, case.track.pitch, 12, 0.32
+    closed, pitch, count, radius = case.gear, case.track.pitch, 11, 0.32
     up = closed.roller_radius - radius
     places = {
         "gear.rollers": tuple(pitch * (k - 0.5 * (count - 1)) for k in range(count)),
@@ -211,7 +213,9 @@ def test_digging_loads_are_shared_by_the_tracks_and_held_by_the_ground():
 def test_a_differential_turn_is_in_balance_and_less_than_commanded():
     rises = [StepProfile(times=(0.0, 0.3), values=(0.0, one)) for one in (0.1, 0.02)]
     case = Case.shovel().with_(drive=Drive(speed=rises[0], turn_rate=rises[1]))
-    history = simulate(case.with_({"solver.output_interval": 0.01}), 0.8, progress=False)
+    # a chain that sags would pull on the ground only later
+    changes = {"solver.output_interval": 0.01, "gear.idler.slack": 0.005}
+    history = simulate(case.with_(changes), 0.8, progress=False)
     weight = float(history.normal_force.sel(axis="z").isel(time=0).sum())
     assert float(abs(shoe_imbalance(history).force).max()) < 2e-6 * weight
     for values in frame_imbalance(history).values():
