@@ -141,13 +141,27 @@ def shoe_loads(
 @command("exudyn-crawler compare results/soft_ground results/hard_ground --out soft_and_hard.html")
 def compare(
     first: Annotated[Path, typer.Argument(help="folder of a run, or its history", metavar="A")],
-    second: Annotated[Path, typer.Argument(help="folder of the other run, or its history", metavar="B")],
+    second: Annotated[
+        Path,
+        typer.Argument(
+            help="folder of the other run, its history, or a table of measured series", metavar="B"
+        ),
+    ],
     out: Annotated[
-        Path | None, typer.Option(help="page to write, with its tables beside it; A_B.html, if not given")
+        Path | None,
+        typer.Option(help="page to write, or figure of series, with its tables beside it; A_B, if not given"),
+    ] = None,
+    shift: Annotated[
+        float | None, typer.Option(help="s or m, added to the times or ways of measured series")
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Compare two runs: what differs in their cases and results, and their main curves."""
+    """Compare two runs, what differs in cases and results, or a run with measured series (CSV)."""
+    if second.suffix.lower() == ".csv":
+        compare_series(first, second, out, shift or 0.0, overwrite)
+        return
+    if shift is not None:
+        raise ValueError(f"--shift must go with measured series (CSV), got {second}")
     names = [application.run_folder(run).resolve().name for run in (first, second)]
     runs = dict(zip(names if names[0] != names[1] else "AB", (first, second), strict=True))
     histories = {name: application.loaded(run) for name, run in runs.items()}
@@ -169,6 +183,29 @@ def compare(
         else:
             print_table(table, title, COMPARED, whole)
     typer.echo(f"{page}: open it in a browser; {whole}: the table of results")
+
+
+def compare_series(run: Path, measured: Path, out: Path | None, shift: float, overwrite: bool) -> None:
+    """Hold a run against measured series: a table of differences, and a figure."""
+    history = application.loaded(run)
+    from exudyn_crawler.files import refuse_existing
+    from exudyn_crawler.results.measured import series
+    from exudyn_crawler.views import measured as drawing, style
+
+    name = f"{application.run_folder(run).resolve().name}_{measured.stem}"
+    path = out or Path(f"{name}.png")
+    table_path = path.with_suffix(".csv")
+    for target in (path, table_path):
+        refuse_existing(target, overwrite)
+    compared = series.compare(history, measured, shift)
+    table = series.compared_table(compared)
+    moved = f", shifted by {shift:g} {series.OVER[compared[0].over]}" if shift else ""
+    print_table(table, f"{measured.name}{moved}, beside {run}")
+    write_table(table, table_path, overwrite)
+    with style.titled_figure(path.stem, 8.0, 0.7 + 2.2 * len(compared)) as figure:
+        drawing.draw_compared(compared, figure)
+    style.save_figure(figure, path, overwrite)
+    typer.echo(f"{path}: the run's curves and what was measured; {table_path}: the table")
 
 
 @command("exudyn-crawler ground oil_sand.toml")

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from exudyn_crawler.results.measured.series import Compared
 from exudyn_crawler.results.measured.soil_fit import SoilFit
 from exudyn_crawler.results.measured.soil_tests import PlateTests, ShearTests
 
@@ -61,3 +62,14 @@ def _draw_shear(fit: SoilFit, shear: ShearTests, axes: Axes) -> None:
         axes.plot(1e3 * slip, 1e-3 * stress, color=colour, label=f"{1e-3 * pressure:.4g} kPa")
     axes.set(xlabel="displacement, mm", ylabel="shear stress, kPa", ylim=(0.0, None))
     axes.legend(title="pressure", **BESIDE)
+
+
+def draw_compared(series: list[Compared], figure: Figure) -> None:
+    """Draw measured series as points over the curves of the run, a panel each."""
+    panels = figure.subplots(len(series), 1, squeeze=False, sharex=True)[:, 0]
+    for axes, beside in zip(panels, series, strict=True):
+        axes.plot(beside.run_place, beside.run_values, color="C0", label="run")
+        axes.plot(beside.place, beside.measured, color="C1", label="measured", **DOTS)
+        axes.set(ylabel=f"{beside.head}\n{beside.unit}")
+    panels[0].legend(**BESIDE)
+    panels[-1].set(xlabel="time, s" if series[0].over == "time" else "way, m")

@@ -126,6 +126,21 @@ def test_more_pressure_under_wider_plates_is_not_hidden():
         assert alone.scatter < 0.03 * first.pressure.max()
 
 
+def test_sand_of_one_box_predicts_that_of_another():
+    """Two boxes of one sand: at 20 mm the law of a plate in the large one has the pressure of the small."""
+    large, small = (read_plates(PUBLIC / f"plates_{box}_box.csv").split()[0] for box in ("large", "small"))
+    whole, _ = fit_plates(large)
+    of_all = whole.number("k_phi") * 0.02 ** whole.number("exponent")
+    errors = []
+    for width in large.widths:
+        alone, other = (fit_plates(tests.of(tests.width == width))[0] for tests in (large, small))
+        there, here = (fit.number("k_phi") * 0.02 ** fit.number("exponent") for fit in (alone, other))
+        assert there == pytest.approx(here, rel=0.05)
+        errors.append(of_all / here - 1.0)
+    # one law for all plates is as far off as wider plates carry more, which it does not have
+    assert errors == pytest.approx([0.45, 0.01, -0.23], abs=0.03)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -84,11 +84,11 @@ def read_columns(
             factor = factor_of(unit, units[name])
         except ValueError as error:
             raise ValueError(f"{path}: column {name!r}: {error}") from None
-        columns[name] = factor * _numbers(cells, f"{path}: {name}")
+        columns[name] = factor * numbers(cells, f"{path}: {name}")
     return columns
 
 
-def _numbers(cells: list[str], name: str) -> np.ndarray:
+def numbers(cells: list[str], name: str) -> np.ndarray:
     """Numbers of cells: array (rows,); ValueError, with the `name` and the row, for what is none."""
     values = np.empty(len(cells))
     for row, cell in enumerate(cells):

@@ -1,0 +1,160 @@
+"""Measured series beside a run: aligned by a stated shift, with mean error, bias and ratios of peaks."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from exudyn_crawler.results.history.catalogue import READ_IN
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.measured import columns
+
+OVER = {"time": "s", "way": "m"}
+"""First column of a measured table, which the others are over, and its unit."""
+LEAST_POINTS = 3  # that the run and the measurement have in common
+LEAST_PEAK = 0.05  # share of the greatest size, below which a peak says nothing. Chosen here
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Measured series beside what the run has at the same places."""
+
+    head: str  # of the column
+    over: str  # "time" or "way"
+    unit: str  # for reading
+    place: np.ndarray  # (points,), s or m of the run, shifted
+    measured: np.ndarray  # (points,), in the unit
+    run: np.ndarray  # (points,)
+    run_place: np.ndarray  # (times,), of the whole run
+    run_values: np.ndarray  # (times,)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the difference."""
+        return float(np.sqrt(np.mean((self.run - self.measured) ** 2)))
+
+    @property
+    def bias(self) -> float:
+        """Mean of the run less that of the measurement."""
+        return float(np.mean(self.run - self.measured))
+
+    def peak_ratio(self, greatest: bool) -> float:
+        """Greatest or least value of the run over the measured one; NaN where that is next to nothing."""
+        peak = np.max if greatest else np.min
+        measured = float(peak(self.measured))
+        if abs(measured) < LEAST_PEAK * float(np.abs(self.measured).max(initial=0.0)) or measured == 0.0:
+            return math.nan
+        return float(peak(self.run)) / measured
+
+
+def way_of(history: History) -> np.ndarray:
+    """Way along x of the side frame, or without one of the middle of the shoes: array (times,), m."""
+    name = "side_frame_way" if history.has("side_frame_way") else "displacement"
+    way = history.quantity(name).sel(axis="x")
+    others = [dimension for dimension in way.dims if dimension != "time"]
+    return way.mean(others).values
+
+
+def chosen(history: History, head: str) -> xr.DataArray:
+    """Quantity over time that a column's name says: its name, then the numbers or names that it is of.
+
+    As ``side_frame_way x``, ``link_tension 12`` or ``wheel_force roller 3 z``. ValueError if a run has no
+    such quantity, or the name leaves open which one.
+    """
+    name, _, rest = head.partition(" ")
+    values = history.over_time([name])[name]
+    if "time" not in values.dims:
+        raise ValueError(f"{name} is not over time")
+    rest = f" {rest.strip()} "
+    dimensions = [dimension for dimension in values.dims if dimension != "time"]
+    # numbers may be part of names
+    for dimension in sorted(dimensions, key=lambda dimension: values[dimension].dtype.kind in "iu"):
+        labels = {str(label).lower(): label for label in values[dimension].values}
+        named = next((label for label in sorted(labels, key=len, reverse=True) if f" {label} " in rest), None)
+        if named is None:
+            some = ", ".join([*labels][:4])
+            raise ValueError(
+                f"{head!r} must say of which {dimension} it is: {some}{', ...' * (len(labels) > 4)}"
+            )
+        values = values.sel({dimension: labels[named]})
+        rest = rest.replace(f" {named} ", " ", 1)
+    if rest.strip():
+        raise ValueError(f"{name} has no {rest.strip()!r}")
+    return values
+
+
+def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
+    """Series of a measured table beside a run, of which the first column is `time` or `way`.
+
+    The `shift` (s or m) is added to it. ValueError, with the file and the column, if a series is not in the
+    run, has another unit, or has fewer than three points within the run.
+    """
+    heads, rows = columns.read_table(path)
+    names = [columns.head_parts(head) for head in heads]
+    over, unit = names[0]
+    if over not in OVER or len(names) < 2:
+        raise ValueError(
+            f"{path} must have a first column 'time in s' or 'way in m' and others, got {heads[0]!r}"
+        )
+    numbers = [
+        columns.numbers([row[place].strip() for row in rows], f"{path}: {head}")
+        for place, head in enumerate(heads)
+    ]
+    place = _factor(path, over, unit, OVER[over]) * numbers[0] + shift
+    run_place = history.time.values if over == "time" else way_of(history)
+    if np.any(np.diff(run_place) < -1e-6 * np.ptp(run_place)):
+        raise ValueError(f"{path} must be over time: the run goes back on its way")
+    within = (place >= run_place[0]) & (place <= run_place[-1])
+    if within.sum() < LEAST_POINTS:
+        raise ValueError(
+            f"{path}: {within.sum()} points are within the run, at least {LEAST_POINTS} must be: {over} is "
+            f"{place.min():g} to {place.max():g} {OVER[over]} with the shift, the run's {run_place[0]:g} to "
+            f"{run_place[-1]:g}"
+        )
+    compared = []
+    for (head, unit), measured in zip(names[1:], numbers[1:], strict=True):
+        try:
+            values = chosen(history, head)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from error
+        stored = values.attrs.get("units", "1")
+        read_in, size = READ_IN.get(stored, (stored, 1.0))
+        factor = _factor(path, head, unit, stored) * size
+        run_values = size * values.values
+        run = np.interp(place[within], run_place, run_values)
+        compared.append(
+            Compared(
+                head, over, read_in, place[within], factor * measured[within], run, run_place, run_values
+            )
+        )
+    return compared
+
+
+def _factor(path: Path, head: str, unit: str, wanted: str) -> float:
+    """Size of a column's unit in the wanted one."""
+    try:
+        return columns.factor_of(unit, wanted)
+    except ValueError as error:
+        raise ValueError(f"{path}: column {head!r}: {error}") from None
+
+
+def compared_table(series: list[Compared]) -> pd.DataFrame:
+    """Table with a row a series: unit, points, rms, bias, ratios of peaks."""
+    rows = [
+        {
+            "series": beside.head,
+            "unit": beside.unit,
+            "points": len(beside.place),
+            "measured mean": float(beside.measured.mean()),
+            "run mean": float(beside.run.mean()),
+            "rms difference": beside.rms,
+            "bias": beside.bias,
+            "greatest, run / measured": beside.peak_ratio(True),
+            "least, run / measured": beside.peak_ratio(False),
+        }
+        for beside in series
+    ]
+    return pd.DataFrame(rows)
