@@ -174,6 +174,8 @@ def run(
     show_standing(case_file.case)
     done = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo)
     show_answers(done)
+    if case_file.datasheet is not None:
+        datasheets.show_machine(done.history)
     name, duration = case_file.case.name, done.history.duration
     typer.echo(f"{name}: {duration:g} s; case, log, results and figures are in {out}")
     if case_file.outputs.page:

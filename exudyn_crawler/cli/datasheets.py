@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import exudyn_crawler as crawler
-from exudyn_crawler.views.tables import print_rows
+from exudyn_crawler.views.tables import print_rows, print_table
 
 COLUMNS = ("key", "value", "origin", "how")
 NAME = re.compile(r"^name\s*=.*$", re.MULTILINE)
@@ -33,3 +33,10 @@ def show_values(case_file: "crawler.CaseFile", title: str) -> None:
         f"{sum(row.origin == origin for row in rows)} {origin}" for origin in ("given", "derived", "assumed")
     )
     print_rows(COLUMNS, rows, f"{title}: {counts}", keys=COLUMNS[:3], whole="in the datasheet's page")
+
+
+def show_machine(history: "crawler.History") -> None:
+    """Print what a run says of a machine, in the words of undercarriages."""
+    from exudyn_crawler.results.history.machine import machine_answers
+
+    print_table(machine_answers(history), f"{history.case.name}: the machine, second half of the run")

@@ -18,6 +18,7 @@ from scipy.stats import qmc
 
 from exudyn_crawler.case import CaseFile, Outputs, case_of
 from exudyn_crawler.case.case_file import BARE
+from exudyn_crawler.case.datasheet import files as datasheets
 from exudyn_crawler.case.parameters import checks, fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, DamageOptions, Life, Often
@@ -32,6 +33,7 @@ SHOWN_WARNINGS = 6  # implausible values that are warned of
 FOLDER_DIGITS = 16  # of a digest, in the name of a run's folder
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
 """Columns of a sweep's table beside those of what varies and of the answers."""
+ASSUMED = "assumed"  # key of a sweep's file: all that is assumed of a datasheet's machine is drawn
 MESH = "flexible.mesh"
 MEASURED = ("low", "high", "values")  # of what varies, in the unit of the case
 LIVES = (*DamageOptions.model_fields, *Often.model_fields, "survival")
@@ -123,6 +125,8 @@ class Variation(Parameters):
         content = self._content
         for one, value in zip(self.vary, values, strict=True):
             content = one.applied(content, value)
+        if self._content.get(datasheets.KEY) is not None:
+            content = datasheets.followed(content, self._content)
         return checked_case(content, type(self._varied))
 
     def _of_all(self, make: Callable[[int, Row], Made]) -> list[Made]:
@@ -281,6 +285,8 @@ def read_sweep(path: str | Path) -> Sweep:
 
     def values(content: reading.Content) -> reading.Content:
         case = case_of(content.pop("case", None), path)
+        if content.pop(ASSUMED, False):
+            content["vary"] = [*content.get("vary", []), *_assumed(case)]
         if isinstance(vary := content.get("vary"), list):
             content["vary"] = [
                 _of_file(one, path.parent, case) if isinstance(one, dict) else one for one in vary
@@ -288,6 +294,13 @@ def read_sweep(path: str | Path) -> Sweep:
         return content | {"case": case.model_dump(mode="json")}
 
     return reading.read_parameters(path, Sweep, "sweep file", values)
+
+
+def _assumed(case_file: CaseFile) -> list[reading.Content]:
+    """What varies where a file draws all that is assumed of a datasheet's machine, each over its range."""
+    if case_file.datasheet is None:
+        raise ValueError(f"{ASSUMED} needs a case with a datasheet, of which values are assumed")
+    return datasheets.assumed_ranges(case_file.datasheet)
 
 
 def _of_file(varied: reading.Content, folder: Path, case_file: CaseFile) -> reading.Content:

@@ -9,6 +9,7 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.datasheet import chain as chains, gear, shoes, travel
 from exudyn_crawler.case.datasheet.notes import Note, Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
+from exudyn_crawler.case.datasheet.typical import TypicalValue
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.errors import ParameterError
@@ -33,6 +34,7 @@ class Derived(NamedTuple):
     case: Case
     notes: tuple[Note, ...]
     chain: chains.Chain
+    typical: tuple[TypicalValue, ...]  # that it takes of the table
 
 
 @lru_cache(maxsize=64)
@@ -62,7 +64,9 @@ def derived(sheet: Datasheet) -> Derived:
         raise DatasheetError(f"the machine that follows cannot be built: {lines[0]}") from error
     given = list(_given(sheet))
     paths = {note.path for note in given}
-    return Derived(case, (*given, *(note for note in notes if note.path not in paths)), chain)
+    return Derived(
+        case, (*given, *(note for note in notes if note.path not in paths)), chain, tuple(notes.used.values())
+    )
 
 
 def _given(sheet: Datasheet) -> Iterator[Note]:

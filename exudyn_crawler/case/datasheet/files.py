@@ -1,5 +1,7 @@
 """Datasheets in case files: the table ``[datasheet]``, of which the rest of the file changes what follows."""
 
+from typing import Any
+
 from pydantic import ValidationError
 
 from exudyn_crawler.case.datasheet import library
@@ -39,6 +41,32 @@ def datasheet_of(table: reading.Content) -> Datasheet:
         raise ParameterError("\n".join(f"{KEY}.{line}" for line in lines)) from None
     except ValueError as error:
         raise ParameterError(f"{KEY}: {error}") from error
+
+
+def followed(content: reading.Content, before: reading.Content) -> reading.Content:
+    """Content of a case file whose case follows of its datasheet, which changed since it was that `before`.
+
+    What of the case did not follow of the datasheet before stays as it is.
+    """
+    if content.get(KEY) is None or content[KEY] == before[KEY]:
+        return content
+    old, new = (case_values(datasheet_of(one[KEY])) for one in (before, content))
+    return content | {"case": _replaced(content["case"], old, new)}
+
+
+def _replaced(values: Any, old: Any, new: Any) -> Any:
+    """New values in place of those that are the old ones."""
+    if values == old:
+        return new
+    if isinstance(values, dict) and isinstance(old, dict) and isinstance(new, dict):
+        return {name: _replaced(value, old.get(name), new.get(name)) for name, value in values.items()}
+    return values
+
+
+def assumed_ranges(sheet: Datasheet) -> list[reading.Content]:
+    """Typical values that a datasheet's machine takes, as a sweep varies them: each over its range."""
+    path = f"{KEY}.typical"
+    return [{"key": f"{path}.{row.name}", "low": row.low, "high": row.high} for row in derived(sheet).typical]
 
 
 def case_values(sheet: Datasheet) -> reading.Content:

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from exudyn_crawler.case.datasheet import lift_chart
 from exudyn_crawler.case.datasheet.chain import Chain
 from exudyn_crawler.case.datasheet.notes import Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
@@ -112,7 +113,32 @@ def _upper_com(sheet: Datasheet, upper: float, length: float, axes: float, notes
         return com
     place = sheet.com_ahead
     if place is None:
-        place = length * notes.typical("com_ahead")
+        place = _com_of_chart(sheet, length, notes)
     com = ahead * place * sheet.operating_weight / upper, 0.0, length * notes.typical("upper_height")
     notes.note(path, com, "m", "assumed", "so that the machine's COM is at com_ahead; upper_height")
     return com
+
+
+def _com_of_chart(sheet: Datasheet, length: float, notes: Notes) -> float:
+    """COM of the machine ahead of the middle, m: of its lift chart, or typical."""
+    chart = sheet.lift_chart
+    if chart is None:
+        return length * notes.typical("com_ahead")
+    line = 0.5 * (sheet.track_gauge if chart.over == "side" else length)
+    near = [point.radius for point in chart.points if point.radius <= line]
+    if near:
+        raise DatasheetError(
+            f"lift_chart has a load at {near[0]:g} m, within the tipping line {line:.3g} m from the axis"
+        )
+    fit = lift_chart.fit_of(chart, line)
+    how = f"lift chart over {chart.over}, {len(chart.points)} loads within {100.0 * fit.error:.1f} %"
+    if not 0.0 < fit.front < sheet.operating_weight:
+        raise DatasheetError(
+            f"lift_chart gives a front of {1e-3 * fit.front:.3g} t: loads of one height and direction, which "
+            "tipping limits, belong in it"
+        )
+    notes.note("front of the lift chart", fit.front, "kg", "derived", how)
+    reach = notes.typical("travel_reach") * max(point.radius for point in chart.points)
+    place = lift_chart.com_ahead(fit, sheet.operating_weight, line, reach)
+    notes.note("COM ahead of the middle", place, "m", "derived", f"{how}; front at {reach:.3g} m")
+    return place

@@ -1,0 +1,75 @@
+"""Answers on a machine on closed tracks, in words of undercarriages: tension, rollers, torque, pressure."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.summary import tension_along_chain
+
+SETTLED = 0.5  # of a run: from then on means and peaks count, which a start would hide
+KILO = 1e3
+Row = tuple[str, float, str, str]
+
+
+def machine_answers(history: History) -> pd.DataFrame:
+    """Table of a run's second half, the static tension aside; a ValueError if no track is closed.
+
+    Columns result, value, unit and of. The slack run is the place of the chain with the least mean tension,
+    the taut run that with the greatest.
+    """
+    history.case.closed_gear()
+    late = History(history.case, history.dataset.isel(time=history.time >= SETTLED * history.duration))
+    sides = SIDES if history.case.tracks > 1 else ("",)
+    rows: list[Row] = []
+    for side in sides:
+        start = history.of_track(side) if side else history
+        rows += _tensions(start, late.of_track(side) if side else late, f"{side} track".strip())
+    rows += [*_rollers(late), *_drives(late), *_pressure(late)]
+    return pd.DataFrame(rows, columns=["result", "value", "unit", "of"])
+
+
+def _tensions(whole: History, late: History, of: str) -> Iterator[Row]:
+    """Tension of a chain at rest and while it travels, and the greatest force of a link."""
+    static = whole.quantity("link_tension").isel(time=0)
+    yield "static tension, mean", float(static.mean()) / KILO, "kN", of
+    along = tension_along_chain(late)
+    mean = along.mean_at.values
+    for name, value in (("slack run", np.nanmin(mean)), ("taut run", np.nanmax(mean))):
+        yield f"tension of the {name}", float(value) / KILO, "kN", of
+    yield "pin force, greatest of a link", float(late.quantity("link_tension").max()) / KILO, "kN", of
+
+
+def _rollers(late: History) -> Iterator[Row]:
+    """Loads of the lower rollers."""
+    lower = [label.words for label in late.case.wheel_labels if label.kind == "roller"]
+    force = late.dataset.wheel_force.sel(wheel=lower).transpose("time", "wheel", "axis").values
+    size = np.linalg.norm(force, axis=-1)
+    mean = float(size.mean())
+    yield "load of a lower roller, mean", mean / KILO, "kN", f"{len(lower)} rollers"
+    greatest = lower[int(size.max(axis=0).argmax())]
+    yield "load of a lower roller, greatest", float(size.max()) / KILO, "kN", greatest
+    yield "greatest load over the mean", float(size.max()) / mean, "", greatest
+
+
+def _drives(late: History) -> Iterator[Row]:
+    """Mean torque and power of every drive."""
+    data = late.dataset
+    torque = data.drive_moment.transpose("time", ...).values.reshape(late.time.size, -1)
+    speed = data.tumbler_speed.transpose("time", ...).values.reshape(late.time.size, -1)
+    for name, moment, turning in zip(late.case.gear.tumblers, torque.T, speed.T, strict=True):
+        yield "torque of the drive, mean", float(moment.mean()) / KILO, "kN m", name
+        yield "power of the drive, mean", float((moment * turning).mean()) / KILO, "kW", name
+
+
+def _pressure(late: History) -> Iterator[Row]:
+    """Pressure below the shoes, and sinkage."""
+    pressure = late.quantity("ground_pressure").transpose("time", "shoe").values
+    mean = float(late.quantity("mean_ground_pressure").mean())
+    yield "pressure below loaded shoes, mean", mean / KILO, "kPa", ""
+    shoe = late.shoe.values[int(pressure.max(axis=0).argmax())]
+    yield "pressure below a shoe, greatest", float(pressure.max()) / KILO, "kPa", f"shoe {shoe}"
+    depth = late.contacts_by_shoe().penetration
+    yield "sinkage, greatest", KILO * float(depth.max()), "mm", ""

@@ -1,0 +1,47 @@
+"""Answers on a machine in the words of undercarriages, against its history and statics."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import simulate
+from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.results.history.machine import machine_answers
+
+SHEET = Datasheet(
+    operating_weight=35371.0,
+    gauge=2.59,
+    length_on_ground=4.03,
+    crawler_length=4.955,
+    shoe_width=0.8,
+    shoes=48,
+)
+
+
+@pytest.fixture(scope="module")
+def history():
+    """Begin of a run of an excavator."""
+    return simulate(derived(SHEET).case, 0.06, progress=False)
+
+
+def test_answers_are_those_of_the_history_and_of_statics(history):
+    table = machine_answers(history)
+    values = table.groupby("result").value.first()
+    data = history.dataset
+    static = history.of_track("right").quantity("link_tension").isel(time=0)
+    assert values["static tension, mean"] == pytest.approx(float(static.mean()) / 1e3)
+    assert values["tension of the slack run"] <= values["tension of the taut run"]
+    late = data.isel(time=data.time >= 0.5 * history.duration)
+    rollers = [name for name in data.wheel.values if "roller" in name]
+    force = np.linalg.norm(
+        late.wheel_force.sel(wheel=rollers).transpose("time", "wheel", "axis").values, axis=-1
+    )
+    assert values["load of a lower roller, mean"] == pytest.approx(force.mean() / 1e3)
+    # rollers carry the machine but for its shoes and what idler and sprocket put down
+    carried = values["load of a lower roller, mean"] * len(rollers)
+    weight = 9.81e-3 * sum(part.mass for part in history.case.frame_parts)
+    assert 0.7 * weight < carried < 1.15 * weight
+    torque, power = values["torque of the drive, mean"], values["power of the drive, mean"]
+    right = late.tumbler_speed.transpose("time", ...).values[:, 0]
+    assert min(right) <= power / torque <= max(right)
+    assert values["pressure below loaded shoes, mean"] <= values["pressure below a shoe, greatest"]

@@ -1,0 +1,59 @@
+"""Sweeps over what is assumed of a machine from its datasheet."""
+
+import pytest
+
+from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.sweep.definition import read_sweep
+
+MACHINE = """
+duration = 0.1
+[datasheet]
+operating_weight = "35.4 t"
+gauge = "2.59 m"
+length_on_ground = "4.03 m"
+shoe_width = "0.8 m"
+shoes = 48
+pitch = "215.9 mm"
+[gear]
+rolling_resistance = 0.04
+"""
+SCATTER = """
+case = "mine.toml"
+assumed = true
+design = "latin_hypercube"
+runs = 4
+[[answers]]
+name = "tension"
+quantity = "link_tension"
+"""
+
+
+@pytest.fixture
+def sweep(tmp_path):
+    """Write a machine and a sweep over it, and read the sweep."""
+
+    def read(text, machine=MACHINE):
+        (tmp_path / "mine.toml").write_text(machine)
+        (tmp_path / "scatter.toml").write_text(text)
+        return read_sweep(tmp_path / "scatter.toml")
+
+    return read
+
+
+def test_one_line_draws_all_that_is_assumed_from_its_range_and_the_machine_follows(sweep):
+    scatter = sweep(SCATTER)
+    drawn = {one.label: one for one in scatter.vary}
+    assert (drawn["roller_diameter"].low, drawn["roller_diameter"].high) == (0.75, 0.9)
+    cases = [scatter.case_of(row)[0].case for row in scatter.rows]
+    column = scatter.columns.index("roller_diameter")
+    for row, case in zip(scatter.rows, cases, strict=True):
+        assert case.gear.roller_radius == pytest.approx(0.5 * row[column] * 0.2159)
+        # what the file says stays
+        assert case.gear.rolling_resistance == 0.04
+        assert case.track.shoe_count == 96
+    assert len({case.shoe.mass for case in cases}) == 4
+
+
+def test_assumed_values_of_no_datasheet_are_refused(sweep):
+    with pytest.raises(CaseFileError, match="assumed needs a case with a datasheet"):
+        sweep(SCATTER, 'base = "closed"\nduration = 0.1\n')
