@@ -69,7 +69,7 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
         roller_radius=place.roller_radius,
         carriers=place.carriers,
         carrier_radius=place.carrier_radius,
-        tread_width=notes.sized("gear.tread_width", "tread_width", pitch),
+        tread_width=notes.sized("gear.tread_width", "tread_width", rails.width),
         stiffness=contacts.tread,
         damping=contacts.tread_damping,
         damping_depth=DAMPED_DEPTH * pitch,

@@ -10,6 +10,7 @@ import pydantic
 from exudyn_crawler.case.parameters.base import Parameters, quantity
 
 TABLE = Path(__file__).with_name("typical.csv")
+OF_SIZES = ("pitch", "length", "rail")  # what values may be measured by
 WIDER = 10.0  # times least and greatest, beyond which nobody means a value
 
 
@@ -21,7 +22,7 @@ class TypicalValue(NamedTuple):
     value: float
     low: float
     high: float
-    unit: str  # of the quantity, or what it is measured by: pitch, length (on ground)
+    unit: str  # of the quantity, or what it is measured by, of `OF_SIZES`
     meaning: str
     source: str
     known: str  # seen in a source's text, remembered, of the project, or chosen here
@@ -62,7 +63,7 @@ def _fields() -> dict[str, Any]:
         high = max(row.high for row in rows)
         least = low / WIDER if low > 0.0 else low - high
         meaning = f"{rows[0].meaning}; none: by the kind of machine"
-        unit = rows[0].unit if rows[0].unit not in ("pitch", "length") else "1"
+        unit = rows[0].unit if rows[0].unit not in OF_SIZES else "1"
         fields[name] = (
             float | None,
             quantity(unit, meaning, (low, high), default=None, ge=least, le=WIDER * high),

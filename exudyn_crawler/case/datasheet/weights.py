@@ -1,5 +1,6 @@
 """Weights of a datasheet's machine: what its operating weight consists of, and where it is."""
 
+import math
 from typing import NamedTuple
 
 from exudyn_crawler.case.datasheet import lift_chart
@@ -49,12 +50,13 @@ def weights_of(
     frame_com = (0.0, 0.0, 0.2 * height)
     body_com = (0.0, 0.0, height)
     upper_com = _upper_com(sheet, upper, length, axes, notes)
-    radii = [length * notes.typical(f"upper_{name}") for name in ("roll", "pitch", "yaw")]
+    long, wide, tall = (length * notes.typical(f"upper_{name}") for name in ("long", "wide", "tall"))
+    radii = math.hypot(wide, tall), math.hypot(long, tall), math.hypot(long, wide)
     turned = length * notes.typical("body_gyration")
     for path, how in (
         ("gear.inertia", "frame_gyration"),
         ("gear.car_body.inertia", "body_gyration"),
-        ("gear.car_body.upper_inertia", "upper_roll, upper_pitch and upper_yaw"),
+        ("gear.car_body.upper_inertia", "upper_long, upper_wide and upper_tall"),
         ("gear.com", "body_height"),
         ("gear.car_body.com", "body_height"),
     ):
