@@ -121,7 +121,7 @@ def test_figures_draw_forces_on_both_sides_and_the_motion_of_the_frame(rolled):
     assert shoes["shoe 5"] == pytest.approx(1e-3 * rolled.rail_force.sel(shoe=5, axis="z").values)
     frame = curves(figures["side frame"])
     heave = rolled.side_frame_position.sel(axis="z").values
-    assert frame["z way of the side frame in m"]["side frame"] == pytest.approx(heave - heave[0])
+    assert frame["z displacement of the side frame in m"]["side frame"] == pytest.approx(heave - heave[0])
     assert frame["pull of the drive in kN"]["side frame"] == pytest.approx(1e-3 * rolled.drive_pull.values)
 
 
