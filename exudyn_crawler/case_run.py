@@ -95,10 +95,7 @@ def run_case(
             folder.say(parts.times_line(times))
             work = _Work(folder, case_file, progress)
             if case.flexible is not None:
-                with work.part(parts.REDUCE):
-                    stored = flexible_shoes.whole_reduction(case)
-                if stored.found:
-                    folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
+                _reduce_shoe(work)
             if reused is None:
                 history = _history(work)
             else:
@@ -128,13 +125,23 @@ class _Work(NamedTuple):
             yield
 
 
+def _reduce_shoe(work: _Work) -> None:
+    """Reduce the flexible shoe and solve for its static fields by the same factors, if not cached."""
+    case = work.case_file.case
+    with flexible_shoes.factors_held(case):
+        with work.part(parts.REDUCE):
+            stored = flexible_shoes.whole_reduction(case)
+        if stored.found:
+            work.folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
+        if case.flexible_shoes().static_fields:
+            with work.part(parts.FIELDS):
+                basis.static_loads(case)
+
+
 def _stresses(history: History, work: _Work) -> recovery.StressResults | None:
     """Stresses of the flexible shoes, if there are any."""
     if history.case.flexible is None:
         return None
-    if history.case.flexible.static_fields:
-        with work.part(parts.FIELDS):
-            basis.static_loads(history.case)
     with work.part(parts.RECOVER):
         return recovery.recover_stresses(history, work.case_file.outputs.picture_times)
 

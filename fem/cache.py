@@ -97,15 +97,16 @@ def cached_craig_bampton(
     n_fixed_modes: int = 76,
     residual_loads: Mapping[str, Floats] | None = None,
     warn: Callable[[str], None] = logger.warning,
+    partition: Partition | None = None,
 ) -> CachedReduction:
-    """Read a reduced body from a folder, or compute it and save it there, as of `_read_or_computed`.
+    """Read a reduced body from a folder, or compute it and save it there, see `_read_or_computed`.
 
     Parameters
     ----------
     folder : str or Path
         Created if it is missing.
-    body, interfaces, n_fixed_modes, residual_loads
-        As of `craig_bampton`, whose errors this has too.
+    body, interfaces, n_fixed_modes, residual_loads, partition
+        See `craig_bampton`, whose errors this has too.
     warn : callable
         Gets a line about a file that is broken or cannot be written.
     """
@@ -114,7 +115,7 @@ def cached_craig_bampton(
     reduced, found = _read_or_computed(
         path,
         lambda: load_reduced(path, body.mesh, digest),
-        lambda: craig_bampton(body, interfaces, n_fixed_modes, residual_loads),
+        lambda: craig_bampton(body, interfaces, n_fixed_modes, residual_loads, partition=partition),
         lambda computed: save_reduced(path, computed, digest),
         warn,
         "the reduction",
@@ -124,7 +125,7 @@ def cached_craig_bampton(
 
 def cached_static_fields(
     folder: str | Path,
-    body: ElasticBody,
+    partition: Partition,
     reduction: CachedReduction,
     families: Mapping[str, UnitLoads],
     warn: Callable[[str], None] = logger.warning,
@@ -135,12 +136,12 @@ def cached_static_fields(
     ----------
     folder : str or Path
         Created if it is missing.
-    body : ElasticBody
-        That was reduced.
+    partition : Partition
+        Of the body that was reduced, with the same interfaces.
     reduction : CachedReduction
         Of `cached_craig_bampton`.
     families : mapping of str to UnitLoads
-        As of `static_fields`, whose errors this has too.
+        See `static_fields`, whose errors this has too.
     warn : callable
         Gets a line about a file that is broken or cannot be written.
     """
@@ -154,7 +155,7 @@ def cached_static_fields(
     fields, found = _read_or_computed(
         path,
         lambda: load_fields(path, digest),
-        lambda: static_fields(Partition(body, reduction.body.interfaces), reduction.body, families),
+        lambda: static_fields(partition, reduction.body, families),
         lambda computed: save_fields(path, computed, digest),
         warn,
         "the file of static fields",

@@ -240,19 +240,25 @@ def field_columns(
     directions = directions[:, ::-1][:, values[::-1] > NOISE * values[-1]]
     turn, back = into.T @ directions, out @ directions
     greatest = np.max([np.abs(history @ turn).max(axis=0, initial=0.0) for history in histories], axis=0)
-    shapes = fields.displacements @ back
-    kept = shapes.shape[2] if most is None else min(most, shapes.shape[2])
-    stress, lengths = np.empty((len(shapes), 6, kept)), np.empty((len(shapes), shapes.shape[2]))
-    for first in range(0, shapes.shape[2], AT_ONCE):
+    fewest = back.shape[1] if most is None else min(most, back.shape[1])
+    nodes = len(fields.displacements)
+    modes = np.empty((nodes, 3, fewest))
+    stress = np.empty((nodes, 6, fewest))
+    lengths = np.empty((nodes, back.shape[1]))
+    # of the directions beyond the most, memory holds some at a time
+    for first in range(0, back.shape[1], AT_ONCE):
         at = slice(first, first + AT_ONCE)
-        found = body.stress(shapes[:, :, at])
-        lengths[:, at] = np.linalg.norm(DEVIATOR @ found, axis=1) * greatest[at]
-        stress[:, :, at] = found[:, :, : max(kept - first, 0)]
+        shapes = fields.displacements @ back[:, at]
+        of_shapes = body.stress(shapes)
+        lengths[:, at] = np.linalg.norm(DEVIATOR @ of_shapes, axis=1) * greatest[at]
+        wanted = max(fewest - first, 0)
+        modes[:, :, at] = shapes[:, :, :wanted]
+        stress[:, :, at] = of_shapes[:, :, :wanted]
     bounds = np.append(np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1].max(axis=0, initial=0.0), 0.0)
-    rank = min(int(np.flatnonzero(bounds <= tolerance)[0]), kept)
+    rank = min(int(np.flatnonzero(bounds <= tolerance)[0]), fewest)
     return FieldColumns(
         turn[:, :rank],
-        np.ascontiguousarray(shapes[:, :, :rank]),
+        np.ascontiguousarray(modes[:, :, :rank]),
         np.ascontiguousarray(stress[:, :, :rank]),
         float(bounds[rank]),
     )

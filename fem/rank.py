@@ -116,14 +116,20 @@ def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
         lengths = np.linalg.norm(amplitudes, axis=0)
         if lengths.max() > length:
             instant, length = amplitudes[:, lengths.argmax()], lengths.max()
-    shapes = [exact.shapes(of) @ turn for of in groups]
-    lengths = np.concatenate([np.linalg.norm(part, axis=1) for part in shapes])
-    highest = max(np.linalg.norm(part @ instant, axis=1).max() for part in shapes)
+    lengths = np.empty((exact.nodes, len(weights)))
+    singles = []
+    highest = 0.0
+    for of in groups:
+        shapes = exact.shapes(of) @ turn
+        lengths[of] = np.linalg.norm(shapes, axis=1)
+        highest = max(highest, float(np.linalg.norm(shapes @ instant, axis=1).max()))
+        singles.append(shapes.astype(np.float32))
     left_out = _tails(lengths * greatest).max(axis=0)
     rank = int(np.flatnonzero(left_out <= tolerance * highest)[0])
     steps = (rank + SCAN) * HALF_ULP
     certainty = np.where(np.arange(len(weights)) < rank, steps / (1.0 - steps), 1.0 + steps)
-    single = np.concatenate([part[:, :, :rank].astype(np.float32) for part in shapes])
+    single = np.concatenate([part[:, :, :rank] for part in singles])
+    singles.clear()
 
     def along() -> Iterator[Segment]:
         for start, blocks, _ in exact.segments():

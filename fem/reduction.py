@@ -59,7 +59,20 @@ class Partition:
         self.body = body
         self.interfaces = tuple(interfaces)
         self.backend = backend
-        self.of_centers, self.of_rest = spider_transformation(body.mesh, interfaces)
+
+    @cached_property
+    def _spiders(self) -> tuple[csr_array, csr_array]:
+        return spider_transformation(self.body.mesh, self.interfaces)
+
+    @property
+    def of_centers(self) -> csr_array:
+        """Displacements (3n, 6 i) by motions of the joint centres."""
+        return self._spiders[0]
+
+    @property
+    def of_rest(self) -> csr_array:
+        """Displacements (3n, r) by free motions with the joint centres held."""
+        return self._spiders[1]
 
     @cached_property
     def stiffness(self) -> csr_array:

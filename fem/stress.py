@@ -154,10 +154,10 @@ def stress_at_node(
     return nodal_stress(nodal_gradient_operator(part), material, displacements[used], place)[0]
 
 
-def element_stress(
+def element_deviator(
     mesh: Mesh, material: Material, displacement: Floats, elements: Integers | None = None
 ) -> Floats:
-    """Stress of one displacement field (n, 3) at the nodes of each element, (e, a, 6) in Pa.
+    """Combinations `DEVIATOR` of the stress of a displacement (n, 3) at all elements' nodes, (e, a, 5) in Pa.
 
     `elements` are the numbers of some, all if left out.
     """
@@ -166,8 +166,12 @@ def element_stress(
     if elements is not None:
         operator = operator[elements]
         nodes = nodes[elements]
-    gradient = np.einsum("epib,ebj->epij", operator, displacement[nodes], optimize=True)
-    return stress_of_gradient(gradient, material)
+    count, corners, _, functions = operator.shape
+    gradient = operator.reshape(count, 3 * corners, functions) @ displacement[nodes]
+    # of each of the nine derivatives
+    units = np.eye(9).reshape(9, 3, 3)
+    deviators = stress_of_gradient(units, material) @ DEVIATOR.T
+    return (gradient.reshape(-1, 9) @ deviators).reshape(count, corners, -1)
 
 
 def von_mises(stress: Floats) -> Floats:

@@ -18,7 +18,7 @@ from fem.elasticity import Material
 from fem.mesh import Floats, Integers, Mesh
 from fem.rank import ModalHistory, segments
 from fem.shapes import Columns, Shapes, combined, lengths
-from fem.stress import DEVIATOR, element_stress
+from fem.stress import element_deviator
 
 SAFETY = 1.5
 """Error of the nodal stress over the relative difference around it, at a bore of known solution."""
@@ -89,7 +89,7 @@ def _root_ratio(part: Floats, whole: Floats) -> Floats:
 
 def resolution(mesh: Mesh, material: Material, displacement: Floats) -> Resolution:
     """How far a mesh resolves the stress of a displacement (n, 3) in m."""
-    return _resolution(mesh.nodes, mesh.elements, element_stress(mesh, material, displacement))
+    return _resolution(mesh.nodes, mesh.elements, element_deviator(mesh, material, displacement))
 
 
 def resolution_at(body: Shapes, q: Floats, nodes: Integers) -> Resolution:
@@ -128,30 +128,30 @@ def _resolution_at_node(body: Shapes, q: Floats, node: int) -> Resolution:
     used, local = np.unique(mesh.elements[elements], return_inverse=True)
     displacement = np.zeros_like(mesh.nodes)
     displacement[used] = combined(body.modes, q, used)[0]
-    stress = element_stress(mesh, body.material, displacement, elements)
-    near = _resolution(mesh.nodes[used], local.reshape(len(elements), -1), stress)
+    own = element_deviator(mesh, body.material, displacement, elements)
+    near = _resolution(mesh.nodes[used], local.reshape(len(elements), -1), own)
     place = int(np.searchsorted(used, node))
     return Resolution(near.off[place], near.own[place], near.jump[place], near.size[place])
 
 
-def _resolution(nodes: Floats, elements: Integers, stress: Floats) -> Resolution:
-    """How far elements (e, a) between nodes (n, 3) resolve their stress (e, a, 6) in Pa."""
-    own = stress @ DEVIATOR.T
+def _resolution(nodes: Floats, elements: Integers, own: Floats) -> Resolution:
+    """How far elements (e, a) between nodes (n, 3) resolve their stress (e, a, 5), see `element_deviator`."""
     flat = elements.ravel()
     n = len(nodes)
     count = np.bincount(flat, minlength=n)
-    sums = [np.bincount(flat, own[..., k].ravel(), n) for k in range(len(DEVIATOR))]
+    sums = [np.bincount(flat, own[..., k].ravel(), n) for k in range(own.shape[-1])]
     averaged = np.stack(sums, axis=1) / count[:, None]
     off = averaged[elements] - own
     a, b, c, d = np.moveaxis(nodes[elements[:, :4]], 1, 0)
     volume = np.einsum("ei,ei->e", np.cross(b - a, c - a), d - a) / 6.0
     squares: list[Floats] = []
     for field in (off[:, :4], own[:, :4]):
-        of_element = volume * ((field**2).sum(axis=(1, 2)) + (field.sum(axis=1) ** 2).sum(axis=1))
+        total = field.sum(axis=1)
+        of_element = volume * (np.einsum("ack,ack->a", field, field) + np.einsum("ak,ak->a", total, total))
         squares.append(np.asarray(np.bincount(flat, np.repeat(of_element, elements.shape[1]), n)))
     jump = np.zeros(n)
-    np.maximum.at(jump, flat, (off**2).sum(axis=2).ravel())
-    return Resolution(squares[0], squares[1], jump, (averaged**2).sum(axis=1))
+    np.maximum.at(jump, flat, np.einsum("ack,ack->ac", off, off).ravel())
+    return Resolution(squares[0], squares[1], jump, np.einsum("nk,nk->n", averaged, averaged))
 
 
 def resolution_over(body: Shapes, q: ModalHistory) -> Resolution:

@@ -46,7 +46,8 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
     if match := REACTION.fullmatch(quantity):
         return _revolute(history.pin_force).sel(axis=match["axis"])
     if match := CONTACT.fullmatch(quantity):
-        return history.contacts_by_shoe().contact_force.sel(shoe=shoes, axis=match["axis"])
+        force = history.over_time(["contact_force"])["contact_force"]
+        return force.sel(shoe=shoes, axis=match["axis"])
     if (match := MOTION.fullmatch(quantity)) and match["kind"] in KINEMATIC:
         name, factor = KINEMATIC[match["kind"]]
         return factor * history.quantity(name).sel(shoe=shoes, axis=match["axis"])

@@ -1,7 +1,10 @@
 """Flexible shoes: their finite elements, the modes that a run integrates, and where loads meet them."""
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -61,6 +64,30 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[fem.ElasticBody, 
     return body, interfaces
 
 
+_partitions: WeakValueDictionary[fem.ElasticBody, fem.Partition] = WeakValueDictionary()
+
+
+def partition(body: fem.ElasticBody, interfaces: Sequence[fem.Interface]) -> fem.Partition:
+    """Elastic body of a shoe tied to its joint centres; the same as long as somebody holds it.
+
+    Reduction and static fields share its factors, which take half a GB.
+    """
+    known = _partitions.get(body)
+    if known is None:
+        known = _partitions[body] = fem.Partition(body, interfaces)
+    return known
+
+
+@contextmanager
+def factors_held(case: Case) -> Iterator[None]:
+    """Within the block, hold the factors of a case's shoe, which its reduction and static fields share."""
+    held = partition(*shoe_model(case.flexible_shoes(), case.track))
+    try:
+        yield
+    finally:
+        del held
+
+
 @lru_cache(maxsize=4)
 def _reduction(
     mesh: str,
@@ -78,7 +105,10 @@ def _reduction(
         loads[DRIVE] = np.zeros_like(body.mesh.nodes)
         loads[DRIVE][node, 0] = 1.0
     folder = reductions.reductions_folder()
-    return fem.cached_craig_bampton(folder, body, interfaces, fixed_modes, loads, warn=reductions.warn)
+    factors = partition(body, interfaces)
+    return fem.cached_craig_bampton(
+        folder, body, interfaces, fixed_modes, loads, warn=reductions.warn, partition=factors
+    )
 
 
 def check_shoe(case: Case) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 import pandas as pd
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.checks import roller_path
@@ -106,6 +107,9 @@ def draw_phases(axes: Sequence[mpl.axes.Axes], phases: Sequence[RunPhase]) -> No
     Colours alternate. Names stand above the first panel alone, where no curve can be; one that is wider than
     its band is left out. A run of one phase has no bands.
     """
+    # a text that is asked for its place without a renderer makes one
+    figure: Any = axes[0].figure
+    renderer = FigureCanvasAgg(figure).get_renderer()
     for panel, ax in enumerate(axes):
         low, high = ax.get_xlim()
         for number, phase in enumerate(phases if len(phases) > 1 else ()):
@@ -113,7 +117,7 @@ def draw_phases(axes: Sequence[mpl.axes.Axes], phases: Sequence[RunPhase]) -> No
             if begin >= end:
                 continue
             text = _band(ax, number, begin, end, phase.name)
-            if panel > 0 or text.get_window_extent().x1 > ax.transData.transform((end, 0.0))[0]:
+            if panel > 0 or text.get_window_extent(renderer).x1 > ax.transData.transform((end, 0.0))[0]:
                 text.remove()
 
 
@@ -221,9 +225,15 @@ Coordinates of other dimensions, such as wheels, are names.
 """
 
 
-def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Figure]:
-    """Motion and contact of some shoes, forces of the links behind them, of rollers, and the side frame."""
-    found, case = history_series(history), history.case
+def run_figures(
+    history: History, shoes: Sequence[int] = SHOES, series: Mapping[str, Series] | None = None
+) -> dict[str, Figure]:
+    """Motion and contact of some shoes, forces of the links behind them, of rollers, and the side frame.
+
+    `series` are those of `history_series`, where they are known already.
+    """
+    case = history.case
+    found = history_series(history) if series is None else series
     links = sorted({min(shoe, case.track.shoe_count - 1) for shoe in shoes})
     of_shoes, of_links = [f"shoe {one}" for one in shoes], [f"link {one}-{one + 1}" for one in links]
     items = [*of_shoes, *of_links]
@@ -282,9 +292,15 @@ def chain_figure(history: History) -> Figure:
     return figure
 
 
-def stress_figures(history: History, stress: xr.Dataset) -> dict[str, Figure]:
-    """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle."""
-    found, shoes = history_series(history, stress), history.flexible_shoe.values
+def stress_figures(
+    history: History, stress: xr.Dataset, series: Mapping[str, Series] | None = None
+) -> dict[str, Figure]:
+    """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle.
+
+    `series` are those of `history_series`, where they are known already.
+    """
+    shoes = history.flexible_shoe.values
+    found = history_series(history, stress) if series is None else series
     items = [f"shoe {shoe}" for shoe in shoes]
     drawn = {name: [KINEMATICS.get(name, name)] for name in OF_FLEXIBLE_SHOES}
     panels = {name: _panels(found, labels, items) for name, labels in drawn.items()}

@@ -69,12 +69,13 @@ def write_figures(history: History, stresses: Stresses, folder: Path, outputs: O
     # curves of a long run would not fit into memory, and no figure shows them at every step
     thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
     drawn["ground pressure"] = pictures.pressure_figure(thinned)
+    series = figures.history_series(thinned, None if stresses is None else stresses.dataset)
     if stresses is not None:
-        found = figures.stress_figures(thinned, stresses.dataset)
-        drawn |= {f"flexible {name}": one for name, one in found.items()}
+        of_stress = figures.stress_figures(thinned, stresses.dataset, series)
+        drawn |= {f"flexible {name}": figure for name, figure in of_stress.items()}
     if (path := folder / f"{figures.ROLLER_PATH}.csv").is_file():
         drawn[figures.ROLLER_PATH] = figures.roller_path_figure(pd.read_csv(path), history.case.name)
-    drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count))
+    drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count), series)
     for name, figure in drawn.items():
         file = f"{name.replace(' ', '_')}.{outputs.figure_format}"
         style.save_figure(figure, folder / file, overwrite=True)

@@ -169,21 +169,22 @@ def test_loads_by_mass_are_the_forces_that_accelerate_it(beam, held, small):
 @pytest.mark.simulation
 def test_fields_are_kept_by_all_that_they_depend_on(tmp_path, beam):
     ends = beam_interfaces(beam)
-    kept, more = (fem.cached_craig_bampton(tmp_path, beam, ends, count) for count in (4, 5))
+    tied = fem.Partition(beam, ends)
+    kept, more = (fem.cached_craig_bampton(tmp_path, beam, ends, count, partition=tied) for count in (4, 5))
     weights = np.eye(len(beam.mesh.nodes), 2, -7)
     push, other = ({"push": UnitLoads.spread(size * weights, ends)} for size in (1.0, 2.0))
-    first, again = (fem.cached_static_fields(tmp_path, beam, kept, push) for _ in range(2))
+    first, again = (fem.cached_static_fields(tmp_path, tied, kept, push) for _ in range(2))
     assert (first.found, again.found, again.path) == (False, True, first.path)
     np.testing.assert_array_equal(first.fields.displacements, again.fields.displacements)
     assert again.fields.families == {"push": 6}
     for body, loads in ((more, push), (kept, other)):
-        fem.cached_static_fields(tmp_path, beam, body, loads)
+        fem.cached_static_fields(tmp_path, tied, body, loads)
     files = sorted(tmp_path.glob("*.fields.h5"))
     assert len(files) == 3
     told: list[str] = []
     files[0].write_bytes(files[0].read_bytes()[:3000])
     for body, loads in ((kept, push), (more, push), (kept, other)):
-        fem.cached_static_fields(tmp_path, beam, body, loads, warn=told.append)
+        fem.cached_static_fields(tmp_path, tied, body, loads, warn=told.append)
     (line,) = told
     assert line.startswith(f"the file of static fields is computed again: {files[0]} must be")
 

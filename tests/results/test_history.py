@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from exudyn_crawler import History
+from exudyn_crawler import History, files as program_files
 from exudyn_crawler.files import write_netcdf_along
 from exudyn_crawler.model.state import VERSION
+from exudyn_crawler.results.history import summary
 from exudyn_crawler.results.history.files import (
     CASE,
     LAYOUT_VERSION,
@@ -218,6 +219,31 @@ def test_writing_takes_no_more_memory_for_more_chunks(translation, tmp_path):
     assert peaks[1] > part.nbytes
     assert peaks[2] < 1.5 * peaks[1]
     assert History.load(tmp_path / "history.nc").dataset.sizes["time"] == 1600
+
+
+def test_extremes_are_those_of_all_parts(translation, monkeypatch):
+    """The first of several in time, of what is a number."""
+    history = History(translation.case, translation.dataset.copy(deep=True))
+    torque = history.dataset.joint_torque
+    torque[:] = 0.0
+    torque[7, 3, 1] = torque[40, 2, 1] = 5.0
+    torque[12, 4, 1] = np.nan
+    history.dataset.drive_torque[:] = np.nan
+    monkeypatch.setattr(program_files, "TIMES_AT_ONCE", 16)
+    table = summary.extremes(history).set_index(["variable", "axis"])
+    about_y = table.loc["joint_torque", "y"]
+    assert about_y[["greatest", "greatest_of", "greatest_at in s"]].tolist() == [
+        5.0,
+        "link 4-5",
+        history.time[7],
+    ]
+    assert about_y[["least", "least_at in s"]].tolist() == [0.0, 0.0]
+    assert "drive_torque" not in table.index.get_level_values("variable")
+    speed = history.velocity.sel(axis="x").values
+    time, shoe = np.unravel_index(speed.argmax(), speed.shape)
+    fastest = table.loc["velocity", "x"]
+    assert fastest[["greatest", "greatest_of"]].tolist() == [speed.max(), f"shoe {shoe + 1}"]
+    assert fastest["greatest_at in s"] == history.time[time]
 
 
 def test_a_large_history_is_read_when_it_is_asked_for(translation, tmp_path, monkeypatch):

@@ -271,15 +271,18 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
     wanted = list(names)
     derived = [name for name in wanted if QUANTITIES[name].derived_from]
     stored = dict.fromkeys([one for name in wanted for one in QUANTITIES[name].derived_from or (name,)])
-    shoes, depth, columns = dataset.shoe.values, dataset.penetration.compute(), {}
-    contacts = [np.flatnonzero(dataset.contact_shoe.values == shoe) for shoe in shoes]
+    shoes = dataset.shoe.values
+    depth = dataset.penetration.compute()
+    contacts = [_slice_of(np.flatnonzero(dataset.contact_shoe.values == shoe)) for shoe in shoes]
 
-    def of_shoe(values: xr.DataArray, chosen: np.ndarray, how: str) -> xr.DataArray:
+    def of_shoe(values: xr.DataArray, chosen: slice | np.ndarray, how: str) -> xr.DataArray:
+        parts = values.isel(contact=chosen)
         # shoes that never touch the ground, as those above in a closed track, have nothing to choose of
-        if how == "sum" or not len(chosen):
-            return values.isel(contact=chosen).sum("contact", keep_attrs=True)
-        return values.isel(contact=chosen).isel(contact=depth.isel(contact=chosen).argmax("contact"))
+        if how == "sum" or not parts.sizes["contact"]:
+            return parts.sum("contact", skipna=False, keep_attrs=True)
+        return parts.isel(contact=depth.isel(contact=chosen).argmax("contact", skipna=False))
 
+    columns = {}
     for name in stored:
         # of a history that stays in its file a variable is read once, not once a shoe
         whole = dataset[name].compute().drop_vars(CONTACT_KEYS, errors="ignore")
@@ -290,6 +293,13 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
         {name: with_meaning(name, DERIVED[name](case, result, result)) for name in derived}
     )
     return result[wanted]
+
+
+def _slice_of(numbers: np.ndarray) -> slice | np.ndarray:
+    """Slice of ascending numbers where they are successive: what it takes of an array is no copy."""
+    if len(numbers) and numbers[-1] - numbers[0] == len(numbers) - 1:
+        return slice(int(numbers[0]), int(numbers[-1]) + 1)
+    return numbers
 
 
 BY_SHOE = tuple(select(by_shoe=True))  # quantities of contacts that can be taken by shoe

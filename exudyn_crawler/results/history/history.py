@@ -168,7 +168,7 @@ class History:
         with files.reading_history(path):
             stored = xr.open_dataset(path, engine="h5netcdf", cache=False)
             dataset = files.unpacked(stored)
-            if dataset.nbytes <= MOST_IN_MEMORY:
+            if stored.nbytes <= MOST_IN_MEMORY:
                 dataset = files.unpacked(stored.load())
                 stored.close()
             _check(case, dataset)

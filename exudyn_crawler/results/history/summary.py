@@ -165,21 +165,62 @@ def _item(values: xr.DataArray, dim: str, index: int) -> str:
 
 def extremes(history: History) -> pd.DataFrame:
     """Least and greatest value of every variable with numbers, axis by axis, of what and when (s)."""
-    found: dict[tuple[str, str, str], tuple[Extreme, Extreme]] = {}
+    series: dict[tuple[str, str, str], tuple[_Bound, _Bound]] = {}
+    first = 0
     # a variable of a long run may be larger than memory
     for part in blocks(history.dataset):
         for name, values in part.data_vars.items():
             if "time" not in values.dims or not np.issubdtype(values.dtype, np.number):
                 continue
-            for axis, one in _by_axis(values.load()):
-                if one.notnull().any():
-                    low, high = _extreme(one, "least"), _extreme(one)
-                    key = (str(name), axis, values.attrs.get("units", ""))
-                    least, greatest = found.get(key, (low, high))
-                    found[key] = min(least, low, key=_value), max(greatest, high, key=_value)
+            for axis, numbers in _numbers_by_axis(values):
+                key = (str(name), axis, values.attrs.get("units", ""))
+                for bound in series.setdefault(key, (_Bound(np.fmin), _Bound(np.fmax))):
+                    bound.add(numbers, first)
+        first += part.sizes["time"]
+    rows = []
+    for key, (least, greatest) in series.items():
+        if least.place:
+            values = history.dataset[key[0]]
+            rows.append((*key, *least.of(values), *greatest.of(values)))
     columns = [f"{which}{of}" for which in ("least", "greatest") for of in ("", "_of", "_at in s")]
-    rows = [(*key, *least, *greatest) for key, (least, greatest) in found.items()]
     return pd.DataFrame(rows, columns=["variable", "axis", "unit", *columns])
+
+
+class _Bound:
+    """Least or greatest number of a series that comes in parts along time, the first of several.
+
+    `choose` is `numpy.fmin` or `numpy.fmax`: what is not a number does not count.
+    """
+
+    def __init__(self, choose: np.ufunc) -> None:
+        self._choose = choose
+        self._value = np.nan
+        self.place: tuple[int, ...] = ()  # row in time, then index along each other dimension
+
+    def add(self, numbers: np.ndarray, first: int) -> None:
+        """Take the next part (times, ...), whose first row is `first` of the whole."""
+        if not numbers.size:
+            return
+        value = float(self._choose.reduce(self._choose.reduce(numbers, axis=0), axis=None))
+        if np.isnan(value) or self._choose(self._value, value) == self._value:
+            return
+        row, *others = np.unravel_index(int((numbers == value).argmax()), numbers.shape)
+        self._value = value
+        self.place = (first + int(row), *map(int, others))
+
+    def of(self, values: xr.DataArray) -> Extreme:
+        """Extreme of the values that the parts were of."""
+        dims = [str(dim) for dim in values.dims if dim not in ("time", "axis")]
+        items = (_item(values, dim, index) for dim, index in zip(dims, self.place[1:], strict=True))
+        return Extreme(self._value, ", ".join(items), float(values.time[self.place[0]]))
+
+
+def _numbers_by_axis(values: xr.DataArray) -> list[tuple[str, np.ndarray]]:
+    """Components (times, ...) of a vector with the names of their axes; all else whole, with none."""
+    if "axis" not in values.dims:
+        return [("", values.transpose("time", ...).values)]
+    numbers = values.transpose("time", ..., "axis").values
+    return [(str(axis), numbers[..., column]) for column, axis in enumerate(values.axis.values)]
 
 
 def _by_axis(values: xr.DataArray) -> list[tuple[str, xr.DataArray]]:

@@ -92,7 +92,8 @@ def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> 
     families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
     blocks.append(eye_array(len(units.integrated.body.frequencies)))
     folder = reductions.reductions_folder()
-    cached = fem.cached_static_fields(folder, units.body, whole, families, warn=reductions.warn)
+    factors = flexible_shoes.partition(units.body, interfaces)
+    cached = fem.cached_static_fields(folder, factors, whole, families, warn=reductions.warn)
     return StaticLoads(cached.fields, csr_array(block_diag(blocks)))
 
 
@@ -125,12 +126,12 @@ class StressBasis:
 
     shapes: fem.Shapes  # modes, and static fields beside them
     loads: Mapping[int, Mapping[Kind, csr_array]] | None
-    """Coordinates (times, loads) by shoe, see `loads_by_kind`; None for a long run, made when asked for."""
+    """Coordinates (times, loads) by shoe, see `loads_by_kind`; None where they come from a history."""
     answers: np.ndarray  # (loads, columns), coordinates of the columns that a unit of each load makes
     coordinates: Mapping[int, np.ndarray]  # (times, columns), their products by shoe; in files of a long run
     bound: float | None
     """Pa by which left-out fields change the stress of any node at most; None without fields: not known."""
-    history: History | None = None  # of a run
+    history: History | None = None  # of which `by_load` makes the loads of the times that are asked for
 
     def by_load(self, shoe: int, rows: np.ndarray | slice = slice(None)) -> dict[str, np.ndarray]:
         """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).
@@ -168,10 +169,10 @@ class _Again:
         return self.make()
 
 
-def _long_loads(history: History, shoes: Sequence[int]) -> Iterator[tuple[int, csr_array]]:
-    """Loads of a long run, of a segment and a shoe each."""
-    for rows in parts_of(history.time.size):
-        part = _in_memory(history, rows)
+def _loads(history: History, shoes: Sequence[int], is_long: bool) -> Iterator[tuple[int, csr_array]]:
+    """Loads of shoes over a history; of a long one of a part after the other."""
+    parts = (_in_memory(history, rows) for rows in parts_of(history.time.size)) if is_long else [history]
+    for part in parts:
         yield from ((shoe, sum(load_map.loads_by_kind(part, shoe).values())) for shoe in shoes)
 
 
@@ -194,24 +195,28 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
     Of a run of more than `LONG` stored times memory holds a segment; its coordinates are in a file.
     """
     chosen = list(history.case.flexible_shoes().shoes if shoes is None else shoes)
-    units, static = load_map.unit_loads(history.case), static_loads(history.case)
-    by_kind: dict[int, dict[Kind, csr_array]] | None = None
-    loads: Iterable[tuple[int, csr_array]] = _Again(lambda: _long_loads(history, chosen))
-    if history.time.size <= LONG:
-        by_kind = {shoe: load_map.loads_by_kind(history, shoe) for shoe in chosen}
-        loads = [(shoe, sum(kinds.values())) for shoe, kinds in by_kind.items()]
+    units = load_map.unit_loads(history.case)
+    static = static_loads(history.case)
+    is_long = history.time.size > LONG
+    loads: Iterable[tuple[int, Any]] = _Again(lambda: _loads(history, chosen, is_long))
+    acting = loads
     shapes: fem.Shapes = units.whole
-    answers, bound = units.answers, None
+    answers = of_acting = units.answers
+    bound = None
     if static is not None:
-        frequencies, shares = units.whole.frequencies, static.shares
-        histories: Any = _Again(lambda: ((load @ shares).toarray() for _, load in loads))
-        most = int(MOST_FIELDS * len(frequencies))
+        # a static field takes the place of many loads
+        fewer = _Again(lambda: ((shoe, (rows @ static.shares).toarray()) for shoe, rows in loads))
+        acting = fewer if is_long else list(fewer)
+        histories: Any = _Again(lambda: (rows for _, rows in acting))
+        most = int(MOST_FIELDS * len(units.whole.frequencies))
         columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
-        answers = shares @ np.hstack((static.fields.held(frequencies), columns.turn))
-        shapes, bound = columns.beside(units.whole), columns.bound
-    products = ((shoe, load @ answers) for shoe, load in loads)
-    coordinates = _in_files(products) if by_kind is None else dict(products)
-    return StressBasis(shapes, by_kind, answers, coordinates, bound, history)
+        of_acting = np.hstack((static.fields.held(units.whole.frequencies), columns.turn))
+        answers = static.shares @ of_acting
+        shapes = columns.beside(units.whole)
+        bound = columns.bound
+    products = ((shoe, rows @ of_acting) for shoe, rows in acting)
+    coordinates = _in_files(products) if is_long else dict(products)
+    return StressBasis(shapes, None, answers, coordinates, bound, history)
 
 
 def unit_stress(case: Case, node: int) -> np.ndarray:

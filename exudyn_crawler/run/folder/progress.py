@@ -61,7 +61,7 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
         times[SIMULATE] += PER_NODE[SIMULATE] * nodes
         recovery = RECOVERY * solver.stored_times(case_file.duration) + PER_NODE[RECOVER] * nodes
         fields = {FIELDS: PER_NODE[FIELDS] * nodes} if case.flexible.static_fields else {}
-        times = {REDUCE: PER_NODE[REDUCE] * nodes} | times | fields | {RECOVER: recovery * flexible}
+        times = {REDUCE: PER_NODE[REDUCE] * nodes} | fields | times | {RECOVER: recovery * flexible}
     written = {"pictures": flexible * WRITING["pictures"]}
     writing = sum((WRITING | written)[name] for name in WRITING if getattr(outputs, name))
     return times | ({WRITE: writing} if writing else {})
