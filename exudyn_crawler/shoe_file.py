@@ -48,7 +48,7 @@ class ShoeFile:
 
     Attributes
     ----------
-    found : RecognizedShoe
+    recognized : RecognizedShoe
     mesh : Mesh
         With the surfaces that may carry the machine.
     case_file : CaseFile
@@ -58,7 +58,7 @@ class ShoeFile:
         Why a run with flexible shoes would be refused.
     """
 
-    found: RecognizedShoe
+    recognized: RecognizedShoe
     mesh: fem.Mesh
     case_file: CaseFile
     table: pd.DataFrame
@@ -66,9 +66,9 @@ class ShoeFile:
 
     def lines(self) -> Iterator[str]:
         """Lines for reading: what was done, what is to be decided, what a flexible run would refuse."""
-        yield from self.found.remarks
+        yield from self.recognized.remarks
         yield "the front is the end with the outer lugs; --flip-front if the other one leads"
-        for question in self.found.questions:
+        for question in self.recognized.questions:
             yield f"to be decided: {question}"
         for reason in self.refusals:
             yield f"flexible shoes would be refused: {reason}"
@@ -82,9 +82,9 @@ def shoe_of(
     `name` is that of the case, whose mesh is NAME.msh.gz; the file's if it is not given. Errors are those of
     `meshes.recognition.shoe.recognize_file`; a MeshError if the mesh is a mechanism or a surface is cut.
     """
-    found = recognize_file(path, choices, size)
+    recognized = recognize_file(path, choices, size)
     name = name or Path(path).name.partition(".")[0]
-    mesh = with_load_surfaces(found.mesh)
+    mesh = with_load_surfaces(recognized.mesh)
     check_whole(mesh, str(path))
     body = fem.ElasticBody(mesh, replace(STEEL, density=STEEL_DENSITY))
     frequencies = body.natural_frequencies(6 + MODES)[6:]
@@ -95,22 +95,26 @@ def shoe_of(
         )
     surface = "whole top" if "whole top" in mesh.surfaces else "underside"
     shoe = Shoe.from_mesh(mesh, load_surface=surface)
-    case_file = _case_file(found, mesh, shoe, name)
+    case_file = _case_file(recognized, mesh, shoe, name)
     return ShoeFile(
-        found, mesh, case_file, _table(found, mesh, body, frequencies), tuple(_refusals(case_file.case, mesh))
+        recognized,
+        mesh,
+        case_file,
+        _table(recognized, mesh, body, frequencies),
+        tuple(_refusals(case_file.case, mesh)),
     )
 
 
-def _case_file(found: RecognizedShoe, mesh: fem.Mesh, shoe: Shoe, name: str) -> CaseFile:
+def _case_file(recognized: RecognizedShoe, mesh: fem.Mesh, shoe: Shoe, name: str) -> CaseFile:
     """Case of a dragged track of a shoe, the middle one flexible."""
     papers = Track.ph4100c()
     y = papers.first_com[1]
     track = papers.with_(
-        pitch=found.pitch,
-        pin_ahead=found.pin_ahead,
-        pin_height=found.pin_height,
-        spherical_y=y + found.joint_y[0],
-        parallel_y=y + found.joint_y[1],
+        pitch=recognized.pitch,
+        pin_ahead=recognized.pin_ahead,
+        pin_height=recognized.pin_height,
+        spherical_y=y + recognized.joint_y[0],
+        parallel_y=y + recognized.joint_y[1],
     )
     load = GROUND_PRESSURE * shoe.length * shoe.width
     flexible = FlexibleShoes.ph4100c(f"{name}.msh.gz").with_(
@@ -151,35 +155,35 @@ def _refusals(case: Case, mesh: fem.Mesh) -> Iterator[str]:
 
 
 def _table(
-    found: RecognizedShoe, mesh: fem.Mesh, body: fem.ElasticBody, frequencies: np.ndarray
+    recognized: RecognizedShoe, mesh: fem.Mesh, body: fem.ElasticBody, frequencies: np.ndarray
 ) -> pd.DataFrame:
     """What a shoe is, a row a quantity."""
     inertia, size = body.inertia, np.ptp(mesh.nodes, axis=0)
-    rear, front = found.axes.pins.lines
-    scale = found.axes.scale
+    rear, front = recognized.axes.pins.lines
+    scale = recognized.axes.scale
     of_mesh = quality.mesh_quality(mesh)
-    box = found.surfaces.box("underside")
+    box = recognized.surfaces.box("underside")
     words = ", ".join(f"{value:.4g}" for value in frequencies)
     rows: list[tuple[str, object, str]] = [
-        ("unit of the file", found.axes.unit, ""),
+        ("unit of the file", recognized.axes.unit, ""),
         ("mass", f"{body.mass:.5g}", "kg"),
         ("COM above the underside", f"{-box[0, 2]:.5g}", "m"),
-        ("length, width, height", " x ".join(f"{one:.4g}" for one in size), "m"),
-        ("inertia xx, yy, zz", ", ".join(f"{one:.4g}" for one in np.diag(inertia)), "kg m2"),
+        ("length, width, height", " x ".join(f"{side:.4g}" for side in size), "m"),
+        ("inertia xx, yy, zz", ", ".join(f"{moment:.4g}" for moment in np.diag(inertia)), "kg m2"),
         (
             "inertia yz, xz, xy",
             ", ".join(f"{inertia[a, b]:.3g}" for a, b in ((1, 2), (0, 2), (0, 1))),
             "kg m2",
         ),
         ("first free-free frequencies", words, "Hz"),
-        ("pitch", f"{1e3 * found.pitch:.3f}", "mm"),
-        ("pins ahead of and above the COM", f"{found.pin_ahead:.5g}, {found.pin_height:.5g}", "m"),
-        ("joints at y", f"{found.joint_y[0]:.5g}, {found.joint_y[1]:.5g}", "m"),
+        ("pitch", f"{1e3 * recognized.pitch:.3f}", "mm"),
+        ("pins ahead of and above the COM", f"{recognized.pin_ahead:.5g}, {recognized.pin_height:.5g}", "m"),
+        ("joints at y", f"{recognized.joint_y[0]:.5g}, {recognized.joint_y[1]:.5g}", "m"),
     ]
     for end, line in (("front", front), ("rear", rear)):
         fit = f"{len(line.bores)} of radius {1e3 * scale * line.radius:.3f}"
         rows.append((f"{end} bores", f"{fit}, round within {1e3 * scale * line.off_round:.2g}", "mm"))
-    footprint = f"{found.surfaces.footprint}, {found.surfaces.footprint_area:.4g}"
+    footprint = f"{recognized.surfaces.footprint}, {recognized.surfaces.footprint_area:.4g}"
     rows.append(("underside", footprint, "m2"))
     rows.append(("rails", "two" if "roller path" in mesh.surfaces else "none", ""))
     rows.append(("nodes, elements", f"{len(mesh.nodes)}, {len(mesh.elements)}", ""))
@@ -218,14 +222,14 @@ def write_shoe(shoe: ShoeFile, folder: str | Path = ".", overwrite: bool = False
         # the suffix says how a mesh is written
         packed = temporary.with_name(f"{temporary.name}.msh.gz")
         try:
-            fem.write_mesh(packed, shoe.found.mesh)
+            fem.write_mesh(packed, shoe.recognized.mesh)
             packed.replace(temporary)
         finally:
             packed.unlink(missing_ok=True)
     with files.whole_file(whole["case"], overwrite) as temporary:
         temporary.write_text(shoe_text(shoe), encoding="utf-8")
     with style.titled_figure(shoe.case_file.case.name, 9.0, 6.5) as figure:
-        draw_recognized(figure, shoe.found.mesh)
+        draw_recognized(figure, shoe.recognized.mesh)
     style.save_figure(figure, whole["picture"], overwrite)
     return whole
 

@@ -17,15 +17,18 @@ Sole = Literal["plate", "tips"]
 
 UNITS: dict[Unit, float] = {"mm": 1e-3, "m": 1.0, "inch": 0.0254, "cm": 1e-2}
 """Lengths in m, the likeliest unit of a file first."""
-LEAST_PITCH, GREATEST_PITCH = 0.05, 1.5
+LEAST_PITCH = 0.05
+GREATEST_PITCH = 1.5
 """m, of the shoes of any machine."""
-LEAST_MASS, GREATEST_MASS = 1.0, 2e4
+LEAST_MASS = 1.0
+GREATEST_MASS = 2e4
 """kg, of the same."""
 STEEL_DENSITY = 7850.0
 """kg/m3, by which a unit is likely or not."""
 SAME_REACH = 0.02
 """Of the outer lugs' reach: within which both ends have the same."""
-WEAK, OPPOSED = 0.25, -0.04
+WEAK = 0.25
+OPPOSED = -0.04
 """Sum of the signs of up that is too small to be sure, and product of two that oppose each other."""
 OUTER = 0.4
 """Of the height: how far a plane may be within the outline to count for up."""

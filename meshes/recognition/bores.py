@@ -17,17 +17,20 @@ INWARD_BEND = np.radians(65.0)
 OUTWARD_BENDS = np.radians((30.0, 12.0, 1.0))
 """Slack outwards: a first search takes badly cut bores whole, a last one does not go round a filleted rim."""
 FEWEST_FACES = 6
-LEAST_SPREAD, FLAT_SPREAD = 0.10, 0.25
+LEAST_SPREAD = 0.10
+FLAT_SPREAD = 0.25
 """Of the normals of a hole: greatest share along the axis, and least one along either direction across it."""
 NEAR = 0.08
 """Of the radius: how far corners of a hole's faces are off it at most, such as those on its chords."""
-LOOKS, ALONG = 0.75, 0.35
+LOOKS = 0.75
+ALONG = 0.35
 """Least cosine between a face's normal and the way to the axis, and greatest one with the axis."""
 OFF_ROUND = 0.05
 """Of the radius: greatest root mean square of a hole's corners."""
 GREATEST_GAP = np.radians(100.0)
 """Around the axis without a corner: a groove is no hole."""
-LEAST_AREA, GREATEST_AREA = 0.6, 1.3
+LEAST_AREA = 0.6
+GREATEST_AREA = 1.3
 """Of a hole over its cylinder's: what cross holes may take away."""
 ROUNDS = 4
 """Of fits without the corners that are farthest off: those of cross holes lie on chords."""

@@ -27,7 +27,8 @@ OVERLAP = 0.05
 """Of the shorter line's length: greatest part over which bores of both lines lie over each other."""
 REACH = 0.6
 """Of the same length: greatest gap between all bores of one line and all of the other."""
-LEAST_PITCH, GREATEST_PITCH = 0.5, 1.0
+LEAST_PITCH = 0.5
+GREATEST_PITCH = 1.0
 """Of the shoe's extent from pin to pin."""
 RADII = 2.0
 """Greatest ratio of the radii of both lines."""
@@ -78,8 +79,8 @@ class PinLine:
         """Ends of its bores along a direction, the lowest first: array (bores, 2)."""
         ends = []
         for bore in self.bores:
-            both = (bore.point + np.multiply.outer(bore.ends, bore.axis)) @ axis
-            ends.append((both.min(), both.max()))
+            heights = (bore.point + np.multiply.outer(bore.ends, bore.axis)) @ axis
+            ends.append((heights.min(), heights.max()))
         return np.array(sorted(ends))
 
 

@@ -19,7 +19,8 @@ from meshes.recognition.pins import PinPair
 from meshes.recognition.surfaces import ShoeSurfaces, find_surfaces
 from meshes.recognition.triangles import Triangles
 
-STEP_FILES, STL_FILES = (".step", ".stp"), (".stl",)
+STEP_FILES = (".step", ".stp")
+STL_FILES = (".stl",)
 SAME_AXES = 1e-3
 """Rad, and of the pitch: between the shoes of two meshes of one solid."""
 SAME_PIN_HEIGHT = 1e-3
@@ -166,13 +167,15 @@ def recognize_solid(solid: FileSolid, choices: Choices) -> RecognizedShoe:
     named = {name: rows[numbers] for name, numbers in surfaces.faces.items()}
     nodes = (solid.nodes - axes.origin) @ axes.rows.T * axes.scale
     others = Mesh(nodes, solid.elements, solid.surfaces)
-    kept = {name: faces for name, faces in with_known_names(others).surfaces.items() if name not in named}
+    others_of_file = {
+        name: faces for name, faces in with_known_names(others).surfaces.items() if name not in named
+    }
     known = sorted(set(with_known_names(others).surfaces) & set(named))
     remarks = [*solid.remarks, *surfaces.remarks]
     if known:
         remarks.append(f"surfaces of the file that the shape says again are replaced: {', '.join(known)}")
     return RecognizedShoe(
-        others.with_surfaces(named) if not known else Mesh(nodes, solid.elements, kept | named),
+        others.with_surfaces(named) if not known else Mesh(nodes, solid.elements, others_of_file | named),
         axes,
         surfaces,
         tuple(remarks),
@@ -241,12 +244,12 @@ def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> File
     for line in pair.lines:
         solid.refine(face[line.faces], size.of_bores * line.radius)
     nodes, elements, straightened = solid.mesh(size.of_pitch * pair.pitch)
-    found = axes_of(Triangles(nodes, boundary_faces(elements)[:, :3]), choices, "mm")
-    turned = np.arccos(np.clip((np.trace(found.rows @ guess.rows.T) - 1.0) / 2.0, -1.0, 1.0))
-    if turned > SAME_AXES or abs(found.pins.pitch / pair.pitch - 1.0) > SAME_AXES:
+    final = axes_of(Triangles(nodes, boundary_faces(elements)[:, :3]), choices, "mm")
+    turned = np.arccos(np.clip((np.trace(final.rows @ guess.rows.T) - 1.0) / 2.0, -1.0, 1.0))
+    if turned > SAME_AXES or abs(final.pins.pitch / pair.pitch - 1.0) > SAME_AXES:
         raise ValueError(
             "the shoe must be the same on any mesh, its axes differ by "
-            f"{np.degrees(turned):.3g} degrees and its pitch by {found.pins.pitch - pair.pitch:.3g} mm "
+            f"{np.degrees(turned):.3g} degrees and its pitch by {final.pins.pitch - pair.pitch:.3g} mm "
             "between two: mesh it finer (--size fine)"
         )
     remarks = [f"meshed by netgen: {len(nodes)} nodes, {len(elements)} elements"]

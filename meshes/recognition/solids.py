@@ -15,7 +15,8 @@ SEND_STEP = "send the shoe as STEP, or as a mesh of tetrahedra"
 NEEDS = "{} needs netgen: pip install 'exudyn-crawler[mesh]'"
 QUICK = 0.06
 """Of the extent: greatest edge of the mesh on which bores are searched."""
-QUICK_CURVES, CURVES = 2.0, 1.0
+QUICK_CURVES = 2.0
+CURVES = 1.0
 """Elements along a curve's radius, of the search and of the shoe."""
 GROWTH = 0.3
 OPEN = 1e-9

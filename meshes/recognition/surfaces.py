@@ -9,7 +9,8 @@ from meshes.recognition.axes import Question, ShoeAxes, Sole
 from meshes.recognition.pins import PinLine
 from meshes.recognition.triangles import Triangles
 
-LEVEL, NEARLY = np.radians(0.2), np.radians(2.0)
+LEVEL = np.radians(0.2)
+NEARLY = np.radians(2.0)
 """Of faces that are level, and of those that are where nothing else is: cast, or in few digits."""
 SAME_HEIGHT = 2e-3
 """m, between parts of one surface."""
