@@ -7,6 +7,7 @@ import pytest
 import fem
 import meshes
 from exudyn_crawler import Shoe, read_case
+from exudyn_crawler.cli import looking
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases
 from exudyn_crawler.results.stress.hot_spots import peak_spots
@@ -139,6 +140,24 @@ def test_the_ready_shoe_keeps_mass_and_frequencies_in_millimetres():
     assert shoe.rails.width == pytest.approx(own.rails.width)
     bodies = [fem.ElasticBody(mesh, meshes.STEEL).natural_frequencies(9)[6:] for mesh in (ready, found.mesh)]
     np.testing.assert_allclose(*bodies, rtol=1e-6)
+
+
+def test_check_of_a_makers_file_makes_its_case_first(tmp_path, monkeypatch, capsys):
+    checked = []
+
+    def noted(file, *_places, **_options):
+        checked.append(file)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("exudyn_crawler.check_cases", noted)
+    nodes, tets = SweptShoe(facets=8, grouser=True).mesh()
+    path = written(tmp_path / "maker.vtu", nodes, [("tetra", tets)])
+    with pytest.raises(KeyboardInterrupt):
+        looking.check(file=path, out=tmp_path / "out")
+    assert checked == [tmp_path / "out" / "maker.toml"]
+    assert read_case(checked[0]).case.track.pitch == pytest.approx(0.25, abs=1e-9)
+    assert (tmp_path / "out" / "maker.png").stat().st_size > 10_000
+    assert "to be decided: grousers reach 40 mm below the plate" in " ".join(capsys.readouterr().out.split())
 
 
 def spots(*rows):

@@ -301,7 +301,7 @@ def check(
     """Check a shoe by static cases without a run: which case cracks which region after how many cycles."""
     folder = out or application.RESULTS / file.stem
     if file.suffix.lower() != ".toml":
-        shoe(file, out=folder, overwrite=overwrite)
+        shoe(file=file, out=folder, overwrite=overwrite)
         file = folder / f"{file.name.partition('.')[0]}.toml"
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
     shown = result.worst_cycles[["to", "from", "region", "cycles to a crack", "an hour"]]
