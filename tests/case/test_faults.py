@@ -117,6 +117,15 @@ def test_long_lists_are_cut(refused):
     assert len(line) < 150
 
 
+def test_equal_faults_of_neighbours_in_a_list_are_one_line():
+    content = {"phases": [{"name": "a", "end": 1.0, "loads": [1e30, 1e30, 5.0, 1e30, -1e30, -1e30]}]}
+    assert [line.partition(":")[0] for line in lines_of(loads.LoadCycle, content)] == [
+        "phases[0].loads[0..1]",
+        "phases[0].loads[3]",
+        "phases[0].loads[4..5]",
+    ]
+
+
 def test_a_value_of_several_kinds_has_one_line():
     vary = exudyn_crawler.sweep.scatter.DutyScatter.model_fields["vary"]
     (kind,) = fields.models_of(vary.annotation)

@@ -80,6 +80,8 @@ def test_what_does_not_fit_in_size_is_refused(case, changes, message):
             {"gear.tumbler.pitch_radius": 1.061, "gear.tumbler.teeth": 9},
             "is 0.7258 m, the chain's 0.6557 m",
         ),
+        (CLOSED, {"shoe.rails.rear": -0.0003}, "they leave a gap of 0.351 m, into which rollers of"),
+        (Case.rolled(), {"shoe.rails.rear": -0.0003}, "they leave a gap of 0.351 m, into which rollers of"),
     ],
 )
 def test_what_hardly_fits_in_size_is_warned_of(case, changes, words):

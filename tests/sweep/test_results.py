@@ -20,7 +20,7 @@ from exudyn_crawler.sweep.results import (
     write_units_csv,
 )
 from exudyn_crawler.sweep.vary import Vary
-from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, answered, small_sweep
+from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, answered, small_case, small_sweep
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +73,7 @@ def test_other_designs_are_a_dataset_over_runs():
     assert dataset.spring_stiffness.values.tolist() == [row[0] for row in sweep.rows]
 
 
+TAG = "<img src=x onerror=alert(1)></script><script>alert(2)</script>"
 NAMES = ("a", "b", "c")
 KEYS = (STIFFNESS, DAMPING, "terrain.density")
 LOW = (1e7, 1e4, 1000.0)
@@ -223,6 +224,18 @@ def test_the_page_links_to_runs_and_tells_of_failures_without_their_markup(sweep
     assert "<p>None: design &#39;grid&#39; needs all runs to have finished.</p>" in text
     assert "0.001 kN" in text
     assert f"{FORCE.label} in kN" in text
+
+
+def test_no_name_is_markup_or_script_of_a_sweeps_page():
+    named = small_case().case.with_(name=TAG)
+    vary = (Vary(key=STIFFNESS, name=TAG, values=(1e7, 2e7)),)
+    answer = FORCE.with_(name=f"answer {TAG}")
+    tagged = small_sweep(case=small_case().with_(case=named), vary=vary, answers=(answer,))
+    table = answered(tagged, **{answer.label: np.array([1.0, 2.0])})
+    text = page.sweep_page(tagged, table, {})
+    assert "&lt;img src=x" in text
+    assert TAG not in text
+    assert "<img src=x" not in text
 
 
 def test_a_sweep_without_a_finished_run_has_a_page_without_figures(sweep, drawn):

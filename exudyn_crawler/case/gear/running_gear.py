@@ -1,5 +1,6 @@
 """Side frames whose wheels run on the shoes' rails, and bogies that carry some of their rollers."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import ClassVar, Literal
 
@@ -14,6 +15,7 @@ from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 
 ACROSS = (1, 5)
 """Coordinates of a side frame across the track: y and yaw."""
+WIDEST_GAP = 0.5  # of a radius of a roller, which drops by 3 % of it into such a gap of the rails
 TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
 
 
@@ -249,3 +251,16 @@ def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Error
     if np.any(np.diff(places) < 2.0 * radius):
         got = fields.shown(list(places))
         yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {got}"
+
+
+def wide_gap(shoe: Shoe, chain: Track, radius: float) -> Iterator[str]:
+    """Line about gaps from rail to rail that rollers of a radius (m) would drop into."""
+    if shoe.rails is None:
+        return
+    gap = chain.pitch - (shoe.rails.front - shoe.rails.rear)
+    if WIDEST_GAP * radius < gap < 2.0 * radius:
+        drop = radius - math.sqrt(radius**2 - 0.25 * gap**2)
+        yield (
+            f"shoe.rails: from shoe to shoe they leave a gap of {gap:.3g} m, into which rollers of "
+            f"{2.0 * radius:.3g} m in diameter drop by {drop:.2g} m; are rear and front in m?"
+        )

@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import UnionType
 from typing import Any, NamedTuple, Union, get_args, get_origin
@@ -25,6 +25,8 @@ WORDS = (
 )
 """Those of pydantic, and what an engineer says."""
 PROFILE = "values over time, such as {{times = [0, 5], values = [0, 0.1]}} (numbers in {units})"
+OF_LIST = re.compile(r"([\w.\[\]]+\[)\d+(\]: .*)")
+"""Line of a fault of an item of a list."""
 COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(.*)")
 OTHER_KIND = ("_type", "literal_error", "is_instance_of", "enum")
 """Ends of pydantic's names of faults of a value that is of another kind than what is wanted."""
@@ -47,10 +49,27 @@ Pair = tuple[Spot, Mapping[str, Any]]
 def error_lines(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -> Iterator[str]:
     """Errors of a validation of the values of `model`, a line each with its path."""
     faults = error.errors(include_url=False)
-    lines = dict.fromkeys(" ".join(line.split()) for line in _lines(faults, model))
-    yield from list(lines)[:MOST_ERRORS]
+    lines = list(_joined(dict.fromkeys(" ".join(line.split()) for line in _lines(faults, model))))
+    yield from lines[:MOST_ERRORS]
     if len(lines) > MOST_ERRORS:
         yield f"{len(lines) - MOST_ERRORS} more errors"
+
+
+def _joined(lines: Iterable[str]) -> Iterator[str]:
+    """Lines in which equal faults of neighbours in a list are one: a load in place of all is wrong once."""
+    for (head, tail), group in groupby(lines, key=_without_place):
+        together = list(group)
+        if head is None or len(together) == 1:
+            yield from together
+        else:
+            first, last = (line.removeprefix(head).partition("]")[0] for line in (together[0], together[-1]))
+            yield f"{head}{first}..{last}{tail}"
+
+
+def _without_place(line: str) -> tuple[str | None, str]:
+    """Line before and behind the number of a place in a list; None, and the line, where it has none."""
+    match = OF_LIST.fullmatch(line)
+    return (match[1], match[2]) if match else (None, line)
 
 
 def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel]) -> Iterator[str]:

@@ -88,7 +88,7 @@ class Terrain(Ground):
     density: float = quantity("kg/m3", "density of the units", (500.0, 4000.0), ge=1e-3, le=1e6)
     springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
     spring_stiffness: float = quantity("N/m", "stiffness of each spring", (1e5, 1e11), ge=1.0, le=1e15)
-    spring_damping: float = quantity("N s/m", "damping of each spring-damper", (0.0, 1e10), ge=0, le=1e15)
+    spring_damping: float = quantity("N s/m", "damping of each spring-damper", (0.0, 1e7), ge=0, le=1e15)
     spring_offset: float = quantity("m", "of each of two springs from the unit's centre", ge=0, le=1e4)
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
@@ -284,9 +284,9 @@ def law_class(model: object) -> type[SoilLaw]:
         If there is none.
     """
     laws = {fields.tag_of(law): law for law in SoilLaw.plugged_in()}
-    if model not in laws:
+    if not isinstance(model, str) or model not in laws:
         raise ParameterError(f"model: must be one of {', '.join(sorted(laws))}, got {model!r}")
-    return laws[str(model)]
+    return laws[model]
 
 
 def _law(values: Any, info: ValidationInfo) -> Any:

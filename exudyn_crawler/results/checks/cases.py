@@ -21,6 +21,8 @@ from meshes.rails import RailOutline, rail_outline
 
 SAND, ROCK, STONE = 1e8, 1e9, 10.0
 """N/m3 of two grounds, and how many times as stiff a stone in it is: assumed, no source has them."""
+PLAUSIBLE_GROUND = (0.0, 1e11)
+"""N/m3, from a hole to ten times a stone in rock."""
 MEAN, PASS, DIGGING = 388e3, 574e3, 761e3
 """N on a rail: mean and greatest of a straight pass, and greatest while digging, of the rollers study."""
 PULL, SIDE, STRIKE = 2.6e6, 0.26e6, 1e6
@@ -76,13 +78,17 @@ class GroundPart(Parameters):
     high: Two = quantity("m", "greatest x and y", (-5.0, 5.0))
     round: bool = option("a disc, or ellipse, inside of the rectangle", default=False)
     height: Place = quantity("m", "above the ground beside it", (-0.5, 0.5), default=0.0)
-    stiffness: float = quantity("N/m3", "pressure over depth; 0: a hole", ge=0, le=1e14, default=SAND)
+    stiffness: float = quantity(
+        "N/m3", "pressure over depth; 0: a hole", PLAUSIBLE_GROUND, ge=0, le=1e14, default=SAND
+    )
 
 
 class OneSidedGround(Parameters):
     """One-sided springs below the underside."""
 
-    stiffness: float = quantity("N/m3", "pressure over depth; 0: a hole", ge=0, le=1e14, default=SAND)
+    stiffness: float = quantity(
+        "N/m3", "pressure over depth; 0: a hole", PLAUSIBLE_GROUND, ge=0, le=1e14, default=SAND
+    )
     parts: tuple[GroundPart, ...] = option("where it differs", default=())
 
 
