@@ -17,7 +17,7 @@ FLOORS = (
     ("studies",),
     ("cli",),
     ("sweep", "spread_run"),
-    ("case_run", "life_run", "co_simulation", "shoe_file"),
+    ("case_run", "life_run", "assess_run", "co_simulation", "shoe_file"),
     ("run", "views"),
     ("assessment",),
     ("results", "engine"),

@@ -1,4 +1,5 @@
 # The public names, stated once: editors and type checkers read them here, so does __init__.py.
+from .assess_run import assess as assess
 from .case import Case as Case
 from .case import CaseFile as CaseFile
 from .case import Closed as Closed

@@ -44,6 +44,7 @@ COMMANDS = {
         "sweep",
         "machine",
         "machines",
+        "assess",
     ),
 }
 

@@ -13,11 +13,6 @@ def tension_of_sag(weight: float, span: float, sag: float) -> float:
     return weight * span**2 / (8.0 * sag)
 
 
-def sag_of_tension(weight: float, span: float, tension: float) -> float:
-    """Sag (m) of a chain in a span (m) under a pull (N), `weight` in N/m; the inverse of `tension_of_sag`."""
-    return weight * span**2 / (8.0 * tension)
-
-
 class ChainTension(NamedTuple):
     """Tension of the runs of a chain whose tumbler pulls, N."""
 

@@ -4,28 +4,12 @@ Rollers stand at places x along the side frame and only push. What the uneven su
 this assessment (assumed): no source that could be read has a rule for the rollers of large crawlers.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from exudyn_crawler.assessment.forces import Floats
 
 NEGLIGIBLE = 1e-12
 """Part of the load that counts as none."""
-
-
-class RollerLoads(NamedTuple):
-    """Loads of the rollers of one track under one kind of support."""
-
-    support: str
-    """In words."""
-    loads: Floats
-    """(rollers,), N; they may be less than the load where a tumbler or an idler bears some."""
-
-    @property
-    def greatest(self) -> float:
-        """N."""
-        return float(self.loads.max())
 
 
 def even_loads(load: float, centre: float, places: Floats) -> Floats:
@@ -67,9 +51,9 @@ def two_loads(load: float, centre: float, places: Floats, pair: tuple[int, int])
 
 
 def neighbours(centre: float, places: Floats) -> tuple[int, int]:
-    """Numbers, from 0, of the rollers next to a place (m) between the outer ones."""
-    first = int(np.clip(np.searchsorted(places, centre) - 1, 0, len(places) - 2))
-    return first, first + 1
+    """Numbers, from 0, of the rollers on both sides of the one that is nearest to a place (m)."""
+    nearest = int(np.abs(np.asarray(places) - centre).argmin())
+    return max(nearest - 1, 0), min(nearest + 1, len(places) - 1)
 
 
 def one_load(load: float, centre: float, places: Floats) -> Floats:
@@ -94,14 +78,3 @@ def corner_load(weight: float, ahead: float, aside: float, length: float, gauge:
     diagonal = float(np.hypot(length, gauge))
     ways = [(sx * ahead * length + sy * aside * gauge) / diagonal for sx in (1, -1) for sy in (1, -1)]
     return weight * min(1.0, 0.5 + max(ways) / diagonal)
-
-
-def supports(load: float, centre: float, places: Floats) -> list[RollerLoads]:
-    """Loads of one track under all kinds of support; its load (N) at x = `centre` (m)."""
-    pair = neighbours(centre, places)
-    return [
-        RollerLoads("even", even_loads(load, centre, places)),
-        RollerLoads("two rollers beside the load", two_loads(load, centre, places, pair)),
-        RollerLoads("one roller on a ridge", one_load(load, centre, places)),
-        RollerLoads("both outer rollers", end_load(load, centre, places)),
-    ]

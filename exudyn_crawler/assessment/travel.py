@@ -57,16 +57,6 @@ def traction(load: Floats, friction: float, cohesion: float = 0.0, area: float =
     return cohesion * area + friction * np.asarray(load, dtype=float)
 
 
-def slip_share(slip: float, length: float, deformation: float) -> float:
-    """Part of the greatest traction that a track has at a slip: 1 - K / (i L) (1 - exp(-i L / K)).
-
-    `slip` i (way lost over way of the chain), `length` L (m), `deformation` K (m). Janosi and Hanamoto 1961,
-    integrated over an even pressure.
-    """
-    ways = slip * length / deformation
-    return float(1.0 + np.expm1(-ways) / ways)
-
-
 def greatest_slope_by_drive(pull: float, weight: float, rolling: float) -> float:
     """Slope (rad) at which a drive's pull (N) is used up; pi / 2 where it lifts the machine.
 
@@ -219,16 +209,6 @@ class TrackDrive(NamedTuple):
     def pull(self) -> float:
         """Greatest pull of the chain, N: T eta / r."""
         return self.torque * self.efficiency / self.radius
-
-
-def pitch_radius(teeth: float, pitch: float) -> float:
-    """Travel of a chain for each radian of its tumbler, m: z p / (2 pi)."""
-    return teeth * pitch / (2.0 * np.pi)
-
-
-def polygon_share(teeth: float) -> float:
-    """Part by which the chain's speed falls within a pitch: 1 - cos(pi / z)."""
-    return float(1.0 - np.cos(np.pi / teeth))
 
 
 def ends_by(needed: float, drive: float, ground: float) -> str:

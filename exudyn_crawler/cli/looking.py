@@ -16,6 +16,8 @@ COMPARED = ("quantity", "axis", "greatest in A", "greatest in B", "change in %",
 """Columns of what differs between two runs that are shown where not all fit, as `print_rows` takes them."""
 LIVES = ("region", "life in h at least", "life in h at most", "verdict", "main part", "node")
 """Same of shortest lives."""
+ASSESSED = ("item", "utilisation", "within", "load case", "group", "number", "limit", "unit")
+"""Same of an assessment."""
 
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside RUN or LAW, if not given")]
@@ -308,6 +310,31 @@ def check(
     hours = f"how many an hour crack within {result.check.hours:g} h"
     print_table(shown.head(40), f"{result.check.name}, {result.check.material.name}; an hour: {hours}")
     typer.echo(f"all regions, section moments and pictures are in {folder}; check.html: open it in a browser")
+
+
+@command("exudyn-crawler assess studies/shovel_assessment.toml --run results/turn")
+def assess(
+    machine: Annotated[
+        Path, typer.Argument(help="file of a machine, or of an assessment", metavar="MACHINE.toml")
+    ],
+    out: application.OfName = None,
+    run: Annotated[
+        Path | None, typer.Option(help="folder of a run whose forces take the place of the formulas'")
+    ] = None,
+    overwrite: application.Overwrite = False,
+) -> None:
+    """Assess a machine without a run: ground pressure, tipping, travel, load cases, utilisation of parts."""
+    if not machine.is_file():
+        raise FileNotFoundError(f"no file {machine}")
+    folder = out or application.RESULTS / machine.stem
+    result = crawler.assess(machine, folder, run=run, overwrite=overwrite, say=typer.echo)
+    from exudyn_crawler.views.pages.assessment import printed
+
+    typer.echo("\n".join(result.lines))
+    print_table(printed(result), f"{result.name}: utilisation", ASSESSED, folder / "items.csv")
+    if result.compared is not None:
+        print_table(result.compared, "Formulas beside the run")
+    typer.echo(f"tables, drawings and page are in {folder}; assessment.html: open it in a browser")
 
 
 @command("exudyn-crawler spread results/stress/cycle")

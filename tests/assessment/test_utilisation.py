@@ -11,13 +11,19 @@ HINGE = PinnedHinge(diameter=0.1, inner=0.2, outer=0.1, gap=0.01, play=0.001)
 STEEL = PartStrength(tensile=800e6, yield_strength=500e6)
 
 
-@pytest.mark.parametrize("centre", [-2.0, 0.0, 0.5, 2.8])
+@pytest.mark.parametrize("centre", [-2.85, -2.0, 0.0, 0.5, 2.8])
 def test_all_supports_carry_the_load_at_its_place(centre):
-    for support in rollers.supports(6.5e6, centre, PLACES):
-        assert support.loads.sum() == pytest.approx(6.5e6)
-        assert (support.loads >= 0.0).all()
-        if support.support != "one roller on a ridge":
-            assert support.loads @ PLACES == pytest.approx(6.5e6 * centre, abs=1e-3), support
+    pair = rollers.neighbours(centre, PLACES)
+    for loads in (
+        rollers.even_loads(6.5e6, centre, PLACES),
+        rollers.two_loads(6.5e6, centre, PLACES, pair),
+        rollers.end_load(6.5e6, centre, PLACES),
+    ):
+        assert loads.sum() == pytest.approx(6.5e6)
+        assert (loads >= 0.0).all()
+        assert loads @ PLACES == pytest.approx(6.5e6 * centre, abs=1e-3)
+    alone = rollers.one_load(6.5e6, centre, PLACES)
+    assert alone.max() == alone.sum() == 6.5e6
 
 
 def test_even_loads_by_hand():
@@ -29,7 +35,8 @@ def test_even_loads_by_hand():
 def test_outer_rollers_and_neighbours():
     outer = rollers.end_load(6e6, 0.95, PLACES)
     assert outer[[0, -1]] == pytest.approx([2e6, 4e6])
-    assert rollers.neighbours(0.5, PLACES) == (3, 4)
+    assert rollers.neighbours(0.5, PLACES) == (3, 5)
+    assert rollers.neighbours(-2.8, PLACES) == (0, 1)
     with pytest.raises(ValueError, match="between"):
         rollers.even_loads(1.0, 3.0, PLACES)
 

@@ -1,0 +1,105 @@
+"""One assessment into one folder: tables, drawings and a page; forces of a run where one is named."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from exudyn_crawler import files
+from exudyn_crawler.assessment import run_forces
+from exudyn_crawler.assessment.assessment import Assessment, assessment_of
+from exudyn_crawler.assessment.inputs import Origin
+from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
+from exudyn_crawler.case import Case
+from exudyn_crawler.case.datasheet.provenance import origins
+from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.results.history import History
+from exudyn_crawler.run.folder import record
+from exudyn_crawler.views import assessment as drawings, style, tables
+from exudyn_crawler.views.pages import assessment as pages
+
+ASSESSED_PAGE = "assessment.html"
+ASSESSED_TABLES = {
+    "items.csv": "items",
+    "inputs.csv": "inputs",
+    "load_cases.csv": "cases",
+    "over_slew.csv": "over_slew",
+    "plate.csv": "plate",
+    "clauses.csv": "clauses",
+}
+COMPARED = "run.csv"
+
+
+def assess(
+    machine: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    settings: AssessmentSettings | None = None,
+    run: str | Path | None = None,
+    overwrite: bool = False,
+    say: Callable[[str], None] = lambda _text: None,
+) -> Assessment:
+    """Assess a machine by formulas: ground pressure, tipping, travel, load cases, utilisation of its parts.
+
+    Parameters
+    ----------
+    machine : Case, str or Path
+        A machine on two closed tracks, its file, or the file of an assessment that names one.
+    out : str or Path, optional
+        Folder for tables, drawings and a page.
+    settings : AssessmentSettings, optional
+        What a case does not say: work, ground, drive, pins; those of the file, or the defaults, if none.
+    run : str or Path, optional
+        Folder of a run of the machine, or its history: its forces take the place of the formulas' in the load
+        case that it is of.
+    overwrite : bool
+        Replace earlier results in the folder.
+    say : callable
+        Gets a line on what goes on.
+
+    Raises
+    ------
+    FileNotFoundError, FileExistsError
+        If there is no such file or run; if the folder has results, before anything is computed.
+    ValueError
+        If the machine does not stand on two closed tracks, or a file has what is not allowed.
+    """
+    folder = None if out is None else Path(out)
+    if folder is not None:
+        for name in (*ASSESSED_TABLES, COMPARED, ASSESSED_PAGE):
+            files.refuse_existing(folder / name, overwrite)
+    given: tuple[str, ...] = ()
+    known: dict[str, tuple[Origin, str]] = {}
+    if isinstance(machine, Case):
+        case = machine
+        settings = settings or AssessmentSettings(name=case.name)
+    else:
+        asked = read_assessment(machine)
+        case = asked.machine.case
+        given = asked.given if settings is None else ()
+        known = {key: (row.origin, row.how) for key, row in origins(asked.machine).items()}
+        settings = settings or asked.settings
+    checks.warn_of(checks.out_of_range(settings))
+    forces = None if run is None else _forces(Path(run))
+    found = assessment_of(case, settings, given=given, origins=known, run=forces, say=say)
+    if folder is not None:
+        write_assessment(found, files.writable_folder(folder), overwrite)
+    return found
+
+
+def _forces(run: Path) -> run_forces.RunForces:
+    """Forces of a run's folder or history."""
+    path = run / record.HISTORY if run.is_dir() else run
+    if not path.is_file():
+        raise FileNotFoundError(f"no history of a run at {path}")
+    return run_forces.forces_of_run(History.load(path), run.name)
+
+
+def write_assessment(found: Assessment, folder: Path, overwrite: bool = False) -> None:
+    """Write all tables, drawings and the page of an assessment into a folder."""
+    for name, table in ASSESSED_TABLES.items():
+        tables.write_table(getattr(found, table), folder / name, overwrite)
+    if found.compared is not None:
+        tables.write_table(found.compared, folder / COMPARED, overwrite)
+    drawn = drawings.assessment_figures(found)
+    for name, figure in drawn.items():
+        style.save_figure(figure, folder / f"{name.replace(' ', '_')}.png", overwrite)
+    pages.write_assessment_page(found, drawn, folder / ASSESSED_PAGE, overwrite)

@@ -1,0 +1,154 @@
+"""File of an assessment: its machine, and what a case does not say of work, ground, drive and pins."""
+
+from pathlib import Path
+from typing import Any, Literal
+
+from exudyn_crawler.assessment.grounds import ground
+from exudyn_crawler.case import CaseFile, case_of, read_case
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
+from exudyn_crawler.case.parameters.reading import errors_named, from_content, toml_content
+from exudyn_crawler.results.life.duty import FatigueMaterial
+
+MACHINE = "machine"  # key of the case that an assessment is of
+Part = float | None
+
+
+class WorkSettings(Parameters):
+    """What the upper structure does."""
+
+    payload: float = quantity("kg", "in the dipper or on the hook", (0.0, 2e5), ge=0, le=1e7, default=0.0)
+    reach: base.Extent = quantity("m", "of the payload ahead of the swing axis", (0.0, 60.0), default=0.0)
+    least_reach: Part = quantity("m", "least reach of the payload; none: a half", ge=0, le=100, default=None)
+    height: base.Extent = quantity("m", "of the payload above the ground", (0.0, 60.0), default=0.0)
+    digging: base.Two = quantity(
+        "N", "force of the bank on the dipper, away from the machine and up", (-5e6, 5e6), default=(0.0, 0.0)
+    )
+    slew_rate: float = quantity("rad/s", "of the upper structure", (0.0, 1.5), ge=0, le=5, default=0.0)
+    grade: float = quantity("1", "permitted, uphill, rise over run", (0.0, 0.7), ge=0, lt=2, default=0.1)
+    side_slope: float = quantity("1", "permitted, rise over run", (0.0, 0.5), ge=0, lt=2, default=0.05)
+    wind_pressure: float = quantity(
+        "Pa",
+        "greatest in service; 250: 20 m/s, FEM 1.001 (remembered)",
+        (0.0, 1500.0),
+        ge=0,
+        le=5e3,
+        default=250.0,
+    )
+    wind_area: float = quantity(
+        "m2", "against which it blows; 0: none", (0.0, 1e3), ge=0, le=1e5, default=0.0
+    )
+    wind_height: base.Extent = quantity("m", "of its middle above the ground", (0.0, 40.0), default=0.0)
+
+
+class GroundSettings(Parameters):
+    """Ground on which the machine stands; what is none is that of the named ground, or of the case."""
+
+    name: str | None = option("of a named ground; none: friction of the case, pressure of dense gravel", None)
+    allowed_pressure: Part = quantity("Pa", "that it bears", (2e4, 1e7), gt=0, le=1e9, default=None)
+    friction: Part = quantity("1", "traction over load, in turns, too", (0.1, 1.2), gt=0, le=3, default=None)
+    rolling: Part = quantity("1", "resistance straight over load", (0.01, 0.15), ge=0, le=1, default=None)
+    undrained_strength: Part = quantity("Pa", "c_u of clay", (1e4, 1e6), gt=0, le=1e8, default=None)
+    cohesion: float = quantity("Pa", "c of the ground, for traction", (0.0, 1e5), ge=0, le=1e7, default=0.0)
+
+    def _errors(self) -> Errors:
+        if self.name is not None:
+            ground(self.name)
+        yield from ()
+
+
+class DriveSettings(Parameters):
+    """What drives the tracks, and their chains."""
+
+    torque: Part = quantity("N m", "greatest of each tumbler", (1e3, 5e6), gt=0, le=1e9, default=None)
+    efficiency: float = quantity("1", "of the chain on its tumbler", (0.8, 1.0), gt=0, le=1, default=0.9)
+    power: Part = quantity("W", "for travel, of both", (1e4, 1e7), gt=0, le=1e9, default=None)
+    rest_tension: Part = quantity("N", "of the chain at rest", (1e3, 3e6), ge=0, le=1e9, default=None)
+    breaking_tension: Part = quantity("N", "of the chain", (1e5, 5e7), gt=0, le=1e10, default=None)
+
+
+class PinSettings(Parameters):
+    """Hinge joints of the shoes; lengths that are none are those of the ready shoe, or by the pitch."""
+
+    diameter: Part = quantity("m", "of a pin", (0.01, 0.3), gt=0, le=2, default=None)
+    inner: Part = quantity(
+        "m", "width of the inner lug, or length of the bush", (0.02, 0.5), gt=0, le=5, default=None
+    )
+    outer: Part = quantity("m", "width of each outer lug", (0.01, 0.3), gt=0, le=5, default=None)
+    gap: Part = quantity("m", "between inner and outer lug", (0.0, 0.03), ge=0, le=1, default=None)
+    play: base.Extent = quantity(
+        "m", "of a hole's diameter over the pin's; 0: none", (0.0, 0.01), default=0.0
+    )
+    tensile_strength: float = quantity("Pa", "of a pin", (4e8, 2e9), gt=0, le=1e10, default=800e6)
+    yield_strength: float = quantity("Pa", "of a pin", (3e8, 1.8e9), gt=0, le=1e10, default=550e6)
+    wear_pressure: float = quantity(
+        "Pa", "on diameter x width that wear allows", (2e7, 2e8), gt=0, le=1e10, default=80e6
+    )
+
+
+class AssessmentSettings(Parameters):
+    """All that an assessment knows beside the case of its machine."""
+
+    name: Name = option("of the assessment", "assessment")
+    work: WorkSettings = WorkSettings()
+    ground: GroundSettings = GroundSettings()
+    drive: DriveSettings = DriveSettings()
+    pins: PinSettings = PinSettings()
+    length: Part = quantity(
+        "m",
+        "of a track on the ground; none: by rollers and end wheels",
+        (1.0, 15.0),
+        gt=0.1,
+        le=100,
+        default=None,
+    )
+    side_edges: Literal["middle", "outside"] = option(
+        "where it tips sideways: in the middle of a track, or outside of its shoes (ISO 10567)", "middle"
+    )
+    rated_part: float = quantity(
+        "1", "of the tipping load that is rated; 0.75 SAE J1097", (0.6, 0.9), gt=0, le=1, default=0.75
+    )
+    material: FatigueMaterial = option("of shoes and rails", FatigueMaterial.cast_nicrmo())
+    mesh: str | None = option(
+        "of the shoe that is checked: coarse, study, fine; none: no check of the shoe", "coarse"
+    )
+    hours: float = quantity("h", "machine hours that are asked of a shoe", gt=0, le=1e9, default=25_000.0)
+    travel_part: float = quantity("1", "of the hours in travel", (0.0, 0.5), ge=0, le=1, default=0.1)
+    load_cases: base.File | None = option("file of load cases and factors; none: the program's", None)
+
+
+class AskedAssessment(Parameters):
+    """Machine with the settings of its assessment, and the keys that its files gave."""
+
+    machine: CaseFile
+    settings: AssessmentSettings
+    given: tuple[str, ...] = option("paths of the settings that a file gave", ())
+
+
+def read_assessment(path: str | Path) -> AskedAssessment:
+    """Read an assessment: a file that names a `machine`, or the file of a machine itself.
+
+    A `machine` is a case file, the name of a case, or a table of one, from the file's folder. Raises
+    `FileNotFoundError`, or a `CaseFileError` that names each key at fault.
+    """
+    path = Path(path)
+    with errors_named(path, AssessmentSettings):
+        content = toml_content(path, "file of an assessment")
+        if MACHINE not in content:
+            machine = None
+        else:
+            machine = case_of(content.pop(MACHINE), path)
+            settings = from_content(AssessmentSettings, {"name": path.stem} | content, path.parent)
+    if machine is None:
+        case_file = read_case(path)
+        return AskedAssessment(machine=case_file, settings=AssessmentSettings(name=path.stem))
+    return AskedAssessment(machine=machine, settings=settings, given=tuple(_paths(content)))
+
+
+def _paths(content: dict[str, Any], above: str = "") -> list[str]:
+    """Paths of all values of a table."""
+    paths = []
+    for name, value in content.items():
+        below = _paths(value, f"{above}{name}.") if isinstance(value, dict) else []
+        paths += below or [f"{above}{name}"]
+    return paths

@@ -1,0 +1,240 @@
+"""Drawings of an assessment: pressure and stability over slewing, rollers, travel, utilisation."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from exudyn_crawler.assessment import forces, pressure, travel
+from exudyn_crawler.assessment.assessment import Assessment
+from exudyn_crawler.views import style
+
+WITHIN, EXCEEDS, LIMIT = "#4f8a5b", "#c0271d", "#3c4a54"
+GRADES = np.linspace(0.0, 0.5, 51)
+"""Rise over run, over which travel is drawn."""
+
+
+def assessment_figures(found: Assessment) -> dict[str, Figure]:
+    """All drawings by name."""
+    return {
+        "utilisation": utilisation_figure(found),
+        "ground pressure over slew": pressure_figure(found),
+        "pressure along the tracks": tracks_figure(found),
+        "stability over slew": stability_figure(found),
+        "travel": travel_figure(found),
+        "roller loads": rollers_figure(found),
+        "chain tension": chain_figure(found),
+    }
+
+
+def utilisation_figure(found: Assessment) -> Figure:
+    """Bars of all items with a limit, the greatest on top."""
+    items = [item for item in found.governing if np.isfinite(item.utilisation)][::-1]
+    with style.titled_figure(
+        "Utilisation, by the load case that governs", 9.0, 0.8 + 0.27 * len(items)
+    ) as figure:
+        ax = figure.subplots()
+        used = [item.utilisation for item in items]
+        colours = [WITHIN if item.utilisation <= 1.0 else EXCEEDS for item in items]
+        ax.barh([item.item for item in items], used, color=colours)
+        ax.axvline(1.0, color=LIMIT, lw=1.2)
+        for place, item in enumerate(items):
+            ax.text(
+                item.utilisation, place, f" {item.utilisation:.2f}  {item.load_case}", va="center", fontsize=7
+            )
+        ax.set_xlim(0.0, 1.45 * max([*used, 1.0]))
+        ax.set_xlabel("number x factor over limit")
+    return figure
+
+
+def pressure_figure(found: Assessment) -> Figure:
+    """Polar plot of the greatest pressure over the angle of slewing, beside what the ground bears."""
+    with style.titled_figure("Greatest ground pressure over the angle of slewing, kPa", 6.4, 5.6) as figure:
+        ax = _polar(figure)
+        allowed = found.numbers.ground.allowed / 1e3
+        for state, rows in found.over_slew.groupby("state", sort=False):
+            angle = np.radians(rows["slew in deg"].to_numpy())
+            both = np.fmax(
+                rows["left track, greatest in kPa"], rows["right track, greatest in kPa"]
+            ).to_numpy()
+            both = np.where(np.isfinite(both), both, np.nan)
+            mean = np.fmax(rows["left track, mean in kPa"], rows["right track, mean in kPa"]).to_numpy()
+            (line,) = ax.plot(*_closed(angle, both), label=f"{state}, greatest", lw=1.5)
+            mean = np.where(np.isfinite(mean), mean, np.nan)
+            ax.plot(*_closed(angle, mean), "--", color=line.get_color(), label=f"{state}, mean of that track")
+        ax.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.full(181, allowed), color=EXCEEDS, label="allowed")
+        ax.set_ylim(0.0, None)
+        ax.legend(loc="upper left", bbox_to_anchor=(-0.2, -0.08), ncols=2, fontsize=8)
+    return figure
+
+
+def _polar(figure: Figure, place: tuple[int, int, int] = (1, 1, 1)) -> Any:
+    """Polar axes with straight ahead on top and the left side on the left."""
+    ax = figure.add_subplot(*place, projection="polar")
+    ax.set_theta_zero_location("N")
+    ax.set_theta_direction(1)
+    ax.set_thetagrids(
+        range(0, 360, 30),
+        ["ahead", "30", "60", "left", "120", "150", "astern", "210", "240", "right", "300", "330"],
+    )
+    return ax
+
+
+def _closed(angle: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Curve that ends where it begins."""
+    return np.append(angle, angle[0]), np.append(values, values[0])
+
+
+def tracks_figure(found: Assessment) -> Figure:
+    """Pressure along both tracks at the angle of the greatest, of beams, with the rollers."""
+    over = found.over_slew
+    last = over[over["state"] == over["state"].iloc[-1]].reset_index(drop=True)
+    both = np.fmax(last["left track, greatest in kPa"], last["right track, greatest in kPa"])
+    both = both.where(np.isfinite(both), -1.0)
+    row = last.iloc[int(both.argmax())]
+    numbers = found.numbers
+    work = numbers.work._replace(digging=(0.0, 0.0), wind=0.0)
+    if row["state"] == "without payload":
+        work = work._replace(payload=0.0)
+    level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
+    acting = forces.forces_at(numbers.weights, work, np.radians([row["slew in deg"]]), level)
+    stands = forces.resultant(acting)
+    loads = pressure.track_loads(stands.weight, stands.aside, numbers.fewest.gauge)
+    title = f"Pressure along the tracks, upper structure at {row['slew in deg']:.0f} deg, {row['state']}"
+    with style.titled_figure(title, 8.0, 3.6) as figure:
+        ax = figure.subplots()
+        x = 0.5 * numbers.fewest.length * np.array([-1.0, 1.0])
+        for name, load in zip(("left", "right"), loads, strict=True):
+            line = _line(float(load[0]), float(stands.ahead[0]), numbers.fewest)
+            places = np.linspace(*x, 200)
+            ax.plot(places, line(places) / 1e3, label=f"{name} track, {load[0] / 1e6:.3g} MN")
+        ax.axhline(numbers.ground.allowed / 1e3, color=EXCEEDS, label="allowed")
+        ax.plot(
+            numbers.rollers.places,
+            np.zeros(len(numbers.rollers.places)),
+            "o",
+            color=style.ROLLER,
+            label="rollers",
+        )
+        ax.axvline(float(stands.ahead[0]), color=LIMIT, lw=0.8, ls=":", label="resultant")
+        ax.set_xlabel("m ahead of the middle")
+        ax.set_ylabel("kPa")
+        ax.set_ylim(0.0, None)
+        ax.legend(ncols=3, fontsize=8, loc="lower center")
+    return figure
+
+
+def _line(load: float, ahead: float, area: pressure.Footprints) -> Callable[[np.ndarray], np.ndarray]:
+    """Pressure (Pa) at places (m) along a track."""
+    shape = pressure.track_pressure(load, ahead, area.length, area.width)
+    end = np.copysign(1.0, ahead) * 0.5 * area.length
+    fall = (shape.greatest - shape.least) / shape.length
+    return lambda x: np.maximum(shape.greatest - fall * np.abs(end - x), 0.0)
+
+
+def stability_figure(found: Assessment) -> Figure:
+    """Polar plots of the margin against tipping, and of the load that is rated at the reach."""
+    with style.titled_figure("Stability over the angle of slewing, on the level", 10.0, 5.2) as figure:
+        left, right = (_polar(figure, (1, 2, number)) for number in (1, 2))
+        for state, rows in found.over_slew.groupby("state", sort=False):
+            angle = np.radians(rows["slew in deg"].to_numpy())
+            tilt = rows["tips at in deg"].to_numpy()
+            left.plot(*_closed(angle, tilt), label=f"{state}: tips at, deg")
+        slopes = np.degrees([found.numbers.slope, found.numbers.grade])
+        for words, slope in zip(("side slope", "grade"), slopes, strict=True):
+            left.plot(
+                np.linspace(0, 2 * np.pi, 181),
+                np.full(181, slope),
+                ls="--",
+                lw=0.9,
+                label=f"permitted {words}",
+            )
+        rows = found.over_slew[found.over_slew["state"] == "without payload"]
+        angle = np.radians(rows["slew in deg"].to_numpy())
+        rated = rows["rated load in t"].to_numpy()
+        rated = np.where(np.isfinite(rated), rated, np.nan)
+        reach = found.numbers.work.reach or 2.0 * max(found.numbers.edges)
+        right.plot(
+            *_closed(angle, rated),
+            color=style.TUMBLER,
+            label=f"{found.settings.rated_part:g} of the tipping load at {reach:.3g} m, t",
+        )
+        if payload := found.numbers.work.payload:
+            right.plot(
+                np.linspace(0, 2 * np.pi, 181), np.full(181, payload / 1e3), color=EXCEEDS, label="payload, t"
+            )
+        for ax in (left, right):
+            ax.set_ylim(0.0, None)
+            ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), fontsize=8)
+    return figure
+
+
+def travel_figure(found: Assessment) -> Figure:
+    """Pull of both tracks over the grade beside drive and ground, and what a turn takes."""
+    numbers = found.numbers
+    weight, ground = numbers.weight, numbers.ground
+    slopes = np.arctan(GRADES)
+    needed = [travel.resistance(weight, slope, ground.rolling) for slope in slopes]
+    held = [
+        travel.traction(weight * np.cos(slope), ground.friction, ground.cohesion, numbers.footprints.area)
+        for slope in slopes
+    ]
+    with style.titled_figure("Travel: pull of both tracks", 9.0, 3.6) as figure:
+        ax, bars = figure.subplots(1, 2, width_ratios=(2, 1))
+        ax.plot(100.0 * GRADES, np.array(needed) / 1e6, label="needed: grade and rolling")
+        ax.plot(100.0 * GRADES, np.array(held) / 1e6, label="ground gives")
+        ax.axhline(2.0 * numbers.drive.pull / 1e6, color=style.TUMBLER, label="drives give")
+        ax.axvline(100.0 * np.tan(numbers.grade), color=LIMIT, ls=":", label="permitted grade")
+        ax.set_xlabel("grade in %")
+        ax.set_ylabel("MN")
+        ax.set_ylim(0.0, None)
+        ax.legend(fontsize=8)
+        rows = [row for row in found.loads if row.drive in ("straight", "turn")]
+        names = [row.name.replace("travels ", "").replace(" on the level", "") for row in rows]
+        bars.barh(names[::-1], [row.needed / 1e6 for row in rows[::-1]], color=style.ROLLER)
+        bars.axvline(numbers.drive.pull / 1e6, color=style.TUMBLER, label="drive")
+        bars.set_xlabel("pull of a track in MN")
+        bars.legend(fontsize=8)
+    return figure
+
+
+def rollers_figure(found: Assessment) -> Figure:
+    """Loads of the rollers of the more loaded track in each load case."""
+    places = found.numbers.rollers.places
+    rows = found.loads
+    with style.titled_figure("Roller loads of the more loaded track, kN", 9.0, 4.2) as figure:
+        ax = figure.subplots()
+        table = np.array([row.roller_loads for row in rows]) / 1e3
+        image = ax.imshow(table, aspect="auto", cmap=style.STRESS_MAP)
+        ax.set_yticks(range(len(rows)), [f"{row.name} ({row.group})" for row in rows], fontsize=8)
+        ax.set_xticks(range(len(places)), [f"{place:.2f}" for place in places])
+        ax.set_xlabel("roller at m ahead of the middle")
+        ax.grid(visible=False)
+        most = table.max()
+        for line, values in enumerate(table):
+            for column, value in enumerate(values):
+                colour = "white" if value > 0.6 * most else "black"
+                ax.text(column, line, f"{value:.0f}", ha="center", va="center", fontsize=7, color=colour)
+        figure.colorbar(image, ax=ax, label="kN")
+    return figure
+
+
+def chain_figure(found: Assessment) -> Figure:
+    """Chain tension of each load case, at rest and by the pull."""
+    rows = found.loads[::-1]
+    rest = found.numbers.chain.rest / 1e6
+    with style.titled_figure("Chain tension: at rest (pretension) and pull", 9.0, 3.8) as figure:
+        ax = figure.subplots()
+        names = [f"{row.name} ({row.group})" for row in rows]
+        ax.barh(names, [rest] * len(rows), color=style.ROLLER, label="at rest")
+        ax.barh(
+            names,
+            [max(row.tension / 1e6 - rest, 0.0) for row in rows],
+            left=rest,
+            color=style.TUMBLER,
+            label="by the pull",
+        )
+        ax.set_xlabel("MN")
+        ax.legend(fontsize=8, loc="upper right")
+    return figure

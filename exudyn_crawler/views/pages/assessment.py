@@ -1,0 +1,63 @@
+"""Page of an assessment: what governs, drawings, load cases, inputs with their origin, clauses."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from exudyn_crawler.assessment.assessment import Assessment
+from exudyn_crawler.views.pages import page
+
+SHORT = ["item", "load case", "group", "utilisation", "within", "number", "limit", "unit", "factor", "from"]
+MARKS = "Marks: S seen in a text of the source, D derived, R remembered: to be checked before it is used."
+NO_CONFORMITY = (
+    "These are formulas, with factors of named sources as far as they are known. It is no conformity with "
+    "any standard: what is followed and what is left out stands below."
+)
+DRAWN = {
+    "pressure": ("Ground pressure", ("ground pressure over slew", "pressure along the tracks")),
+    "stability": ("Tipping", ("stability over slew",)),
+    "travel": ("Travel", ("travel",)),
+    "rollers": ("Rollers and chain", ("roller loads", "chain tension")),
+}
+"""Sections with their drawings."""
+
+
+def write_assessment_page(
+    found: Assessment, drawn: Mapping[str, Figure], path: Path, overwrite: bool = False
+) -> Path:
+    """Write one self-contained page of an assessment; raises as `write_page`."""
+    items = found.items
+    kinds = ["" if row == "" else {"yes": "within", "no": "outside"}[row] for row in items["within"]]
+    table = page.table(items[SHORT], kinds=kinds)
+    bars = page.figure_picture("utilisation", drawn["utilisation"])
+    sections = [
+        page.Section("items", "Utilisation", page.together(page.paragraph(NO_CONFORMITY), table, bars))
+    ]
+    for anchor, (heading, names) in DRAWN.items():
+        parts = [page.figure_picture(name, drawn[name]) for name in names]
+        if anchor == "pressure":
+            parts.append(page.part("titled", "Beams and one rigid plate", page.table(found.plate)))
+        sections.append(page.Section(anchor, heading, page.together(*parts)))
+    how = items[["item", "formula", "source", "mark"]]
+    sections += [
+        page.Section("cases", "Load cases", page.table(found.cases)),
+        page.Section(
+            "formulas", "Formulas and sources", page.together(page.paragraph(MARKS), page.table(how))
+        ),
+        page.Section("inputs", "Inputs", page.table(found.inputs)),
+        page.Section("clauses", "Clauses followed and left out", page.table(found.clauses)),
+    ]
+    if found.compared is not None:
+        beside = page.Section("run", "Beside a run", page.table(found.compared))
+        sections.insert(1, beside)
+    title = f"Assessment: {found.name}"
+    return page.write_page(page.page(title, found.lines, sections), path, overwrite)
+
+
+def printed(found: Assessment) -> pd.DataFrame:
+    """Table of items as a terminal shows it."""
+    return found.items[
+        ["item", "utilisation", "within", "load case", "group", "number", "limit", "unit", "from"]
+    ]

@@ -1,0 +1,147 @@
+"""The command `assess`, what it leaves, and formulas beside runs of the program."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from exudyn_crawler import Case, StepProfile, simulate
+from exudyn_crawler.assessment import forces, pressure, run_forces, travel
+from exudyn_crawler.assessment.assessment import assessment_of
+from exudyn_crawler.assessment.inputs import numbers_of
+from exudyn_crawler.assessment.settings import AssessmentSettings
+from exudyn_crawler.case import Drive, Heights, Ridge
+from exudyn_crawler.ground.cells.laws.rock import RockFloor
+
+STILL = Drive(speed=StepProfile.constant(0.0))
+FLOOR = RockFloor.hard_floor().with_(stiffness=1e8, friction=0.3)
+BARE = AssessmentSettings(mesh=None)
+
+
+def standing(slew):
+    case = Case.shovel().with_({"gear.car_body.slew": float(np.radians(slew))}, drive=STILL)
+    return simulate(case.on_cells(FLOOR), 0.01, progress=False)
+
+
+@pytest.fixture(scope="module")
+def aside():
+    """Machine that stands with its upper structure at 60 degrees."""
+    return standing(60.0)
+
+
+def on_shoes(history):
+    """Normal force on every shoe as the run ends: array (shoes,), N, and places ahead of the frame, m."""
+    normal = history.contacts_by_shoe().normal_force.transpose("time", "shoe", "axis").values[-1]
+    place = history.position.transpose("time", "shoe", "axis").values[-1, :, 0]
+    frame = history.side_frame_position.transpose("time", "axis").values[-1, 0]
+    return np.linalg.norm(normal, axis=-1), place - frame
+
+
+@pytest.mark.simulation
+def test_tracks_of_a_run_bear_what_statics_says(aside):
+    """Loads of both tracks within 1 %, place of the resultant within 1 cm."""
+    numbers = numbers_of(aside.case, BARE)
+    level = forces.gravity_on_slope(9.81, 0.0, 0.0)
+    stands = forces.resultant(forces.forces_at(numbers.weights, numbers.work, np.radians([60.0]), level))
+    left, right = pressure.track_loads(stands.weight, stands.aside, numbers.footprints.gauge)
+    force, place = on_shoes(aside)
+    half = len(force) // 2
+    assert force[half:].sum() == pytest.approx(left[0], rel=0.01)
+    assert force[:half].sum() == pytest.approx(right[0], rel=0.01)
+    assert force @ place / force.sum() == pytest.approx(stands.ahead[0], abs=0.01)
+
+
+@pytest.mark.simulation
+def test_pressure_along_a_track_of_a_run(aside):
+    """Trapezoid over the whole shoes below the rollers: each within a tenth of the mean.
+
+    Shoes rest on a linear floor. Those beyond the outer rollers bear little and are left out of the length.
+    """
+    force, place = on_shoes(aside)
+    half = len(force) // 2
+    gear, pitch = aside.case.gear, aside.case.track.pitch
+    middle = place[:half] + aside.case.track.pin_ahead - 0.5 * pitch
+    below = (middle > gear.rollers[0] - 0.5 * pitch) & (middle < gear.rollers[-1] + 0.5 * pitch)
+    x, load = middle[below], force[:half][below]
+    assert len(x) == 9
+    length = len(x) * pitch
+    away = load @ (x - x.mean()) / load.sum()
+    wanted = load.mean() * (1.0 + 12.0 * away * (x - x.mean()) / length**2)
+    assert load == pytest.approx(wanted, abs=0.1 * load.mean())
+    beam = pressure.track_pressure(load.sum(), away, length, aside.case.shoe.width)
+    assert load.max() / (pitch * aside.case.shoe.width) == pytest.approx(beam.greatest, rel=0.1)
+
+
+@pytest.mark.simulation
+def test_a_runs_forces_take_the_place_of_the_formulas(aside):
+    run = run_forces.forces_of_run(aside, "aside")
+    assert (run.drive, run.uneven) == ("none", False)
+    found = assessment_of(aside.case, BARE, run=run)
+    taken = found.loads[0]
+    assert taken.basis == "run aside"
+    assert taken.roller == run.roller
+    assert {row.basis for row in found.loads[1:]} == {"formula"}
+    used = [one for one in found.found if one.load_case == taken.name and one.basis == "run aside"]
+    assert {"greatest ground pressure", "chain tension"} <= {one.item for one in used}
+    beside = found.compared.set_index("quantity")
+    assert beside.loc["track load", "run over formula"] == pytest.approx(1.0, abs=0.02)
+    assert beside["what makes a difference"].str.len().min() > 10
+
+
+@pytest.mark.simulation
+@pytest.mark.slow
+def test_turn_on_the_spot_beside_a_run():
+    """Pull of both tracks on cells, whose friction goes with the slip of each place: within a tenth."""
+    turn = StepProfile(times=(0.0, 1.0), values=(0.0, 0.03))
+    case = Case.shovel().with_(
+        {"solver.output_interval": 0.02}, drive=Drive(speed=StepProfile.constant(0.0), turn_rate=turn)
+    )
+    history = simulate(case.on_cells(FLOOR), 4.0, progress=False)
+    numbers = numbers_of(history.case, BARE)
+    place = numbers.weights.lower_com[0]
+    masses = numbers.weights.lower_mass, numbers.weights.upper_mass
+    ahead = (masses[0] * place - masses[1] * 1.0) / sum(masses)
+    found = travel.turn_of_footprints(numbers.weight, numbers.footprints, 0.3, ahead)
+    wheels = 0.03 * 0.5 * numbers.weight + numbers.chain.idler_drag
+    late = history.time.values > 2.0
+    torque = history.drive_moment.transpose("time", "track").values[late].mean(axis=0)
+    mean = 0.5 * np.abs(torque).sum()
+    assert (found.pull + wheels) * numbers.drive.radius == pytest.approx(mean, rel=0.1)
+
+
+@pytest.mark.simulation
+@pytest.mark.slow
+def test_roller_on_a_ridge_beside_a_run():
+    """Where both tracks roll over a ridge of hard floor one roller bears all of its track."""
+    drive = Drive(speed=StepProfile(times=(0.0, 1.0), values=(0.0, 0.3)))
+    case = Case.shovel().with_({"solver.output_interval": 0.02}, drive=drive)
+    ridge = Ridge(x=float(case.frame_start[0]) + 3.2, height=0.1, width=0.3, flank=0.3)
+    history = simulate(case.on_cells(RockFloor.hard_floor(), Heights(parts=(ridge,))), 12.0, progress=False)
+    run = run_forces.forces_of_run(history, "ridge")
+    assert run.uneven
+    found = assessment_of(history.case, BARE)
+    alone = next(row for row in found.loads if row.support == "one")
+    assert run.roller == pytest.approx(alone.roller, rel=0.05)
+
+
+def test_the_command_leaves_tables_drawings_and_a_page(told, refused, tmp_path):
+    (tmp_path / "mine.toml").write_text(
+        'machine = "shovel"\nmesh = "none"\n[work]\npayload = "90 t"\nreach = 17.0\n'
+        '[ground]\nname = "stiff clay"\n'
+    )
+    out = told("assess", "mine.toml", "--out", "assessed")
+    first = out.splitlines()[:10]
+    assert any(line.startswith("governs: ") for line in first)
+    assert "greatest ground pressure" in out
+    folder = tmp_path / "assessed"
+    items = pd.read_csv(folder / "items.csv")
+    used = items["utilisation"].dropna()
+    assert used.is_monotonic_decreasing
+    assert set(items["mark"]) <= {"S", "D", "R"}
+    assert set(pd.read_csv(folder / "inputs.csv")["origin"]) == {"given", "derived", "assumed"}
+    page = (folder / "assessment.html").read_text()
+    for words in ("Ground pressure", "Tipping", "Clauses followed", "no conformity", "stiff clay"):
+        assert words in page
+    assert len(list(folder.glob("*.png"))) == 7
+    assert "exists" in refused("assess", "mine.toml", "--out", "assessed")
+    assert "no file" in refused("assess", "nowhere.toml")
+    assert "no history" in refused("assess", "mine.toml", "--out", "other", "--run", "assessed")

@@ -1,0 +1,182 @@
+"""An assessment of the P&H 4100C: its items against hand calculations, inputs with origin, refusals."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, assess
+from exudyn_crawler.assessment.assessment import assessment_of
+from exudyn_crawler.assessment.grounds import ground, grounds
+from exudyn_crawler.assessment.load_cases import read_load_cases
+from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
+from exudyn_crawler.errors import CaseFileError
+from tests.test_release import read
+
+GRAVITY = 9.81
+FILE = "studies/shovel_assessment.toml"
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """Assessment of the study's file, without the finite elements of a shoe."""
+    path = tmp_path_factory.mktemp("assessment") / "shovel.toml"
+    path.write_text(read(FILE).replace("\n[work]", '\nmesh = "none"\n\n[work]'))
+    asked = read_assessment(path)
+    return assessment_of(asked.machine.case, asked.settings, given=asked.given)
+
+
+def item(found, name):
+    return next(one for one in found.governing if one.item == name)
+
+
+def test_items_are_sorted_and_the_first_line_says_what_governs(found):
+    used = [one.utilisation for one in found.governing if np.isfinite(one.utilisation)]
+    assert used == sorted(used, reverse=True)
+    names = [one.item for one in found.governing]
+    assert len(names) == len(set(names))
+    assert names[0] in found.lines[0]
+    over = [one.item for one in found.governing if one.utilisation > 1.0]
+    assert found.lines[1].startswith(f"{len(over)} of {len(names)} items exceed")
+    assert all(one.source and one.formula and one.mark in "SDR" for one in found.governing)
+
+
+def test_pressure_straight_ahead_by_hand(found):
+    """Resultant of lower and upper structure, and of the payload 17 m ahead."""
+    numbers = found.numbers
+    lower, upper = numbers.weights.lower_mass, numbers.weights.upper_mass
+    payload = 90724.8
+    mass = lower + upper + payload
+    place = (lower * numbers.weights.lower_com[0] - upper * 1.0 + payload * 17.0) / mass
+    length, width = numbers.fewest.length, 3.505
+    wanted = 0.5 * GRAVITY * mass / (length * width) * (1.0 + 6.0 * abs(place) / length)
+    rows = found.over_slew
+    row = rows[(rows["state"] == "with payload") & (rows["slew in deg"] == 0.0)].iloc[0]
+    assert row["left track, greatest in kPa"] == pytest.approx(wanted / 1e3)
+    assert row["ahead in m"] == pytest.approx(place)
+
+
+def test_length_on_the_ground_is_that_below_the_rollers(found):
+    """7 rollers 0.95 m apart, 0.655742 m of pitch: 5.7 m and a pitch; at least nine whole shoes."""
+    assert found.numbers.footprints.length == pytest.approx(5.7 + 0.655742)
+    assert found.numbers.fewest.length == pytest.approx(9 * 0.655742)
+    assert found.numbers.edges[:2] == pytest.approx((2.85, 2.85))
+
+
+def test_rated_load_by_hand(found):
+    """0.75 T, T = M / (17 - 2.85) m, about the front edge, straight ahead."""
+    weights = found.numbers.weights
+    held = weights.lower_mass * (2.85 - weights.lower_com[0]) + weights.upper_mass * (2.85 + 1.0)
+    rated = 0.75 * held / (17.0 - 2.85) / 1e3
+    rows = found.over_slew
+    straight = rows[(rows["slew in deg"] == 0.0) & (rows["state"] == "without payload")][
+        "rated load in t"
+    ].iloc[0]
+    assert straight == pytest.approx(rated)
+    assert item(found, "payload over rated load").number == pytest.approx(90.7248)
+
+
+def test_travel_by_hand(found):
+    """V f / 2 with the idler's 2 T f on the level; the drive climbs F = V (sin a + f cos a)."""
+    numbers = found.numbers
+    level = next(row for row in found.loads if row.name == "travels straight on the level")
+    rest = numbers.chain.rest
+    assert level.needed == pytest.approx(0.03 * 0.5 * numbers.weight + 2.0 * rest * 0.03)
+    assert level.tension == pytest.approx(rest + level.needed, rel=1e-4)
+    grade = item(found, "permitted grade over grade that the drive climbs")
+    slope = np.arctan(grade.limit)
+    pull = numbers.weight * (np.sin(slope) + 0.03 * np.cos(slope))
+    assert pull == pytest.approx(2.0 * numbers.drive.pull)
+
+
+def test_rest_tension_by_hand(found):
+    """W l2 / (8 f): 38 shoes of 4681.67 kg, carriers 1.8 m apart, 2.5 % of sag."""
+    weight = 4681.67 * GRAVITY / 0.655742
+    assert found.numbers.chain.rest == pytest.approx(weight * 1.8**2 / (8.0 * 0.025 * 1.8))
+
+
+def test_supports_share_the_load_of_a_track(found):
+    """One roller bears all of the more loaded track but its shoes; two and the outer ones what levers say."""
+    by_name = {row.name: row for row in found.loads}
+    alone = by_name["one roller on a ridge"]
+    shoes = found.numbers.rollers.above_ground
+    assert alone.roller == pytest.approx(alone.track_load - shoes)
+    assert by_name["two rollers bear a track"].roller < by_name["two rollers bear a track"].track_load - shoes
+    hollow = by_name["hollow below the middle"].roller_loads
+    assert np.count_nonzero(hollow) == 2
+
+
+def test_inputs_say_where_they_come_from(found):
+    origin = {row.name: row.origin for row in found.numbers.inputs}
+    assert origin["payload"] == "given"
+    assert origin["height of the payload"] == "given"
+    assert origin["length on ground"] == "derived"
+    assert origin["torque of a tumbler"] == "assumed"
+    assert origin["pin: tensile strength"] == "assumed"
+    assert all(row.how for row in found.numbers.inputs)
+    marked = assessment_of(
+        Case.shovel(),
+        AssessmentSettings(mesh=None),
+        origins={"gear.roller_radius": ("assumed", "0.75 to 0.9 p, remembered")},
+    )
+    rollers = next(row for row in marked.numbers.inputs if row.name == "radius of the rollers")
+    assert rollers[3:] == ("assumed", "0.75 to 0.9 p, remembered")
+
+
+def test_a_blocked_track_and_a_stall_pull_all_that_the_drive_has(found):
+    stall = next(row for row in found.loads if row.name == "drives stall")
+    assert stall.tension == pytest.approx(found.numbers.chain.rest + found.numbers.drive.pull, rel=1e-4)
+    assert stall.group == "HZS"
+    assert stall.strength == 1.2
+
+
+def test_factors_and_cases_of_ones_own(tmp_path):
+    (tmp_path / "cases.toml").write_text(
+        'name = "ours"\n[[groups]]\nname = "A"\ntitle = "all"\nstrength = 2.0\ntipping = 1.4\n'
+        '[[cases]]\nname = "stands"\ngroup = "A"\n'
+    )
+    (tmp_path / "ours.toml").write_text(
+        'machine = "shovel"\nmesh = "none"\nload_cases = "cases.toml"\n[drive]\nbreaking_tension = "3 MN"\n'
+    )
+    found = assess(tmp_path / "ours.toml")
+    assert [row.name for row in found.loads] == ["stands"]
+    tension = item(found, "chain tension")
+    assert tension.factor == 2.0
+    assert tension.utilisation == pytest.approx(2.0 * found.numbers.chain.rest / 3e6, rel=1e-4)
+
+
+def test_clay_and_play_give_items_of_their_own():
+    settings = AssessmentSettings(
+        mesh=None, ground={"undrained_strength": 100e3}, pins={"play": 1e-3}, drive={"power": 1e6}
+    )
+    found = assessment_of(Case.shovel(), settings)
+    names = {one.item for one in found.governing}
+    assert {"mean pressure over what clay bears", "pin in its hole, contact", "power of travel"} <= names
+
+
+def test_named_grounds_have_sources():
+    assert all(one.source and one.mark == "R" for one in grounds().values())
+    with pytest.raises(ValueError, match="did you mean 'stiff clay'"):
+        ground("stif clay")
+
+
+def test_factors_of_the_program_are_marked_as_remembered():
+    cases = read_load_cases()
+    assert [(group.strength, group.tipping) for group in cases.groups] == [
+        (1.5, 1.5),
+        (1.33, 1.3),
+        (1.2, 1.2),
+    ]
+    assert {group.mark for group in cases.groups} == {"R"}
+
+
+def test_what_is_wrong_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"gear\.kind must be 'machine'"):
+        assessment_of(Case.closed())
+    for text, words in (
+        ('machine = "shovel"\n[ground]\nname = "swamp"', "swamp"),
+        ('machine = "showel"', "showel"),
+        ('machine = "shovel"\n[work]\nreach = "far"', "work.reach"),
+        ('machine = "shovel"\nload_cases = "nowhere.toml"', "nowhere.toml"),
+    ):
+        (tmp_path / "wrong.toml").write_text(text)
+        with pytest.raises((CaseFileError, FileNotFoundError), match=words):
+            assess(tmp_path / "wrong.toml")
