@@ -14,7 +14,7 @@ from exudyn_crawler.assessment.inputs import AssessmentNumbers, Origin, numbers_
 from exudyn_crawler.assessment.items import AssessedItem, all_items, governing
 from exudyn_crawler.assessment.load_cases import LoadCases, read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings
-from exudyn_crawler.assessment.shoe import shoe_stresses
+from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress, shoe_stresses
 from exudyn_crawler.assessment.states import SLEW, CaseLoads, loads_of
 from exudyn_crawler.case import Case
 
@@ -96,11 +96,11 @@ class Assessment:
 
     @cached_property
     def over_slew(self) -> pd.DataFrame:
-        """Pressure and stability by angle of slewing, level, with the payload at its reach and without."""
+        """Pressure and stability by angle of slewing: level, at rest, with the payload and without."""
         level = forces.gravity_on_slope(self.numbers.gravity, 0.0, 0.0)
         tables = []
         for words, payload in (("without payload", 0.0), ("with payload", self.numbers.work.payload)):
-            work = self.numbers.work._replace(payload=payload, digging=(0.0, 0.0), wind=0.0)
+            work = self.numbers.work._replace(payload=payload, digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
             acting = forces.forces_at(self.numbers.weights, work, SLEW, level)
             stands = forces.resultant(acting)
             left, right = pressure.pressure_of_tracks(stands, self.numbers.fewest)
@@ -144,7 +144,7 @@ class Assessment:
             if state["state"] == "with payload":
                 weight += self.numbers.gravity * self.numbers.work.payload
             row = {"slew in deg": angle, "beams in kPa": beams}
-            laws = {"linear": None}
+            laws: dict[str, pressure.Law | None] = {"linear": None}
             if self.numbers.ground.law is not None:
                 laws[self.numbers.ground.law_name] = self.numbers.ground.law
             for name, law in laws.items():
@@ -208,7 +208,8 @@ def assessment_of(
         loads, stands = run_forces.with_run(numbers, by_formula, run)
         compared = run_forces.comparison(numbers, by_formula, run, stands)
     left_out = []
-    stresses, fatigue = [], None
+    stresses: list[ShoeStress] = []
+    fatigue: ShoeFatigue | None = None
     if settings.mesh is None:
         left_out.append("left out: the shoe's stress, since mesh is none")
     elif not numbers.shoe.ready:

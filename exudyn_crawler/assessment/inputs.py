@@ -63,6 +63,11 @@ class RollerNumbers(NamedTuple):
         """X at which the frame stands on its rollers and bogies, (groups,), m."""
         return np.array([self.places[list(group)].mean() for group in self.groups])
 
+    @property
+    def stiffness(self) -> np.ndarray:
+        """Of these supports over that of a roller, (groups,)."""
+        return np.array([len(group) for group in self.groups], dtype=float)
+
     def shared(self, loads: np.ndarray) -> np.ndarray:
         """Loads (rollers,) of loads of the groups, N: those of a bogie share theirs."""
         rollers = np.zeros(len(self.places))
@@ -256,7 +261,7 @@ def numbers_of(
         shoe=(shoe := _shoe(case, settings, pitch, notes)),
         chain=_chain(case, gear, settings, shoe, pitch, notes),
         ground=_ground(case, settings, footprints, notes),
-        drive=_drive(gear, settings, pitch, gravity * (weights.lower_mass + weights.upper_mass), case, notes),
+        drive=_drive(gear, settings, gravity * (weights.lower_mass + weights.upper_mass), case, notes),
         power=settings.drive.power,
         inputs=notes.rows,
     )
@@ -282,15 +287,16 @@ def _stands(case: Case, gear: Machine) -> _Stand:
     rise = rails.height - case.track.pin_height
     lowest = -(gear.roller_radius + rise)
     tumbler_x, tumbler_z = gear.tumbler.place
-    idler_x, idler_z = gear.idler.place
+    pitch = gear.chain_pitch(case.track)
+    # pins lie on the same belt that the chain is assembled along
+    (idler_x, idler_z), on_idler = gear.idler_circle(0.0, rise, pitch)
     ends = (
         (tumbler_x, tumbler_z - gear.tumbler.radius(case.track.pitch), "tumbler"),
-        (idler_x, idler_z - (gear.idler.radius + rise), "idler"),
+        (idler_x, idler_z - on_idler, "idler"),
     )
     standing = [(x, name) for x, z, name in ends if z - lowest <= RISE]
     rear = min([gear.rollers[0], *(x for x, _ in standing)])
     front = max([gear.rollers[-1], *(x for x, _ in standing)])
-    pitch = gear.chain_pitch(case.track)
     span = front - rear
     # a shoe that a roller is about to leave bears on the whole of its length, one beyond end wheels does not
     beyond = pitch * (1.0 - 0.5 * len(standing))
@@ -314,7 +320,7 @@ def _weights(case: Case, gear: Machine, middle: float, notes: _Notes) -> Machine
         fixed += [(tensioner.mass, place) for place in case.idler_reference[:, :3] - start]
     if gear.bogies:
         masses = [bogie.mass for bogie in gear.bogies] * gear.tracks
-        pivots = case.gear.bogie_reference(case.shoe, case.track)[:, :3] - start
+        pivots = gear.bogie_reference(case.shoe, case.track)[:, :3] - start
         fixed += list(zip(masses, pivots, strict=True))
     shoes = case.shoe_reference[:, :3] - start
     fixed.append((case.shoe.mass * len(shoes), shoes.mean(axis=0)))
@@ -456,9 +462,10 @@ def _chain(
     assert rails is not None  # of a closed track
     rise = rails.height - case.track.pin_height
     lowest = -(gear.roller_radius + rise)
+    _, on_idler = gear.idler_circle(0.0, rise, pitch)
     lifts = (
         gear.tumbler.place[1] - gear.tumbler.radius(case.track.pitch) - lowest,
-        gear.idler.place[1] - gear.idler.radius - rise - lowest,
+        gear.idler.place[1] - on_idler - lowest,
     )
     runs = gear.rollers[0] - gear.tumbler.place[0], gear.idler.place[0] - gear.rollers[-1]
     rises = tuple(max(lift, 0.0) / run for lift, run in zip(lifts, runs, strict=True))
@@ -528,7 +535,7 @@ def _ground(case: Case, settings: AssessmentSettings, footprints: Footprints, no
 
 
 def _drive(
-    gear: Machine, settings: AssessmentSettings, pitch: float, weight: float, case: Case, notes: _Notes
+    gear: Machine, settings: AssessmentSettings, weight: float, case: Case, notes: _Notes
 ) -> travel.TrackDrive:
     """Drive of one track."""
     radius = gear.travel_per_angle(case.track)

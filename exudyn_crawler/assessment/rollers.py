@@ -12,22 +12,25 @@ NEGLIGIBLE = 1e-12
 """Part of the load that counts as none."""
 
 
-def even_loads(load: float, centre: float, places: Floats) -> Floats:
-    """Loads (N) of rollers on even ground: P / n + P e (x - x_m) / sum((x - x_m)^2) (rigid frame, derived).
+def even_loads(load: float, centre: float, places: Floats, parts: Floats | None = None) -> Floats:
+    """Loads (N) on even ground: P w (1 / W + e (x - x_m) / sum(w (x - x_m)^2)) (rigid frame, derived).
 
-    `load` (N) at x = `centre` (m) of rollers at `places` (m). Rollers that would pull bear nothing and the
-    rest all of it; a ValueError if the load is not between the outer ones.
+    `load` (N) at x = `centre` (m) of supports at `places` (m), as stiff as `parts` w say: 1 for a roller, 2
+    for a bogie of two, 1 each if none. Those that would pull bear nothing and the rest all of it; a
+    ValueError if the load is not between the outer ones.
     """
     places = np.asarray(places, dtype=float)
+    stiff = np.ones(len(places)) if parts is None else np.asarray(parts, dtype=float)
     if not places.min() <= centre <= places.max():
         between = f"rollers from {places.min():.4g} to {places.max():.4g} m"
         raise ValueError(f"a load must be between its {between}, got x = {centre:.4g} m")
     bears = np.ones(len(places), dtype=bool)
     while True:
         x = places[bears]
-        away = x - x.mean()
-        spread = float(away @ away)
-        share = 1.0 / len(x) + (centre - x.mean()) * away / (spread or 1.0)
+        w = stiff[bears]
+        middle = float(w @ x / w.sum())
+        spread = float(w @ (x - middle) ** 2)
+        share = w * (1.0 / w.sum() + (centre - middle) * (x - middle) / (spread or 1.0))
         if share.min() >= -NEGLIGIBLE or len(x) <= 2:
             break
         bears[np.flatnonzero(bears)[share.argmin()]] = False

@@ -88,7 +88,8 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
     worst = int(np.argmax(found.greatest))
     tips = int(np.argmin(found.margin))
     needed, available, ends, pull = _travel(numbers, case, found)
-    tension = chain.travel_tension(numbers.chain.rest, pull, numbers.chain.weight, numbers.chain.speed).taut
+    speed = 0.0 if case.drive == "none" else numbers.chain.speed
+    tension = chain.travel_tension(numbers.chain.rest, pull, numbers.chain.weight, speed).taut
     loads = _rollers(numbers, case, found, tension)
     friction = numbers.ground.friction if case.drive == "turn" else 0.0
     part = numbers.chain.pitch * numbers.footprints.width
@@ -177,7 +178,9 @@ def _rollers(numbers: AssessmentNumbers, case: LoadCase, found: _Envelope, tensi
         load = max(float(found.heavier[number]) - numbers.rollers.above_ground, 0.0)
         centre = float(np.clip(found.stands.ahead[number], places[0], places[-1]))
         if case.support == "even":
-            loads = numbers.rollers.shared(rollers.even_loads(load, centre, places))
+            loads = numbers.rollers.shared(
+                rollers.even_loads(load, centre, places, numbers.rollers.stiffness)
+            )
             for end, rise in zip((0, -1), numbers.chain.rises, strict=True):
                 loads[end] += chain.end_roller_push(tension, rise, 1.0)
         elif case.support == "corner":

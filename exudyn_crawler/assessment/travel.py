@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq, root
 
-from exudyn_crawler.assessment.forces import Floats
+from exudyn_crawler.assessment.forces import Floats, Numbers
 from exudyn_crawler.assessment.pressure import Footprints, track_loads, track_pressure
 
 ALONG, ACROSS = 160, 24
@@ -49,12 +49,12 @@ def sinkage_resistance(pressure: float, law: tuple[float, float, float], width: 
     return float(2.0 * width * modulus * sinkage ** (exponent + 1.0) / (exponent + 1.0))
 
 
-def traction(load: Floats, friction: float, cohesion: float = 0.0, area: float = 0.0) -> Floats:
+def traction(load: Numbers, friction: float, cohesion: float = 0.0, area: float = 0.0) -> Numbers:
     """Greatest pull (N) of the ground on a track that presses with a load (N): c A + P mu.
 
     Mohr and Coulomb, mu = tan(phi) or a coefficient of traction; `cohesion` in Pa, `area` in m2.
     """
-    return cohesion * area + friction * np.asarray(load, dtype=float)
+    return cohesion * area + friction * load
 
 
 def greatest_slope_by_drive(pull: float, weight: float, rolling: float) -> float:

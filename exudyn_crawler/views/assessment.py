@@ -71,7 +71,7 @@ def pressure_figure(found: Assessment) -> Figure:
 
 def _polar(figure: Figure, place: tuple[int, int, int] = (1, 1, 1)) -> Any:
     """Polar axes with straight ahead on top and the left side on the left."""
-    ax = figure.add_subplot(*place, projection="polar")
+    ax: Any = figure.add_subplot(*place, projection="polar")
     ax.set_theta_zero_location("N")
     ax.set_theta_direction(1)
     ax.set_thetagrids(
@@ -94,7 +94,7 @@ def tracks_figure(found: Assessment) -> Figure:
     both = both.where(np.isfinite(both), -1.0)
     row = last.iloc[int(both.argmax())]
     numbers = found.numbers
-    work = numbers.work._replace(digging=(0.0, 0.0), wind=0.0)
+    work = numbers.work._replace(digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
     if row["state"] == "without payload":
         work = work._replace(payload=0.0)
     level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
@@ -104,10 +104,10 @@ def tracks_figure(found: Assessment) -> Figure:
     title = f"Pressure along the tracks, upper structure at {row['slew in deg']:.0f} deg, {row['state']}"
     with style.titled_figure(title, 8.0, 3.6) as figure:
         ax = figure.subplots()
-        x = 0.5 * numbers.fewest.length * np.array([-1.0, 1.0])
+        half = 0.5 * numbers.fewest.length
         for name, load in zip(("left", "right"), loads, strict=True):
             line = _line(float(load[0]), float(stands.ahead[0]), numbers.fewest)
-            places = np.linspace(*x, 200)
+            places = np.linspace(-half, half, 200)
             ax.plot(places, line(places) / 1e3, label=f"{name} track, {load[0] / 1e6:.3g} MN")
         ax.axhline(numbers.ground.allowed / 1e3, color=EXCEEDS, label="allowed")
         ax.plot(

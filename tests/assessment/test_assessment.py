@@ -8,6 +8,7 @@ from exudyn_crawler.assessment.assessment import assessment_of
 from exudyn_crawler.assessment.grounds import ground, grounds
 from exudyn_crawler.assessment.load_cases import read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
+from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.errors import CaseFileError
 from tests.test_release import read
 
@@ -119,6 +120,27 @@ def test_inputs_say_where_they_come_from(found):
     )
     rollers = next(row for row in marked.numbers.inputs if row.name == "radius of the rollers")
     assert rollers[3:] == ("assumed", "0.75 to 0.9 p, remembered")
+
+
+@pytest.mark.parametrize("name", ["pc300lc", "d155ax"])
+def test_machines_of_datasheets_are_assessed(name):
+    """Pressure over the sheet's length as it prints it within 15 %; what it does not say is no given."""
+    path = library.machines()[name]
+    found = assess(path)
+    sheet = read_assessment(path).machine.datasheet
+    area = 2.0 * sheet.shoe_width * sheet.length_on_ground
+    assert found.numbers.weight / area == pytest.approx(sheet.ground_pressure, rel=0.15)
+    # its end wheels are a little higher than the rollers
+    assert 0.8 < found.numbers.footprints.length / sheet.length_on_ground < 1.0
+    origin = {row.name: row.origin for row in found.numbers.inputs}
+    assert origin["gauge"] != "assumed"
+    assert origin["radius of the rollers"] == "assumed"
+    assert "left out: the shoe's stress" in found.lines[-1]
+    loads = {row.name: row for row in found.loads}
+    assert loads["travels straight on the level"].ends == "goes"
+    assert loads["one roller on a ridge"].roller_loads.sum() == pytest.approx(
+        loads["one roller on a ridge"].track_load - found.numbers.rollers.above_ground
+    )
 
 
 def test_a_blocked_track_and_a_stall_pull_all_that_the_drive_has(found):
