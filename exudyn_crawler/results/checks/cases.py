@@ -184,7 +184,8 @@ def check_of(case: Case) -> ShoeCheck:
 def read_check(path: str | Path) -> ShoeCheck:
     """Read the file of a check or of a case; a mesh's file counts from it; raises as their readers."""
     path = Path(path)
-    content = reading.toml_content(path, "check file") if path.suffix == ".toml" else {}
+    with reading.errors_named(path, ShoeCheck):
+        content = reading.toml_content(path, "check file") if path.suffix == ".toml" else {}
     if "flexible" in content:
         return check_of(read_case(path).case)
     named = {"name": path.stem}
