@@ -16,8 +16,8 @@ def _check_neighbours() -> None:
     """Refuse to work with other packages of the names of those that are installed beside this one."""
     beside = Path(__file__).resolve().parents[1]
     for name in ("fem", "meshes", "studies"):
-        found = importlib.util.find_spec(name)
-        origin = None if found is None else found.origin
+        spec = importlib.util.find_spec(name)
+        origin = None if spec is None else spec.origin
         if origin is None or Path(origin).resolve().parent != beside / name:
             raise ImportError(
                 f"the package {name!r} must be that in {beside}, which comes with {__name__}, got "

@@ -120,7 +120,8 @@ class _Work(NamedTuple):
     @contextmanager
     def part(self, name: str) -> Iterator[None]:
         """Take the time of a part, and show its progress."""
-        title, expected = f"{self.case_file.case.name}: {name}", parts.rule_of_thumb(self.case_file).get(name)
+        title = f"{self.case_file.case.name}: {name}"
+        expected = parts.rule_of_thumb(self.case_file).get(name)
         with self.folder.timed(name), parts.heartbeat(title, expected, self.progress):
             yield
 
@@ -148,8 +149,10 @@ def _stresses(history: History, work: _Work) -> recovery.StressResults | None:
 
 def _history(work: _Work) -> History:
     """Simulate a case, or what is missing of it in the folder that the run holds; raises as `run_case`."""
-    folder, case_file = work.folder, work.case_file
-    case, path = case_file.case, folder.path
+    folder = work.folder
+    case_file = work.case_file
+    case = case_file.case
+    path = folder.path
     if path is None:
         return _simulated(work, None)
     points = checkpoints.Checkpoints(path, folder.say)
@@ -167,14 +170,15 @@ def _history(work: _Work) -> History:
     history = folders.matching_history(path, case_file)
     points.settle(case)
     # these are the run's, also where it was stopped after them
-    for one in (path / record.HISTORY, path / record.END):
-        files.note_written(one)
+    for file in (path / record.HISTORY, path / record.END):
+        files.note_written(file)
     return history
 
 
 def _simulated(work: _Work, points: checkpoints.Checkpoints | None) -> History:
     """Simulate; take the time of this, and that of compiling the equations before if they are not yet."""
-    case_file, progress = work.case_file, work.progress
+    case_file = work.case_file
+    progress = work.progress
     with work.folder.timed(parts.COMPILE):
         compiled(case_file.case, progress)
     with work.folder.timed(parts.SIMULATE):

@@ -86,7 +86,8 @@ class SteppedRun:
         self._span = (0.0, 1.0)
         self._before = self._after = np.array([0.0, 0.0, *force, *moment])
         self._settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
-        self.time, self.travel = 0.0, 0.0
+        self.time = 0.0
+        self.travel = 0.0
         # a step at rest before the start gives the start its forces
         self.advance(case.solver.step, 0.0, wrench)
         self.time = 0.0
@@ -137,16 +138,16 @@ class SteppedRun:
 
 
 def outputs(history: History) -> dict[str, float]:
-    """What a unit says of an instant, by name: drive, frame, links and the ground under every shoe."""
+    """Outputs of a unit at an instant, by name: drive, frame, links and the ground under every shoe."""
     data = history.dataset.isel(time=-1)
     ground = history.contacts_by_shoe().contact_force.isel(time=-1).transpose("shoe", "axis")
-    found = [
+    arrays = [
         data[_drive_name(history.case)],
         *(data[f"side_frame_{name}"] for name in FRAME),
         data.joint_force,
         ground,
     ]
-    values = np.concatenate([np.ravel(one) for one in found]).tolist()
+    values = np.concatenate([np.ravel(array) for array in arrays]).tolist()
     return dict(zip(_output_names(history.case), values, strict=True))
 
 
@@ -166,7 +167,7 @@ def _output_names(case: Case) -> dict[str, str]:
         vectors[f"joint_force[{link}]"] = f"N, of the joint ahead of shoe {link} on this shoe"
     for shoe in case.track.shoes:
         vectors[f"ground_force[{shoe}]"] = f"N, of the ground on shoe {shoe}"
-    return named | {f"{name}.{axis}": told for name, told in vectors.items() for axis in AXES}
+    return named | {f"{name}.{axis}": vector for name, vector in vectors.items() for axis in AXES}
 
 
 class MachineOnTrack(Fmi2Slave):
@@ -320,6 +321,6 @@ def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) ->
             FmuBuilder.build_FMU(script, made, project_files={case})
         finally:
             # pythonfmu leaves the folder there
-            sys.path[:] = [one for one in sys.path if one != folder]
+            sys.path[:] = [entry for entry in sys.path if entry != folder]
         temporary.write_bytes(made.read_bytes())
     return path

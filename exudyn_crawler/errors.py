@@ -44,7 +44,9 @@ class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as S
 
     def __init__(self, time: float, reason: str, history: Any) -> None:
         super().__init__(f"the simulation stopped at t = {time:.6g} s: {reason}")
-        self.time, self.reason, self.history = time, reason, history
+        self.time = time
+        self.reason = reason
+        self.history = history
 
 
 class CaseFileError(CrawlerError, ValueError):

@@ -20,11 +20,16 @@ from exudyn_crawler.views import style, tables
 from exudyn_crawler.views.pages import life as pages
 from fem import interrupts, write_vtu
 
-LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
-TABLE, CAUSES = "shortest_lives.csv", "causes.csv"
-MATRICES, GROWTH = "rainflow_matrices.csv", "damage_histories.csv"
+LIFE = "life.nc"
+FIELDS = "life.vtu"
+PAGE = "life.html"
+TABLE = "shortest_lives.csv"
+CAUSES = "causes.csv"
+MATRICES = "rainflow_matrices.csv"
+GROWTH = "damage_histories.csv"
 FILES = (LIFE, FIELDS, PAGE, TABLE, CAUSES, MATRICES, GROWTH)  # what a duty leaves
-CHECK_PAGE, PICTURES = "check.html", "pictures"
+CHECK_PAGE = "check.html"
+PICTURES = "pictures"
 CHECK_TABLES = {"peaks.csv": "table", "moments.csv": "moments", "cycles.csv": "cycles", "hertz.csv": "hertz"}
 
 
@@ -47,10 +52,10 @@ def life(
     duty = duty if isinstance(duty, Duty) else read_duty(duty)
     folder = _folder(duty, out, FILES, overwrite)
     lives = stage_lives(duty, say)
-    found = results.life_of_stages(duty, lives) if duty.stages else lives[0]
+    total = results.life_of_stages(duty, lives) if duty.stages else lives[0]
     if folder is not None:
-        write_life(found, files.writable_folder(folder), overwrite)
-    return found
+        write_life(total, files.writable_folder(folder), overwrite)
+    return total
 
 
 def check_cases(
@@ -71,21 +76,21 @@ def check_cases(
     """
     check = check if isinstance(check, cases.ShoeCheck) else cases.read_check(check)
     folder = _folder(check, out, (*CHECK_TABLES, CHECK_PAGE), overwrite)
-    found = solve.solve_cases(check, solve.CheckedShoe(check), say)
+    solution = solve.solve_cases(check, solve.CheckedShoe(check), say)
     if folder is None:
-        return found
+        return solution
     files.writable_folder(folder)
     for name, table in CHECK_TABLES.items():
-        tables.write_table(getattr(found, table), folder / name, overwrite)
-    pages.write_check_page(found, folder / CHECK_PAGE, overwrite)
+        tables.write_table(getattr(solution, table), folder / name, overwrite)
+    pages.write_check_page(solution, folder / CHECK_PAGE, overwrite)
     if pictures:
-        say(f"pictures of {len(found.cases)} cases")
+        say(f"pictures of {len(solution.cases)} cases")
         drawn = files.writable_folder(folder / PICTURES)
-        for number, case in enumerate(found.cases):
-            name = "".join(one if one.isalnum() or one in "-." else "_" for one in case.name)
+        for number, case in enumerate(solution.cases):
+            name = "".join(letter if letter.isalnum() or letter in "-." else "_" for letter in case.name)
             path = drawn / f"{number + 1:03d}_{name}.png"
-            style.save_figure(pages.case_figure(found, number), path, overwrite)
-    return found
+            style.save_figure(pages.case_figure(solution, number), path, overwrite)
+    return solution
 
 
 def _folder(
@@ -102,15 +107,15 @@ def _folder(
 
 def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> list[results.LifeResults]:
     """Life over each stage of a duty alone, or over all of it; arguments and errors as of `life`."""
-    inputs = [(one, _histories(one)) for one in duty.by_stage()]
-    found = []
+    inputs = [(stage, _histories(stage)) for stage in duty.by_stage()]
+    lives = []
     with progress.heartbeat(f"life of {duty.name}"):
-        for one, histories in inputs:
-            names = duty_runs.check_cases_of(one)
-            shapes = solve.case_shapes(_check_of(one), names, say) if names else None
-            spreads = [_spread(run, own.case) for run, own in zip(one.runs, histories, strict=True)]
-            found.append(results.life_of(one, histories, say, spreads, shapes))
-    return found
+        for stage, histories in inputs:
+            names = duty_runs.check_cases_of(stage)
+            shapes = solve.case_shapes(_check_of(stage), names, say) if names else None
+            spreads = [_spread(run, history.case) for run, history in zip(stage.runs, histories, strict=True)]
+            lives.append(results.life_of(stage, histories, say, spreads, shapes))
+    return lives
 
 
 def _check_of(duty: Duty) -> cases.ShoeCheck:
@@ -123,16 +128,17 @@ def _check_of(duty: Duty) -> cases.ShoeCheck:
 def roller_paths(found: results.LifeResults) -> dict[str, pd.DataFrame]:
     """Line contact of the treads of rolled runs by their names, and of check cases, in the last stage."""
     duty = found.duty.by_stage()[-1]
-    histories = {one.run.name: one.basis.history for one in found.runs}
+    histories = {used_run.run.name: used_run.basis.history for used_run in found.runs}
     paths = {
         name: roller_path.roller_path(history, [duty.material])
         for name, history in histories.items()
         if history is not None and roller_path.has_treads(history)
     }
     if duty.cases:
-        check, names = _check_of(duty), set(duty_runs.check_cases_of(duty))
+        check = _check_of(duty)
+        names = set(duty_runs.check_cases_of(duty))
         there = solve.all_cases(check, cases.ShoeOutline.of(found.whole.mesh))
-        pressed = [one for one in there if one.name in names]
+        pressed = [case for case in there if case.name in names]
         paths["check cases"] = roller_path.hertz_table(check, pressed)
     return {name: table for name, table in paths.items() if len(table)}
 
@@ -172,12 +178,13 @@ def write_life(found: results.LifeResults, folder: Path, overwrite: bool = False
     tables.write_table(results.in_words(found.table), folder / TABLE, overwrite)
     tables.write_table(found.causes().map(results.life_words).reset_index(), folder / CAUSES, overwrite)
     for name, made in ((MATRICES, NodeLife.rainflow_matrix), (GROWTH, NodeLife.damage_history)):
-        of_nodes = {node: made(own) for node, own in found.nodes.items()}
+        of_nodes = {node: made(node_life) for node, node_life in found.nodes.items()}
         joined = pd.concat(of_nodes, names=["node"]).reset_index(level="node")
         tables.write_table(joined, folder / name, overwrite)
     data = found.dataset
     fields = {
-        f"life in h, {100 * one:g} % survive": data.life.sel(survival=one) for one in data.survival.values
+        f"life in h, {100 * survival:g} % survive": data.life.sel(survival=survival)
+        for survival in data.survival.values
     }
     fields |= {
         "life may be shorter or longer by the factor": data.life_factor,
@@ -189,5 +196,5 @@ def write_life(found: results.LifeResults, folder: Path, overwrite: bool = False
     at_last = data.place_damage.isel(survival=-1)
     fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}
     with files.whole_file(folder / FIELDS, overwrite) as temporary:
-        write_vtu(temporary, found.whole.mesh, {name: np.asarray(one) for name, one in fields.items()})
+        write_vtu(temporary, found.whole.mesh, {name: np.asarray(field) for name, field in fields.items()})
     pages.write_life_page(found, folder / PAGE, overwrite, roller_paths(found))

@@ -158,7 +158,8 @@ def _table(
     recognized: RecognizedShoe, mesh: fem.Mesh, body: fem.ElasticBody, frequencies: np.ndarray
 ) -> pd.DataFrame:
     """What a shoe is, a row a quantity."""
-    inertia, size = body.inertia, np.ptp(mesh.nodes, axis=0)
+    inertia = body.inertia
+    size = np.ptp(mesh.nodes, axis=0)
     rear, front = recognized.axes.pins.lines
     scale = recognized.axes.scale
     of_mesh = quality.mesh_quality(mesh)
@@ -236,7 +237,8 @@ def write_shoe(shoe: ShoeFile, folder: str | Path = ".", overwrite: bool = False
 
 def shoe_text(shoe: ShoeFile) -> str:
     """Case file of a shoe as TOML, with what is assumed marked so, and what is to be decided on top."""
-    lines, table = [], ""
+    lines = []
+    table = ""
     for line in case_text(shoe.case_file, by_hand=True).splitlines():
         if line.startswith("["):
             table = line.strip("[]")

@@ -76,7 +76,8 @@ def spread(
     """
     folder = Path(run)
     case_file = read_case(folder / record.CASE)
-    history, case = folders.matching_history(folder, case_file), case_file.case
+    history = folders.matching_history(folder, case_file)
+    case = case_file.case
     if case.flexible is None:
         raise ValueError(f"the run in {folder} must have flexible shoes to have stresses")
     other_laws = laws_beside(case) if laws else {}
@@ -86,22 +87,25 @@ def spread(
         files.refuse_existing(folder / folders.SPREAD_FOLDER / name, overwrite)
     out = files.writable_folder(folder / folders.SPREAD_FOLDER)
     peaks = {}
-    for name, one in ({f"start {k + 1}": nudged(case, k) for k in range(1, starts)} | other_laws).items():
-        path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=ONE_TIME)
-        say(f"{one.name}: {name}")
+    for name, variant in ({f"start {k + 1}": nudged(case, k) for k in range(1, starts)} | other_laws).items():
+        path = out / name.replace(" ", "_")
+        variant_file = case_file.with_(case=variant, outputs=ONE_TIME)
+        say(f"{variant.name}: {name}")
         again = overwrite and path.exists()
-        done = case_run.run_case(own, path, overwrite=again, take_finished=True, progress=progress, say=say)
+        done = case_run.run_case(
+            variant_file, path, overwrite=again, take_finished=True, progress=progress, say=say
+        )
         peaks[name] = done.recovered().dataset.peak_von_mises
     with parts.heartbeat(f"{case.name}: recovering stresses"):
-        found = spread_of(recovery.recover_stresses(history), peaks, starts)
+        spreads = spread_of(recovery.recover_stresses(history), peaks, starts)
     files.write_netcdf(
-        found.dataset.assign_attrs(case=case.model_dump_json()), out / folders.SPREAD, overwrite
+        spreads.dataset.assign_attrs(case=case.model_dump_json()), out / folders.SPREAD, overwrite
     )
-    write_table(found.by_shoe(), out / TABLE, overwrite)
-    for shoe, spots in found.hot_spots.items():
-        table = hot_spots.hot_spot_table(spots, found.dataset)
+    write_table(spreads.by_shoe(), out / TABLE, overwrite)
+    for shoe, spots in spreads.hot_spots.items():
+        table = hot_spots.hot_spot_table(spots, spreads.dataset)
         write_table(table, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
-    return found
+    return spreads
 
 
 def nudged(case: Case, times: int) -> Case:
@@ -126,13 +130,16 @@ def spread_of(first: recovery.StressResults, others: Mapping[str, xr.DataArray],
     """
     peaks = [first.dataset.peak_von_mises, *others.values()]
     runs = np.stack([peak.transpose("shoe", "node").values for peak in peaks])
-    low, high = runs[:starts].min(axis=0), runs[:starts].max(axis=0)
-    range_, beyond = high - low, np.maximum(runs - high, low - runs).max(axis=0)
+    low = runs[:starts].min(axis=0)
+    high = runs[:starts].max(axis=0)
+    range_ = high - low
+    beyond = np.maximum(runs - high, low - runs).max(axis=0)
     columns = {"peak_spread": range_, "peak_choice": beyond, "run_peak": runs}
     dataset = first.dataset[["peak_von_mises", "node_position", "triangle", "in_spider", "truncation"]]
     dataset = dataset.assign({name: variable(name, values) for name, values in columns.items()})
     dataset = dataset.assign(peak_verdict=recovery.verdicts(first.dataset, range_ + beyond))
-    bound, tables = float(first.dataset.truncation), {}
+    bound = float(first.dataset.truncation)
+    tables = {}
     for row, (shoe, table) in enumerate(first.hot_spots.items()):
         nodes = table["node"].to_numpy()
         wider = table.assign(spread=range_[row, nodes], choice=beyond[row, nodes])

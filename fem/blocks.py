@@ -120,6 +120,7 @@ def _stress_blocks(source: StressHistory) -> Iterator[StressBlock]:
             shapes = source.shapes(of)
             k, c, r = shapes.shape
             for number, block in enumerate(columns):
-                at, whole = slice(ends[number], ends[number + 1]), slice(start, ends[-1])
+                times = slice(ends[number], ends[number + 1])
+                whole = slice(start, ends[-1])
                 stress = (shapes.reshape(k * c, r) @ block).reshape(k, c, -1)
-                yield StressBlock(of, at, whole, stress, bound[of, number])
+                yield StressBlock(of, times, whole, stress, bound[of, number])

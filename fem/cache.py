@@ -112,7 +112,7 @@ def cached_craig_bampton(
     """
     digest = reduction_digest(body, interfaces, n_fixed_modes, residual_loads)
     path = _cache_path(folder, digest)
-    reduced, found = _read_or_computed(
+    reduced, existed = _read_or_computed(
         path,
         lambda: load_reduced(path, body.mesh, digest),
         lambda: craig_bampton(body, interfaces, n_fixed_modes, residual_loads, partition=partition),
@@ -120,7 +120,7 @@ def cached_craig_bampton(
         warn,
         "the reduction",
     )
-    return CachedReduction(reduced, path, found)
+    return CachedReduction(reduced, path, existed)
 
 
 def cached_static_fields(
@@ -152,7 +152,7 @@ def cached_static_fields(
             sha.update(np.ascontiguousarray(array).tobytes())
     digest = sha.hexdigest()
     path = _cache_path(folder, digest, FIELDS_SUFFIX)
-    fields, found = _read_or_computed(
+    fields, existed = _read_or_computed(
         path,
         lambda: load_fields(path, digest),
         lambda: static_fields(partition, reduction.body, families),
@@ -160,7 +160,7 @@ def cached_static_fields(
         warn,
         "the file of static fields",
     )
-    return CachedFields(fields, path, found)
+    return CachedFields(fields, path, existed)
 
 
 def cached_files(folder: str | Path) -> list[Path]:

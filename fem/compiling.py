@@ -119,7 +119,7 @@ def _consists_of(thing: Any) -> tuple[set[Path], set[str], list[Any]]:
     if isinstance(function, FunctionType):
         named = _named_by(function)
         name = f"{function.__module__}.{function.__qualname__}"
-        texts = {f"{name}: {own} = {_text(value)}" for own, value in named if isinstance(value, CONSTANTS)}
+        texts = {f"{name}: {key} = {_text(value)}" for key, value in named if isinstance(value, CONSTANTS)}
         texts.add(f"{name}: {sorted(getattr(thing, 'targetoptions', {}).items())}")
         return {Path(function.__code__.co_filename)}, texts, [value for _, value in named]
     if isinstance(thing, type):
@@ -177,7 +177,7 @@ def _add_stamp(file: Any, stamp: str) -> None:
 
 @cache
 def _compares_stamps(kind: type) -> bool:
-    """Whether a class of numba's, of the files of its cache, notices a change of what `_add_stamp` adds.
+    """True if a class of numba's, of the files of its cache, notices a change of what `_add_stamp` adds.
 
     Warns
     -----
@@ -214,10 +214,11 @@ def notify_compiling(functions: Collection[Any], notify: Callable[[], None]) -> 
 
 class _Once(Listener):
     def __init__(self, functions: Collection[Any], notify: Callable[[], None]) -> None:
-        self._left, self._notify = list(functions), notify
+        self._left = list(functions)
+        self._notify = notify
 
     def on_start(self, event: Event) -> None:
-        if any(event.data["dispatcher"] is one for one in self._left):
+        if any(event.data["dispatcher"] is dispatcher for dispatcher in self._left):
             self._left = []
             self._notify()
 

@@ -56,7 +56,8 @@ class _OnPlanes(Fold[Floats]):
     components = None
 
     def __init__(self, rows: Floats, counting: Counting) -> None:
-        self._rows, self._counting = rows, counting
+        self._rows = rows
+        self._counting = counting
 
     def start(self, nodes: Integers, times: int) -> None:
         """Begin with no damage."""
@@ -67,12 +68,15 @@ class _OnPlanes(Fold[Floats]):
 
     def add(self, block: StressBlock) -> None:
         """Gather the stresses of a block of nodes, and count those of a segment."""
-        of, at, whole, planes = block.nodes, block.times, block.segment, self._rows.shape[1]
+        of = block.nodes
+        times = block.times
+        whole = block.segment
+        planes = self._rows.shape[1]
         if self._stress.dtype != block.stress.dtype:
             self._stress = np.empty(self._stress.shape, block.stress.dtype)
         gathered = self._stress[: of.stop - of.start, :, : whole.stop - whole.start]
-        gathered[:, :, at.start - whole.start : at.stop - whole.start] = block.stress
-        for node in range(of.start, of.stop) if at.stop == whole.stop else ():
+        gathered[:, :, times.start - whole.start : times.stop - whole.start] = block.stress
+        for node in range(of.start, of.stop) if times.stop == whole.stop else ():
             signals = self._rows[node] @ gathered[node - of.start]
             self._counted.add(slice(node * planes, (node + 1) * planes), signals, whole.start)
 
@@ -140,12 +144,12 @@ def critical_planes(damage_on: DamageOnPlanes, nodes: Integers) -> CriticalPlane
         As of `damage_on_planes`, or sums of it over the histories of a life.
     """
     coarse = np.broadcast_to(np.arange(0.0, np.pi - 0.5 * APART, APART), (len(nodes), round(np.pi / APART)))
-    found = _worst(damage_on(nodes, coarse), coarse)
-    worst = np.argsort(-found.damage.max(axis=1), kind="stable")[:FINEST]
-    around = found.angles[worst, None] + np.arange(-APART, APART + 0.5 * FINE, FINE)
+    planes = _worst(damage_on(nodes, coarse), coarse)
+    worst = np.argsort(-planes.damage.max(axis=1), kind="stable")[:FINEST]
+    around = planes.angles[worst, None] + np.arange(-APART, APART + 0.5 * FINE, FINE)
     finer = _worst(damage_on(nodes[worst], around), around)
-    found.damage[worst], found.angles[worst] = finer
-    return found
+    planes.damage[worst], planes.angles[worst] = finer
+    return planes
 
 
 def _worst(damage: Floats, angles: Floats) -> CriticalPlanes:

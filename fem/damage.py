@@ -92,14 +92,17 @@ class CountedDamage:
 
     def add(self, of: slice, signals: Floats, start: int) -> None:
         """Add what the next values (k, t) in Pa of some histories close; `start` is the row of the first."""
-        counting, counter = self._counting, self._cycles
-        found = [(number, counter.add(number, one, start)) for number, one in enumerate(signals, of.start)]
+        counting = self._counting
+        counter = self._cycles
+        batches = [
+            (number, counter.add(number, signal, start)) for number, signal in enumerate(signals, of.start)
+        ]
         if start + signals.shape[1] == len(counting.phase):
-            found += [(number, counter.close(number)) for number in range(of.start, of.stop)]
-        closed = [(number, one) for number, one in found if len(one.begin)]
+            batches += [(number, counter.close(number)) for number in range(of.start, of.stop)]
+        closed = [(number, batch) for number, batch in batches if len(batch.begin)]
         if closed:
-            numbers = np.repeat([number for number, _ in closed], [len(one.begin) for _, one in closed])
-            cycles = joined_cycles([one for _, one in closed])
+            numbers = np.repeat([number for number, _ in closed], [len(batch.begin) for _, batch in closed])
+            cycles = joined_cycles([batch for _, batch in closed])
             each = counting.curve.damage(cycles.amplitude, cycles.mean, counting.survivals)
             for end in (cycles.begin_row, cycles.end_row):
                 np.add.at(self.damage.transpose(0, 2, 1), (numbers, counting.phase[end]), 0.5 * each.T)
@@ -133,8 +136,12 @@ def _signed_mises(parts, signals):
     """Von Mises stress with the sign of the hydrostatic one, of components (k, 6, t) into (k, t)."""
     for k in range(parts.shape[0]):
         for t in range(parts.shape[2]):
-            xx, yy, zz = np.float64(parts[k, 0, t]), np.float64(parts[k, 1, t]), np.float64(parts[k, 2, t])
-            xy, yz, xz = np.float64(parts[k, 3, t]), np.float64(parts[k, 4, t]), np.float64(parts[k, 5, t])
+            xx = np.float64(parts[k, 0, t])
+            yy = np.float64(parts[k, 1, t])
+            zz = np.float64(parts[k, 2, t])
+            xy = np.float64(parts[k, 3, t])
+            yz = np.float64(parts[k, 4, t])
+            xz = np.float64(parts[k, 5, t])
             normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
             mises = np.sqrt(0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz))
             signals[k, t] = -mises if xx + yy + zz < 0.0 else mises
@@ -150,10 +157,16 @@ def _signed_principal(parts, signals):
     """
     for k in range(parts.shape[0]):
         for t in range(parts.shape[2]):
-            xx, yy, zz = np.float64(parts[k, 0, t]), np.float64(parts[k, 1, t]), np.float64(parts[k, 2, t])
-            xy, yz, xz = np.float64(parts[k, 3, t]), np.float64(parts[k, 4, t]), np.float64(parts[k, 5, t])
+            xx = np.float64(parts[k, 0, t])
+            yy = np.float64(parts[k, 1, t])
+            zz = np.float64(parts[k, 2, t])
+            xy = np.float64(parts[k, 3, t])
+            yz = np.float64(parts[k, 4, t])
+            xz = np.float64(parts[k, 5, t])
             mean = (xx + yy + zz) / 3.0
-            xx, yy, zz = xx - mean, yy - mean, zz - mean
+            xx = xx - mean
+            yy = yy - mean
+            zz = zz - mean
             shear = xy * xy + yz * yz + xz * xz
             radius = np.sqrt((xx * xx + yy * yy + zz * zz + 2.0 * shear) / 6.0)
             volume = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
@@ -196,7 +209,8 @@ class DamageOf(Fold[Damage]):
     components = None
 
     def __init__(self, criterion: SignedCriterion, counting: Counting) -> None:
-        self._criterion, self._counting = criterion, counting
+        self._criterion = criterion
+        self._counting = counting
 
     def start(self, nodes: Integers, times: int) -> None:
         """Begin with no damage."""
@@ -208,13 +222,15 @@ class DamageOf(Fold[Damage]):
 
     def add(self, block: StressBlock) -> None:
         """Gather the signals of a block of nodes, and count those of a segment."""
-        of, at, whole = block.nodes, block.times, block.segment
+        of = block.nodes
+        times = block.times
+        whole = block.segment
         signals = self._signals[: of.stop - of.start, : whole.stop - whole.start]
-        signals[:, at.start - whole.start : at.stop - whole.start] = signed_signals(
+        signals[:, times.start - whole.start : times.stop - whole.start] = signed_signals(
             self._criterion, block.stress
         )
         self._bound[of] = np.maximum(self._bound[of], block.bound)
-        if at.stop == whole.stop:
+        if times.stop == whole.stop:
             self._counted.add(of, signals, whole.start)
             self._highest[of] = np.maximum(self._highest[of], signals.max(axis=1))
             self._lowest[of] = np.minimum(self._lowest[of], signals.min(axis=1))
@@ -257,8 +273,9 @@ def recover_damage(
 
 def damage_between(curve: SNCurve, highest: Floats, lowest: Floats, survivals: Sequence[float]) -> Floats:
     """Damage (s, n) of one cycle between extremes (n,) in Pa; none where they are equal."""
-    amplitude, found = 0.5 * (highest - lowest), np.zeros((len(survivals), len(highest)))
+    amplitude = 0.5 * (highest - lowest)
+    damage = np.zeros((len(survivals), len(highest)))
     there = amplitude > 0.0
     mean = 0.5 * (highest + lowest)[there]
-    found[:, there] = curve.damage(amplitude[there], mean, survivals)
-    return found
+    damage[:, there] = curve.damage(amplitude[there], mean, survivals)
+    return damage

@@ -106,10 +106,12 @@ def growth(
     survival : float
         Portion of the material whose cracks grow more slowly.
     """
-    start, end = defect.size, defect.crack
+    start = defect.size
+    end = defect.crack
     opens = (high > 0.0) & (high > low) & (rate > 0.0)
-    low, high, rate = (np.broadcast_to(one, opens.shape)[opens] for one in (low, high, rate))
-    stress, ratio = high - low, low / high
+    low, high, rate = (np.broadcast_to(values, opens.shape)[opens] for values in (low, high, rate))
+    stress = high - low
+    ratio = low / high
     wakes = growing_size(defect.hardness, stress, ratio)
     if end <= start:
         return 0.0, start
@@ -117,25 +119,26 @@ def growth(
         return lasts, start
     stages = []  # exponent m, sizes at which cycles come or go, their speeds: d size / dt over size^(m / 2)
     for of_high_ratio in set((ratio >= HIGH_RATIO).tolist()):
-        own = (ratio >= HIGH_RATIO) == of_high_ratio
+        group = (ratio >= HIGH_RATIO) == of_high_ratio
         (slow, at_slow), (fast, at_fast) = growth_law(of_high_ratio, survival)
-        intensity = GEOMETRY * np.sqrt(np.pi) * stress[own]  # at 1 m
+        intensity = GEOMETRY * np.sqrt(np.pi) * stress[group]  # at 1 m
         turns = (at_fast / at_slow) ** (2.0 / (slow - fast)) / intensity**2
-        turns = np.maximum(turns, wakes[own])
-        each = DEPTHS * rate[own] * at_slow * intensity**slow
-        stages.append((slow, np.concatenate((wakes[own], turns)), np.concatenate((each, -each))))
-        stages.append((fast, turns, DEPTHS * rate[own] * at_fast * intensity**fast))
-    changes = np.concatenate([at for _, at, _ in stages])
+        turns = np.maximum(turns, wakes[group])
+        each = DEPTHS * rate[group] * at_slow * intensity**slow
+        stages.append((slow, np.concatenate((wakes[group], turns)), np.concatenate((each, -each))))
+        stages.append((fast, turns, DEPTHS * rate[group] * at_fast * intensity**fast))
+    changes = np.concatenate([steps for _, steps, _ in stages])
     inside = changes[(changes > start) & (changes < end)]
     edges = np.unique(np.concatenate((np.geomspace(start, end, SIZES), inside)))
     # two Gauss points of each part, in the logarithm of the size
-    middle, half = 0.5 * np.log(edges[1:] * edges[:-1]), 0.5 * np.log(edges[1:] / edges[:-1])
+    middle = 0.5 * np.log(edges[1:] * edges[:-1])
+    half = 0.5 * np.log(edges[1:] / edges[:-1])
     sizes = np.exp(middle + np.multiply.outer((-(3.0**-0.5), 3.0**-0.5), half))
     speed = np.zeros_like(sizes)
-    for exponent, at, each in stages:
-        order = np.argsort(at, kind="stable")
+    for exponent, steps, each in stages:
+        order = np.argsort(steps, kind="stable")
         sums = np.concatenate(([0.0], np.cumsum(each[order])))
-        speed += sums[at[order].searchsorted(sizes, "right")] * sizes ** (0.5 * exponent)
+        speed += sums[steps[order].searchsorted(sizes, "right")] * sizes ** (0.5 * exponent)
     until = np.concatenate(([0.0], np.cumsum((sizes / speed).sum(axis=0) * half)))
     if until[-1] <= lasts:
         return float(until[-1]), end
@@ -148,17 +151,23 @@ def defect_life(defect: Defect, curve: SNCurve, stages: Sequence[CycleStage], su
     The surface by Miner's rule with its curve, without a casting factor; the defect by growth. The curve's
     residual stress adds to both. Infinite if nothing ever cracks.
     """
-    time, damage = 0.0, 0.0
+    time = 0.0
+    damage = 0.0
     for begin, end, rate, lasts in stages:
-        low, high = np.minimum(begin, end), np.maximum(begin, end)
+        low = np.minimum(begin, end)
+        high = np.maximum(begin, end)
         moves = high > low
-        low, high, rate = low[moves], high[moves], np.broadcast_to(rate, moves.shape)[moves]
+        low = low[moves]
+        high = high[moves]
+        rate = np.broadcast_to(rate, moves.shape)[moves]
         speed = float(curve.damage(0.5 * (high - low), 0.5 * (high + low), (survival,))[0] @ rate)
         sound = (1.0 - damage) / speed if speed > 0.0 else np.inf
-        low, high = low + curve.residual_stress, high + curve.residual_stress
+        low = low + curve.residual_stress
+        high = high + curve.residual_stress
         spent, size = growth(defect, low, high, rate, survival, min(lasts, sound))
         time += spent
         if size >= defect.crack or sound <= lasts:
             break
-        damage, defect = damage + speed * spent, defect._replace(size=size)
+        damage = damage + speed * spent
+        defect = defect._replace(size=size)
     return time

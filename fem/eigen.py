@@ -34,7 +34,8 @@ def _orthonormal_in_mass(
         values, vectors = np.linalg.eigh(gram / np.outer(size, size))
         keep = values > 1e-13 * values[-1]
         turn = (vectors[:, keep] / np.sqrt(values[keep])) / size[:, None]
-        block, moved = block @ turn, moved @ turn
+        block = block @ turn
+        moved = moved @ turn
     return block, moved
 
 
@@ -87,7 +88,8 @@ def lowest_modes(
         solve = factorized(csr_array(stiffness + shift * mass) if shift else stiffness, backend)
     block = np.random.default_rng(SEED).standard_normal((n, BLOCK))
     capacity = 4 * count + 12 * BLOCK
-    basis, mass_basis = np.empty((n, capacity), order="F"), np.empty((n, capacity), order="F")
+    basis = np.empty((n, capacity), order="F")
+    mass_basis = np.empty((n, capacity), order="F")
     projected = np.zeros((capacity, capacity))
     block, moved = _orthonormal_in_mass(solve(mass @ block), mass, basis[:, :0], basis[:, :0])
     size = 0
@@ -96,7 +98,8 @@ def lowest_modes(
         if size + width > capacity:
             raise RuntimeError(f"{count} modes did not converge within a basis of {size} vectors")
         new = slice(size, size + width)
-        basis[:, new], mass_basis[:, new] = block, moved
+        basis[:, new] = block
+        mass_basis[:, new] = moved
         size += width
         image = solve(moved)
         overlap = mass_basis[:, :size].T @ image

@@ -53,7 +53,8 @@ class Material:
     @property
     def lame(self) -> tuple[float, float]:
         """Lame's parameters (lambda, mu) in Pa."""
-        e, nu = self.youngs_modulus, self.poissons_ratio
+        e = self.youngs_modulus
+        nu = self.poissons_ratio
         return e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))
 
 
@@ -100,7 +101,8 @@ def shape_gradients(mesh: Mesh, points: Floats) -> Floats:
 
 def _blocks_to_csr(mesh: Mesh, blocks: Floats) -> csr_array:
     """Sum element blocks (e, a, b, k, k) into a (k n, k n) matrix with k rows per node."""
-    n, k = len(mesh.nodes), blocks.shape[-1]
+    n = len(mesh.nodes)
+    k = blocks.shape[-1]
     nodes = mesh.elements
     keys = (nodes[:, :, None] * n + nodes[:, None, :]).ravel()
     pairs, place = np.unique(keys, return_inverse=True)

@@ -142,7 +142,8 @@ def write_load_deck(
     if soft:
         raise ValueError(f"interfaces must have rigid spiders, got others for {soft}")
     _check_balance(body, interfaces, forces, center_loads)
-    mesh, count = body.mesh, len(interfaces)
+    mesh = body.mesh
+    count = len(interfaces)
     n = len(mesh.nodes)
     centers = np.array([interface.center for interface in interfaces]).reshape(-1, 3)
     # CalculiX turns a rigid body by the displacements of a node of its own, Abaqus by its reference node

@@ -90,7 +90,8 @@ def recover_extremes(
     parts = [_of_segment(stress_modes, rows, chosen, tolerance) for rows in segments(q)]
     if not parts:
         raise ValueError("the history must have at least one row, got none")
-    whole, start = parts[0], 0
+    whole = parts[0]
+    start = 0
     for part in parts[1:]:
         start += SEGMENT
         better = part.greatest > whole.greatest
@@ -121,8 +122,13 @@ def _of_segment(
 def _keep_node_extremes(parts, squares, greatest, at, least, start):
     """Square lengths of components (k, 5, t) into (k, t), with the extremes of each node over time."""
     for k in range(squares.shape[0]):
-        a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
-        low, high = np.inf, -np.inf
+        a = parts[k, 0]
+        b = parts[k, 1]
+        c = parts[k, 2]
+        d = parts[k, 3]
+        e = parts[k, 4]
+        low = np.inf
+        high = -np.inf
         for t in range(squares.shape[1]):
             square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
             squares[k, t] = square
@@ -171,12 +177,13 @@ class VonMisesExtremes(Fold[Extremes]):
 
     def add(self, block: StressBlock) -> None:
         """Keep what is beyond the extremes so far."""
-        of, at = block.nodes, block.times
+        of = block.nodes
+        times = block.times
         squares = np.empty((block.stress.shape[0], block.stress.shape[2]))
         _keep_node_extremes(
-            block.stress, squares, self._greatest[of], self._rows[of], self._least[of], at.start
+            block.stress, squares, self._greatest[of], self._rows[of], self._least[of], times.start
         )
-        _keep_highest(squares, self._ranked[of], self._highest[at], self._places[at], of.start)
+        _keep_highest(squares, self._ranked[of], self._highest[times], self._places[times], of.start)
 
     def finish(self) -> Extremes:
         """Extremes in Pa."""
@@ -221,10 +228,15 @@ def _keep_likely(parts, bound, ranked, upper, least, node_upper, node_lower):
     """Bounds of a block: of its nodes in cells of times, and of its cells of nodes at each time."""
     lengths = np.empty(CELL, dtype=np.float32)
     for k in range(parts.shape[0]):
-        a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
+        a = parts[k, 0]
+        b = parts[k, 1]
+        c = parts[k, 2]
+        d = parts[k, 3]
+        e = parts[k, 4]
         off = bound[k]
         for first in range(0, parts.shape[2], CELL):
-            low, high = np.float32(np.inf), np.float32(0.0)
+            low = np.float32(np.inf)
+            high = np.float32(0.0)
             count = min(CELL, parts.shape[2] - first)
             for i in range(count):
                 t = first + i
@@ -232,7 +244,8 @@ def _keep_likely(parts, bound, ranked, upper, least, node_upper, node_lower):
                 lengths[i] = length
                 low = min(low, length)
                 high = max(high, length)
-            upper[k, first // CELL], least[k, first // CELL] = high + off, low
+            upper[k, first // CELL] = high + off
+            least[k, first // CELL] = low
             for i in range(count if ranked[k] else 0):
                 t = first + i
                 node_upper[k // CELL, t] = max(node_upper[k // CELL, t], lengths[i] + off)
@@ -249,7 +262,8 @@ class _LikelyExtremes(Fold[_Likely]):
 
     def start(self, nodes: Integers, times: int) -> None:
         """Begin without bounds."""
-        cells, single = -(-times // CELL), np.float32
+        cells = -(-times // CELL)
+        single = np.float32
         self._upper, self._least = (np.empty((len(nodes), cells), dtype=single) for _ in range(2))
         self._lower, self._bound = (np.zeros(len(nodes), dtype=single) for _ in range(2))
         self._node_upper = np.full((-(-len(nodes) // CELL), times), -np.inf, dtype=single)
@@ -257,12 +271,14 @@ class _LikelyExtremes(Fold[_Likely]):
 
     def add(self, block: StressBlock) -> None:
         """Add a block's bounds."""
-        of, at = block.nodes, block.times
-        cells = slice(at.start // CELL, -(-at.stop // CELL))
+        of = block.nodes
+        times = block.times
+        cells = slice(times.start // CELL, -(-times.stop // CELL))
         groups = slice(of.start // CELL, -(-of.stop // CELL))
         bound = block.bound.astype(np.float32)
         upper = self._upper[of, cells]
-        node_upper, node_lower = self._node_upper[groups, at], self._node_lower[at]
+        node_upper = self._node_upper[groups, times]
+        node_lower = self._node_lower[times]
         _keep_likely(
             block.stress, bound, self._ranked[of], upper, self._least[of, cells], node_upper, node_lower
         )
@@ -277,7 +293,12 @@ class _LikelyExtremes(Fold[_Likely]):
 @compiler(nogil=True, fastmath={"contract", "reassoc"})
 def _square(shapes, q):
     """Square of the von Mises stress of shapes (6, m) with coordinates (m,)."""
-    xx, yy, zz, xy, yz, xz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    xx = 0.0
+    yy = 0.0
+    zz = 0.0
+    xy = 0.0
+    yz = 0.0
+    xz = 0.0
     for k in range(len(q)):
         xx += shapes[0, k] * q[k]
         yy += shapes[1, k] * q[k]
@@ -296,7 +317,8 @@ def _search_times(stress_modes, q, nodes, cells, sense, best, at):
         for row in range(CELL * cell, min(CELL * (cell + 1), len(q))):
             square = sense * _square(stress_modes[node], q[row])
             if square > best[node]:
-                best[node], at[node] = square, row
+                best[node] = square
+                at[node] = row
 
 
 @compiler(nogil=True)
@@ -307,23 +329,29 @@ def _search_nodes(stress_modes, q, cells, rows, ranked, best, at, first):
             if ranked[node]:
                 square = _square(stress_modes[node], q[row])
                 if square > best[row]:
-                    best[row], at[row] = square, first + node
+                    best[row] = square
+                    at[row] = first + node
 
 
 def _recovered(stress_modes: Columns, q: Floats, likely: _Likely, ranked: NDArray[np.bool_]) -> Extremes:
     """Extremes at full rank, of all nodes and times that may hold them."""
     open_times, open_nodes = likely.open_cells()
-    n, t = len(stress_modes), len(q)
-    greatest, least, highest = np.full(n, -np.inf), np.full(n, -np.inf), np.full(t, -np.inf)
-    at, places = np.zeros(n, dtype=np.int64), np.zeros(t, dtype=np.int64)
+    n = len(stress_modes)
+    t = len(q)
+    greatest = np.full(n, -np.inf)
+    least = np.full(n, -np.inf)
+    highest = np.full(t, -np.inf)
+    instants = np.zeros(n, dtype=np.int64)
+    places = np.zeros(t, dtype=np.int64)
     rows = np.ascontiguousarray(q)
     lowest = likely.least.argmin(axis=1)
     for of in node_blocks(n):
         shapes = np.ascontiguousarray(stress_modes[of])
-        inside, first = np.arange(len(shapes)), of.start // CELL
-        _search_times(shapes, rows, *np.nonzero(open_times[of]), 1.0, greatest[of], at[of])
+        inside = np.arange(len(shapes))
+        first = of.start // CELL
+        _search_times(shapes, rows, *np.nonzero(open_times[of]), 1.0, greatest[of], instants[of])
         _search_times(shapes, rows, inside, lowest[of], -1.0, least[of], np.zeros_like(inside))
         cells = np.nonzero(open_nodes[first : -(-of.stop // CELL)])
         _search_nodes(shapes, rows, *cells, ranked[of], highest, places, of.start)
     bound = likely.bound.astype(float)
-    return Extremes(np.sqrt(greatest), at, np.sqrt(-least), np.sqrt(highest), places, bound)
+    return Extremes(np.sqrt(greatest), instants, np.sqrt(-least), np.sqrt(highest), places, bound)

@@ -122,8 +122,8 @@ class SNCurve:
 @lru_cache(maxsize=64)
 def _woehler_of(curve: SNCurve) -> WoehlerCurve:
     values = {"k_1": curve.slope, "ND": curve.knee, "SD": curve.strength, "TS": curve.scatter}
-    found = WoehlerCurve(pd.Series(values | {"failure_probability": 1.0 - curve.survival}))
-    return getattr(found, f"miner_{curve.miner}")()
+    woehler = WoehlerCurve(pd.Series(values | {"failure_probability": 1.0 - curve.survival}))
+    return getattr(woehler, f"miner_{curve.miner}")()
 
 
 @lru_cache(maxsize=64)
@@ -151,5 +151,5 @@ def check_survivals(survivals: Sequence[float]) -> None:
     ------
     ValueError
     """
-    if not survivals or not all(0.0 < one < 1.0 for one in survivals):
+    if not survivals or not all(0.0 < survival < 1.0 for survival in survivals):
         raise ValueError(f"survival must be inside (0, 1), got {list(survivals)}")

@@ -135,7 +135,8 @@ def static_fields(
     ValueError
         If there is no family, or one is not of this mesh and these interfaces.
     """
-    size, centers = reduced.modes.shape[0] * 3, 6 * len(reduced.interfaces)
+    size = reduced.modes.shape[0] * 3
+    centers = 6 * len(reduced.interfaces)
     if not families:
         raise ValueError("families must be at least one, got none")
     for name, family in families.items():
@@ -151,13 +152,13 @@ def static_fields(
     answered = work / (2.0 * np.pi * reduced.frequencies) ** 2
     rest = np.empty(forces.shape)
     for first in range(0, rest.shape[1], AT_ONCE):
-        at = slice(first, first + AT_ONCE)
-        whole = partition.static_response(forces[:, at].toarray(), at_centers[:, at])
-        rest[:, at] = whole - modes @ answered[at].T
+        columns = slice(first, first + AT_ONCE)
+        whole = partition.static_response(forces[:, columns].toarray(), at_centers[:, columns])
+        rest[:, columns] = whole - modes @ answered[columns].T
     energy = np.empty((rest.shape[1], rest.shape[1]))
     for first in range(0, rest.shape[1], AT_ONCE):
-        at = slice(first, first + AT_ONCE)
-        energy[:, at] = rest.T @ (partition.body.stiffness @ rest[:, at])
+        columns = slice(first, first + AT_ONCE)
+        energy[:, columns] = rest.T @ (partition.body.stiffness @ rest[:, columns])
     return StaticFields(
         {name: family.centers.shape[1] for name, family in families.items()},
         rest.reshape(-1, 3, rest.shape[1]),
@@ -238,7 +239,8 @@ def field_columns(
     into, out = _energy_root(fields.energy)
     values, directions = np.linalg.eigh(into @ moved @ into.T)
     directions = directions[:, ::-1][:, values[::-1] > NOISE * values[-1]]
-    turn, back = into.T @ directions, out @ directions
+    turn = into.T @ directions
+    back = out @ directions
     greatest = np.max([np.abs(history @ turn).max(axis=0, initial=0.0) for history in histories], axis=0)
     fewest = back.shape[1] if most is None else min(most, back.shape[1])
     nodes = len(fields.displacements)
@@ -247,13 +249,13 @@ def field_columns(
     lengths = np.empty((nodes, back.shape[1]))
     # of the directions beyond the most, memory holds some at a time
     for first in range(0, back.shape[1], AT_ONCE):
-        at = slice(first, first + AT_ONCE)
-        shapes = fields.displacements @ back[:, at]
+        columns = slice(first, first + AT_ONCE)
+        shapes = fields.displacements @ back[:, columns]
         of_shapes = body.stress(shapes)
-        lengths[:, at] = np.linalg.norm(DEVIATOR @ of_shapes, axis=1) * greatest[at]
+        lengths[:, columns] = np.linalg.norm(DEVIATOR @ of_shapes, axis=1) * greatest[columns]
         wanted = max(fewest - first, 0)
-        modes[:, :, at] = shapes[:, :, :wanted]
-        stress[:, :, at] = of_shapes[:, :, :wanted]
+        modes[:, :, columns] = shapes[:, :, :wanted]
+        stress[:, :, columns] = of_shapes[:, :, :wanted]
     bounds = np.append(np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1].max(axis=0, initial=0.0), 0.0)
     rank = min(int(np.flatnonzero(bounds <= tolerance)[0]), fewest)
     return FieldColumns(
@@ -268,6 +270,7 @@ def _energy_root(energy: Floats) -> tuple[Floats, Floats]:
     """Matrices (r, k), (k, r): from loads to coordinates of unit energy, from fields to their shapes."""
     scale = np.sqrt(np.maximum(np.diag(energy), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(energy / np.outer(scale, scale))
-    kept = values > NOISE * values[-1]
-    values, vectors = values[kept], vectors[:, kept]
+    mask = values > NOISE * values[-1]
+    values = values[mask]
+    vectors = vectors[:, mask]
     return np.sqrt(values)[:, None] * (vectors * scale[:, None]).T, vectors / scale[:, None] / np.sqrt(values)

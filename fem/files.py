@@ -56,7 +56,8 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
                 entry.create_dataset(name, data=array, compression="gzip")
         for number, interface in enumerate(body.interfaces):
             entry = file.create_group(f"interfaces/{number:03d}")
-            entry.attrs["name"], entry.attrs["spider"] = interface.name, interface.spider
+            entry.attrs["name"] = interface.name
+            entry.attrs["spider"] = interface.spider
             entry["center"] = interface.center
             write_rows(entry, "nodes", interface.nodes)
 
@@ -155,13 +156,13 @@ def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) ->
     if digest is not None and file.attrs["digest"] != digest:
         raise StaleCacheError(f"{path} must be made with this mesh and these parameters, got others")
     stored = file["mesh"]
-    own = mesh or Mesh(
+    body_mesh = mesh or Mesh(
         stored["nodes"][()],
         stored["elements"][()],
         {name: data[()] for name, data in stored["surfaces"].items()},
     )
     body = ReducedBody(
-        mesh=own,
+        mesh=body_mesh,
         material=Material(**json.loads(file.attrs["material"])),
         interfaces=tuple(
             Interface(

@@ -79,9 +79,9 @@ def read_whole(path: Path, kind: str, read: Callable[[h5py.File], Read]) -> Read
         raise ValueError(f"{path} must be an HDF5 file, got: {error}") from error
     try:
         with file:
-            found = file.attrs.get(KIND)
-            if found != kind:
-                raise ValueError(f"{path} must be a {kind!r} file, got {found!r}")
+            stored_kind = file.attrs.get(KIND)
+            if stored_kind != kind:
+                raise ValueError(f"{path} must be a {kind!r} file, got {stored_kind!r}")
             return read(file)
     except (OSError, KeyError, TypeError, RuntimeError) as error:
         raise ValueError(f"{path} must be whole, got a broken file: {error}") from error

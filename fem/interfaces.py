@@ -84,7 +84,8 @@ def check_interfaces(mesh: Mesh, interfaces: Sequence[Interface]) -> None:
         raise ValueError(f"names of interfaces must be different, got {double} twice")
     owner: dict[int, str] = {}
     for interface in interfaces:
-        nodes, name = interface.nodes, interface.name
+        nodes = interface.nodes
+        name = interface.name
         if nodes[0] < 0 or nodes[-1] >= len(mesh.nodes):
             raise ValueError(
                 f"interface {name!r}: nodes must lie in 0..{len(mesh.nodes) - 1}, got {nodes[0]}..{nodes[-1]}"
@@ -184,11 +185,12 @@ def spider_transformation(mesh: Mesh, interfaces: Sequence[Interface]) -> tuple[
             continue
         rows = averaging_rows(positions, np.ones(len(positions)), interface.center)
         _, _, order = scipy.linalg.qr(rows, mode="economic", pivoting=True)
-        dependent, kept = np.sort(order[:6]), np.sort(order[6:])
+        dependent = np.sort(order[:6])
+        independent = np.sort(order[6:])
         free[dofs[dependent]] = False
         inverse = np.asarray(np.linalg.inv(rows[:, dependent]), dtype=np.float64)
         columns.append((dofs[dependent], inverse))
-        parts.append((dofs[dependent], dofs[kept], -inverse @ rows[:, kept]))
+        parts.append((dofs[dependent], dofs[independent], -inverse @ rows[:, independent]))
     tq = [
         coo_array(
             (block.ravel(), (np.repeat(dofs, 6), np.tile(np.arange(6), len(dofs)))),

@@ -50,8 +50,8 @@ def interrupts_remembered() -> Iterator[Callable[[], None]]:
             raise KeyboardInterrupt
 
     in_main = threading.current_thread() is threading.main_thread()
-    both = (signal.SIGINT, signal.SIGTERM) if in_main else ()
-    usual = [number for number in both if signal.getsignal(number) is signal.default_int_handler]
+    numbers = (signal.SIGINT, signal.SIGTERM) if in_main else ()
+    usual = [number for number in numbers if signal.getsignal(number) is signal.default_int_handler]
     for number in usual:
         signal.signal(number, interrupt)
     try:

@@ -103,7 +103,7 @@ class PathStress(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """What a path does under such contacts, in words."""
+        """Say what a path does under such contacts."""
         if self.to_yield >= 1.0:
             return "elastic"
         return "shakes down" if self.to_shakedown >= 1.0 else "ratchets"
@@ -135,7 +135,8 @@ def path_stress(
     Residual stresses xx and yy may be any at a depth. Then stresses shake down if all of them, over places
     and times, lie in a ball of radius k = yield / sqrt(3) in the space of deviators (Melan).
     """
-    size, k = float(contact.pressure), yield_strength / np.sqrt(3.0)
+    size = float(contact.pressure)
+    k = yield_strength / np.sqrt(3.0)
     xx, yy, zz, xz = np.moveaxis(size * stress_below(PLACES, DEPTHS[:, None], poisson), -1, 0)
     others = np.zeros((1, 3)) if beside is None else np.atleast_2d(beside)
     here = _deviators(xx + others[0, 0], yy + others[0, 1], zz, np.full_like(xx, others[0, 2]), xz)
@@ -144,11 +145,11 @@ def path_stress(
     none = np.zeros(len(away))
     rest = _deviators(away[:, 0], away[:, 1], none, away[:, 2], none)
     shear = np.hypot(0.5 * (xx - zz), xz)
-    at = int(shear.max(axis=1).argmax())
+    row = int(shear.max(axis=1).argmax())
     points = np.concatenate((here, np.broadcast_to(rest, (len(DEPTHS), *rest.shape))), axis=1)
     return PathStress(
         float(shear.max()),
-        float(DEPTHS[at] * contact.half_width),
+        float(DEPTHS[row] * contact.half_width),
         float(k / np.linalg.norm(here, axis=-1).max()),
         float(k / _ball_radius(points).max()),
     )
@@ -159,7 +160,8 @@ def _deviators(xx: Floats, yy: Floats, zz: Floats, xy: Floats, xz: Floats) -> Fl
 
     The first two can be moved by residual stresses xx and yy.
     """
-    first, second = 0.5 * (xx - yy), (xx + yy - 2.0 * zz) / np.sqrt(12.0)
+    first = 0.5 * (xx - yy)
+    second = (xx + yy - 2.0 * zz) / np.sqrt(12.0)
     return np.stack((first, second, xy, xz), axis=-1)
 
 

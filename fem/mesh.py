@@ -131,7 +131,8 @@ class Mesh:
         self._check()
 
     def _check(self) -> None:
-        nodes, elements = self.nodes, self.elements
+        nodes = self.nodes
+        elements = self.elements
         if nodes.ndim != 2 or nodes.shape[1] != 3 or elements.ndim != 2:
             raise MeshError(
                 f"nodes must be (n, 3) and elements (m, 4 or 10), got {nodes.shape} and {elements.shape}"
@@ -187,7 +188,8 @@ class Mesh:
         )
 
     def _check_connection(self) -> None:
-        corners, count = self.elements[:, :4], len(self.nodes)
+        corners = self.elements[:, :4]
+        count = len(self.nodes)
         links = coo_array(
             (
                 np.ones(3 * len(corners), dtype=np.int8),

@@ -122,7 +122,8 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
     ValueError
         If the nodes leave a part of the rectangle out.
     """
-    low, high = footprint[[0, 2]], footprint[[1, 3]]
+    low = footprint[[0, 2]]
+    high = footprint[[1, 3]]
     counts = np.maximum(np.ceil((high - low) / CELL).astype(int), 1)
     cell = (high - low) / counts
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell[k] for k in range(2))
@@ -148,8 +149,10 @@ def mean_rows(corner, cell, integral, rectangle, out):
     """
     out.fill(0.0)
     x0, x1, y0, y1 = rectangle
-    columns, rows = integral.shape[0] - 1, integral.shape[1] - 1
-    width_x, width_y = columns * cell[0], rows * cell[1]
+    columns = integral.shape[0] - 1
+    rows = integral.shape[1] - 1
+    width_x = columns * cell[0]
+    width_y = rows * cell[1]
     x0 = min(max(x0 - corner[0], 0.0), width_x)
     x1 = min(max(x1 - corner[0], 0.0), width_x)
     y0 = min(max(y0 - corner[1], 0.0), width_y)

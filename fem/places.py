@@ -55,7 +55,8 @@ class FlatRectangle:
     high: Floats
 
     def __post_init__(self) -> None:
-        low, high = np.asarray(self.low, dtype=float), np.asarray(self.high, dtype=float)
+        low = np.asarray(self.low, dtype=float)
+        high = np.asarray(self.high, dtype=float)
         if low.shape != (2,) or high.shape != (2,) or not (high > low).all():
             raise ValueError(f"low must be below high in x and y, got {self.low} and {self.high}")
         object.__setattr__(self, "low", low)
@@ -109,7 +110,7 @@ class FlatRectangle:
         points = np.clip(np.column_stack((x, y)), self.low + margin, self.high - margin)
         try:
             parts = [points[first : first + AT_ONCE] for first in range(0, len(points), AT_ONCE)]
-            found = vstack([csr_array(basis.probes(part.T)) for part in parts])
+            probes = vstack([csr_array(basis.probes(part.T)) for part in parts])
         except ValueError as error:
             raise ValueError(
                 f"surface {self.surface!r} must cover x {self.low[0]:g}..{self.high[0]:g}, "
@@ -118,7 +119,7 @@ class FlatRectangle:
         spread = csr_array(
             (np.ones(len(nodes)), (np.arange(len(nodes)), nodes)), shape=(len(nodes), len(self.mesh.nodes))
         )
-        return csr_array(found @ spread)
+        return csr_array(probes @ spread)
 
 
 def flat_parts(mesh: Mesh, surface: str) -> list[FlatRectangle]:
@@ -126,7 +127,8 @@ def flat_parts(mesh: Mesh, surface: str) -> list[FlatRectangle]:
 
     Errors are those of `FlatRectangle`.
     """
-    open_, parts = mesh.surface(surface), []
+    open_ = mesh.surface(surface)
+    parts = []
     while len(open_):
         part = faces_joined_to(open_, open_[:1])
         corners = mesh.nodes[part.ravel(), :2]
@@ -142,8 +144,8 @@ def _points(edges: Floats) -> tuple[Floats, Floats]:
     ]
     low = np.concatenate([cell[:-1] for cell in cells])
     width = np.concatenate([np.diff(cell) for cell in cells])
-    at, weights = np.polynomial.legendre.leggauss(GAUSS)
-    return (low[:, None] + 0.5 * width[:, None] * (1.0 + at)).ravel(), np.outer(width, 0.5 * weights).ravel()
+    xi, weights = np.polynomial.legendre.leggauss(GAUSS)
+    return (low[:, None] + 0.5 * width[:, None] * (1.0 + xi)).ravel(), np.outer(width, 0.5 * weights).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,9 +211,11 @@ class PressureGrid:
         """
         shares = []
         for axis, hats in enumerate(self._hats):
-            first, last = self.rectangle.low[axis], self.rectangle.high[axis]
+            first = self.rectangle.low[axis]
+            last = self.rectangle.high[axis]
             a, b = np.clip(low[:, axis], first, last), np.clip(high[:, axis], first, last)
-            whole, width = hats.antiderivative(), (b - a)[:, None]
+            whole = hats.antiderivative()
+            width = (b - a)[:, None]
             line = width <= INSIDE * (last - first)
             means = np.where(line, hats(a), (whole(b) - whole(a)) / np.where(line, 1.0, width))
             x, weights = _points(hats.t[1:-1])
@@ -274,7 +278,8 @@ class Stations:
         ValueError
             If an x lies beyond the ends.
         """
-        low, high = self.rectangle.low, self.rectangle.high
+        low = self.rectangle.low
+        high = self.rectangle.high
         x = np.atleast_1d(np.asarray(x, dtype=float))
         if not ((x >= low[0]) & (x <= high[0])).all():
             raise ValueError(f"x must lie in {low[0]:g}..{high[0]:g} m, got {x.min():g}..{x.max():g}")
@@ -312,7 +317,8 @@ class Stations:
         ValueError
             If a force acts beyond the ends.
         """
-        first, last = self.rectangle.low[0], self.rectangle.high[0]
+        first = self.rectangle.low[0]
+        last = self.rectangle.high[0]
         acting = np.asarray(forces).any(axis=1)
         beyond = acting & ~((x >= first) & (x <= last))
         if beyond.any():

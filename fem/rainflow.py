@@ -68,7 +68,8 @@ class CycleCounter:
 
     def add(self, number: int, signal: Floats, start: int) -> Cycles:
         """Cycles that the next values (t,) of a history close, of which `start` is the first's row."""
-        values, rows = np.empty(len(signal)), np.empty(len(signal), dtype=np.int64)
+        values = np.empty(len(signal))
+        rows = np.empty(len(signal), dtype=np.int64)
         state = self._sense[number], self._values[number], self._rows[number]
         count = _reversals(signal, start, 2.0 * self._amplitude, *state, values, rows)
         return self._closed(number, values[:count], rows[:count]) if count else NO_CYCLES
@@ -85,15 +86,17 @@ class CycleCounter:
 
     def _closed(self, number: int, values: Floats, rows: Integers) -> Cycles:
         """Cycles that further reversals of a history close."""
-        values, rows = (np.concatenate(both) for both in zip(self._open[number], (values, rows), strict=True))
+        values, rows = (np.concatenate(pair) for pair in zip(self._open[number], (values, rows), strict=True))
         if len(values) < 4:
             self._open[number] = values, rows
             return NO_CYCLES
         counted = FourPointDetector(FullRecorder()).process(values)
-        found, left = counted.recorder, counted.residual_index.astype(np.int64)
+        loops = counted.recorder
+        left = counted.residual_index.astype(np.int64)
         self._open[number] = values[left], rows[left]
-        begin, end = found.index_from.astype(np.int64), found.index_to.astype(np.int64)
-        return Cycles(found.values_from, found.values_to, rows[begin], rows[end]).larger_than(self._amplitude)
+        begin = loops.index_from.astype(np.int64)
+        end = loops.index_to.astype(np.int64)
+        return Cycles(loops.values_from, loops.values_to, rows[begin], rows[end]).larger_than(self._amplitude)
 
 
 @compiler(nogil=True)
@@ -107,13 +110,17 @@ def _reversals(signal, start, least, sense, extremes, places, values, rows):
     for row in range(start, start + len(signal)):
         value = np.float64(signal[row - start])
         if row == 0 or value < extremes[0] or sense[0] > 0:
-            extremes[0], places[0] = value, row
+            extremes[0] = value
+            places[0] = row
         if row == 0 or value > extremes[1] or sense[0] < 0:
-            extremes[1], places[1] = value, row
+            extremes[1] = value
+            places[1] = row
         if extremes[1] - extremes[0] > least:
             past = 0 if places[0] < places[1] else 1
-            values[count], rows[count] = extremes[past], places[past]
-            count, sense[0] = count + 1, 1 - 2 * past
+            values[count] = extremes[past]
+            rows[count] = places[past]
+            count = count + 1
+            sense[0] = 1 - 2 * past
     return count
 
 

@@ -77,7 +77,8 @@ def full_rank(stress_modes: Columns, q: ModalHistory, components: Floats | None)
         return np.ascontiguousarray(combined)
 
     def checked() -> Iterator[Segment]:
-        start, modes = 0, stress_modes.shape[2]
+        start = 0
+        modes = stress_modes.shape[2]
         for rows in segments(q):
             if rows.shape[1] != modes:
                 raise ValueError(f"the history must have {modes} modal coordinates, got {rows.shape[1]}")
@@ -109,13 +110,17 @@ def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
     weights[weights == 0.0] = 1.0  # modes without stress
     squares = sum(block @ block.T for _, blocks, _ in exact.segments() for block in blocks)
     directions = np.linalg.eigh(squares * np.outer(weights, weights))[1][:, ::-1]
-    into, turn = directions.T * weights, directions / weights[:, None]
-    greatest, instant, length = np.zeros(len(weights)), np.zeros(len(weights)), 0.0
+    into = directions.T * weights
+    turn = directions / weights[:, None]
+    greatest = np.zeros(len(weights))
+    instant = np.zeros(len(weights))
+    length = 0.0
     for amplitudes in (into @ block for _, blocks, _ in exact.segments() for block in blocks):
         greatest = np.maximum(greatest, np.abs(amplitudes).max(axis=1))
         lengths = np.linalg.norm(amplitudes, axis=0)
         if lengths.max() > length:
-            instant, length = amplitudes[:, lengths.argmax()], lengths.max()
+            instant = amplitudes[:, lengths.argmax()]
+            length = lengths.max()
     lengths = np.empty((exact.nodes, len(weights)))
     singles = []
     highest = 0.0
@@ -134,8 +139,8 @@ def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
     def along() -> Iterator[Segment]:
         for start, blocks, _ in exact.segments():
             amplitudes = [into @ block for block in blocks]
-            most = np.stack([np.abs(one).max(axis=1) for one in amplitudes], axis=1)
-            few = [np.asfortranarray(one[:rank].astype(np.float32)) for one in amplitudes]
+            most = np.stack([np.abs(amplitude).max(axis=1) for amplitude in amplitudes], axis=1)
+            few = [np.asfortranarray(amplitude[:rank].astype(np.float32)) for amplitude in amplitudes]
             yield start, few, lengths @ (certainty[:, None] * most)
 
     return StressHistory(exact.nodes, lambda of: single[of], along)

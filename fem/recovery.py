@@ -48,8 +48,13 @@ class Peaks:
 def _keep_greatest_length(parts, values, indices, start):
     """Update squared maxima (k,) and their rows from components (k, 5, t); rows count from `start`."""
     for k in range(parts.shape[0]):
-        best, at = values[k], indices[k]
-        a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
+        best = values[k]
+        row = indices[k]
+        a = parts[k, 0]
+        b = parts[k, 1]
+        c = parts[k, 2]
+        d = parts[k, 3]
+        e = parts[k, 4]
         greatest = 0.0
         for t in range(parts.shape[2]):
             square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
@@ -58,8 +63,10 @@ def _keep_greatest_length(parts, values, indices, start):
             for t in range(parts.shape[2]):
                 square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
                 if square > best:
-                    best, at = square, start + t
-            values[k], indices[k] = best, at
+                    best = square
+                    row = start + t
+            values[k] = best
+            indices[k] = row
 
 
 class GreatestVonMises(Fold[Peaks]):
@@ -109,13 +116,14 @@ class GreatestOf(Fold[Peaks]):
 
     def add(self, block: StressBlock) -> None:
         """Update the most severe values."""
-        found = self._sense * evaluate(self._criterion, block.stress.transpose(0, 2, 1))
-        at = found.argmax(axis=1)
-        best = np.take_along_axis(found, at[:, None], axis=1)[:, 0]
-        values, rows = self._values[block.nodes], self._rows[block.nodes]
+        severity = self._sense * evaluate(self._criterion, block.stress.transpose(0, 2, 1))
+        instants = severity.argmax(axis=1)
+        best = np.take_along_axis(severity, instants[:, None], axis=1)[:, 0]
+        values = self._values[block.nodes]
+        rows = self._rows[block.nodes]
         better = best > values
         values[better] = best[better]
-        rows[better] = block.times.start + at[better]
+        rows[better] = block.times.start + instants[better]
 
     def finish(self) -> Peaks:
         """Peaks in Pa."""

@@ -191,8 +191,8 @@ class ReducedBody(Shapes):
         for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
             crosses = (y0 > y) != (y1 > y)
             with np.errstate(divide="ignore", invalid="ignore"):
-                at = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
-            inside ^= crosses & (x < at)
+                crossing = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+            inside ^= crosses & (x < crossing)
         return np.where(inside, self._weights_of(surface), 0.0)
 
     def _weights_of(self, surface: str) -> Floats:

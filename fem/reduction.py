@@ -280,7 +280,8 @@ def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequ
     ValueError
         If the body has fewer fixed-interface modes or lacks these loads, or modes of it were left out.
     """
-    most, loads = body.parameters["n_fixed_modes"], body.parameters["residual_loads"]
+    most = body.parameters["n_fixed_modes"]
+    loads = body.parameters["residual_loads"]
     if body.ritz.shape[1] == 0:
         raise ValueError("body must have all modes of its reduction, got one without some of them")
     if not 0 <= n_fixed_modes <= most:

@@ -14,7 +14,9 @@ from fem.mesh import Floats
 
 Backend = Literal["pardiso", "superlu"]
 SYMMETRIC_POSITIVE_DEFINITE = 2
-ANALYSE_AND_FACTORIZE, SOLVE, RELEASE = 12, 33, -1
+ANALYSE_AND_FACTORIZE = 12
+SOLVE = 33
+RELEASE = -1
 
 
 @cache

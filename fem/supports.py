@@ -44,25 +44,32 @@ def surface_points(mesh: Mesh, faces: Integers, apart: float) -> SurfacePoints:
     corners = mesh.nodes[faces[:, :3]]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     parts = np.maximum(1, np.ceil(edges / apart)).astype(int)
-    positions, areas, rows = [], [], []
+    positions = []
+    areas = []
+    rows = []
     for part in np.unique(parts).tolist():
-        i, j = (one.ravel() for one in np.meshgrid(np.arange(part), np.arange(part), indexing="ij"))
-        first, second = i + j < part, i + j < part - 1
+        i, j = (grid.ravel() for grid in np.meshgrid(np.arange(part), np.arange(part), indexing="ij"))
+        first = i + j < part
+        second = i + j < part - 1
         a, b = (np.concatenate((k[first] + 1 / 3, k[second] + 2 / 3)) / part for k in (i, j))
         values, slopes = triangle_shapes(np.column_stack((1.0 - a - b, a, b)), faces.shape[1])
-        own = faces[parts == part]
-        tangents = np.einsum("qas,kac->kqsc", slopes, mesh.nodes[own])
+        group = faces[parts == part]
+        tangents = np.einsum("qas,kac->kqsc", slopes, mesh.nodes[group])
         areas.append(0.5 * np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) / part**2)
-        positions.append(np.einsum("qa,kac->kqc", values, mesh.nodes[own]))
-        count = len(own) * len(values)
-        columns = np.repeat(own, len(values), axis=0)
-        place = (np.tile(values, (len(own), 1)).ravel(), columns.ravel(), np.arange(count + 1) * own.shape[1])
+        positions.append(np.einsum("qa,kac->kqc", values, mesh.nodes[group]))
+        count = len(group) * len(values)
+        columns = np.repeat(group, len(values), axis=0)
+        place = (
+            np.tile(values, (len(group), 1)).ravel(),
+            columns.ravel(),
+            np.arange(count + 1) * group.shape[1],
+        )
         rows.append((place, count))
     shapes = [csr_array(place, shape=(count, len(mesh.nodes))) for place, count in rows]
     joined = csr_array(vstack(shapes))
     return SurfacePoints(
-        np.concatenate([one.reshape(-1, 3) for one in positions]),
-        np.concatenate([one.ravel() for one in areas]),
+        np.concatenate([position.reshape(-1, 3) for position in positions]),
+        np.concatenate([area.ravel() for area in areas]),
         joined,
     )
 
@@ -82,7 +89,8 @@ class OneSidedBed:
     """
 
     def __init__(self, partition: Partition, points: SurfacePoints, counts: tuple[int, int]) -> None:
-        low, high = points.positions[:, :2].min(axis=0), points.positions[:, :2].max(axis=0)
+        low = points.positions[:, :2].min(axis=0)
+        high = points.positions[:, :2].max(axis=0)
         hats = [
             np.maximum(0.0, 1.0 - np.abs((x - a) / (b - a) * (n - 1) - np.arange(n)[:, None]))
             for x, a, b, n in zip(points.positions.T[:2], low, high, counts, strict=True)
@@ -124,7 +132,8 @@ class OneSidedBed:
         """
         load = np.concatenate((resultant[UPRIGHT], np.zeros(self._modes.shape[1])))
         self._check(load, stiffness > 0.0)
-        springs, elastic = stiffness * self.points.areas, np.r_[np.zeros(3), np.ones(self._modes.shape[1])]
+        springs = stiffness * self.points.areas
+        elastic = np.r_[np.zeros(3), np.ones(self._modes.shape[1])]
         scale = np.abs(load[:3]).max()
 
         def forces(q: Floats) -> Floats:
@@ -146,7 +155,9 @@ class OneSidedBed:
             rows = self._rows[pushed > 0.0]
             tangent = rows.T @ (springs[pushed > 0.0, None] * rows) + np.diag(elastic)
             tangent[range(3), range(3)] += 1e-9 * springs.sum()
-            step, size, before = np.linalg.solve(tangent, rest), 1.0, energy(q)
+            step = np.linalg.solve(tangent, rest)
+            size = 1.0
+            before = energy(q)
             slack = 1e-12 * abs(before)  # of rounding
             while size > 1e-6 and energy(q + size * step) > before - 1e-4 * size * (rest @ step) + slack:
                 size *= 0.5
@@ -157,16 +168,16 @@ class OneSidedBed:
         """Refuse loads that pull upward or whose resultant lies outside of the supported points."""
         if load[0] >= 0.0:
             raise ValueError(f"loads on springs must press downward, got {load[0]:.6g} N upward")
-        at = self._center + np.array([-load[2], load[1]]) / load[0]
+        point = self._center + np.array([-load[2], load[1]]) / load[0]
         try:
             edges = ConvexHull(self.points.positions[supported, :2]).equations
         except (QhullError, ValueError):
             edges = np.array([[0.0, 0.0, 1.0]])  # nothing supports
-        inside = bool((edges @ np.append(at, 1.0) < 0.0).all())
+        inside = bool((edges @ np.append(point, 1.0) < 0.0).all())
         if not inside:
             raise ValueError(
                 f"the resultant of the loads must lie inside of what supports the body, or it tips over, got "
-                f"x = {at[0]:.4g} m, y = {at[1]:.4g} m"
+                f"x = {point[0]:.4g} m, y = {point[1]:.4g} m"
             )
 
 

@@ -56,12 +56,13 @@ def faces_seen_from(mesh: Mesh, direction: Floats, least_cosine: float = LEAST_C
 
 
 def _covered(points: Floats, triangles: Floats, towards: Floats) -> np.ndarray:
-    """Whether each point (p, 3) has one of the triangles (t, 3, 3) before it in a unit direction (3,)."""
+    """True for each point (p, 3) with one of the triangles (t, 3, 3) before it in a unit direction (3,)."""
     covered = np.zeros(len(points), dtype=bool)
     if len(points) == 0 or len(triangles) == 0:
         return covered
     across = np.linalg.svd(towards[None])[2][1:].T
-    seen, flat = points @ across, triangles @ across
+    seen = points @ across
+    flat = triangles @ across
     centers = flat.mean(axis=1)
     radii = np.linalg.norm(flat - centers[:, None], axis=2).max(axis=1)
     near = cKDTree(seen).query_ball_point(centers, radii)
@@ -71,8 +72,8 @@ def _covered(points: Floats, triangles: Floats, towards: Floats) -> np.ndarray:
     shares = np.linalg.solve(sides[triangle], (seen[point] - flat[triangle, 0])[:, :, None])[:, :, 0]
     inside = (shares >= 0.0).all(axis=1) & (shares.sum(axis=1) <= 1.0)
     depths = triangles @ towards
-    at = depths[triangle, 0] + np.einsum("ps,ps->p", shares, depths[triangle, 1:] - depths[triangle, :1])
-    before = inside & (at > points[point] @ towards)
+    depth = depths[triangle, 0] + np.einsum("ps,ps->p", shares, depths[triangle, 1:] - depths[triangle, :1])
+    before = inside & (depth > points[point] @ towards)
     covered[point[before]] = True
     return covered
 

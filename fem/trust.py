@@ -159,12 +159,15 @@ def resolution_over(body: Shapes, q: ModalHistory) -> Resolution:
 
     The squares are those of the few fields that make nearly all of the history's stress.
     """
-    squares, times = np.zeros(2 * body.stress_modes.shape[2:]), 0
+    squares = np.zeros(2 * body.stress_modes.shape[2:])
+    times = 0
     for rows in segments(q):
-        squares, times = squares + rows.T @ rows, times + len(rows)
+        squares = squares + rows.T @ rows
+        times = times + len(rows)
     fields = _main_directions(body.stress_modes, squares / times)
     return reduce(
-        operator.add, (resolution(body.mesh, body.material, one) for one in body.displacement(fields))
+        operator.add,
+        (resolution(body.mesh, body.material, displacement) for displacement in body.displacement(fields)),
     )
 
 
@@ -196,8 +199,8 @@ def mesh_error(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
         over the elements of the node, e of averaged stress minus the elements' stress and s of the latter,
         taken as linear in an element.
     """
-    found = resolution(mesh, material, displacement)
-    return found.error * np.sqrt(found.size)
+    resolved = resolution(mesh, material, displacement)
+    return resolved.error * np.sqrt(resolved.size)
 
 
 def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: ArrayLike) -> NDArray[np.int8]:
@@ -213,10 +216,10 @@ def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: Ar
         Whether a rigid spider holds the node.
     """
     part = np.asarray(part, dtype=float)
-    found = np.searchsorted(np.array(GRADES), 100.0 * part)
-    found[(np.asarray(error) > MESH_LIMIT) | (np.asarray(jump) > JUMP_LIMIT)] = LIMITED
-    found[np.asarray(held, dtype=bool)] = HELD
-    return np.where(np.isnan(part), -1, found).astype(np.int8)
+    numbers = np.searchsorted(np.array(GRADES), 100.0 * part)
+    numbers[(np.asarray(error) > MESH_LIMIT) | (np.asarray(jump) > JUMP_LIMIT)] = LIMITED
+    numbers[np.asarray(held, dtype=bool)] = HELD
+    return np.where(np.isnan(part), -1, numbers).astype(np.int8)
 
 
 def verdict_words(numbers: ArrayLike, truncation_known: bool = True) -> list[str]:

@@ -63,8 +63,12 @@ def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
         if high.z - low.z > LEVEL:
             continue
         height = low.z + COM_HEIGHT
-        for name, at in (("underside", 0.0), ("roller path", shoe.path_height), (FLANGE, shoe.beam_height)):
-            if abs(height - at) < LEVEL:
+        for name, face_height in (
+            ("underside", 0.0),
+            ("roller path", shoe.path_height),
+            (FLANGE, shoe.beam_height),
+        ):
+            if abs(height - face_height) < LEVEL:
                 face.name = name
                 break
     wanted = ["underside", "roller path", FLANGE, *(f"bore {name}" for name in JOINT_CENTERS)]
@@ -123,14 +127,14 @@ def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes
     body = build_solid(occ, shoe)
     _name_faces(body, shoe)
     _set_sizes(body, resolution, shoe)
-    found = occ.OCCGeometry(body).GenerateMesh(
+    mesh = occ.OCCGeometry(body).GenerateMesh(
         maxh=resolution.elsewhere,
         grading=resolution.growth,
         curvaturesafety=resolution.on_curves,
         segmentsperedge=0.5,
     )
-    found.SecondOrder()
-    return _from_netgen(found)
+    mesh.SecondOrder()
+    return _from_netgen(mesh)
 
 
 def _from_netgen(found: Any) -> Mesh:
@@ -151,11 +155,14 @@ def main(given: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m meshes.build_shoe", description=(main.__doc__ or ""))
     parser.add_argument("file", type=Path, help="mesh to write, .msh or .msh.gz")
     parser.add_argument("--size", choices=SHOE_SIZES, default="study", help="how fine; study, if not given")
-    for one in dataclasses.fields(ShoeDimensions):
-        option = f"--{one.name.replace('_', '-')}"
-        parser.add_argument(option, type=float, metavar="M", default=one.default, help=f"m; {one.default}")
+    for field in dataclasses.fields(ShoeDimensions):
+        option = f"--{field.name.replace('_', '-')}"
+        parser.add_argument(
+            option, type=float, metavar="M", default=field.default, help=f"m; {field.default}"
+        )
     options = vars(parser.parse_args(given))
-    path, size = options.pop("file"), options.pop("size")
+    path = options.pop("file")
+    size = options.pop("size")
     try:
         mesh = mesh_shoe(ShoeDimensions(**options), size)
     except (ValueError, ModuleNotFoundError) as error:

@@ -49,7 +49,8 @@ def draw_surface(
             linewidths=0.2,
         )
     )
-    low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
+    low = mesh.nodes.min(axis=0)
+    high = mesh.nodes.max(axis=0)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     ax.set_box_aspect(tuple(high - low), zoom=1.25)
     ax.set(xlabel="x", zlabel="z (m)")

@@ -55,13 +55,13 @@ def with_load_surfaces(mesh: Mesh) -> Mesh:
     if "top" not in mesh.surfaces:
         return mesh
     top = mesh.surface("top")
-    found = {
+    surfaces = {
         "rails": mesh.surfaces["roller path"] if "roller path" in mesh.surfaces else _highest(mesh, top),
         "plateau": top,
         "whole top": _whole_top(mesh, top),
     }
     return mesh.with_surfaces(
-        {name: faces for name, faces in found.items() if len(faces) and name not in mesh.surfaces}
+        {name: faces for name, faces in surfaces.items() if len(faces) and name not in mesh.surfaces}
     )
 
 

@@ -63,7 +63,7 @@ def rail_outline(mesh: Mesh) -> RailOutline:
         places = mesh.nodes[nodes]
         boxes.append((places.min(axis=0), places.max(axis=0)))
     (low, high), (left_low, left_high) = boxes
-    sizes = np.array([np.delete(both, 1) for both in (low, high, left_low, left_high)])
+    sizes = np.array([np.delete(corner, 1) for corner in (low, high, left_low, left_high)])
     width = high[1] - low[1]
     uneven = np.ptp(sizes[:, 1]) > LEVEL or np.ptp(sizes[::2, 0]) > LEVEL or np.ptp(sizes[1::2, 0]) > LEVEL
     if uneven or abs(left_high[1] - left_low[1] - width) > LEVEL:

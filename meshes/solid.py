@@ -55,7 +55,8 @@ def _lug(
     inside = root_x - sense * 0.08
 
     def flared(half: float, fillet: float, at: Any, tail: list[tuple]) -> Any:
-        upper, lower = half + fillet, -half - fillet
+        upper = half + fillet
+        lower = -half - fillet
         flare = root_x + sense * fillet
         return _outline(
             occ,
@@ -69,7 +70,8 @@ def _lug(
             ],
         )
 
-    tall, wide = radius + 2 * edge_fillet, width + 4 * side_fillet
+    tall = radius + 2 * edge_fillet
+    wide = width + 4 * side_fillet
     flare = root_x + sense * side_fillet
     end = x + sense * 2 * radius
 
@@ -131,7 +133,8 @@ def _throat_cutter(occ: Any, pin: Point, width: float, radius: float, fillet: fl
 
 def _beam(occ: Any, shoe: ShoeDimensions) -> Any:
     """Cross beam with wings that taper in height and in length: its front view and its plan."""
-    half, plateau = shoe.width / 2, shoe.plateau_half_width
+    half = shoe.width / 2
+    plateau = shoe.plateau_half_width
     rear = shoe.beam_center_x - shoe.beam_length / 2
 
     def in_front_view(y: float, height: float) -> Point:
@@ -148,7 +151,8 @@ def _beam(occ: Any, shoe: ShoeDimensions) -> Any:
         in_front_view(-plateau, shoe.beam_height),
         in_front_view(-half, shoe.wing_tip_height_right),
     ]
-    tip, middle = shoe.wing_tip_length / 2, shoe.beam_length / 2
+    tip = shoe.wing_tip_length / 2
+    middle = shoe.beam_length / 2
     plan = [
         in_plan(-half, -tip),
         in_plan(-plateau, -middle),
@@ -167,8 +171,10 @@ def _beam(occ: Any, shoe: ShoeDimensions) -> Any:
 
 def _notch_cutter(occ: Any, y: float, half_width: float, depth_x: float, end_x: float, fillet: float) -> Any:
     """Upright slot about a lug with rounded inner corners, from depth_x to end_x."""
-    bottom, round_end = depth_x, depth_x + math.copysign(fillet, end_x)
-    h, inner = half_width, half_width - fillet
+    bottom = depth_x
+    round_end = depth_x + math.copysign(fillet, end_x)
+    h = half_width
+    inner = half_width - fillet
 
     def at(x: float, v: float) -> Point:
         return (x, y + v, 0.0)
@@ -189,7 +195,8 @@ def _notch_cutter(occ: Any, y: float, half_width: float, depth_x: float, end_x: 
 
 def _top_plate(occ: Any, shoe: ShoeDimensions) -> Any:
     """Upper flange of the cross beam, following the slope of the wings, notched at the lugs."""
-    half, plateau = shoe.width / 2, shoe.plateau_half_width
+    half = shoe.width / 2
+    plateau = shoe.plateau_half_width
     rear = shoe.beam_center_x - shoe.top_length / 2
     top = [
         (-half, shoe.wing_tip_height_right),
@@ -203,9 +210,11 @@ def _top_plate(occ: Any, shoe: ShoeDimensions) -> Any:
     for name, (x, y, _) in JOINT_CENTERS.items():
         front = name.startswith("front")
         if front:
-            depth, half_width = shoe.front_face, shoe.fork_width / 2 + shoe.front_notch_margin
+            depth = shoe.front_face
+            half_width = shoe.fork_width / 2 + shoe.front_notch_margin
         else:
-            depth, half_width = shoe.rear_face, shoe.rear_lug_width / 2 + shoe.rear_notch_margin
+            depth = shoe.rear_face
+            half_width = shoe.rear_lug_width / 2 + shoe.rear_notch_margin
         flange -= _notch_cutter(occ, y, half_width, depth, 2 * x, shoe.notch_fillet)
     return flange
 
@@ -213,9 +222,11 @@ def _top_plate(occ: Any, shoe: ShoeDimensions) -> Any:
 def _rail(occ: Any, shoe: ShoeDimensions, side: float) -> Any:
     """Rail on one side (1 left, -1 right), and the block that it stands on, from the underside up."""
     rear, front = (shoe.beam_center_x + end * shoe.top_length / 2 for end in (-1.0, 1.0))
-    y, base = side * shoe.rail_center_y, -COM_HEIGHT
+    y = side * shoe.rail_center_y
+    base = -COM_HEIGHT
     across = (y - shoe.rail_width / 2, y + shoe.rail_width / 2)
-    top, over = base + shoe.path_height, shoe.rail_overhang
+    top = base + shoe.path_height
+    over = shoe.rail_overhang
     block = _box(occ, (rear + over, front - over), across, (base, top))
     if over == 0.0:
         return block
@@ -224,7 +235,8 @@ def _rail(occ: Any, shoe: ShoeDimensions, side: float) -> Any:
 
 def _cores(occ: Any, shoe: ShoeDimensions) -> Iterator[Any]:
     """Pockets of the beam: one below each rail, one between them, two beside each as far as the plateau."""
-    wall, base = shoe.core_wall, -COM_HEIGHT
+    wall = shoe.core_wall
+    base = -COM_HEIGHT
     edges = [shoe.rail_center_y + side * shoe.rail_width / 2 for side in (-1.0, 1.0)]
     edges += [0.5 * (edges[1] + shoe.plateau_half_width), shoe.plateau_half_width]
     walls = [*(-y for y in reversed(edges)), *edges]

@@ -41,7 +41,8 @@ class _Motion:
         self.origin, self.velocity, self.acceleration, self.omega, self.alpha = motion
         self.axes = rotation_matrices(history.dataset[f"{prefix}angles"].values)
         self.center = _times(self.axes, np.asarray(center))
-        self.mass, self.inertia = np.asarray(mass), inertia
+        self.mass = np.asarray(mass)
+        self.inertia = inertia
 
     def momentum_rates(self) -> tuple[np.ndarray, np.ndarray]:
         """Rates of momentum (N) and of angular momentum about the origin (N m): arrays (..., 3)."""
@@ -60,8 +61,8 @@ class _Motion:
 
     def velocity_at(self, points: np.ndarray, shoe: int = 0) -> np.ndarray:
         """Velocity (times, 3) of a shoe, or of the side frame, at points (times, 3), m/s."""
-        at = (slice(None), shoe - 1) if shoe else slice(None)
-        return self.velocity[at] + np.cross(self.omega[at], points - self.origin[at])
+        rows = (slice(None), shoe - 1) if shoe else slice(None)
+        return self.velocity[rows] + np.cross(self.omega[rows], points - self.origin[rows])
 
     def powers(self, loads: Iterable[acting.Action]) -> Mapping[Kind, np.ndarray]:
         """Power (times,) of actions by their kind, W; zero of others."""
@@ -77,7 +78,8 @@ def _shoes(history: History) -> _Motion:
     """Motion of the shoes; of a flexible one that of its frame, with the mass of its mesh."""
     case = history.case
     masses = [acting.shoe_mass(case, shoe) for shoe in case.track.shoes.tolist()]
-    mass, center = [one.mass for one in masses], [one.center for one in masses]
+    mass = [shoe.mass for shoe in masses]
+    center = [shoe.center for shoe in masses]
     return _Motion(history, "", mass, center, case.shoe.inertia_tensor)
 
 
@@ -97,18 +99,25 @@ def _side_frame(history: History) -> _Motion:
 
 def _of_tracks(history: History, name: str) -> np.ndarray:
     """A quantity of tumblers or idlers: array (tracks, times, ...)."""
-    one = history.dataset[name]
-    return (one if "track" in one.dims else one.expand_dims("track")).transpose("track", "time", ...).values
+    array = history.dataset[name]
+    return (
+        (array if "track" in array.dims else array.expand_dims("track"))
+        .transpose("track", "time", ...)
+        .values
+    )
 
 
 def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
     """Motions of tumblers, which turn in their side frame, then of idlers that slide along it."""
-    case, time = history.case, history.time.values
+    case = history.case
+    time = history.time.values
     if not case.gear.tumblers:
         return
     closed = case.closed_gear()
-    places, take_up = _of_tracks(history, "tumbler_position"), _of_tracks(history, "take_up")
-    inertia, still = inertia_tensor(closed.tumbler.inertia), np.zeros_like(take_up)
+    places = _of_tracks(history, "tumbler_position")
+    take_up = _of_tracks(history, "take_up")
+    inertia = inertia_tensor(closed.tumbler.inertia)
+    still = np.zeros_like(take_up)
     angle = case.assembled.tumbler[4] + _of_tracks(history, "tumbler_angle")
     for place, *turn in zip(places, angle, _of_tracks(history, "tumbler_speed"), still, strict=True):
         yield _riding(frame, time, place, turn, closed.tumbler.mass, inertia)
@@ -134,8 +143,12 @@ def _riding(
 
     Its `own` are angle (rad) and speed (rad/s) about the y of the frame, and way along its x (m).
     """
-    body, arm, (angle, spin, way) = copy(frame), place - frame.origin, (one[:, None] for one in own)
-    ahead, axle, rate = frame.axes[..., 0], frame.axes[..., 1], _rate(way, time)
+    body = copy(frame)
+    arm = place - frame.origin
+    (angle, spin, way) = (series[:, None] for series in own)
+    ahead = frame.axes[..., 0]
+    axle = frame.axes[..., 1]
+    rate = _rate(way, time)
     body.velocity = frame.velocity_at(place) + rate * ahead
     swung = np.cross(frame.alpha, arm) + np.cross(
         frame.omega, np.cross(frame.omega, arm) + 2.0 * rate * ahead
@@ -145,7 +158,8 @@ def _riding(
     body.alpha = frame.alpha + _rate(spin, time) * axle + np.cross(frame.omega, spin * axle)
     body.axes = frame.axes @ rotation_matrices(angle * np.eye(3)[1])
     body.origin, body.center = place, np.zeros_like(place)
-    body.mass, body.inertia = np.asarray(mass), inertia
+    body.mass = np.asarray(mass)
+    body.inertia = inertia
     return body
 
 
@@ -165,7 +179,8 @@ def shoe_actions(history: History) -> xr.Dataset:
     forces = np.zeros((len(kinds), *position.shape))
     moments = np.zeros_like(forces)
     for action in loads:
-        source, shoe = kinds.index(action.kind), action.shoe - 1
+        source = kinds.index(action.kind)
+        shoe = action.shoe - 1
         forces[source, :, shoe] += action.force
         moments[source, :, shoe] += action.moment_about(position[:, shoe])
     return _of_shoes(history, forces, moments, source=[kind.value for kind in kinds])
@@ -219,29 +234,34 @@ def frame_imbalance(history: History) -> xr.Dataset:
     `sway` and `yaw`. In a closed track the frame is taken with its tumblers, and with idlers that slide, so
     that what acts between them is left out. ValueError if there is no side frame, or posts hold it.
     """
-    case, frame = history.case, _side_frame(history)
+    case = history.case
+    frame = _side_frame(history)
     force, moment = frame.momentum_rates()
     for body in _others(history, frame):
         rate, spin = body.momentum_rates()
         rate = rate - body.mass * case.gravity_vector()
-        force, moment = force + rate, moment + spin + np.cross(body.origin - frame.origin, rate)
+        force = force + rate
+        moment = moment + spin + np.cross(body.origin - frame.origin, rate)
     for action in frame_actions(history):
-        force, moment = force - action.force, moment - action.moment_about(frame.origin)
+        force = force - action.force
+        moment = moment - action.moment_about(frame.origin)
     angles = moments_on_angles(history.side_frame_angles.values, moment)
     forces = _over_time(history, "N", travel=force[:, 0], sway=force[:, 1], heave=force[:, 2])
     turned = _over_time(history, "N m", roll=angles[:, 0], pitch=angles[:, 1], yaw=angles[:, 2])
-    found = forces.assign(turned)
-    return found.drop_vars([FREEDOMS[held] for held in case.gear.holds])
+    imbalance = forces.assign(turned)
+    return imbalance.drop_vars([FREEDOMS[held] for held in case.gear.holds])
 
 
 def tumbler_imbalance(history: History) -> np.ndarray:
     """Rate of tumblers' spin about their axles less drive and teeth: (tracks, times), N m; zero as above."""
-    data, frame, left = history.dataset, _side_frame(history), []
+    data = history.dataset
+    frame = _side_frame(history)
+    left = []
     torques = _of_tracks(history, "drive_moment")
     shoes = np.split(np.arange(data.sizes["shoe"]), len(torques))
-    for body, torque, own in zip(_others(history, frame), torques, shoes, strict=False):
-        arm = data.position.values[:, own] - body.origin[:, None]
-        moment = data.tooth_moment.values[:, own] + np.cross(arm, data.tooth_force.values[:, own])
+    for body, torque, shoe in zip(_others(history, frame), torques, shoes, strict=False):
+        arm = data.position.values[:, shoe] - body.origin[:, None]
+        moment = data.tooth_moment.values[:, shoe] + np.cross(arm, data.tooth_force.values[:, shoe])
         spin = body.momentum_rates()[1] + moment.sum(axis=1)
         left.append(np.sum(spin * frame.axes[..., 1], axis=-1) - torque)
     return np.array(left)
@@ -258,11 +278,14 @@ def energies(history: History) -> xr.Dataset:
     shoes. ValueError for flexible shoes of an open track, or on cells.
     """
     _only_known(history)
-    case, gravity = history.case, history.case.gravity_vector()
-    kinetic, height = (one.sum(axis=1) for one in _shoes(history).energies(gravity))
+    case = history.case
+    gravity = history.case.gravity_vector()
+    kinetic, height = (energy.sum(axis=1) for energy in _shoes(history).energies(gravity))
     stored = {"kinetic": kinetic, "gravitational": height}
     if case.contact.model != "cells":
-        terrain, heave, tilt = case.unit_terrain(), history.unit_heave.values, history.unit_tilt.values
+        terrain = case.unit_terrain()
+        heave = history.unit_heave.values
+        tilt = history.unit_tilt.values
         kinetic += 0.5 * terrain.unit_mass * np.sum(history.unit_heave_rate.values**2, axis=1)
         tilting = terrain.unit_inertia[terrain.tilt_axis]
         kinetic += 0.5 * tilting * np.sum(history.unit_tilt_rate.values**2, axis=1)
@@ -271,12 +294,15 @@ def energies(history: History) -> xr.Dataset:
         stored["springs"] = springs + 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
     if case.frame_parts:
         side = _side_frame(history)
-        both = [motion.energies(gravity) for motion in (side, *_others(history, side))]
-        stored["frame_kinetic"], stored["frame_gravitational"] = (sum(one) for one in zip(*both, strict=True))
+        by_body = [motion.energies(gravity) for motion in (side, *_others(history, side))]
+        stored["frame_kinetic"], stored["frame_gravitational"] = (
+            sum(one) for one in zip(*by_body, strict=True)
+        )
     if history.has("tread_force"):
         stored["treads"], _, _ = _treads(history, case.rolled_gear(), side, _shoes(history))
     if history.has("wheel_energy"):
-        stored["treads"], stored["teeth"] = history.wheel_energy.values, history.tooth_energy.values
+        stored["treads"] = history.wheel_energy.values
+        stored["teeth"] = history.tooth_energy.values
         if (spring := case.closed_gear().idler.tensioner) is not None:
             push = spring.preload - spring.stiffness * _of_tracks(history, "take_up")
             stored["tensioners"] = 0.5 * np.sum(push**2, axis=0) / spring.stiffness
@@ -321,16 +347,18 @@ def powers(history: History) -> xr.Dataset:
 
 def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     """Powers that contact with units, and these, take (times,)."""
-    terrain, law = history.case.unit_terrain(), history.case.contact
+    terrain = history.case.unit_terrain()
+    law = history.case.contact
     if law.model != "pair":
         raise ValueError("powers need a history of contact.model 'pair' or 'cells', which say what they take")
-    depth, rate = history.penetration.values, history.penetration_rate.values
+    depth = history.penetration.values
+    rate = history.penetration_rate.values
     normal = np.linalg.norm(history.normal_force.values, axis=-1)
     elastic = law.stiffness * np.maximum(depth, 0.0) ** law.exponent
     part = np.clip(depth / law.damping_depth, 0.0, 1.0)
     damping = law.damping * rate * part**2 * (3.0 - 2.0 * part)
-    both = elastic + damping
-    share = np.divide(elastic, both, out=np.zeros_like(elastic), where=both > 0.0)
+    total = elastic + damping
+    share = np.divide(elastic, total, out=np.zeros_like(elastic), where=total > 0.0)
     pressed = normal * rate
     units = history.contact_unit.values - 1
     spin = shoes.omega[:, history.contact_shoe.values - 1].copy()
@@ -353,7 +381,8 @@ def _rolled_powers(
     """Powers about a side frame over rigid shoes, on whose pins the chain has a power (times,)."""
     motion = _side_frame(history)
     on_frame = motion.powers(frame_actions(history))
-    last, pins = history.case.track.shoe_count, middle_pins
+    last = history.case.track.shoe_count
+    pins = middle_pins
     front = shoes.velocity_at(pins(history, "front")[:, -1], last)
     tension = frame.end_tension * (front - shoes.velocity_at(pins(history, "rear")[:, 0], 1))[:, 0]
     _, resisted, damped = _treads(history, frame, motion, shoes)
@@ -367,12 +396,18 @@ def _rolled_powers(
 
 def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     """Powers about the gear of closed tracks."""
-    data, time, case, frame = history.dataset, history.time.values, history.case, _side_frame(history)
-    tumblers, count = list(_others(history, frame)), case.loop.shoe_count
+    data = history.dataset
+    time = history.time.values
+    case = history.case
+    frame = _side_frame(history)
+    tumblers = list(_others(history, frame))
+    count = case.loop.shoe_count
     taken = {}
-    wheels, teeth = ([frame] * len(tumblers), "wheel_load"), (tumblers, "tooth_force")
+    wheels = ([frame] * len(tumblers), "wheel_load")
+    teeth = (tumblers, "tooth_force")
     for kind, (carriers, stored) in ((Kind.WHEEL, wheels), (Kind.TOOTH, teeth)):
-        force, moment = data[stored].values, data[f"{kind}_moment"].values
+        force = data[stored].values
+        moment = data[f"{kind}_moment"].values
         lost = -np.gradient(data[f"{kind}_energy"].values, time)
         for shoe in range(data.sizes["shoe"]):
             gear = carriers[shoe // count]
@@ -396,7 +431,8 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
 
 def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
     """Power that damping of modes takes (times,), W; takes what bends off the losses of wheels and teeth."""
-    flexible, units = history.case.flexible_shoes(), unit_loads(history.case)
+    flexible = history.case.flexible_shoes()
+    units = unit_loads(history.case)
     rates = 4.0 * np.pi * history.frequency.values * flexible.damping.value(history.frequency.values)
     for shoe in flexible.shoes:
         velocity = history.modal_velocity.sel(flexible_shoe=shoe).values
@@ -415,17 +451,22 @@ def _treads(
     energy, resisted, damped = np.zeros((3, history.time.size))
     rails = history.case.shoe.rails
     middles = () if rails is None else rails.middles
-    stiffness, power = frame.stiffness / frame.strips, frame.exponent + 1.0
-    on_rails = ((one, one.entry) for one in acting.actions(history) if isinstance(one.entry, acting.OnRail))
+    stiffness = frame.stiffness / frame.strips
+    power = frame.exponent + 1.0
+    on_rails = (
+        (load, load.entry) for load in acting.actions(history) if isinstance(load.entry, acting.OnRail)
+    )
     for action, entry in on_rails:
         rail, strip = divmod(entry.line, frame.strips)
         place = (frame.rollers[entry.roller], middles[rail] + frame.strip_places[strip], 0.0)
         away = motion.origin + motion.axes @ np.array(place) - action.point
         distance = np.linalg.norm(away, axis=1, keepdims=True)
-        normal, force = away / distance, -action.force
+        normal = away / distance
+        force = -action.force
         depth = np.where(force.any(axis=1), frame.radius - distance[:, 0], 0.0).clip(0.0)
         slip = motion.velocity_at(action.point) - shoes.velocity_at(action.point, action.shoe)
-        pressed, rate = np.sum(force * normal, axis=1), -np.sum(normal * slip, axis=1)
+        pressed = np.sum(force * normal, axis=1)
+        rate = -np.sum(normal * slip, axis=1)
         energy += stiffness / power * depth**power
         damped += (pressed - stiffness * depth**frame.exponent) * rate
         resisted -= np.sum(force * slip, axis=1) + pressed * rate
@@ -464,7 +505,8 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
     case = history.case
     if not case.frame_parts or case.gear.holds == POSTS:
         raise ValueError(f"{case.name!r} must have a side frame that no posts hold")
-    origin, turn = history.side_frame_position.values, rotation_matrices(history.side_frame_angles.values)
+    origin = history.side_frame_position.values
+    turn = rotation_matrices(history.side_frame_angles.values)
     zero = np.zeros_like(origin)
     for part in case.frame_parts:
         weight = zero + part.mass * case.gravity_vector()
@@ -477,7 +519,8 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
             for action in acting.wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
                 yield replace(action, shoe=0, force=-action.force, moment=-action.moment)
         return
-    pulls, pins = acting.drive_pulls(history), middle_pins(history, "front")
+    pulls = acting.drive_pulls(history)
+    pins = middle_pins(history, "front")
     for shoe in case.track.shoes.tolist():
         for action in acting.treads_on(history, shoe, *acting.shoe_frames(history, shoe)):
             yield replace(action, shoe=0, force=-action.force)
@@ -500,5 +543,6 @@ def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 def _over_time(history: History, unit: str, **values: np.ndarray) -> xr.Dataset:
     return xr.Dataset(
-        {name: ("time", one, {"units": unit}) for name, one in values.items()}, coords={"time": history.time}
+        {name: ("time", value, {"units": unit}) for name, value in values.items()},
+        coords={"time": history.time},
     )

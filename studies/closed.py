@@ -26,8 +26,11 @@ INTERVAL = 0.02  # s between stored states
 TENSION = 8.9e5  # N, mean tension of all links of the closed track over its revolution: that of the trial
 CUTS = (0.3,)  # m ahead of the tumbler's axis, where its torque is compared with the tension
 OPEN_SHOES, OPEN_DURATION = 31, 70.0  # shoes of the open track, and s in which all rollers pass its middle
-CLOSED, ROLLED, TRIAL = "closed", "rolled", "rolled at the closed tension"
-ABOUT_LEFT, ON_SPOT = "turn about the left track", "turn on the spot"
+CLOSED = "closed"
+ROLLED = "rolled"
+TRIAL = "rolled at the closed tension"
+ABOUT_LEFT = "turn about the left track"
+ON_SPOT = "turn on the spot"
 TURNS = {ABOUT_LEFT: (0.1, 0.02), ON_SPOT: (0.0, 0.03)}
 """Speed (m/s) and rate (rad/s) that the drive of the machine on two tracks goes to in 1 s."""
 TURNING = 6.0  # s, of a turn
@@ -42,14 +45,17 @@ def closed_case() -> Case:
 
 def revolution(case: Case) -> float:
     """Time (s) in which a chain goes once round, from rest on."""
-    way, speed = case.track.shoe_count * case.track.pitch, case.drive.speed
-    end, most = speed.times[-1], speed.values[-1]
+    way = case.track.shoe_count * case.track.pitch
+    speed = case.drive.speed
+    end = speed.times[-1]
+    most = speed.values[-1]
     return float(end + (way - case.drive.travel(end)) / most)
 
 
 def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
     """Rolled open track with rollers, ground and contact of the closed one; tension of its ends in N."""
-    closed, case = closed_case(), Case.rolled()
+    closed = closed_case()
+    case = Case.rolled()
     frame = Rolled.ph4100c().with_(rollers=closed.closed_gear().rollers, end_tension=tension)
     return case.with_(
         track=case.track.with_(shoe_count=OPEN_SHOES),
@@ -64,7 +70,7 @@ def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
 def turning_case(speed: float, rate: float) -> Case:
     """Machine on two tracks whose drive goes to a speed (m/s) and a rate of turning (rad/s)."""
     case = Case.shovel()
-    profiles = [StepProfile(times=(0.0, 1.0), values=(0.0, one)) for one in (speed, rate)]
+    profiles = [StepProfile(times=(0.0, 1.0), values=(0.0, goal)) for goal in (speed, rate)]
     drive = Drive(speed=profiles[0], turn_rate=profiles[1])
     return case.with_(drive=drive, solver=case.solver.with_(output_interval=INTERVAL))
 
@@ -73,7 +79,8 @@ def study_cases(
     duration: float | None = None, flexible: int | None = None, mesh: str = "coarse"
 ) -> dict[str, CaseFile]:
     """Cases of the study over `duration` (s) at most; `flexible`: a shoe of the closed track that bends."""
-    most, closed = np.inf if duration is None else duration, closed_case()
+    most = np.inf if duration is None else duration
+    closed = closed_case()
     if flexible is not None:
         closed = closed.with_(
             shoe=closed.shoe.of_mass(ph4100c.STRESS_SHOE_MASS),
@@ -97,19 +104,20 @@ def peaks_in_mid_track(history: History) -> dict[str, float]:
     below &= (history.time.values >= min(START, 0.5 * history.duration))[:, None]
     links = history.joint_force.transpose("time", "joint", "axis").values
     names = ["contact_force", "wheel_load" if history.has("wheel_load") else "rail_force"]
-    values = [one.transpose("time", "shoe", "axis").values for one in history.over_time(names).values()]
-    found: dict[str, float] = {}
+    values = [series.transpose("time", "shoe", "axis").values for series in history.over_time(names).values()]
+    peaks: dict[str, float] = {}
     kinds = ("ground on a shoe", "wheels on a shoe", "link")
     for name, force in zip(kinds, [*values, links], strict=True):
         size = np.linalg.norm(force, axis=-1)
         size = size[below[:, : size.shape[1]] & (size > 0.0)] / KILO
-        found |= {f"greatest {name} in kN": float(size.max()), f"mean {name} in kN": float(size.mean())}
-    return found
+        peaks |= {f"greatest {name} in kN": float(size.max()), f"mean {name} in kN": float(size.mean())}
+    return peaks
 
 
 def loads_round_the_loop(history: History) -> pd.DataFrame:
     """Tension by the parts of the loop, and the greatest loads of teeth, idler, rollers and carriers, kN."""
-    along, late = tension_along_chain(history), history.time >= min(START, 0.5 * history.duration)
+    along = tension_along_chain(history)
+    late = history.time >= min(START, 0.5 * history.duration)
     parts = [
         {
             "of": f"tension, {part}",
@@ -135,7 +143,7 @@ def loads_round_the_loop(history: History) -> pd.DataFrame:
 
 
 def loads_across(history: History) -> dict[str, float]:
-    """What lugs and pins bear, kN and kN m: tension, loads across the chain, flanges, teeth and torque."""
+    """Loads of lugs and pins, kN and kN m: tension, loads across the chain, flanges, teeth and torque."""
     data = history.dataset.isel(time=history.time >= min(START, 0.5 * history.duration))
     late = History(history.case, data)
     left = rotation_matrices(data.side_frame_angles.transpose("time", "axis").values)[..., 1]
@@ -143,20 +151,25 @@ def loads_across(history: History) -> dict[str, float]:
     def across(one: xr.DataArray) -> np.ndarray:
         return np.einsum("tnc,tc->tn", one.transpose("time", ..., "axis").values, left)
 
-    tension, ground = late.quantity("link_tension").values, late.contacts_by_shoe()
+    tension = late.quantity("link_tension").values
+    ground = late.contacts_by_shoe()
     stands = np.linalg.norm(ground.normal_force.transpose("time", "shoe", "axis").values, axis=-1) > 0.0
-    link, torque = across(data.joint_force), np.linalg.norm(data.joint_torque.transpose(..., "axis"), axis=-1)
+    link = across(data.joint_force)
+    torque = np.linalg.norm(data.joint_torque.transpose(..., "axis"), axis=-1)
     tooth = np.linalg.norm(data.tooth_force.transpose(..., "axis").values, axis=-1)
-    found = {"least tension in kN": tension.min(), "greatest tension in kN": tension.max()}
-    greatest, rms = abs(link).max(), np.sqrt(np.mean(link**2))
-    found |= {"link across, greatest in kN": greatest, "link across, rms in kN": rms}
+    loads = {"least tension in kN": tension.min(), "greatest tension in kN": tension.max()}
+    greatest = abs(link).max()
+    rms = np.sqrt(np.mean(link**2))
+    loads |= {"link across, greatest in kN": greatest, "link across, rms in kN": rms}
     flange = abs(data.guide_force.values).max()
-    found |= {"yaw and roll moment of a link in kN m": torque.max(), "flange on a shoe in kN": flange}
-    found["teeth on a shoe in kN"] = tooth.max()
+    loads |= {"yaw and roll moment of a link in kN m": torque.max(), "flange on a shoe in kN": flange}
+    loads["teeth on a shoe in kN"] = tooth.max()
     moments = np.atleast_1d(data.drive_moment.mean("time").values)
-    found |= {f"mean torque, {side} tumbler, in kN m": one for side, one in zip(SIDES, moments, strict=False)}
-    found["ground across a shoe, mean in kN"] = abs(across(ground.friction_force))[stands].mean()
-    return {name: float(value) / KILO for name, value in found.items()}
+    loads |= {
+        f"mean torque, {side} tumbler, in kN m": moment for side, moment in zip(SIDES, moments, strict=False)
+    }
+    loads["ground across a shoe, mean in kN"] = abs(across(ground.friction_force))[stands].mean()
+    return {name: float(value) / KILO for name, value in loads.items()}
 
 
 def torque_by_tension(history: History, cuts: tuple[float, ...] = CUTS) -> pd.DataFrame:
@@ -168,22 +181,27 @@ def torque_by_tension(history: History, cuts: tuple[float, ...] = CUTS) -> pd.Da
     while it turns. By means of tension each link acts at n p / (2 pi). How high the weight is raised counts
     between the COMs of the shoes that come in and go out: those are further apart than their pins.
     """
-    case, data, closed = history.case, history.dataset, history.case.closed_gear()
-    track, weight, rows = case.track, case.shoe.mass * case.gravity, np.arange(history.time.size)
-    lever, turning = closed.travel_per_angle(track), data.tumbler_speed.values
+    case = history.case
+    data = history.dataset
+    closed = history.case.closed_gear()
+    track = case.track
+    weight = case.shoe.mass * case.gravity
+    rows = np.arange(history.time.size)
+    lever = closed.travel_per_angle(track)
+    turning = data.tumbler_speed.values
     pitches = data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)
     late = int(np.searchsorted(history.time.values, min(START, 0.2 * history.duration)))
     end = np.searchsorted(pitches, pitches[late] + np.floor(pitches[-1] - pitches[late]))
     whole = slice(late, max(int(end), late + 1))
-    axis, frame = data.tumbler_position.values[:, None], data.side_frame_velocity.values[:, None]
-    place, velocity, force = (
-        data.position.values - axis,
-        data.velocity.values - frame,
-        data.joint_force.values,
-    )
+    axis = data.tumbler_position.values[:, None]
+    frame = data.side_frame_velocity.values[:, None]
+    place = data.position.values - axis
+    velocity = data.velocity.values - frame
+    force = data.joint_force.values
     arm = rotation_matrices(data.angles.values) @ [track.pin_ahead, 0.0, track.pin_height]
-    pin, moving = place + arm, velocity + np.cross(data.angular_velocity.values, arm)
-    found = []
+    pin = place + arm
+    moving = velocity + np.cross(data.angular_velocity.values, arm)
+    records = []
     for ahead in cuts:
         near = np.where(pin[..., 0] > ahead, pin[..., 0], np.inf)
         low, up = (
@@ -191,8 +209,10 @@ def torque_by_tension(history: History, cuts: tuple[float, ...] = CUTS) -> pd.Da
         )
         size, moment, power = (np.zeros((2, len(rows))) for _ in range(3))
         for k, link in enumerate((low, up)):
-            p, f = pin[rows, link], force[rows, link]
-            size[k], moment[k] = np.hypot(f[:, 0], f[:, 2]), p[:, 2] * f[:, 0] - p[:, 0] * f[:, 2]
+            p = pin[rows, link]
+            f = force[rows, link]
+            size[k] = np.hypot(f[:, 0], f[:, 2])
+            moment[k] = p[:, 2] * f[:, 0] - p[:, 0] * f[:, 2]
             power[k] = np.sum(f * moving[rows, link], axis=1)
         inside = (np.arange(track.shoe_count) - up[:, None] - 1) % track.shoe_count < (
             (low - up) % track.shoe_count
@@ -203,8 +223,10 @@ def torque_by_tension(history: History, cuts: tuple[float, ...] = CUTS) -> pd.Da
         row["by moments in kN m"] = (moment[1] - moment[0] - weights)[whole].mean()
         row["by work in kN m"] = (power[1] - power[0])[whole].mean() / turning[whole].mean() + rise
         row["by means of tension in kN m"] = lever * (size[0] - size[1])[whole].mean() + rise
-        found.append({name: float(one) / (KILO if "kN" in name else 1.0) for name, one in row.items()})
-    return pd.DataFrame(found)
+        records.append(
+            {name: float(number) / (KILO if "kN" in name else 1.0) for name, number in row.items()}
+        )
+    return pd.DataFrame(records)
 
 
 def study(

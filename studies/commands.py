@@ -145,12 +145,14 @@ def stress(
         case = case.with_(flexible=with_modes(case.flexible_shoes(), modes))
     if cycle is not None:
         case = case.with_(loads=LoadCycle.from_file(cycle))
-    loads, title = case.loads.table(), "Loads on the shoes at the ends of the phases, kN"
+    loads = case.loads.table()
+    title = "Loads on the shoes at the ends of the phases, kN"
     print_table(loads, title, loads.columns, out / RUN / "loads.csv")
     run, table = study(out, case, duration=duration, overwrite=overwrite, say=typer.echo)
     stresses = run.recovered()
     for shoe, spots in stresses.hot_spots.items():
-        rows, whole = hot_spot_table(spots, stresses.dataset), out / RUN / f"hot_spots_shoe_{shoe}.csv"
+        rows = hot_spot_table(spots, stresses.dataset)
+        whole = out / RUN / f"hot_spots_shoe_{shoe}.csv"
         print_table(rows, f"Shoe {shoe}: highest von Mises stresses", HOT, whole)
     summary = highest_in_propel_and_loading(run.history, run.recovered())
     print_table(summary, "Highest von Mises stress, MPa")

@@ -61,7 +61,7 @@ def needed_time(study: str, case: str, statistic: str) -> float:
 
 
 def verdict(paper: float, computed: float, kind: str, unit: str) -> Verdict:
-    """Whether a computed value is within its class of the paper's: yes, no, or no verdict."""
+    """Verdict on a computed value within its class of the paper's: yes, no, or no verdict."""
     if kind == "lateral" or computed != computed:
         return ""
     ratio = computed / paper

@@ -40,13 +40,13 @@ def swings(case: Case) -> np.ndarray:
 
     none = np.zeros(len(system.multipliers))
     force = residual(state[0], 0, none)
-    directions = np.column_stack([residual(state[0], 0, one) - force for one in np.eye(len(none))])
+    directions = np.column_stack([residual(state[0], 0, unit) - force for unit in np.eye(len(none))])
     holding = np.linalg.lstsq(directions, -force, rcond=None)[0]
     by_row = (partial(residual, row=row, multipliers=holding) for row in range(3))
-    by_place, by_rate, mass = (derivative(one, state[row], STEP) for row, one in enumerate(by_row))
+    by_place, by_rate, mass = (derivative(function, state[row], STEP) for row, function in enumerate(by_row))
     lengths = np.linalg.norm(directions, axis=0)
     free = scipy.linalg.null_space((directions[:, lengths > 0.0] / lengths[lengths > 0.0]).T)
-    m, c, k = (free.T @ one @ free for one in (mass, by_rate, by_place))
+    m, c, k = (free.T @ matrix @ free for matrix in (mass, by_rate, by_place))
     return eigenmodes(LinearTrack(m, c, k, free))[0]
 
 

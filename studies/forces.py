@@ -83,7 +83,7 @@ def greatest_of_one_volume(history: History, quantity: str) -> xr.DataArray:
 
 
 def volumes_value(history: History, shoe: int, unit: int, words: str) -> float:
-    """What the paper says of the volumes of a shoe on a unit; NaN for volumes that a run does not have.
+    """Value of the paper for the volumes of a shoe on a unit; NaN for volumes that a run does not have.
 
     By the words "one volume" or "three volumes": until when, s; of a component: its mean over the time in
     which they touch, of one volume, as a magnitude.
@@ -91,10 +91,11 @@ def volumes_value(history: History, shoe: int, unit: int, words: str) -> float:
     here = (history.contact_shoe.values == shoe) & (history.contact_unit.values == unit)
     if not here.any():
         return math.nan
-    own = history.dataset.isel(contact=here)
-    time = own.time.values
-    push = np.linalg.norm(own.normal_force.transpose("time", "contact", "axis").values, axis=-1)
-    whole, fingers = push[:, own.contact_finger.values == 0], push[:, own.contact_finger.values > 0]
+    data = history.dataset.isel(contact=here)
+    time = data.time.values
+    push = np.linalg.norm(data.normal_force.transpose("time", "contact", "axis").values, axis=-1)
+    whole = push[:, data.contact_finger.values == 0]
+    fingers = push[:, data.contact_finger.values > 0]
     if words == "one volume":
         most = np.max(fingers, axis=1, initial=0.0)
         return float(time[np.flatnonzero(np.max(whole, axis=1, initial=0.0) > most)[-1]])
@@ -102,7 +103,7 @@ def volumes_value(history: History, shoe: int, unit: int, words: str) -> float:
         pushed = np.flatnonzero(fingers.any(axis=1))
         return float(time[pushed[-1]]) if len(pushed) else math.nan
     name, axis, _ = _words(words)
-    values = own[CONTACT[name]].sel(axis=axis).transpose("time", "contact").values
+    values = data[CONTACT[name]].sel(axis=axis).transpose("time", "contact").values
     touching = push > 0.0
     count = touching.sum(axis=1)
     mean = np.divide((values * touching).sum(axis=1), count, out=np.zeros(len(time)), where=count > 0)
@@ -152,7 +153,7 @@ def turning_ratios(translation: History, turning: History, shoe: int = 10, joint
     translation value that is only rounding is left empty.
     """
     rows = []
-    pair = [_components(one, shoe, joint) for one in (translation, turning)]
+    pair = [_components(history, shoe, joint) for history in (translation, turning)]
     for (quantity, axis), straight in pair[0].items():
         turned = pair[1][quantity, axis]
         extremes = [float(np.abs(values).max()) for values in (straight, turned)]
@@ -200,7 +201,7 @@ def study(
     one of other parameters a ValueError.
     """
     files = case_files(cases, duration)
-    sources = {name: _source(one, reuse, strict, how.get("say", quiet)) for name, one in files.items()}
+    sources = {name: _source(file, reuse, strict, how.get("say", quiet)) for name, file in files.items()}
     return compare_cases(files, out, compare_forces, write_results, sources, **how)
 
 
@@ -221,7 +222,10 @@ def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable
 
 def write_results(histories: Mapping[str, History], out: Path) -> None:
     """Draw what the F-paper draws beside the curves of each run; turning against translation as a table."""
-    drawn = {f"{name} shoe {CROSSING_SHOE} crossing": crossing_figure(one) for name, one in histories.items()}
+    drawn = {
+        f"{name} shoe {CROSSING_SHOE} crossing": crossing_figure(history)
+        for name, history in histories.items()
+    }
     if len(histories) > 1:
         drawn |= turning_figures(histories)
         ratios = turning_ratios(histories["translation"], histories["turning"])
@@ -237,7 +241,8 @@ def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
     shown["x contact force"] = history.contact_force.sel(axis="x")
     volumes = {}
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
-        unit, finger = int(history.contact_unit[index]), int(history.contact_finger[index])
+        unit = int(history.contact_unit[index])
+        finger = int(history.contact_finger[index])
         volumes[f"unit {unit}, finger {finger}" if finger else f"unit {unit}"] = index
     panels = []
     for label, values in shown.items():
@@ -250,11 +255,12 @@ def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
 
 def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
     """Cases against each other: contact of one shoe, reactions of one link; by a name that can be a file."""
-    found = {case: figures.history_series(one) for case, one in histories.items()}
-    shoe, link = f"shoe {COMPARED_SHOE}", f"link {COMPARED_JOINT}-{COMPARED_JOINT + 1}"
+    by_case = {case: figures.history_series(history) for case, history in histories.items()}
+    shoe = f"shoe {COMPARED_SHOE}"
+    link = f"link {COMPARED_JOINT}-{COMPARED_JOINT + 1}"
 
     def against(label: str, item: str) -> list[figures.Panel]:
-        return figures.overlay({case: one[label] for case, one in found.items()}, [item])
+        return figures.overlay({case: series[label] for case, series in by_case.items()}, [item])
 
     panels = {f"{shoe} {label}": against(label, shoe) for label in figures.CONTACT_VECTORS}
     panels[f"{shoe} sinkage and friction torque"] = [
@@ -262,4 +268,4 @@ def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
     ]
     panels |= {f"link {COMPARED_JOINT} {label}": against(label, link) for label in figures.JOINT_VECTORS}
     phases = common_phases(*histories.values())
-    return {name: figures.panel_figure(name, one, phases) for name, one in panels.items()}
+    return {name: figures.panel_figure(name, stack, phases) for name, stack in panels.items()}

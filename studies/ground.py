@@ -38,7 +38,8 @@ KILO = 1e3
 def reliefs() -> dict[str, Heights]:
     """Reliefs of a hard floor: what lies on it is chosen here."""
     case = Case.rolled()
-    (x0, x1), y = case.terrain.bounds[0], case.track.first_com[1]
+    (x0, x1) = case.terrain.bounds[0]
+    y = case.track.first_com[1]
     edge = 0.5 * case.shoe.width - 0.3
     ridges = [Ridge(x=x, y=y, height=0.1, width=0.2, flank=0.3) for x in np.arange(x0, x1 + 20.0, 2.0)]
     ruts = [
@@ -85,7 +86,8 @@ def study_cases(
 
 def covered(history: History) -> np.ndarray:
     """Share of every cell that undersides cover as the run ends, seen from above; shoes stand along x."""
-    cell, (x0, x1, y0, y1, _) = history.case.cell_terrain().cell, history.case.shoe.footprint
+    cell = history.case.cell_terrain().cell
+    (x0, x1, y0, y1, _) = history.case.shoe.footprint
     place = history.position.isel(time=-1).values
 
     def part(first: xr.DataArray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -104,22 +106,26 @@ def kept_work(
 
     Shoes press on a `share` of every cell.
     """
-    law, shoe = history.case.cell_contact().law, history.case.shoe
+    law = history.case.cell_contact().law
+    shoe = history.case.shoe
     if not isinstance(law, BekkerSoil):
         return 0.0
-    constants, z, p = law.constants(min(shoe.length, shoe.width)), sinkage.values, pressure.values
-    modulus = np.array([law.kernel.prepare(constants, *one)[0] for one in zip(z, p, strict=True)])
+    constants = law.constants(min(shoe.length, shoe.width))
+    z = sinkage.values
+    p = pressure.values
+    modulus = np.array([law.kernel.prepare(constants, *pair)[0] for pair in zip(z, p, strict=True)])
     given_back = np.divide(0.5 * p**2, modulus, out=np.zeros_like(p), where=modulus > 0.0)
-    kept = share * (p * z / (law.exponent + 1.0) - given_back)
-    return history.case.cell_terrain().cell ** 2 * float(kept.sum())
+    work = share * (p * z / (law.exponent + 1.0) - given_back)
+    return history.case.cell_terrain().cell ** 2 * float(work.sum())
 
 
 def work_balance(history: History) -> dict[str, float]:
-    """What the ground keeps beside what drive and sinking machine give beyond the rolling resistance.
+    """Work that the ground keeps beside what drive and sinking machine give beyond the rolling resistance.
 
     Mean forces over the way of the machine, in kN; the first is unknown on units.
     """
-    case, frame = history.case, history.case.rolled_gear()
+    case = history.case
+    frame = history.case.rolled_gear()
     x, height = (history.side_frame_position.sel(axis=axis).values for axis in "xz")
     resistance = frame.rolling_resistance * frame.mass * case.gravity
     shoes = history.position.sel(axis="z").sum("shoe").values
@@ -127,7 +133,8 @@ def work_balance(history: History) -> dict[str, float]:
     pulled = np.trapezoid(history.drive_pull.values, x) - resistance * (x[-1] - x[0])
     works = {"pull beyond rolling": pulled, "given by sinking": fallen}
     if history.has("cell_sinkage_then"):
-        begin, share = history.dataset.isel(ground_time=0), covered(history)
+        begin = history.dataset.isel(ground_time=0)
+        share = covered(history)
         end = kept_work(history, history.cell_sinkage, history.cell_pressure, share)
         start = kept_work(history, begin.cell_sinkage_then, begin.cell_pressure_then, share)
         works["kept by the ground"] = end - start
@@ -162,7 +169,8 @@ def power_cases(duration: float | None = None, out: Path | None = None) -> dict[
     The machine of `study_cases` for as long, without its flexible shoe, and its second pass in the ruts that
     the first has left in the folder; and trials over 24 shoes. With the longest K slip is nearly elastic.
     """
-    lete, soft = BekkerSoil.lete_sand(), BekkerSoil.oil_sand_low()
+    lete = BekkerSoil.lete_sand()
+    soft = BekkerSoil.oil_sand_low()
     back = soft.with_(reload_stiffness=0.0)
     trials = {
         f"{SOFT}, springs back": (back, 30.0),
@@ -190,8 +198,10 @@ def powers_over_way(history: History) -> dict[str, float]:
     The drive's pull counts less the rolling resistance of the frame's weight, treads by what they take less
     than this, the chain by what drive and tension give as they move it.
     """
-    case, work = history.case, energy_balance(history).isel(time=-1)
-    frame, x = case.rolled_gear(), history.side_frame_position.sel(axis="x").values
+    case = history.case
+    work = energy_balance(history).isel(time=-1)
+    frame = case.rolled_gear()
+    x = history.side_frame_position.sel(axis="x").values
     pulled = np.trapezoid(history.drive_pull.values, x)
     rolling = frame.rolling_resistance * frame.mass * case.gravity * (x[-1] - x[0])
     works = {
@@ -204,7 +214,7 @@ def powers_over_way(history: History) -> dict[str, float]:
         "set in motion": work.kinetic + work.frame_kinetic,
         "left over": work.imbalance,
     }
-    return {f"{name} in kN": float(one) / (x[-1] - x[0]) / KILO for name, one in works.items()}
+    return {f"{name} in kN": float(energy) / (x[-1] - x[0]) / KILO for name, energy in works.items()}
 
 
 def power_study(
@@ -222,7 +232,8 @@ def power_study(
 
 def _power_row(history: History) -> dict[str, float]:
     x = history.side_frame_position.sel(axis="x").values
-    tilt, moved = np.abs(history.angles.sel(axis="y").values), history.position.sel(axis="x")
+    tilt = np.abs(history.angles.sel(axis="y").values)
+    moved = history.position.sel(axis="x")
     return {
         "distance travelled in m": x[-1] - x[0],
         **powers_over_way(history),

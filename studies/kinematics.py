@@ -50,10 +50,10 @@ def write_figures(histories: Mapping[str, History], out: Path) -> None:
     """Draw one shoe turning against translation, a figure a quantity."""
     if len(histories) < 2:
         return
-    found = {case: history_series(one) for case, one in histories.items()}
+    by_case = {case: history_series(history) for case, history in histories.items()}
     phases = common_phases(*histories.values())
     shoe = f"shoe {COMPARED_SHOE}"
     for quantity, label in KINEMATICS.items():
-        panels = overlay({case: one[label] for case, one in found.items()}, [shoe])
+        panels = overlay({case: series[label] for case, series in by_case.items()}, [shoe])
         name = f"{shoe} {quantity}.png".replace(" ", "_")
         save_figure(panel_figure(f"{shoe}: {quantity}", panels, phases), out / name, overwrite=True)

@@ -65,18 +65,23 @@ def study(
     if not (stress / RUN / HISTORY).is_file():
         stress_study(stress, say=say)
     cycle = stress / RUN
-    duties = {f"dragged_{one.__name__}": digging_duty("dragged", cycle, cycle, one()) for one in MATERIALS}
+    duties = {
+        f"dragged_{material.__name__}": digging_duty("dragged", cycle, cycle, material())
+        for material in MATERIALS
+    }
     if rollers is not None:
         kinds = "rolled", rollers / "pass", rollers / "loading"
-        duties |= {f"rolled_{one.__name__}": digging_duty(*kinds, one()) for one in MATERIALS}
+        duties |= {f"rolled_{material.__name__}": digging_duty(*kinds, material()) for material in MATERIALS}
         if all((rollers / name / HISTORY).is_file() for name in overhang_cases()):
-            duties |= {f"overhang_{one.__name__}": overhang_duty(rollers, one()) for one in MATERIALS}
+            duties |= {
+                f"overhang_{material.__name__}": overhang_duty(rollers, material()) for material in MATERIALS
+            }
     tables: dict[str, pd.DataFrame] = {}
     for name, duty in duties.items():
         say(f"{name}: {duty.name}")
         # histories and modes of nine lives would take 5 GB
         tables[name] = life(duty, out / name, overwrite=overwrite, say=say).table
-    shortest = {name: one.head(1) for name, one in tables.items()}
+    shortest = {name: table.head(1) for name, table in tables.items()}
     summary = in_words(by_name("propel_and_material", shortest))
     write_table(summary, out / "summary.csv", overwrite)
     return tables, summary

@@ -30,14 +30,15 @@ SIZE = "coarse"
 OUTPUT_INTERVAL = 0.02
 """s, in which the machine rolls by 2 mm."""
 PICTURE = "lives.png"
-MILLI, MEGA = 1e-3, 1e6
+MILLI = 1e-3
+MEGA = 1e6
 VARIED = ("flexible.mesh", "shoe.mass", "shoe.inertia", "shoe.load_point")
 """What a thickness stands for: rigid shoes weigh what the flexible one does."""
 
 
 def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str], None]) -> dict[float, Path]:
     """Meshes of shoes with these top plates (m) in a folder, made if missing; ValueError without netgen."""
-    found = {}
+    paths = {}
     for thickness in thicknesses:
         path = folder / f"shoe_{SIZE}_top_{1e3 * thickness:g}mm.msh.gz"
         if not path.is_file():
@@ -48,14 +49,15 @@ def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str]
                 raise ValueError(str(error)) from error
             folder.mkdir(parents=True, exist_ok=True)
             write_mesh(path, mesh)
-        found[thickness] = path.resolve()
-    return found
+        paths[thickness] = path.resolve()
+    return paths
 
 
 def passing_case(mesh: str = SIZE) -> CaseFile:
     """Machine that rolls over one flexible shoe by the distance of two rollers, from the end of its start."""
     case = Case.rolled()
-    rollers, speed = Rolled.ph4100c().rollers, case.drive.speed
+    rollers = Rolled.ph4100c().rollers
+    speed = case.drive.speed
     case = case.with_(
         name="plate",
         flexible=FlexibleShoes.ph4100c(mesh).with_(shoes=(FLEXIBLE,)),
@@ -76,7 +78,7 @@ def plate_sweep(
     life = Life(
         name="life_of_shoe", material=FatigueMaterial.cast_nicrmo(), criterion="signed principal", begin=begin
     )
-    stands_for = tuple((str(path), one.mass, one.inertia, one.load_point) for path, one in shoes.items())
+    stands_for = tuple((str(path), shoe.mass, shoe.inertia, shoe.load_point) for path, shoe in shoes.items())
     top_plate = Vary(key=VARIED, name="top_plate", unit="m", values=tuple(meshes), settings=stands_for)
     springs = Vary(key="terrain.spring_stiffness", unit="N/m", values=tuple(stiffnesses))
     return Sweep(
@@ -93,15 +95,18 @@ def plate_sweep(
 
 def draw_lives(ax: Axes, lives: xr.DataArray) -> Axes:
     """Draw an answer in hours, (top_plate, spring_stiffness) in m and N/m, with a curve a top plate."""
-    for one in lives.transpose("top_plate", "spring_stiffness"):
+    for curve in lives.transpose("top_plate", "spring_stiffness"):
         ax.loglog(
-            one.spring_stiffness / MEGA, one, "o-", label=f"top plate {float(one.top_plate) / MILLI:g} mm"
+            curve.spring_stiffness / MEGA,
+            curve,
+            "o-",
+            label=f"top plate {float(curve.top_plate) / MILLI:g} mm",
         )
     ax.set_xlabel("stiffness of the ground's springs in MN/m")
     ax.set_ylabel("hours of propel that 97.5 % survive")
     ax.set_title(str(lives.name).replace("_", " "))
     stiffnesses = lives.spring_stiffness.values / MEGA
-    ax.set_xticks(stiffnesses, [f"{one:g}" for one in stiffnesses])
+    ax.set_xticks(stiffnesses, [f"{stiffness:g}" for stiffness in stiffnesses])
     ax.xaxis.minorticks_off()
     return ax
 

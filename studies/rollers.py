@@ -34,7 +34,9 @@ STANDS = {"front": -2.9, "middle": 0.0, "rear": 2.9}
 """Part of the machine that digs above six of these shoes, and m that its middle is ahead of them."""
 CHOICES_DURATION = 8.0  # s
 FOLDED = 1.0  # rad, tilt of a shoe beyond which the chain has folded up
-FIRM, FIRM_SPRINGS, FIRM_CONTACT = 10.0, "springs of the ground x 10", "contact with the ground x 10"
+FIRM = 10.0
+FIRM_SPRINGS = "springs of the ground x 10"
+FIRM_CONTACT = "contact with the ground x 10"
 KILO = 1e3
 
 
@@ -73,12 +75,13 @@ def overhang_cases() -> dict[str, Case]:
     cases = {}
     for name, file in OVERHANG.items():
         path = str(shoe_path("coarse").with_name(file))
-        found, named = mesh_named(path), {f"pass {name}": rolled_case(path)}
-        rails = Rails(**rail_outline(found)._asdict())
+        mesh = mesh_named(path)
+        named = {f"pass {name}": rolled_case(path)}
+        rails = Rails(**rail_outline(mesh)._asdict())
         named |= {f"loading {name} {part}": loading_case(path, ahead) for part, ahead in STANDS.items()}
-        for own, case in named.items():
-            shoe = case.shoe.of_mass(STEEL.density * found.volume).with_(rails=rails)
-            cases[own] = case.with_(name=own, shoe=shoe)
+        for title, case in named.items():
+            shoe = case.shoe.of_mass(STEEL.density * mesh.volume).with_(rails=rails)
+            cases[title] = case.with_(name=title, shoe=shoe)
     return cases
 
 
@@ -132,7 +135,8 @@ def _with_rollers(frame: Rolled, count: int, spacing: float) -> Rolled:
 
 def choices() -> dict[str, Case]:
     """Rigid machine as it is, with each open choice changed, and on firmer ground than the papers'."""
-    case, frame = Case.rolled(), Rolled.ph4100c()
+    case = Case.rolled()
+    frame = Rolled.ph4100c()
     changed = {
         "as it is": frame,
         "7 rollers over the same length": _with_rollers(frame, 7, 8.75 / 6.0),
@@ -144,7 +148,7 @@ def choices() -> dict[str, Case]:
         "no end tension": frame.with_(end_tension=0.0),
         "tumbler in front": frame.with_(tumbler=-frame.tumbler),
     }
-    cases = {name: case.with_(name=name, gear=one) for name, one in changed.items()}
+    cases = {name: case.with_(name=name, gear=gear) for name, gear in changed.items()}
     springs = case.unit_terrain().with_(spring_stiffness=FIRM * case.unit_terrain().spring_stiffness)
     contact = case.pair_contact()
     contact = contact.with_(stiffness=FIRM * contact.stiffness)

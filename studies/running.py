@@ -35,7 +35,7 @@ def save(out: Path | None, **tables: pd.DataFrame) -> None:
 
 def by_name(what: str, tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Tables one below the other, with a column of their names first."""
-    whole = pd.concat([one.assign(**{what: name}) for name, one in tables.items()], ignore_index=True)
+    whole = pd.concat([table.assign(**{what: name}) for name, table in tables.items()], ignore_index=True)
     return whole[[what, *[name for name in whole.columns if name != what]]]
 
 
@@ -59,9 +59,9 @@ def study_runs(
     with run_in(out, overwrite=overwrite, report=say, cases=cases) as folder:
         how: dict[str, Any] = {"overwrite": folder.overwrites, "progress": progress, "say": folder.say}
         runs = {}
-        for name, one in cases.items():
+        for name, case in cases.items():
             source = None if reuse is None else reuse[name]
-            runs[name] = run_case(one, out and out / name, take_finished=True, reuse=source, **how)
+            runs[name] = run_case(case, out and out / name, take_finished=True, reuse=source, **how)
         yield runs
 
 

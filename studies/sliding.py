@@ -68,7 +68,9 @@ class Balance:
 
     def mass(self, q: np.ndarray) -> np.ndarray:
         """Mass matrix (n, n)."""
-        still, none, inputs = np.zeros_like(q), np.zeros(self.rows), self._system.inputs(0.0)
+        still = np.zeros_like(q)
+        none = np.zeros(self.rows)
+        inputs = self._system.inputs(0.0)
         base = self(q, still, none)
         columns = [
             self._system.residual(np.stack((q, still, e)), inputs, none) - base for e in np.eye(self.size)
@@ -118,19 +120,24 @@ def steady_sliding(case: Case, speed: float, travel: float = 0.0) -> SteadySlidi
     """
     check_sliding(case, speed)
     case = case.with_(terrain_formulation="reduced", formulation=None)
-    system, q = compiled_system(case), static_equilibrium(case)
-    balance, shoes = Balance(system), 6 * case.track.shoe_count
-    q_t, multipliers = np.zeros_like(q), np.zeros(balance.rows)
+    system = compiled_system(case)
+    q = static_equilibrium(case)
+    balance = Balance(system)
+    shoes = 6 * case.track.shoe_count
+    q_t = np.zeros_like(q)
+    multipliers = np.zeros(balance.rows)
     q_t[:shoes:6] = speed
-    done, portion = 0.0, 1.0
+    done = 0.0
+    portion = 1.0
     while done < 1.0:
         goal = min(1.0, done + portion)
         guess = q.copy()
         guess[:shoes:6] += goal * travel - q[shoes - 6]
-        found = _newton(system, balance, (guess, q_t), goal, goal * travel)
-        if found is not None:
-            q, multipliers = found
-            done, portion = goal, 2.0 * portion
+        solution = _newton(system, balance, (guess, q_t), goal, goal * travel)
+        if solution is not None:
+            q, multipliers = solution
+            done = goal
+            portion = 2.0 * portion
         elif portion < LEAST_PORTION:
             raise EquilibriumError(
                 f"no steady sliding of case {case.name!r} at {speed:g} m/s was found: Newton's method "
@@ -149,21 +156,23 @@ def _newton(
     travel: float,
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Coordinates and multipliers in balance under a portion of what the speed adds; None without success."""
-    n, driven = forces.size, 6 * system.case.track.shoe_count - 6
+    n = forces.size
+    driven = 6 * system.case.track.shoe_count - 6
     q, q_t = start
     drive = n + system.layout.first_multiplier("drive")
 
     def balance(q: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         moving, resting = (forces(q, rates, multipliers) for rates in (q_t, 0.0 * q_t))
-        both = portion * moving + (1.0 - portion) * resting
+        residuals = portion * moving + (1.0 - portion) * resting
         # the drive prescribes a speed, which any place has
-        both[drive] = q[driven] - travel
-        return both
+        residuals[drive] = q[driven] - travel
+        return residuals
 
     # without its tension a track that is pulled beside its middle would be far too ready to turn
     multipliers = -scipy.linalg.lstsq(forces.directions(q), balance(q, np.zeros(forces.rows))[:n])[0]
     for _ in range(ITERATIONS):
-        residual, directions = balance(q, multipliers), forces.directions(q)
+        residual = balance(q, multipliers)
+        directions = forces.directions(q)
         held = np.any(directions != 0.0, axis=0)
         gap = residual[n:][held]
         if np.abs(residual[:n]).max() < RESIDUAL and np.abs(gap).max() < GAP:
@@ -178,7 +187,8 @@ def _newton(
         step = scipy.linalg.lstsq(matrix, right, cond=1e-13)[0]
         if not np.abs(step[:n]).max() < LONG_STEP:
             return None
-        q, multipliers = q + step[:n], multipliers.copy()
+        q = q + step[:n]
+        multipliers = multipliers.copy()
         multipliers[held] += FORCE_SCALE * step[n:]
     return None
 
@@ -186,7 +196,8 @@ def _newton(
 def _state(
     system: CompiledSystem, q: np.ndarray, q_t: np.ndarray, multipliers: np.ndarray, speed: float
 ) -> SteadySliding:
-    shoes, layout = system.case.track.shoe_count, system.layout
+    shoes = system.case.track.shoe_count
+    layout = system.layout
     forces = cast(PairGroundContact, system.contact).forces(q, q_t)[: 6 * shoes].reshape(-1, 6)
     tension = np.zeros(shoes - 1)
     for link in range(1, shoes):
@@ -215,7 +226,8 @@ def linearized(state: SteadySliding) -> LinearTrack:
     Derivatives are central differences of the residual: they have how forces of links and loads turn with
     the shoes, which Newton's matrix of a run leaves out.
     """
-    forces, n = Balance(state.system), len(state.q)
+    forces = Balance(state.system)
+    n = len(state.q)
     directions = forces.directions(state.q)
     basis = scipy.linalg.null_space(directions[:, np.any(directions != 0.0, axis=0)].T)
     by_place = derivative(lambda q: forces(q, state.q_t, state.multipliers), state.q, POSITION_STEP)
@@ -249,7 +261,8 @@ def integrated_from(case: Case, state: np.ndarray, duration: float) -> History:
         recorder.store(time)
         return True
 
-    system, start = track_system(case), float(state[0])
+    system = track_system(case)
+    start = float(state[0])
     recorder = Recorder(system, start + duration)
     recorder.go_on(start)
     system.set_state(state)

@@ -51,7 +51,8 @@ def sliding_modes(case: Case, speed: float, travel: float = 0.0) -> xr.Dataset:
 
 
 def _dataset(state: SteadySliding, values: np.ndarray, shapes: np.ndarray) -> xr.Dataset:
-    case, contact = state.system.case, state.system.contact
+    case = state.system.case
+    contact = state.system.contact
     shoes = case.track.shoe_count
     arms = np.array([1.0, 1.0, 1.0, 0.5 * case.shoe.width, 0.5 * case.shoe.length, 0.5 * case.shoe.width])
     motion = shapes.T[:, : 6 * shoes].reshape(-1, shoes, 6)
@@ -133,7 +134,8 @@ def draw_mode(ax: Axes, modes: xr.Dataset, case: Case, mode: int = 1) -> Axes:
 
 def _seen(coms: np.ndarray, pitch: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Positions (shoes, points, 2), x and z, of points (points, 3) in the shoes' frames."""
-    c, s = np.cos(pitch)[:, None], np.sin(pitch)[:, None]
+    c = np.cos(pitch)[:, None]
+    s = np.sin(pitch)[:, None]
     x, z = points[:, 0], points[:, 2]
     return np.stack((coms[:, :1] + c * x + s * z, coms[:, 2:] - s * x + c * z), axis=-1)
 
@@ -188,9 +190,11 @@ def _with_pin_height(case: Case, height: float) -> Case:
     return case.with_(track=case.track.with_(pin_height=height - case.shoe.com_height))
 
 
-COARSE, ALL = ("even", "7 m units"), ("even", "7 m units", "1 m units")
+COARSE = ("even", "7 m units")
+ALL = ("even", "7 m units", "1 m units")
 FRICTIONS = (0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6)
-HEIGHTS, COUNTS = (0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35), (2, 3, 4, 5, 7, 9, 11, 13, 16, 20)
+HEIGHTS = (0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35)
+COUNTS = (2, 3, 4, 5, 7, 9, 11, 13, 16, 20)
 PARAMETERS: dict[str, tuple[Sequence[float], Callable[..., Case], Sequence[str]]] = {
     "friction": (FRICTIONS, lambda case, mu: with_friction(case, mu, mu), ALL),
     "damping factor": ((0, 0.1, 0.3, 1, 3, 10, 30, 100), lambda case, f: with_law(case, damping=f), ALL),
@@ -261,14 +265,15 @@ def trial(
     case = with_law(with_friction(grounds()[ground], static, dynamic), damping=damping)
     growth = least_stable(case)[0]
     run = simulate(case, duration, progress=False).dataset
-    velocity, at = run.velocity.sel(axis="z").values, run.time.values
+    velocity = run.velocity.sel(axis="z").values
+    times = run.time.values
     forces = run.normal_force.sel(axis="z").groupby("contact_shoe").sum().values
-    spectrum = np.abs(np.fft.rfft(velocity[at >= 0.5 * duration], axis=0)).mean(axis=1)
-    step = float(np.median(np.diff(at)))
-    frequency = np.fft.rfftfreq(int((at >= 0.5 * duration).sum()), step)[spectrum.argmax()]
+    spectrum = np.abs(np.fft.rfft(velocity[times >= 0.5 * duration], axis=0)).mean(axis=1)
+    step = float(np.median(np.diff(times)))
+    frequency = np.fft.rfftfreq(int((times >= 0.5 * duration).sum()), step)[spectrum.argmax()]
 
     def rms(first: float) -> float:
-        return float(np.sqrt(np.mean(velocity[(at >= first) & (at < first + 1.0)] ** 2)))
+        return float(np.sqrt(np.mean(velocity[(times >= first) & (times < first + 1.0)] ** 2)))
 
     return {
         "ground": ground,
@@ -314,5 +319,5 @@ def _tables(modes: xr.Dataset, runs: bool) -> Iterator[tuple[str, pd.DataFrame]]
         yield f"growth over {parameter}", growth_over(parameter)
     yield "growth over speed", growth_over_speed()
     if runs:
-        rows = [trial(ground, *one) for ground, some in TRIALS.items() for one in some]
+        rows = [trial(ground, *settings) for ground, some in TRIALS.items() for settings in some]
         yield "runs", pd.DataFrame(rows)

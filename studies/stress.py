@@ -147,7 +147,8 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
     Columns case, quantity, statistic, unit, paper, and the choices; part of the propel shows the trends.
     """
     case = Case.stress(mesh)
-    flexible, contact = case.flexible_shoes(), case.pair_contact()
+    flexible = case.flexible_shoes()
+    contact = case.pair_contact()
     choices = {
         "default": case,
         "ADAMS' modal damping": case.with_(flexible=flexible.with_(damping=ADAMS_DAMPING)),

@@ -93,7 +93,8 @@ def hand_solution(law: PairContact) -> TwoBodySolution:
 
 def engine_solution(law: PairContact) -> TwoBodySolution:
     """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
-    start, sides = np.array([BLOCK_START]), ("length", "width", "height")
+    start = np.array([BLOCK_START])
+    sides = ("length", "width", "height")
     # no spring carries the plate, which is fixed to the ground
     of_plate = {f"unit_{name}": side for name, side in zip(sides, PLATE, strict=True)}
     plate = Terrain.stress().with_(columns=1, rows=1, origin=(0.0, 0.0), density=DENSITY, **of_plate)
@@ -168,7 +169,8 @@ def _add_holds(mbs: "exu.MainSystem", node: int) -> list[int]:
     holds = []
     for coordinate in (0, 3, 4, 5):
         held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
-        speed, markers = SPEED if coordinate == 0 else 0.0, [fixed, held]
+        speed = SPEED if coordinate == 0 else 0.0
+        markers = [fixed, held]
         hold = items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True, offset=speed)
         holds.append(mbs.AddObject(hold))
     return holds

@@ -1,4 +1,4 @@
-"""What the choices of the rigid studies' contact do: every row of the papers under the default and variants.
+"""Effect of the choices of the rigid studies' contact on every row of the papers, by variants.
 
 The default follows what the papers say in words and means; what follows rows alone is a variant.
 """
@@ -57,9 +57,11 @@ def counts(table: pd.DataFrame) -> pd.DataFrame:
     for name in table.columns[6:]:
         line = {"variant": name}
         for (case, kind), rows in table.groupby(["case", "class"], sort=False):
-            pairs, judged = rows[["paper", name]], kind
+            pairs = rows[["paper", name]]
+            judged = kind
             if kind == "lateral":
-                pairs, judged = pairs.abs(), "fluctuation"
+                pairs = pairs.abs()
+                judged = "fluctuation"
             each = zip(pairs["paper"], pairs[name], rows["unit"], strict=True)
             within = [verdict(paper, value, judged, unit) for paper, value, unit in each]
             line[f"{case} {kind}"] = f"{within.count('yes')} of {len(rows)}"

@@ -436,11 +436,13 @@ def _chain(
         origin, how = notes.origins.get("gear.idler.pretension", ("given", "case: gear.idler.pretension"))
     elif idler.tensioner is not None:
         rest = 0.5 * idler.tensioner.preload
-        origin, how = "derived", "half of the tensioner's preload"
+        origin = "derived"
+        how = "half of the tensioner's preload"
     else:
         span = float(gear.upper_spans[-1])
         rest = chain.tension_of_sag(weight, span, gear.wanted_sag)
-        origin, how = "derived", f"w l2 / (8 f), span {span:.4g} m, sag {1e3 * gear.wanted_sag:.4g} mm"
+        origin = "derived"
+        how = f"w l2 / (8 f), span {span:.4g} m, sag {1e3 * gear.wanted_sag:.4g} mm"
     rest = notes.either(
         "tension at rest", settings.drive.rest_tension, "N", "drive.rest_tension", rest, origin, how
     )

@@ -1,4 +1,4 @@
-"""What a run depends on, as frozen and validated data classes in SI units.
+"""Parameters that a run depends on: frozen, validated data classes in SI units.
 
 `Case` holds all of it; its parts can be made one by one, copied with changes (`with_`) and compared. Numbers
 of the P&H 4100C and of the papers, in `ph4100c`, fill the classes by their named constructors.

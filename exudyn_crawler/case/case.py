@@ -23,8 +23,12 @@ class Case(NamedCases):
     """Track, terrain, contact, drive, loads and solver of one run; `ParameterError` if they do not fit."""
 
     def _errors(self) -> Errors:
-        count, shoe, terrain, contact = self.track.shoe_count, self.shoe, self.terrain, self.contact
-        spheres, reduced = isinstance(contact, SphereContact), self.terrain_formulation == "reduced"
+        count = self.track.shoe_count
+        shoe = self.shoe
+        terrain = self.terrain
+        contact = self.contact
+        spheres = isinstance(contact, SphereContact)
+        reduced = self.terrain_formulation == "reduced"
         if (loaded := self.loads.shoe_count) != count:
             yield f"loads must name every shoe of the track ({count}) or be a number, got loads for {loaded}"
         if self.track.pitch + 1e-9 < shoe.length:
@@ -67,7 +71,9 @@ class Case(NamedCases):
 
     def _unit_errors(self, terrain: Terrain) -> Errors:
         """Yield what does not go with a terrain of units."""
-        shoe, contact, reduced = self.shoe, self.contact, self.terrain_formulation == "reduced"
+        shoe = self.shoe
+        contact = self.contact
+        reduced = self.terrain_formulation == "reduced"
         small = terrain.unit_length < shoe.length or terrain.unit_width < shoe.width
         if isinstance(contact, PairContact) and contact.normal == "area" and small:
             sides = f"{terrain.unit_length:g} x {terrain.unit_width:g} m, smaller than a shoe"
@@ -216,14 +222,15 @@ class Case(NamedCases):
 
     def settled_depths(self, loads: np.ndarray) -> np.ndarray:
         """Penetration (m) of shoes that each carry such a load (N) evenly; none where a load lifts."""
-        contact, loads = self.contact, np.maximum(loads, 0.0)
+        contact = self.contact
+        loads = np.maximum(loads, 0.0)
         if isinstance(contact, PairContact):
             return impact_depth(loads, contact.stiffness, contact.exponent)
         if isinstance(contact, SphereContact):
             return loads * self.settled_penetration / self.mean_load
         sides = self.shoe.length, self.shoe.width
         pressures = (loads / (sides[0] * sides[1])).tolist()
-        return np.array([contact.law.sinkage(one, min(sides)) for one in pressures])
+        return np.array([contact.law.sinkage(pressure, min(sides)) for pressure in pressures])
 
     @property
     def sphere_stiffness(self) -> float:
@@ -241,13 +248,17 @@ class Case(NamedCases):
         along and turns it about its middle, and a machine on two tracks goes where it heads. A track that a
         side frame rolls over stays where it is.
         """
-        footprint, coms = self.shoe.footprint, self.shoe_reference
-        rear, front = coms[:, 0].min() + footprint[0], coms[:, 0].max() + footprint[1]
-        right, left = coms[:, 1].min() + footprint[2], coms[:, 1].max() + footprint[3]
+        footprint = self.shoe.footprint
+        coms = self.shoe_reference
+        rear = coms[:, 0].min() + footprint[0]
+        front = coms[:, 0].max() + footprint[1]
+        right = coms[:, 1].min() + footprint[2]
+        left = coms[:, 1].max() + footprint[3]
         corners = np.array([[rear, right], [front, right], [front, left], [rear, left]])
         middle = corners.mean(axis=0)
         angles = self.drive.turn(times)
-        c, s = np.cos(angles), np.sin(angles)
+        c = np.cos(angles)
+        s = np.sin(angles)
         turns = np.moveaxis(np.array([[c, s], [-s, c]]), 2, 0)
         return middle + (corners - middle) @ turns + self.gear.way(self.drive, times)[:, None]
 

@@ -52,7 +52,8 @@ def check_size(case: Case, duration: float) -> None:
     terrain = case.terrain
     if terrain.model == "units":
         # singular value decomposition of the joints' equations in the heave and tilt of every unit
-        needed, allowed = 4.0 * NUMBER * (2.0 * terrain.unit_count) ** 2, machine_memory()
+        needed = 4.0 * NUMBER * (2.0 * terrain.unit_count) ** 2
+        allowed = machine_memory()
         if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
             needed = A_UNIT * terrain.unit_count
         if needed > allowed:
@@ -74,13 +75,14 @@ def machine_memory() -> float:
 
 def stored_numbers(case: Case) -> int:
     """Numbers of a stored state in a history, about: coordinates with two rates, units and contacts."""
-    shoes, units = case.track.shoe_count, len(case.terrain.units)
+    shoes = case.track.shoe_count
+    units = len(case.terrain.units)
     modes = 0 if case.flexible is None else case.flexible.mode_count * len(case.flexible.shoes)
     return 60 * shoes + 6 * units + 3 * modes
 
 
 class Outputs(Parameters):
-    """What a run leaves beside its history, whose interval is `solver.output_interval`."""
+    """Outputs of a run beside its history, whose interval is `solver.output_interval`."""
 
     figures: bool = option("whether curves of kinematics and forces are drawn", True)
     pictures: bool = option("whether flexible shoes are drawn with their stress at the chosen times", True)
@@ -179,14 +181,16 @@ def _toml(value: object, unit: str, by_hand: bool) -> str:
 
 
 def run_lines(case_file: CaseFile) -> list[str]:
-    """What a case comes to before it is run: weights, pressure and sinkage; travel and steps; a line each.
+    """Say what a case comes to before a run: weights, pressure and sinkage; travel and steps; a line each.
 
     Where a machine is on the track, the pressure below its shoes is that of its rest, which
     `run.solve.standing` finds. A third line has the weights of rigid and of flexible shoes. Raises if these
     have no mesh.
     """
-    case, end = case_file.case, float(case_file.duration)
-    shoes, shoe = case.track.shoe_count, case.shoe
+    case = case_file.case
+    end = float(case_file.duration)
+    shoes = case.track.shoe_count
+    shoe = case.shoe
     track = f"track: {shoes} shoes of {shoe.mass / 1e3:.4g} t"
     if not case.frame_parts:
         loads = shoes * case.mean_load
@@ -195,7 +199,8 @@ def run_lines(case_file: CaseFile) -> list[str]:
             f"; the ground carries {loads / 1e6:.4g} MN at the start, {pressure / 1e3:.4g} kPa below the "
             f"shoes, which sink by about {1e3 * case.settled_penetration:.3g} mm"
         )
-    way, steps = float(case.drive.speed.integral(end)), end / case.solver.step
+    way = float(case.drive.speed.integral(end))
+    steps = end / case.solver.step
     lines = [
         track,
         f"run: {end:g} s, {abs(way):.3g} m of travel by the drive, {steps:.0f} steps of "
@@ -226,7 +231,7 @@ class Difference(NamedTuple):
 
 def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
     """Values in which two cases or case files differ."""
-    a, b = ({one.path: one for one in fields.values_of(case)} for case in (first, second))
+    a, b = ({entry.path: entry for entry in fields.values_of(case)} for case in (first, second))
     return [
         Difference(key, *_texts(a.get(key), b.get(key)))
         for key in a | b
@@ -236,10 +241,10 @@ def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
 
 def _texts(*entries: fields.Entry | None) -> tuple[str, str]:
     """Two values that differ for reading, with all digits where fewer would hide it."""
-    one, other = (ABSENT if has is None else fields.value_text(has.value, has.unit) for has in entries)
-    if one == other:
-        one, other = (ABSENT if has is None else f"{has.value!r} {has.unit}".rstrip() for has in entries)
-    return one, other
+    first, other = (ABSENT if has is None else fields.value_text(has.value, has.unit) for has in entries)
+    if first == other:
+        first, other = (ABSENT if has is None else f"{has.value!r} {has.unit}".rstrip() for has in entries)
+    return first, other
 
 
 def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
@@ -248,9 +253,12 @@ def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
     def texts(one: Case) -> dict[str, str]:
         return {row.key: row.value for row in fields.case_rows(one.with_(name="case"))}
 
-    own, from_bases = texts(case), {}
+    case_texts = texts(case)
+    from_bases = {}
     for name in fields.named_values(Case):
         base = texts(getattr(Case, name)())
-        from_bases[name] = {key: base.get(key, ABSENT) for key in base | own if base.get(key) != own.get(key)}
+        from_bases[name] = {
+            key: base.get(key, ABSENT) for key in base | case_texts if base.get(key) != case_texts.get(key)
+        }
     nearest = min(from_bases, key=lambda name: len(from_bases[name]))
     return nearest, from_bases[nearest]

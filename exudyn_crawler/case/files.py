@@ -91,11 +91,16 @@ def _change(text: str) -> tuple[str, fields.KeyPath, Any]:
 
 def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
     """Path in a case file, of which a key may give the last names alone."""
-    names, known = ".".join(fields.names_of(path)), list(fields.key_paths(CaseFile))
-    if path[-1] in (fields.BASE, CYCLE) or any(f"{one}.".startswith(f"{names}.") for one in known):
+    names = ".".join(fields.names_of(path))
+    known = list(fields.key_paths(CaseFile))
+    if path[-1] in (fields.BASE, CYCLE) or any(f"{choice}.".startswith(f"{names}.") for choice in known):
         return path
     # a datasheet has some names of its own: its values have to be named with it
-    meant = [one for one in known if one.endswith(f".{names}") and not one.startswith(f"{datasheets.KEY}.")]
+    meant = [
+        choice
+        for choice in known
+        if choice.endswith(f".{names}") and not choice.startswith(f"{datasheets.KEY}.")
+    ]
     if len(meant) > 1:
         raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
     if meant:
@@ -108,7 +113,9 @@ def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
 
 def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = ()) -> reading.Content:
     """Values of a file in a folder as `CaseFile` takes them: bases filled in, and changes made."""
-    content, of_items, cycle = dict(content), [], None
+    content = dict(content)
+    of_items = []
+    cycle = None
     if datasheets.has_datasheet(content):
         content = datasheets.with_machine(content)
     for key, path, value in map(_change, changes):
@@ -192,13 +199,13 @@ class _FileSchema(GenerateJsonSchema):
         if kind is terrain.SoilLaw:
             laws = kind.plugged_in()
             return {"anyOf": [self.generate_inner(law.__pydantic_core_schema__) for law in laws]}
-        found = super().model_schema(schema)
-        found.pop("required", None)
+        table = super().model_schema(schema)
+        table.pop("required", None)
         if issubclass(kind, terrain.SoilLaw):
-            found["properties"][CYCLE] = {"type": "string", "description": "law file with what is left out"}
+            table["properties"][CYCLE] = {"type": "string", "description": "law file with what is left out"}
         if names := sorted(fields.named_values(kind)):
-            found["properties"][fields.BASE] = {"enum": names, "description": "gives all that is left out"}
-        return found
+            table["properties"][fields.BASE] = {"enum": names, "description": "gives all that is left out"}
+        return table
 
     def float_schema(self, schema: Any) -> dict[str, Any]:
         """Number, or a text with its unit."""
@@ -206,8 +213,8 @@ class _FileSchema(GenerateJsonSchema):
 
     def tuple_schema(self, schema: Any) -> dict[str, Any]:
         """List; one load stands for those of all shoes."""
-        found = super().tuple_schema(schema)
-        return found if "prefixItems" in found else {"anyOf": [found, {"type": "number"}, TEXT]}
+        array = super().tuple_schema(schema)
+        return array if "prefixItems" in array else {"anyOf": [array, {"type": "number"}, TEXT]}
 
     def nullable_schema(self, schema: Any) -> dict[str, Any]:
         """Value, or "none"."""
@@ -229,7 +236,8 @@ def case_schema() -> dict[str, Any]:
     says that there is none. What values have to be to each other is left to the program.
     """
     whole = CaseFile.model_json_schema(schema_generator=_FileSchema)
-    case, beside = whole["$defs"].pop("Case")["properties"], whole["properties"]
+    case = whole["$defs"].pop("Case")["properties"]
+    beside = whole["properties"]
     about = {"$schema": DRAFT, "title": "case file of exudyn-crawler", "type": "object"}
-    properties = case | {name: one for name, one in beside.items() if name not in ("case", fields.BASE)}
+    properties = case | {name: schema for name, schema in beside.items() if name not in ("case", fields.BASE)}
     return about | {"properties": properties, "additionalProperties": False, "$defs": whole["$defs"]}

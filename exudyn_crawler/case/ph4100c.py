@@ -206,7 +206,8 @@ SHOVEL_POSES: tuple[tuple[Any, ...], ...] = (
 
 # closed track
 CLOSED_SHOES = 38  # Open: 38 of this pitch go round wheels 9 m apart, which the crawler's length leaves
-_TUMBLER_TEETH, _TUMBLER_MASS = 10, 20e3
+_TUMBLER_TEETH = 10
+_TUMBLER_MASS = 20e3
 _PIN_CIRCLE = PITCH / (2.0 * math.sin(math.pi / _TUMBLER_TEETH))
 _RAIL_RISE = RAILS["height"] - PIN_HEIGHT  # m, of the rails above the pins
 _LOWER_PINS = -(UNDERCARRIAGE["radius"] + _RAIL_RISE)  # m, of the lower run below the rollers' axes

@@ -39,7 +39,7 @@ def _part(name: str, kind: type[Model]) -> Callable[["Sections"], Model]:
         if value is None:
             raise ValueError(f"{name} must be given, got {case.name!r} without it")
         held = fields.models_of(Sections.model_fields[name].annotation)
-        tags = " or ".join(repr(fields.tag_of(one)) for one in held if issubclass(one, kind))
+        tags = " or ".join(repr(fields.tag_of(model)) for model in held if issubclass(model, kind))
         tag = fields.tag_field(type(value))
         raise ValueError(f"{name}.{tag} must be {tags}, got {getattr(value, tag)!r}")
 

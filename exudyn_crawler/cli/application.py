@@ -1,4 +1,4 @@
-"""What every command line is: an example and `--debug` in help, errors in a line each, exit codes.
+"""Behaviour that all commands share: an example and `--debug` in help, errors in a line each, exit codes.
 
 Commands import what is heavy in their functions, so that help comes at once.
 """
@@ -189,7 +189,7 @@ def _lines(error: BaseException) -> tuple[list[str], int]:
 
 
 def _interrupted(error: BaseException | None) -> bool:
-    """Whether an interrupt led to an error, of which a library may have made another one."""
+    """True if an interrupt led to an error, of which a library may have made another one."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None

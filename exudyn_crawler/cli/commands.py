@@ -93,7 +93,8 @@ def init(
         datasheets.copy_machine(machine, path, overwrite)
         typer.echo(f"{path}: edit it, see what follows: exudyn-crawler machine {path}, and run it")
         return
-    start, known = study or path.stem, application.study_names()
+    start = study or path.stem
+    known = application.study_names()
     if start not in known:
         how = "" if study else f"; give {path.stem!r} one to start from, such as --study {START}"
         raise ValueError(f"study must be of {known}, got {start!r}{how}")
@@ -176,7 +177,8 @@ def run(
     show_answers(done)
     if case_file.datasheet is not None:
         datasheets.show_machine(done.history)
-    name, duration = case_file.case.name, done.history.duration
+    name = case_file.case.name
+    duration = done.history.duration
     typer.echo(f"{name}: {duration:g} s; case, log, results and figures are in {out}")
     if case_file.outputs.page:
         typer.echo(f"{out / 'report.html'}: open it in a browser")
@@ -305,7 +307,8 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         from exudyn_crawler.case.parameters.fields import value_text
         from exudyn_crawler.sweep.scatter import DutyScatter, read_scatter
 
-        plan, folder = read_scatter(file), out or application.RESULTS / file.stem
+        plan = read_scatter(file)
+        folder = out or application.RESULTS / file.stem
         if sampled and not plan.is_sampled:
             raise ValueError(
                 f"{file}: design must draw a sample, such as 'latin_hypercube', got {plan.design!r}"
@@ -318,9 +321,11 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
 
         how: dict[str, Any] = {"workers": workers, "retry": retry}
         if dry_run:
-            table, units = plan.table(), plan.units()
-            top, more = table.head(SHOWN), f", the first {SHOWN}" if len(table) > SHOWN else ""
-            read = {name: [value_text(one, units[name]) for one in top[name]] for name in plan.columns}
+            table = plan.table()
+            units = plan.units()
+            top = table.head(SHOWN)
+            more = f", the first {SHOWN}" if len(table) > SHOWN else ""
+            read = {name: [value_text(cell, units[name]) for cell in top[name]] for name in plan.columns}
             print_table(top.assign(**read), f"{len(table)} runs{more}; {', '.join(plan.columns)}")
             if not isinstance(plan, DutyScatter):
                 typer.echo(running.folder_state(plan, folder, **how))
@@ -332,7 +337,8 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         where = "open report.html in a browser; results.csv and .nc hold the answers"
         typer.echo(f"{done.folder}: {where}{more}")
 
-    run.__name__, run.__doc__ = show.__name__, show.__doc__
+    run.__name__ = show.__name__
+    run.__doc__ = show.__doc__
     command(f"exudyn-crawler {example}")(run)
 
 
@@ -349,7 +355,7 @@ def scatter(run: "SweepRun") -> None:
 
     tables = scatter_tables(run.sweep, for_reading(run.table))
     titles = {"quantiles": "Quantiles over the runs", "failures": "Shoes that crack"}
-    for name in (one for one in titles if one in tables and len(tables[one])):
+    for name in (title for title in titles if title in tables and len(tables[title])):
         print_table(tables[name], titles[name])
 
 

@@ -241,7 +241,8 @@ def life(
 
     folder = out or application.RESULTS / duty.stem
     result = crawler.life(asked, folder, overwrite=overwrite, say=typer.echo)
-    title, whole = f"{asked.name}: shortest lives by region", folder / "shortest_lives.csv"
+    title = f"{asked.name}: shortest lives by region"
+    whole = folder / "shortest_lives.csv"
     print_table(in_words(result.table), title, LIVES, whole)
     typer.echo("\n".join(life_lines(result)))
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")

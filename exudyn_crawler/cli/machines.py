@@ -33,8 +33,8 @@ def machine(
     origins = sheet_rows(sheet)
     print_rows(datasheets.COLUMNS, origins, f"{file}: what is given, derived and assumed")
     rows = [
-        (one.name, _text(one.value, one.unit), _text(one.printed, one.unit), one.verdict)
-        for one in figures(case_file.case, sheet)
+        (figure.name, _text(figure.value, figure.unit), _text(figure.printed, figure.unit), figure.verdict)
+        for figure in figures(case_file.case, sheet)
     ]
     print_rows(FIGURES, rows, f"{case_file.case.name}: its figures")
 

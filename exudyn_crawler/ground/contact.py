@@ -44,7 +44,8 @@ class PairGroundContact:
         underside: Underside | None = None,
         flexible_shoes: Sequence[int] = (),
     ) -> None:
-        shoes, units = len(reference), terrain.unit_count
+        shoes = len(reference)
+        units = terrain.unit_count
         if underside is None:
             underside = Underside(np.zeros(2), np.ones(2), np.zeros((2, 2, 3, 0)))
         modes = underside.mode_count
@@ -53,7 +54,8 @@ class PairGroundContact:
         self.coordinates = coordinates
         self.shoe_reference = reference
         self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
-        self._terrain, self._row = terrain, row
+        self._terrain = terrain
+        self._row = row
         self.geometry = ContactGeometry(
             Outline(grid_of(terrain), pairs.Footprint(*shoe.footprint.tolist()), shoe.finger_length),
             pair_law(law, shoe.length * shoe.width),
@@ -93,11 +95,13 @@ class PairGroundContact:
         """Generalized contact forces: array (size,)."""
         bodies = self.bodies_at(q, q_t)
         rows, modes = self._touching(bodies)
-        shoe, unit = rows[:, pairs.RESULT["shoe"]].astype(int), rows[:, pairs.RESULT["unit"]].astype(int)
+        shoe = rows[:, pairs.RESULT["shoe"]].astype(int)
+        unit = rows[:, pairs.RESULT["unit"]].astype(int)
         point = rows[:, pairs.RESULT["point"]]
         force = rows[:, pairs.RESULT["normal_force"]] + rows[:, pairs.RESULT["friction_force"]]
         torque = rows[:, pairs.RESULT["friction_torque"]]
-        on_shoes, on_units = np.zeros_like(bodies.shoes), np.zeros((len(bodies.units), 6))
+        on_shoes = np.zeros_like(bodies.shoes)
+        on_units = np.zeros((len(bodies.units), 6))
         for places, index, sign, out in (
             (bodies.shoes, shoe, 1.0, on_shoes),
             (bodies.units, unit, -1.0, on_units),

@@ -55,7 +55,7 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
 
     Gives the number of its corners, zero where fewer than three are left.
     """
-    kept = 0
+    corners = 0
     previous = count - 1
     distance_previous = limit - sign * source[previous, axis]
     for current in range(count):
@@ -63,15 +63,15 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
         if (distance >= 0.0) != (distance_previous >= 0.0):
             t = distance_previous / (distance_previous - distance)
             for k in range(COLUMNS):
-                target[kept, k] = source[previous, k] + t * (source[current, k] - source[previous, k])
-            kept += 1
+                target[corners, k] = source[previous, k] + t * (source[current, k] - source[previous, k])
+            corners += 1
         if distance >= 0.0:
             for k in range(COLUMNS):
-                target[kept, k] = source[current, k]
-            kept += 1
+                target[corners, k] = source[current, k]
+            corners += 1
         previous = current
         distance_previous = distance
-    return kept if kept > 2 else 0
+    return corners if corners > 2 else 0
 
 
 @inner
@@ -98,10 +98,16 @@ def _integrated(points: FloatArray, count: int, cut: bool, half_x: float, half_y
     moment_xi = 0.0
     moment_eta = 0.0
     moment_depth = 0.0
-    xi0, eta0, d0 = points[0, 0], points[0, 1], points[0, 2]
+    xi0 = points[0, 0]
+    eta0 = points[0, 1]
+    d0 = points[0, 2]
     for k in range(1, count - 1):
-        xi1, eta1, d1 = points[k, 0], points[k, 1], points[k, 2]
-        xi2, eta2, d2 = points[k + 1, 0], points[k + 1, 1], points[k + 1, 2]
+        xi1 = points[k, 0]
+        eta1 = points[k, 1]
+        d1 = points[k, 2]
+        xi2 = points[k + 1, 0]
+        eta2 = points[k + 1, 1]
+        d2 = points[k + 1, 2]
         triangle = 0.5 * ((xi1 - xi0) * (eta2 - eta0) - (xi2 - xi0) * (eta1 - eta0))
         total = d0 + d1 + d2
         area += triangle
@@ -116,15 +122,18 @@ def _integrated(points: FloatArray, count: int, cut: bool, half_x: float, half_y
     reach = points[0, 3]
     side_x = side_y = 0.0
     for k in range(count):
-        low_xi, high_xi = min(low_xi, points[k, 0]), max(high_xi, points[k, 0])
-        low_eta, high_eta = min(low_eta, points[k, 1]), max(high_eta, points[k, 1])
+        low_xi = min(low_xi, points[k, 0])
+        high_xi = max(high_xi, points[k, 0])
+        low_eta = min(low_eta, points[k, 1])
+        high_eta = max(high_eta, points[k, 1])
         reach = max(reach, points[k, 3])
         if cut:
             a, b = points[k], points[(k + 1) % count]
             axis = _side(a, b, half_x, half_y)
             if axis >= 0:
                 face = 0.5 * (a[2] + b[2]) * _along_side(a, b, axis)
-                side_x, side_y = side_x + face * (axis == 0), side_y + face * (axis == 1)
+                side_x = side_x + face * (axis == 0)
+                side_y = side_y + face * (axis == 1)
     return Overlap(
         area,
         moment_xi / volume,
@@ -154,7 +163,8 @@ def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
     With the depth d linear over the polygon its value at the centroid of the volume is ``integral(d**2) /
     integral(d)``. An underside that looks up overlaps with nothing.
     """
-    points, other = work[0], work[1]
+    points = work[0]
+    other = work[1]
     inside = True
     for k in range(4):
         if abs(points[k, 0]) > half_x or abs(points[k, 1]) > half_y or points[k, 2] <= 0.0:
@@ -180,7 +190,8 @@ def _corner_speed(
     `at` is that corner, `beyond` the other end of the next edge; `axis` and `direction` are those of the
     side's normal and of the displacement: 0 for xi, 1 for eta.
     """
-    along_it, apart = beyond[1 - axis] - at[1 - axis], beyond[axis] - at[axis]
+    along_it = beyond[1 - axis] - at[1 - axis]
+    apart = beyond[axis] - at[axis]
     if _side(at, beyond, half_x, half_y) >= 0 or apart == 0.0:
         return 0.0
     # the next edge is the shoe's and moves with it
@@ -228,22 +239,28 @@ def write_gradient(
             out[2 + c, axis] -= length * (a[c] * (2.0 * a[2] + b[2]) + b[c] * (a[2] + 2.0 * b[2])) / 6.0
         out[4, axis] -= length * (a[2] * a[2] + a[2] * b[2] + b[2] * b[2]) / 3.0
         out[5 + axis, 2] -= length
-        before, after = points[(k + count - 1) % count], points[(k + 2) % count]
+        before = points[(k + count - 1) % count]
+        after = points[(k + 2) % count]
         sign = 1.0 if axis == 0 else -1.0
         for direction in range(2):
             ends = b[2] * _corner_speed(b, after, axis, direction, half_x, half_y)
             ends -= a[2] * _corner_speed(a, before, axis, direction, half_x, half_y)
             slope = slope_xi if direction == 0 else slope_eta
             out[5 + axis, direction] += sign * ends - slope * length
-        for at, beyond in ((a, before), (b, after)):
-            if at[3] == part.reach and _side(at, beyond, half_x, half_y) < 0 and beyond[axis] != at[axis]:
-                out[9, axis] = -(beyond[3] - at[3]) / (beyond[axis] - at[axis])
+        for corner, beyond in ((a, before), (b, after)):
+            if (
+                corner[3] == part.reach
+                and _side(corner, beyond, half_x, half_y) < 0
+                and beyond[axis] != corner[axis]
+            ):
+                out[9, axis] = -(beyond[3] - corner[3]) / (beyond[axis] - corner[axis])
         # what lies across the side is the shoe's, unless both sides cut it
         out[7 + axis, axis] -= 1.0 if length > 0.0 else -1.0
     out[2, 0] += part.volume
     out[3, 1] += part.volume
     out[1, 2] = -part.area
-    out[2, 2], out[3, 2] = -first_xi, -first_eta
+    out[2, 2] = -first_xi
+    out[3, 2] = -first_eta
     out[4, 2] = -2.0 * part.volume
 
 

@@ -39,8 +39,8 @@ def type_of(kind: Any) -> types.Type:
     if kind in NUMBERS:
         return NUMBERS[kind]
     if get_origin(kind) is tuple:
-        return types.BaseTuple.from_types([type_of(one) for one in get_args(kind)])
-    fields = [type_of(one) for one in get_type_hints(kind, include_extras=True).values()]
+        return types.BaseTuple.from_types([type_of(annotation) for annotation in get_args(kind)])
+    fields = [type_of(annotation) for annotation in get_type_hints(kind, include_extras=True).values()]
     return types.BaseTuple.from_types(fields, kind)
 
 
@@ -51,7 +51,7 @@ def nothing(kind: Any) -> Any:
     if kind in NUMBERS:
         return kind(1)
     if get_origin(kind) is tuple:
-        return tuple(nothing(one) for one in get_args(kind))
+        return tuple(nothing(annotation) for annotation in get_args(kind))
     return kind(*map(nothing, get_type_hints(kind, include_extras=True).values()))
 
 
@@ -67,8 +67,8 @@ def pack(values: tuple, kind: types.Type) -> IntArray:
 
     def add(value: Any, of: Any) -> None:
         if isinstance(of, types.BaseTuple):
-            for one, own in zip(value, of.types, strict=True):
-                add(one, own)
+            for part, of_part in zip(value, of.types, strict=True):
+                add(part, of_part)
         elif isinstance(of, types.Array):
             if typeof(value) != of:
                 raise TypeError(f"arrays must be {of}, got {typeof(value)}")
@@ -94,25 +94,26 @@ def reader(kind: types.Type) -> Callable[[IntArray], Any]:
                 return builder.load(builder.gep(words, [ir.Constant(WORD, next(places))]))
 
             def array(of: Any) -> Any:
-                own = make_array(of)(context, builder)
+                view = make_array(of)(context, builder)
                 size = ir.Constant(WORD, context.get_abi_sizeof(context.get_data_type(of.dtype)))
-                address, shape = word(), [word() for _ in range(of.ndim)]
+                address = word()
+                shape = [word() for _ in range(of.ndim)]
                 strides = [size]
                 for length in shape[:0:-1]:
                     strides.insert(0, builder.mul(strides[0], length))
-                data = builder.inttoptr(address, own.data.type)
-                populate_array(own, data=data, shape=shape, strides=strides, itemsize=size, meminfo=None)
-                return own._getvalue()
+                data = builder.inttoptr(address, view.data.type)
+                populate_array(view, data=data, shape=shape, strides=strides, itemsize=size, meminfo=None)
+                return view._getvalue()
 
             def value(of: Any) -> Any:
                 if isinstance(of, types.BaseTuple):
-                    return context.make_tuple(builder, of, [value(one) for one in of.types])
+                    return context.make_tuple(builder, of, [value(part) for part in of.types])
                 if isinstance(of, types.Array):
                     return array(of)
-                found = word()
+                bits = word()
                 if of == types.float64:
-                    return builder.bitcast(found, ir.DoubleType())
-                return builder.trunc(found, ir.IntType(1)) if of == types.boolean else found
+                    return builder.bitcast(bits, ir.DoubleType())
+                return builder.trunc(bits, ir.IntType(1)) if of == types.boolean else bits
 
             return value(kind)
 

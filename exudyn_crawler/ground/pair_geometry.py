@@ -1,4 +1,4 @@
-"""What the contacts of a track are made of: bodies, units, and the volumes in which they overlap.
+"""Tables of the contacts of a track: bodies, units, and the volumes in which they overlap.
 
 While a shoe reaches over a unit with more than the fingers at its rear it is one volume; where its fingers
 alone do, each of them is one with a whole law of its own.
@@ -35,7 +35,7 @@ class Flexible(NamedTuple):
 
 
 class ContactGeometry(NamedTuple):
-    """What stays as it is: outlines, the law of every contact, flexible shoes and fingers."""
+    """Constants of the contacts: outlines, the law of every contact, flexible shoes and fingers."""
 
     outline: Outline
     law: pairs.PairLaw
@@ -65,12 +65,14 @@ class Cells(NamedTuple):
 @inlined
 def cells_below(shoe: Frame, outline: Outline) -> Cells:
     """Units that may lie under a shoe."""
-    grid, footprint = outline.grid, outline.footprint
+    grid = outline.grid
+    footprint = outline.footprint
     x = max(abs(footprint.low_x), abs(footprint.high_x))
     y = max(abs(footprint.low_y), abs(footprint.high_y))
     # pitch and tilt move the underside's corners by their height times the angle
     slack = 0.02 * grid.length
-    across, side = shoe.R[0], shoe.R[1]
+    across = shoe.R[0]
+    side = shoe.R[1]
     reach_x = abs(across[0]) * x + abs(across[1]) * y + abs(across[2] * footprint.z) + slack
     reach_y = abs(side[0]) * x + abs(side[1]) * y + abs(side[2] * footprint.z) + slack
     i0 = max(0, math.floor((shoe.r[0] - grid.x - reach_x) / grid.length))
@@ -102,10 +104,11 @@ def finger_volume(
     right: float, left: float, whole: pairs.Volume, shoe: Frame, unit: Frame, length: float, work: FloatArray
 ) -> pairs.Volume:
     """Overlap of a finger of this length between two sides (m) with a unit, beside a whole underside."""
-    low_x, z = whole.footprint.low_x, whole.footprint.z
-    own = pairs.Footprint(low_x, low_x + length, right, left, z)
-    part = pairs.pair_overlap(shoe, unit, own, whole.half, work)
-    return pairs.Volume(part, 1.0 - whole.weight, own, whole.half)
+    low_x = whole.footprint.low_x
+    z = whole.footprint.z
+    footprint = pairs.Footprint(low_x, low_x + length, right, left, z)
+    part = pairs.pair_overlap(shoe, unit, footprint, whole.half, work)
+    return pairs.Volume(part, 1.0 - whole.weight, footprint, whole.half)
 
 
 @kernel
@@ -114,12 +117,14 @@ def patch_rectangle(part: overlap.Overlap, shoe: Frame, unit: Frame, top: float)
 
     Seen from above: what the unit's tilt moves the overlap by is far less than a cell of the underside.
     """
-    half_xi, half_eta = 0.5 * (part.high_xi - part.low_xi), 0.5 * (part.high_eta - part.low_eta)
+    half_xi = 0.5 * (part.high_xi - part.low_xi)
+    half_eta = 0.5 * (part.high_eta - part.low_eta)
     x = unit.r[0] + 0.5 * (part.low_xi + part.high_xi) - shoe.r[0]
     y = unit.r[1] + 0.5 * (part.low_eta + part.high_eta) - shoe.r[1]
     z = pairs.contact_point(part, unit, top)[2] - shoe.r[2]
     middle = turned_back(shoe.R, (x, y, z))
-    along_x, along_y = shoe.R[0], shoe.R[1]
+    along_x = shoe.R[0]
+    along_y = shoe.R[1]
     hx = abs(along_x[0]) * half_xi + abs(along_y[0]) * half_eta
     hy = abs(along_x[1]) * half_xi + abs(along_y[1]) * half_eta
     return middle[0] - hx, middle[0] + hx, middle[1] - hy, middle[1] + hy

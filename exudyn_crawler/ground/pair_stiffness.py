@@ -53,7 +53,8 @@ def _write_jacobian(
 ) -> None:
     """Write how shoe and unit, of these frames, move a contact."""
     shoe, unit = frames
-    arm, unit_arm = along(contact.point, -1.0, shoe.r), along(contact.point, -1.0, unit.r)
+    arm = along(contact.point, -1.0, shoe.r)
+    unit_arm = along(contact.point, -1.0, unit.r)
     for c in range(3):
         by_angle = cross(at.axes[c], arm)
         for r in range(3):
@@ -64,7 +65,8 @@ def _write_jacobian(
     by_tilt = cross(unit_arm, basis(tilt_axis))
     for r in range(3):
         by_unit[r, 1] = by_tilt[r]
-    by_unit[3, 0], by_unit[3, 1] = 0.0, -normal[tilt_axis]
+    by_unit[3, 0] = 0.0
+    by_unit[3, 1] = -normal[tilt_axis]
 
 
 @inner
@@ -75,10 +77,12 @@ def _bend(
 
     Gives the mean motion of the patch, which is one of the flexible shoe in row f.
     """
-    moved, moving = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    moved = (0.0, 0.0, 0.0)
+    moving = (0.0, 0.0, 0.0)
     for k in range(rows.shape[1]):
         row = (rows[0, k], rows[1, k], rows[2, k])
-        moved, moving = along(moved, bodies.modal[f, k], row), along(moving, bodies.modal_rates[f, k], row)
+        moved = along(moved, bodies.modal[f, k], row)
+        moving = along(moving, bodies.modal_rates[f, k], row)
     frames.write_turned_rows(shoe.R, rows, rows.shape[1], 1.0, jacobian)
     return pairs.Patch(moved, moving)
 
@@ -106,12 +110,16 @@ def _write_stiffness(
     displacement along the normal the depth at the centroid of the volume V changes by ``2 - depth A / V``.
     """
     normal, spin = turning
-    part, impact, coulomb = volume.part, law.impact, law.coulomb
+    part = volume.part
+    impact = law.impact
+    coulomb = law.coulomb
     share = pairs.share_of(volume, law)
-    depth, rate = contact.penetration, contact.penetration_rate
+    depth = contact.penetration
+    rate = contact.penetration_rate
     slip = contact.slip_velocity
     speed = norm(slip)
-    force, ratio = laws.impact_force(impact, depth, rate), laws.friction_per_slip(coulomb, speed)
+    force = laws.impact_force(impact, depth, rate)
+    ratio = laws.friction_per_slip(coulomb, speed)
     by_depth = (laws.impact_force(impact, depth + DEPTH_STEP, rate) - force) / DEPTH_STEP
     by_rate = (laws.impact_force(impact, depth, rate + RATE_STEP) - force) / RATE_STEP
     force *= share
@@ -120,7 +128,8 @@ def _write_stiffness(
     falling = 0.0
     if not weights.secant and speed > RATE_STEP:
         falling = (laws.friction_per_slip(coulomb, speed + RATE_STEP) - ratio) / (RATE_STEP * speed)
-    drag, steeper = weights.velocity * force * ratio, weights.velocity * force * falling
+    drag = weights.velocity * force * ratio
+    steeper = weights.velocity * force * falling
     drawn = along(normal, -ratio, slip)
     for r in range(3):
         for c in range(3):
@@ -146,7 +155,8 @@ def _moved(volume: pairs.Volume, gradient: FloatArray, fading: float, u: Vector)
     `gradient` (GRADIENT, 4) is that of `write_gradient` with a column of workspace, `fading` the slope of the
     weight over the reach.
     """
-    part, change = volume.part, gradient[:, 3]
+    part = volume.part
+    change = gradient[:, 3]
     for k in range(overlap.GRADIENT):
         change[k] = gradient[k, 0] * u[0] + gradient[k, 1] * u[1] + gradient[k, 2] * u[2]
     grown = part.volume + change[1]
@@ -187,26 +197,30 @@ def _write_leaning_stiffness(
     By differences of the law along the exact `change` of the overlap (`write_gradient`, and the slope of the
     weight over the reach); the motion of the shoe's own outline as it turns is left out as for the others.
     """
-    (gradient, fading), (shoe, unit) = change, frames
+    (gradient, fading) = change
+    (shoe, unit) = frames
     normal = pairs.normal_of(volume.part, unit, law)
     ratio = pairs.FROM_CURVE
     if weights.secant:
         ratio = laws.friction_per_slip(law.coulomb, norm(contact.slip_velocity))
-    start, arm = _wrench(contact, normal), along(contact.point, -1.0, shoe.r)
+    start = _wrench(contact, normal)
+    arm = along(contact.point, -1.0, shoe.r)
     out.fill(0.0)
     for c in range(MOTIONS):
         for by_rate in range(2):
             weight, h = (weights.velocity, RATE_STEP) if by_rate else (weights.position, MOVE_STEP)
             if weight == 0.0 or (c == 3 and not by_rate):
                 continue
-            changed, moved = volume, shoe
+            changed = volume
+            moved = shoe
             if c == 3:
                 v = along(shoe.v, -h, cross(normal, arm))
                 moved = Frame(shoe.r, shoe.R, v, along(shoe.omega, h, normal))
             elif by_rate:
                 moved = Frame(shoe.r, shoe.R, along(shoe.v, h, basis(c)), shoe.omega)
             else:
-                axis, part = turned_back(unit.R, basis(c)), volume.part
+                axis = turned_back(unit.R, basis(c))
+                part = volume.part
                 if axis[0] * part.side_x + axis[1] * part.side_y + axis[2] * part.area > 0.0:
                     h = -h  # a small volume grows
                 moved = Frame(along(shoe.r, h, basis(c)), shoe.R, shoe.v, shoe.omega)
@@ -226,8 +240,10 @@ def _write_gradient(
     """
     reach = (gradient[9, 0], gradient[9, 1], gradient[9, 2])
     down = turned_back(unit.R, frames.upward(shoe.R))
-    part, half = volume.part, volume.half
-    along_xi, along_eta = down[0] / down[2], down[1] / down[2]
+    part = volume.part
+    half = volume.half
+    along_xi = down[0] / down[2]
+    along_eta = down[1] / down[2]
     polygon = work[1 if part.cut > 0 else 0]
     corners = part.cut if part.cut > 0 else 4
     overlap.write_gradient(polygon, corners, part, half[0], half[1], along_xi, along_eta, gradient)
@@ -255,10 +271,11 @@ def touching_pairs(
     grid = outline.grid
     half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
     gradient = np.zeros((overlap.GRADIENT, 4))
-    greatest, count = rows.unit.shape[0], 0
+    greatest = rows.unit.shape[0]
+    count = 0
     for s in range(bodies.shoes.shape[0]):
-        at = rotations.attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
-        shoe = rotations.shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
+        attitude = rotations.attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
+        shoe = rotations.shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], attitude)
         if shoe.R[2][2] < frames.FACING:
             continue
         cells = pair_geometry.cells_below(shoe, outline)
@@ -273,13 +290,16 @@ def touching_pairs(
             fading = pair_geometry.fading_of(whole, outline)
             for finger in range(1 if share == 1.0 else 1 + fingers.shape[0]):
                 if finger > 0:
-                    right, left = fingers[finger - 1, 0], fingers[finger - 1, 1]
+                    right = fingers[finger - 1, 0]
+                    left = fingers[finger - 1, 1]
                     length = outline.finger_length
                     volume = pair_geometry.finger_volume(right, left, whole, shoe, unit, length, work)
                 if volume.weight * volume.part.area <= 0.0 or count >= greatest:
                     continue
-                jacobian, tangent = rows.jacobian[count, 0], rows.tangent[count]
-                rectangle, patch = pairs.NO_PATCH, pairs.RIGID
+                jacobian = rows.jacobian[count, 0]
+                tangent = rows.tangent[count]
+                rectangle = pairs.NO_PATCH
+                patch = pairs.RIGID
                 if flexible.row[s] >= 0:
                     modes = contacts.modes[count]
                     rectangle = pair_geometry.patch_rectangle(volume.part, shoe, unit, half[2])
@@ -287,15 +307,18 @@ def touching_pairs(
                     patch = _bend(bodies, flexible.row[s], shoe, modes, jacobian)
                 contact = pairs.pair_contact(volume, shoe, unit, patch, law, pairs.FROM_CURVE)
                 pairs.keep(contact, s, u, finger, rectangle, contacts.results[count])
-                normal, both = pairs.normal_of(volume.part, unit, law), (shoe, unit)
-                rows.bodies[count, 0], rows.unit[count] = s, u
-                wrench, by_unit = rows.wrench[count], rows.unit_jacobian[count]
+                normal = pairs.normal_of(volume.part, unit, law)
+                pair = (shoe, unit)
+                rows.bodies[count, 0] = s
+                rows.unit[count] = u
+                wrench = rows.wrench[count]
+                by_unit = rows.unit_jacobian[count]
                 wrench[0], wrench[1], wrench[2], wrench[3] = _wrench(contact, normal)
-                _write_jacobian(contact, normal, both, at, grid.tilt_axis, jacobian, by_unit)
+                _write_jacobian(contact, normal, pair, attitude, grid.tilt_axis, jacobian, by_unit)
                 if derive and (fading != 0.0 or pairs.leans(volume.part, law)):
                     _write_gradient(volume, finger, shoe, unit, work, gradient)
                     change = (gradient, fading if finger == 0 else -fading)
-                    _write_leaning_stiffness(volume, change, contact, both, patch, law, weights, tangent)
+                    _write_leaning_stiffness(volume, change, contact, pair, patch, law, weights, tangent)
                 elif derive:
                     spin = dot(along(shoe.omega, -1.0, unit.omega), normal)
                     _write_stiffness(volume, contact, (normal, spin), law, weights, tangent)

@@ -128,7 +128,9 @@ def pair_overlap(
         x = footprint.low_x if k == 0 or k == 3 else footprint.high_x
         y = footprint.low_y if k < 2 else footprint.high_y
         corner = turned_back(unit.R, along(apart, 1.0, turned(shoe.R, (x, y, footprint.z))))
-        corners[k, 0], corners[k, 1], corners[k, 2] = corner[0], corner[1], half[2] - corner[2]
+        corners[k, 0] = corner[0]
+        corners[k, 1] = corner[1]
+        corners[k, 2] = half[2] - corner[2]
         corners[k, 3] = x
     return overlap.overlap(work, half[0], half[1])
 
@@ -151,7 +153,7 @@ def contact_point(part: overlap.Overlap, unit: Frame, top: float) -> Vector:
 
 @inlined
 def leans(part: overlap.Overlap, law: PairLaw) -> bool:
-    """Whether a law takes more of a clipped overlap than its depth at the centroid."""
+    """True for a law that takes more of a clipped overlap than its depth at the centroid."""
     return part.cut > 0 and (law.area_normal or law.closest_points)
 
 
@@ -183,16 +185,20 @@ def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
     The closest points lie on faces that look at each other: the top face and the underside, or a side of the
     unit and the end or side of the shoe within it, whichever are closer.
     """
-    part, half = volume.part, volume.half
+    part = volume.part
+    half = volume.half
     place = turned_back(shoe.R, along(contact_point(part, unit, half[2]), -1.0, shoe.r))
     toward_x = turned_back(shoe.R, turned(unit.R, (-1.0 if part.xi > 0.0 else 1.0, 0.0, 0.0)))
     toward_y = turned_back(shoe.R, turned(unit.R, (0.0, -1.0 if part.eta > 0.0 else 1.0, 0.0)))
     x = half[0] - abs(part.xi) + _way_out(place, toward_x, volume.footprint)
     y = half[1] - abs(part.eta) + _way_out(place, toward_y, volume.footprint)
-    least, total, mean = min(part.depth, x, y), 0.0, 0.0
+    least = min(part.depth, x, y)
+    total = 0.0
+    mean = 0.0
     for thickness in (x, y, part.depth):
         weight = laws.step(thickness - least, 0.0, 1.0, FACE_BLEND, 0.0)
-        total, mean = total + weight, mean + weight * thickness
+        total = total + weight
+        mean = mean + weight * thickness
     return mean / total
 
 

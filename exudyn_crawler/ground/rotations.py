@@ -37,7 +37,8 @@ def attitude(roll: float, pitch: float, yaw: float) -> Attitude:
 @kernel
 def attitude_by(cosines: Vector, sines: Vector) -> Attitude:
     """Attitude by the cosines and the sines of its angles."""
-    (ca, cb, cc), (sa, sb, sc) = cosines, sines
+    (ca, cb, cc) = cosines
+    (sa, sb, sc) = sines
     R = (
         (cb * cc - sb * sc * sa, -sc * ca, sb * cc + cb * sc * sa),
         (cb * sc + sb * cc * sa, cc * ca, sb * sc - cb * cc * sa),
@@ -60,9 +61,9 @@ def spin_rate(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
     Yaw turns the axis of roll, yaw and roll that of pitch.
     """
     by_yaw = along((0.0, 0.0, 0.0), rates[2], at.axes[2])
-    both = along(by_yaw, rates[0], at.axes[0])
+    by_yaw_roll = along(by_yaw, rates[0], at.axes[0])
     change = along(spin(at, accelerations), rates[0], cross(by_yaw, at.axes[0]))
-    return along(change, rates[1], cross(both, at.axes[1]))
+    return along(change, rates[1], cross(by_yaw_roll, at.axes[1]))
 
 
 @kernel
@@ -75,10 +76,13 @@ def shoe_frame(q: FloatArray, q_t: FloatArray, at: Attitude) -> Frame:
 @kernel
 def unit_frame(q: FloatArray, q_t: FloatArray, axis: int) -> Frame:
     """Frame of a unit at its position and tilt (4) and their rates; it tilts about axis 0 (x) or 1 (y)."""
-    c, s = math.cos(q[3]), math.sin(q[3])
-    R, omega = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c)), (q_t[3], 0.0, 0.0)
+    c = math.cos(q[3])
+    s = math.sin(q[3])
+    R = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
+    omega = (q_t[3], 0.0, 0.0)
     if axis == 1:
-        R, omega = ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)), (0.0, q_t[3], 0.0)
+        R = ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))
+        omega = (0.0, q_t[3], 0.0)
     return Frame((q[0], q[1], q[2]), R, (q_t[0], q_t[1], q_t[2]), omega)
 
 
@@ -132,8 +136,8 @@ def _axes(angles: FloatArray) -> FloatArray:
 
 
 def _of_each(write: Callable, shape: tuple[int, ...], *vectors: FloatArray) -> FloatArray:
-    """What a compiled function writes of all rows of vectors (..., 3): array (..., *shape)."""
-    flat = [np.ascontiguousarray(one).reshape(-1, 3) for one in vectors]
+    """Apply a compiled function to all rows of vectors (..., 3): array (..., *shape)."""
+    flat = [np.ascontiguousarray(vector).reshape(-1, 3) for vector in vectors]
     out = np.empty((len(flat[0]), *shape))
     write(*flat, out)
     return out.reshape(*vectors[0].shape[:-1], *shape)
@@ -159,7 +163,7 @@ def _write_axes(angles, out):
 def _write_turning(angles, rates, out):
     """Write the part of the angular accelerations (rad/s2, global) that the rates make alone."""
     for n in range(angles.shape[0]):
-        at = attitude(angles[n, 0], angles[n, 1], angles[n, 2])
+        orientation = attitude(angles[n, 0], angles[n, 1], angles[n, 2])
         out[n, 0], out[n, 1], out[n, 2] = spin_rate(
-            at, (rates[n, 0], rates[n, 1], rates[n, 2]), (0.0, 0.0, 0.0)
+            orientation, (rates[n, 0], rates[n, 1], rates[n, 2]), (0.0, 0.0, 0.0)
         )

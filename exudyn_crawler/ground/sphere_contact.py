@@ -33,10 +33,12 @@ def face_inset(case: Case) -> tuple[float, float]:
     A sphere over the seam of two whole faces touches the edges of both and is pushed twice as hard. Drawn
     back by this much, both together push a sphere at the settled depth there as hard as one face does.
     """
-    spheres, terrain = case.sphere_contact(), case.unit_terrain()
+    spheres = case.sphere_contact()
+    terrain = case.unit_terrain()
     if spheres.faces == "whole":
         return 0.0, 0.0
-    radius, depth = spheres.radius, case.settled_penetration
+    radius = spheres.radius
+    depth = case.settled_penetration
     height = radius - depth
     slant = radius / (1.0 + 0.5 * depth / height)  # from 2 (radius - slant) height / slant = depth
     inset = math.sqrt(slant**2 - height**2)
@@ -53,7 +55,8 @@ class SphereGroundContact:
         self.shoe_reference = np.hstack((coms, np.zeros((len(coms), 3))))
         self.unit_reference = np.hstack((terrain.even_centers, np.zeros((terrain.unit_count, 1))))
         self._case, self._terrain, self._grid = case, terrain, grid_of(terrain)
-        self._tops, self._tilts = 0.5 * terrain.unit_height + terrain.top_heights, terrain.tilts
+        self._tops = 0.5 * terrain.unit_height + terrain.top_heights
+        self._tilts = terrain.tilts
         self._centers, self._radius = sphere_centers(case), case.sphere_contact().radius
         self.size = self.shoe_reference.size + coordinates.size  # six coordinates a shoe, then the units'
 
@@ -70,16 +73,18 @@ class SphereGroundContact:
 
     def _above(self, q: np.ndarray, places: np.ndarray, units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Height (m) of places (..., 3) over the faces of units (...,), and the faces' normals (..., 3)."""
-        at = (self.unit_reference + self.unit_motion(q))[units]
-        up = self._leaning(at[..., 3])
+        pose = (self.unit_reference + self.unit_motion(q))[units]
+        up = self._leaning(pose[..., 3])
         # units roll or follow a relief, never both
-        normal = self._leaning(at[..., 3] + self._tilts[units])
-        above = places - at[..., :3] - self._tops[units][..., None] * up
+        normal = self._leaning(pose[..., 3] + self._tilts[units])
+        above = places - pose[..., :3] - self._tops[units][..., None] * up
         return np.sum(normal * above, axis=-1), normal
 
     def _leaning(self, tilts: np.ndarray) -> np.ndarray:
         """Normals (..., 3) of faces that tilt, rad."""
-        sine, cosine, none = np.sin(tilts), np.cos(tilts), np.zeros_like(tilts)
+        sine = np.sin(tilts)
+        cosine = np.cos(tilts)
+        none = np.zeros_like(tilts)
         return np.stack((none, -sine, cosine) if self._grid.tilt_axis == 0 else (sine, none, cosine), axis=-1)
 
     def depths(self, q: np.ndarray) -> np.ndarray:
@@ -102,18 +107,23 @@ class SphereGroundContact:
         depth of the spheres that touch, the area that of their parts of the underside; its rate and the slip
         velocity are those of shoe and unit at the point.
         """
-        shoes, rates = self._shoes(q), q_t[: self.shoe_reference.size].reshape(-1, 6)
+        shoes = self._shoes(q)
+        rates = q_t[: self.shoe_reference.size].reshape(-1, 6)
         touching = np.flatnonzero(wrenches.any(axis=1))
-        shoes, rates, wrenches = shoes[touching], rates[touching], wrenches[touching]
+        shoes = shoes[touching]
+        rates = rates[touching]
+        wrenches = wrenches[touching]
         depths = np.maximum(self.depths(q)[touching], 0.0)
         count = (depths > 0.0).sum(axis=1)
         depth = depths.sum(axis=1) / np.maximum(count, 1)
-        force, moment = wrenches[:, :3], wrenches[:, 3:]
+        force = wrenches[:, :3]
+        moment = wrenches[:, 3:]
         point = self._pressed(shoes, depth, force, moment)
         unit = self._grid.units_below(point[:, :2])
         above, normal = self._above(q, point, unit)
         point = point - above[:, None] * normal
-        arm, of_unit = point - shoes[:, :3], self.unit_motion(q_t)[unit]
+        arm = point - shoes[:, :3]
+        of_unit = self.unit_motion(q_t)[unit]
         spin = np.zeros((len(unit), 3))
         spin[:, self._grid.tilt_axis] = of_unit[:, 3]
         middle = (self.unit_reference + self.unit_motion(q))[unit, :3]
@@ -123,7 +133,8 @@ class SphereGroundContact:
         pressing = np.sum(force * normal, axis=1)[:, None] * normal
         shoe = self._case.shoe
         out = np.zeros((len(touching), RESULTS))
-        out[:, RESULT["shoe"]], out[:, RESULT["unit"]] = touching, unit
+        out[:, RESULT["shoe"]] = touching
+        out[:, RESULT["unit"]] = unit
         out[:, RESULT["penetration"]] = depth
         out[:, RESULT["penetration_rate"]] = rate
         out[:, RESULT["area"]] = shoe.length * shoe.width / len(self._centers) * count

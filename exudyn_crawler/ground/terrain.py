@@ -82,7 +82,8 @@ def modal_motion(heave, tilt, q, out):
         for k in range(heave.shape[1]):
             z += heave[u, k] * q[k]
             a += tilt[u, k] * q[k]
-        out[u, 2], out[u, 3] = z, a
+        out[u, 2] = z
+        out[u, 3] = a
 
 
 @dataclass(frozen=True)
@@ -166,7 +167,8 @@ def terrain_modes(terrain: Terrain) -> TerrainModes:
     rise = -half if terrain.tilt == "pitch" else half
     across = 0 if terrain.tilt == "pitch" else 1
     for equation, joint in zip(equations, joints, strict=True):
-        equation[joint.first], equation[joint.second] = 1.0, -1.0
+        equation[joint.first] = 1.0
+        equation[joint.second] = -1.0
         if joint.axis == across:
             equation[count + joint.first] = equation[count + joint.second] = rise
     free = scipy.linalg.null_space(equations)
@@ -217,7 +219,8 @@ def _settled(rows: np.ndarray) -> np.ndarray:
     Each is the first row whose rest beside the directions before it is large: of equally large ones rounding
     would choose.
     """
-    rest, count = rows.copy(), rows.shape[1]
+    rest = rows.copy()
+    count = rows.shape[1]
     directions = np.empty((count, count))
     for direction in directions:
         lengths = np.linalg.norm(rest, axis=1)
@@ -235,7 +238,8 @@ def _clean(shapes: np.ndarray) -> np.ndarray:
 
 def units_near(terrain: Terrain, corners: np.ndarray, margin: float) -> np.ndarray:
     """Indices (from 0) of the units within `margin` (m) of the bounding rectangle of `corners`."""
-    low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
+    low = corners.min(axis=0) - margin
+    high = corners.max(axis=0) + margin
     centers = terrain.centers[:, :2]
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
     near = np.all((centers + half > low) & (centers - half < high), axis=1)

@@ -129,13 +129,18 @@ def _bend(
     `tensor` (3, 3) gathers ``integral p_a f_c`` of inertia forces f. Gives the force of the modes' motion, N,
     in the body's axes.
     """
-    m, z, force = modes.stiffness.shape[0], state[:3, 6:].copy(), (0.0, 0.0, 0.0)
+    m = modes.stiffness.shape[0]
+    z = state[:3, 6:].copy()
+    force = (0.0, 0.0, 0.0)
     # over (a, c) and k: integrals of p_a Psi_ck, here without x_a, and of those of velocities Psi z' with Psi
-    sums, forces = np.dot(z[:2], modes.products), residual[6:]
+    sums = np.dot(z[:2], modes.products)
+    forces = residual[6:]
     for k in range(m):
         forces[k] += z[2, k] + modes.stiffness[k] * z[0, k] + modes.damping[k] * z[1, k]
     for a in range(3):
-        shape, acceleration, swirl = modes.shapes[a], motion.acceleration[a], cross(motion.omega, basis(a))
+        shape = modes.shapes[a]
+        acceleration = motion.acceleration[a]
+        swirl = cross(motion.omega, basis(a))
         for k in range(m):
             forces[k] += shape[k] * acceleration
         place, rate, second, _ = _sums(shape, shape, z)
@@ -143,9 +148,12 @@ def _bend(
         force = along(along(force, second, basis(a)), 2.0 * rate, swirl)
         for c in range(3):
             n = 3 * a + c
-            lever, speed, still = sums[0, n * m : n * m + m], sums[1, n * m : n * m + m], modes.places[n]
+            lever = sums[0, n * m : n * m + m]
+            speed = sums[1, n * m : n * m + m]
+            still = modes.places[n]
             # of the turning frame, and 2 omega x Psi z'
-            turning, spin = motion.turning[c][a], 2.0 * swirl[c]
+            turning = motion.turning[c][a]
+            spin = 2.0 * swirl[c]
             for k in range(m):
                 lever[k] += still[k]
                 forces[k] += lever[k] * turning + speed[k] * spin
@@ -175,7 +183,9 @@ def add_body_matrix(
     matrix: FloatArray,
 ) -> None:
     """Add the weighted mass, stiffness and damping of a body to a matrix, from a row and column on."""
-    x, factor, mass = first_row, weights.acceleration, bodies.mass[b]
+    x = first_row
+    factor = weights.acceleration
+    mass = bodies.mass[b]
     trace = inertia.second[0, 0] + inertia.second[1, 1] + inertia.second[2, 2]
     first = turned(at.R, (inertia.first[0], inertia.first[1], inertia.first[2]))
     for j in range(3):
@@ -212,7 +222,8 @@ def add_body_matrix(
 @inner(merged=True)
 def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> None:
     """Write the coordinates of a body and its modes into one row (6 + m,); without modes these stay."""
-    first, modal = bodies.coordinate[b], bodies.modal[b]
+    first = bodies.coordinate[b]
+    modal = bodies.modal[b]
     for k in range(6):
         out[k] = values[first + k]
     for k in range(6, out.shape[0] if modal >= 0 else 6):
@@ -222,7 +233,8 @@ def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> No
 @inner(merged=True)
 def add_body(bodies: Bodies, b: int, row: FloatArray, factor: float, residual: FloatArray) -> None:
     """Add a row (6 + m,) of a body's coordinates and modes, times a factor."""
-    first, modal = bodies.coordinate[b], bodies.modal[b]
+    first = bodies.coordinate[b]
+    modal = bodies.modal[b]
     for k in range(6):
         residual[first + k] += factor * row[k]
     if modal >= 0:
@@ -242,15 +254,18 @@ def write_angles(bodies: Bodies, q: FloatArray) -> None:
 @inner(merged=True)
 def attitude_of(bodies: Bodies, b: int) -> Attitude:
     """Attitude of a body at the coordinates of `write_angles`."""
-    c, s = bodies.of_angles[b, 0], bodies.of_angles[b, 1]
+    c = bodies.of_angles[b, 0]
+    s = bodies.of_angles[b, 1]
     return rotations.attitude_by((c[0], c[1], c[2]), (s[0], s[1], s[2]))
 
 
 @inner(merged=True)
 def frame_of(bodies: Bodies, b: int, state: FloatArray, at: Attitude) -> Frame:
     """Place and motion of a body at all coordinates and rates (2 or more, coordinates)."""
-    k, reference = bodies.coordinate[b], bodies.reference[b]
-    q, q_t = state[0], state[1]
+    k = bodies.coordinate[b]
+    reference = bodies.reference[b]
+    q = state[0]
+    q_t = state[1]
     place = (q[k] + reference[0], q[k + 1] + reference[1], q[k + 2] + reference[2])
     omega = rotations.spin(at, (q_t[k + 3], q_t[k + 4], q_t[k + 5]))
     return Frame(place, at.R, (q_t[k], q_t[k + 1], q_t[k + 2]), omega)
@@ -272,21 +287,22 @@ def add_bodies(
     `gravity` is in m/s2, global, `residual` in N, N m and modal; `rows` (4, 6 + m) and `tensor` (3, 3) are
     scratch.
     """
-    own = rows[3]
+    forces = rows[3]
     for b in range(bodies.mass.shape[0]):
         for rate in range(3):
             read_body(bodies, b, state[rate], rows[rate])
-        own.fill(0.0)
+        forces.fill(0.0)
         inertia = Inertia(inertias[0][b], inertias[1][b], inertias[2][b])
-        at = attitude_of(bodies, b)
-        motion = _motion(at, rows, gravity)
+        attitude = attitude_of(bodies, b)
+        motion = _motion(attitude, rows, gravity)
         for a in range(3):
             inertia.first[a] = bodies.first[b, a]
             for c in range(3):
-                inertia.second[a, c], tensor[a, c] = bodies.second[b, a, c], 0.0
+                inertia.second[a, c] = bodies.second[b, a, c]
+                tensor[a, c] = 0.0
         force = (0.0, 0.0, 0.0)
         if bodies.modal[b] >= 0:
-            force = _bend(modes, rows, motion, own, inertia, tensor)
+            force = _bend(modes, rows, motion, forces, inertia, tensor)
         first = (inertia.first[0], inertia.first[1], inertia.first[2])
         turning = turned(motion.turning, first)
         force = along(along(force, bodies.mass[b], motion.acceleration), 1.0, turning)
@@ -295,8 +311,9 @@ def add_bodies(
                 tensor[a, c] += first[a] * motion.acceleration[c]
                 for d in range(3):
                     tensor[a, c] += inertia.second[a, d] * motion.turning[c][d]
-        force, moment = turned(at.R, force), turned(at.axes, turned(at.R, _moment_of(tensor)))
+        force = turned(attitude.R, force)
+        moment = turned(attitude.axes, turned(attitude.R, _moment_of(tensor)))
         for k in range(3):
-            own[k] += force[k]
-            own[3 + k] += moment[k]
-        add_body(bodies, b, own, 1.0, residual)
+            forces[k] += force[k]
+            forces[3 + k] += moment[k]
+        add_body(bodies, b, forces, 1.0, residual)

@@ -103,9 +103,11 @@ def clear(places: Fronts, values: FloatArray) -> None:
     """Take the terms or what `eliminate` left out of all fronts."""
     rows = np.empty(places.unknowns.shape[0], dtype=np.int64)
     for k in range(places.own.shape[0]):
-        met, own, at = marks(places, values, k), places.own[k], places.place[k]
-        size = own * (own + 2 * _met(met, own, rows))
-        values[at : at + size if met[0] > 1.0 else places.place[k + 1]] = 0.0
+        met = marks(places, values, k)
+        pivots = places.own[k]
+        start = places.place[k]
+        size = pivots * (pivots + 2 * _met(met, pivots, rows))
+        values[start : start + size if met[0] > 1.0 else places.place[k + 1]] = 0.0
         met[:] = 0.0
 
 
@@ -136,7 +138,9 @@ def _factor(matrix: FloatArray, own: int, exchanged: FloatArray) -> None:
     k = matrix.shape[0] - 1
     left = k + 1 - own
     while k > left:
-        lower, upper, m = matrix[k], matrix[k - 1], k - 1
+        lower = matrix[k]
+        upper = matrix[k - 1]
+        m = k - 1
         _pivot(matrix, left, k, exchanged)
         for r in range(k):
             matrix[r, m] -= matrix[r, k] * lower[m]
@@ -145,7 +149,8 @@ def _factor(matrix: FloatArray, own: int, exchanged: FloatArray) -> None:
             upper[c] -= upper[k] * lower[c]
         for r in range(m):
             row = matrix[r]
-            by_lower, by_upper = row[k], row[m]
+            by_lower = row[k]
+            by_upper = row[m]
             if by_lower != 0.0 or by_upper != 0.0:
                 for c in range(m):
                     row[c] -= by_lower * lower[c] + by_upper * upper[c]
@@ -164,35 +169,42 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
     From its start there are, for each of its own unknowns, its row of the factored matrix and its column of
     what is left.
     """
-    matrix, met, parent = front(places, values, k), marks(places, values, k), places.parent[k]
-    own, at = places.own[k], places.place[k]
-    left = _met(met, own, rows)
-    n = left + own
+    matrix = front(places, values, k)
+    met = marks(places, values, k)
+    parent = places.parent[k]
+    pivots = places.own[k]
+    start = places.place[k]
+    left = _met(met, pivots, rows)
+    n = left + pivots
     dense = scratch[: n * n].reshape((n, n))
     for r in range(n):
-        row, to = matrix[rows[r] if r < left else r - left], dense[r]
+        row = matrix[rows[r] if r < left else r - left]
+        to = dense[r]
         for c in range(left):
             to[c] = row[rows[c]]
-        for c in range(own):
+        for c in range(pivots):
             to[left + c] = row[c]
         row[:] = 0.0
-    _factor(dense, own, met)
+    _factor(dense, pivots, met)
     for r in range(left, n):
-        row, to = dense[r], values[at : at + n + left]
+        row = dense[r]
+        to = values[start : start + n + left]
         for c in range(n):
             to[c] = row[c]
         for c in range(left):
             to[n + c] = dense[c, r]
-        at += n + left
-    for r in range(own, met.shape[0]):
-        met[r] = 1.0 + places.unknowns[places.first[k] + rows[r - own]] if r - own < left else 0.0
+        start += n + left
+    for r in range(pivots, met.shape[0]):
+        met[r] = 1.0 + places.unknowns[places.first[k] + rows[r - pivots]] if r - pivots < left else 0.0
     if parent >= 0:
-        higher, above = front(places, values, parent), marks(places, values, parent)
+        higher = front(places, values, parent)
+        above = marks(places, values, parent)
         for r in range(left):
             rows[r] = places.into[places.first[k] + rows[r]]
             above[rows[r]] = 1.0
         for r in range(left):
-            row, to = dense[r], higher[rows[r]]
+            row = dense[r]
+            to = higher[rows[r]]
             for c in range(left):
                 to[rows[c]] += row[c]
 
@@ -206,7 +218,8 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
     without any term are left out.
     """
     n = np.max(fronts.first[1:] - fronts.first[:-1])
-    rows, scratch = np.empty(n, dtype=np.int64), np.empty(n * n)
+    rows = np.empty(n, dtype=np.int64)
+    scratch = np.empty(n * n)
     for k in range(fronts.own.shape[0]):
         _eliminate(fronts, values, k, rows, scratch)
 
@@ -214,13 +227,15 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
 @inner
 def _gather(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> int:
     """Write the unknowns of a front, those that are left first, and their values; give how many are left."""
-    met, own, left = marks(fronts, values, k), fronts.own[k], 0
-    while own + left < met.shape[0] and met[own + left] > 0.0:
-        at[left] = int(met[own + left]) - 1
+    met = marks(fronts, values, k)
+    pivots = fronts.own[k]
+    left = 0
+    while pivots + left < met.shape[0] and met[pivots + left] > 0.0:
+        at[left] = int(met[pivots + left]) - 1
         left += 1
-    for r in range(own):
+    for r in range(pivots):
         at[left + r] = fronts.unknowns[fronts.first[k] + r]
-    for r in range(left + own):
+    for r in range(left + pivots):
         y[r] = x[at[r]]
     return left
 
@@ -228,14 +243,17 @@ def _gather(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntAr
 @inner
 def _forward(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
     """Take the own unknowns of a front out of the right-hand sides of those that are left."""
-    left, met, start = _gather(fronts, values, k, x, at, y), marks(fronts, values, k), fronts.place[k]
+    left = _gather(fronts, values, k, x, at, y)
+    met = marks(fronts, values, k)
+    start = fronts.place[k]
     n = left + fronts.own[k]
     for r in range(n - 1, left - 1, -1):
         p = int(met[r - left]) - 2
         y[r], y[p] = y[p], y[r]
     for r in range(n - 1, left - 1, -1):
         first = start + (r - left) * (n + left)
-        row, column = values[first : first + n], values[first + n : first + n + left]
+        row = values[first : first + n]
+        column = values[first + n : first + n + left]
         s = y[r]
         for c in range(r + 1, n):
             s -= row[c] * y[c]
@@ -252,13 +270,21 @@ def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArra
 
     Three sums grow at once: each has to wait for its last term.
     """
-    left, own = _gather(fronts, values, k, x, at, y), fronts.own[k]
-    start, width, end = fronts.place[k], own + 2 * left, left + own
-    rows = values[start : start + own * width].reshape((own, width))
+    left = _gather(fronts, values, k, x, at, y)
+    pivots = fronts.own[k]
+    start = fronts.place[k]
+    width = pivots + 2 * left
+    end = left + pivots
+    rows = values[start : start + pivots * width].reshape((pivots, width))
     for first in range(left, end, 3):
-        second, third = min(first + 1, end - 1), min(first + 2, end - 1)
-        one, two, three = rows[first - left], rows[second - left], rows[third - left]
-        s, t, u = y[first], y[second], y[third]
+        second = min(first + 1, end - 1)
+        third = min(first + 2, end - 1)
+        one = rows[first - left]
+        two = rows[second - left]
+        three = rows[third - left]
+        s = y[first]
+        t = y[second]
+        u = y[third]
         for c in range(first):
             s -= one[c] * y[c]
             t -= two[c] * y[c]
@@ -276,8 +302,9 @@ def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArra
 def solve(fronts: Fronts, values: FloatArray, x: FloatArray) -> None:
     """Turn a right-hand side (unknowns,) into the solution, in place, after `eliminate`."""
     n = np.max(fronts.first[1:] - fronts.first[:-1])
-    y, at = np.empty(n), np.empty(n, dtype=np.int64)
+    y = np.empty(n)
+    numbers = np.empty(n, dtype=np.int64)
     for k in range(fronts.own.shape[0]):
-        _forward(fronts, values, k, x, at, y)
+        _forward(fronts, values, k, x, numbers, y)
     for k in range(fronts.own.shape[0] - 1, -1, -1):
-        _back(fronts, values, k, x, at, y)
+        _back(fronts, values, k, x, numbers, y)

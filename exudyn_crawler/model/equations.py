@@ -132,19 +132,24 @@ def _write_motions(
     """
     kinds = rows.wrench.shape[1]
     forces[:] = 0.0
-    for at in range(motions.shape[0]):
-        p, r = first + at // kinds, at % kinds
-        row, force = motions[at], forces[at]
-        second, of_terrain = row[sizes[0] :], row[sizes[0] + sizes[1] :]
+    for slot in range(motions.shape[0]):
+        p, r = first + slot // kinds, slot % kinds
+        row = motions[slot]
+        force = forces[slot]
+        second = row[sizes[0] :]
+        of_terrain = row[sizes[0] + sizes[1] :]
         for c in range(sizes[0]):
             row[c] = rows.jacobian[p, 0, r, c]
         for c in range(sizes[1]):
             second[c] = rows.jacobian[p, 1, r, c]
-        heave, tilt, u = rows.unit_jacobian[p, r, 0], rows.unit_jacobian[p, r, 1], rows.unit[p]
+        heave = rows.unit_jacobian[p, r, 0]
+        tilt = rows.unit_jacobian[p, r, 1]
+        u = rows.unit[p]
         for k in range(sizes[2]):
             of_terrain[k] = heave * ground.heave[u, k] + tilt * ground.tilt[u, k]
         for k in range(kinds):
-            factor, force = rows.tangent[p, k, r], forces[at - r + k]
+            factor = rows.tangent[p, k, r]
+            force = forces[slot - r + k]
             # a node of a grid knows its neighbours alone
             if factor != 0.0:
                 for c in range(row.shape[0]):
@@ -163,16 +168,21 @@ def _add_block(
 ) -> None:
     """Add a tangent by the coordinates of two bodies and the terrain; `numbers` are of front and bodies."""
     f, a, b = numbers
-    matrix, met = elimination.front(fronts, values, f), elimination.marks(fronts, values, f)
-    firsts, k = (places.body[f, a], places.body[f, b], places.terrain[f]), 0
+    matrix = elimination.front(fronts, values, f)
+    met = elimination.marks(fronts, values, f)
+    firsts = (places.body[f, a], places.body[f, b], places.terrain[f])
+    k = 0
     for part in range(3):
         for c in range(sizes[part]):
             into[k] = firsts[part] + c
             k += 1
     for r in range(block.shape[0]):
-        row, to, k = block[r], matrix[into[r]], 0
+        row = block[r]
+        to = matrix[into[r]]
+        k = 0
         for part in range(3):
-            there, here = to[firsts[part] :], row[k:]
+            there = to[firsts[part] :]
+            here = row[k:]
             for c in range(sizes[part]):
                 there[c] += here[c]
             k += sizes[part]
@@ -191,10 +201,14 @@ def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
     count = rows.acting[0]
     if count == 0:
         return
-    places, modal, ground, first = tables.rows, tables.bodies.modal, tables.terrain, 0
+    places = tables.rows
+    modal = tables.bodies.modal
+    ground = tables.terrain
+    first = 0
     motions_each, m = rows.jacobian.shape[2:]
     width = 2 * m + ground.heave.shape[1]
-    into, scratch = np.empty(width, dtype=np.int64), np.empty((3, max(motions_each * count, width) * width))
+    into = np.empty(width, dtype=np.int64)
+    scratch = np.empty((3, max(motions_each * count, width) * width))
     for last in range(1, count + 1):
         a, b = rows.bodies[first, 0], rows.bodies[first, 1]
         if last < count and rows.bodies[last, 0] == a and rows.bodies[last, 1] == b:
@@ -204,7 +218,8 @@ def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
             0 if b < 0 else (m if modal[b] >= 0 else 6),
             ground.heave.shape[1] if rows.unit[first] >= 0 else 0,
         )
-        n, length = sizes[0] + sizes[1] + sizes[2], motions_each * (last - first)
+        n = sizes[0] + sizes[1] + sizes[2]
+        length = motions_each * (last - first)
         motions = scratch[0, : n * length].reshape((length, n))
         forces = scratch[1, : n * length].reshape((length, n))
         block = scratch[2, : n * n].reshape((n, n))
@@ -222,8 +237,11 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
     `velocity` is the weight of the derivatives by rates.
     """
     tables, work = read_system(system)
-    places, fronts, modal = tables.rows, tables.fronts, tables.bodies.modal
-    rows, last = work.joints, tables.fronts.own.shape[0] - 1
+    places = tables.rows
+    fronts = tables.fronts
+    modal = tables.bodies.modal
+    rows = work.joints
+    last = tables.fronts.own.shape[0] - 1
     m = rows.jacobian.shape[2]
     for side in range(2):
         held = -1
@@ -234,8 +252,10 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
                 continue
             f = places.front[b]
             if f != held:
-                matrix, held = elimination.front(fronts, values, f), f
-            row, base = places.multiplier[f, r], places.body[f, b]
+                matrix = elimination.front(fronts, values, f)
+                held = f
+            row = places.multiplier[f, r]
+            base = places.body[f, b]
             elimination.marks(fronts, values, f)[row] = 1.0
             for c in range(m if modal[b] >= 0 else 6):
                 matrix[row, base + c] += rows.slope[r] * rows.jacobian[r, side, c]
@@ -260,7 +280,10 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
 def _add_directions(system: IntArray, r: int, values: FloatArray) -> None:
     """Add the directions of a constraint's force that is not along its Jacobian to the fronts."""
     tables, work = read_system(system)
-    places, fronts, modal, rows = tables.rows, tables.fronts, tables.bodies.modal, work.joints
+    places = tables.rows
+    fronts = tables.fronts
+    modal = tables.bodies.modal
+    rows = work.joints
     d = rows.directed[r]
     for k in range(ACTED_ON):
         b = rows.acted_on[d, k]
@@ -268,7 +291,8 @@ def _add_directions(system: IntArray, r: int, values: FloatArray) -> None:
             continue
         f = places.front[b]
         matrix = elimination.front(fronts, values, f)
-        row, base = places.multiplier[f, r], places.body[f, b]
+        row = places.multiplier[f, r]
+        base = places.body[f, b]
         for c in range(rows.directions.shape[2] if modal[b] >= 0 else 6):
             if rows.directions[d, k, c] != 0.0:
                 matrix[base + c, row] += rows.directions[d, k, c]
@@ -279,7 +303,8 @@ def _add_directions(system: IntArray, r: int, values: FloatArray) -> None:
 def _add_turning(system: IntArray, by_place: float, values: FloatArray) -> None:
     """Add how the moments of the pins' forces change as their bodies turn to the fronts."""
     tables, work = read_system(system)
-    places, rows = tables.rows, work.joints
+    places = tables.rows
+    rows = work.joints
     for p in range(rows.turned.shape[0]):
         for side in range(2):
             b = rows.turned[p, side]
@@ -294,14 +319,16 @@ def _add_turning(system: IntArray, by_place: float, values: FloatArray) -> None:
 def _add_masses(system: IntArray, weights: Weights, values: FloatArray) -> None:
     """Add masses, stiffness and damping of bodies and terrain to the fronts."""
     tables, work = read_system(system)
-    places, fronts, last = tables.rows, tables.fronts, tables.fronts.own.shape[0] - 1
+    places = tables.rows
+    fronts = tables.fronts
+    last = tables.fronts.own.shape[0] - 1
     for b in range(tables.bodies.mass.shape[0]):
         inertia = bodies.Inertia(work.first[b], work.second[b], work.turning[b])
         f = places.front[b]
-        at = attitude_of(tables.bodies, b)
+        attitude = attitude_of(tables.bodies, b)
         matrix = elimination.front(fronts, values, f)
         first = places.body[f, b]
-        bodies.add_body_matrix(tables.bodies, b, tables.modes, at, inertia, weights, first, matrix)
+        bodies.add_body_matrix(tables.bodies, b, tables.modes, attitude, inertia, weights, first, matrix)
     whole = elimination.front(fronts, values, last)
     terrain.add_terrain_matrix(tables.terrain, weights, places.terrain[last], whole)
 

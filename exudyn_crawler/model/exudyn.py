@@ -67,12 +67,15 @@ def predict(
     """
     data: Any = mbs.systemData
     h = solver.it.currentStepSize
-    before, after = solver.GetStartOfStepStateAAlgorithmic(), solver.GetAAlgorithmic()
+    before = solver.GetStartOfStepStateAAlgorithmic()
+    after = solver.GetAAlgorithmic()
     if np.array_equal(before, after):
         solver.ComputeNewtonUpdate(mbs, settings, True)
         state[0], state[1] = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
     else:
-        beta, gamma, rate = solver.newmarkBeta, solver.newmarkGamma, data.GetODE2Coordinates_t()
+        beta = solver.newmarkBeta
+        gamma = solver.newmarkGamma
+        rate = data.GetODE2Coordinates_t()
         state[0] = data.GetODE2Coordinates() + h * rate + h * h * ((0.5 - beta) * before + beta * after)
         state[1] = rate + h * ((1.0 - gamma) * before + gamma * after)
     state[2] = 0.0

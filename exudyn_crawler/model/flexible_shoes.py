@@ -160,7 +160,8 @@ def floating_shoe(case: Case) -> FloatingShoe:
     Errors are those of `check_shoe` and `integrated_in`.
     """
     check_shoe(case)
-    flexible, body = case.flexible_shoes(), whole_reduction(case).body
+    flexible = case.flexible_shoes()
+    body = whole_reduction(case).body
     return _floating_shoe(flexible, tuple(case.shoe.footprint.tolist()), integrated_in(flexible, body).body)
 
 
@@ -172,8 +173,8 @@ def _floating_shoe(
     under = reduced.mesh.nodes_of("underside")
     weights = reduced.weights(flexible.load_surface)
     spread = (*side_weights(weights, reduced.nodes), weights)
-    right, left, middle = (one @ reduced.nodes / one.sum() for one in spread)
-    by_right, by_left, rows = (reduced.mean_rows(one) for one in spread)
+    right, left, middle = (share @ reduced.nodes / share.sum() for share in spread)
+    by_right, by_left, rows = (reduced.mean_rows(share) for share in spread)
     part = 1.0 / (left[1] - right[1])
     return FloatingShoe(
         reduced=reduced,

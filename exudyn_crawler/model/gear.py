@@ -1,4 +1,4 @@
-"""What wheels and teeth do to the shoes, at the states of a history."""
+"""Forces of wheels and teeth on the shoes, at the states of a history."""
 
 from typing import NamedTuple
 
@@ -68,10 +68,13 @@ def write_gear_forces(
     are the numbers of the shoes whose forces are wanted one by one.
     """
     tables, work = read_system(system)
-    bodies, weights = tables.bodies, NO_DERIVATIVES
-    of_wheels, of_teeth = work.forces.wheels, work.forces.teeth
+    bodies = tables.bodies
+    weights = NO_DERIVATIVES
+    of_wheels = work.forces.wheels
+    of_teeth = work.forces.teeth
     state = np.empty((2, coordinates.shape[1]))
-    shoes, lugs = forces.guide.shape[1], forces.lug_guide.shape[2]
+    shoes = forces.guide.shape[1]
+    lugs = forces.lug_guide.shape[2]
     for t in range(coordinates.shape[0]):
         _copy(coordinates[t], state[0])
         _copy(rates[t], state[1])
@@ -80,7 +83,8 @@ def write_gear_forces(
         wheels.write_rows(tables.forces.wheels, bodies, state, drags[t], weights, of_wheels)
         _copy(of_wheels.on_shoes.reshape(-1), forces.wheel[t].reshape(-1))
         _copy(of_wheels.on_wheels.reshape(-1), forces.on_wheels[t].reshape(-1))
-        forces.energy[t, 0], forces.energy[t, 1] = of_wheels.energy[0], of_teeth.energy[0]
+        forces.energy[t, 0] = of_wheels.energy[0]
+        forces.energy[t, 1] = of_teeth.energy[0]
         for s in range(shoes):
             forces.guide[t, s] = np.sum(of_wheels.guide[s]) + np.sum(
                 of_teeth.guide[s * lugs : (s + 1) * lugs]

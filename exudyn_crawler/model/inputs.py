@@ -47,7 +47,8 @@ class TimedInputs:
 
     def at(self, time: float, driven: bool) -> Inputs:
         """Loads and drive at a time (s); a track that is not `driven` has no drive."""
-        case, count = self._case, self._case.track.shoe_count
+        case = self._case
+        count = self._case.track.shoe_count
         shoes, speeds, machine = self._applied(time)
         of_tracks = self._speeds_of_tracks(speeds)
         loads = np.zeros((self._load_count, 6))

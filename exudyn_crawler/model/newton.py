@@ -67,7 +67,9 @@ def step(
                 residual(system, state, multipliers, inputs, by, out)
             matrix(system, weights, values)
             elimination.eliminate(tables.fronts, values)
-            matrices, needed, old = matrices + 1, False, 0
+            matrices = matrices + 1
+            needed = False
+            old = 0
         change[:] = out
         elimination.solve(tables.fronts, values, change)
         for k in range(n):
@@ -77,7 +79,8 @@ def step(
         for k in range(multipliers.shape[0]):
             multipliers[k] -= change[n + k]
         kinds.turn_multipliers(tables.joints, tables.bodies, tables.markers, change, multipliers)
-        iterations, old = iterations + 1, old + 1
+        iterations = iterations + 1
+        old = old + 1
         residual(system, state, multipliers, inputs, none, out)
         derived = False
         norm = _norm(out)

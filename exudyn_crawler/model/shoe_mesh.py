@@ -53,21 +53,24 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
 def check_fit(mesh: Mesh, name: str, shoe: Shoe, rails: Rails | None) -> None:
     """Refuse a mesh whose underside is not that of the rigid shoes, or whose rails are not these, if any."""
     under = mesh.nodes[mesh.nodes_of("underside")]
-    low, high = under.min(axis=0), under.max(axis=0)
+    low = under.min(axis=0)
+    high = under.max(axis=0)
     edges = [low[0], high[0], low[1], high[1], low[2]]
     compared = [("underside of the case's shoes", EDGES, edges, shoe.footprint.tolist())]
     if rails is not None:
         try:
-            own = rail_outline(mesh)._asdict()
+            outline = rail_outline(mesh)._asdict()
         except ValueError as error:
             raise ValueError(
                 f"flexible.mesh {name!r} does not go with the rails that wheels roll on: {error}"
             ) from error
-        wanted = [getattr(rails, key) for key in own]
-        compared.append(("rails of shoe.rails", list(own), list(own.values()), wanted))
-    for what, keys, found, wanted in compared:
-        if np.abs(np.subtract(found, wanted)).max() > TOLERANCE:
-            must, has = (dict(zip(keys, np.round(one, 4).tolist(), strict=True)) for one in (wanted, found))
+        wanted = [getattr(rails, key) for key in outline]
+        compared.append(("rails of shoe.rails", list(outline), list(outline.values()), wanted))
+    for what, keys, sizes, wanted in compared:
+        if np.abs(np.subtract(sizes, wanted)).max() > TOLERANCE:
+            must, has = (
+                dict(zip(keys, np.round(numbers, 4).tolist(), strict=True)) for numbers in (wanted, sizes)
+            )
             raise ValueError(
                 f"the mesh {name!r} must have the {what} within {TOLERANCE} m, {must}; it has {has}. "
                 f"Shoe.from_mesh({name!r}) is a shoe as the mesh has it"
@@ -90,7 +93,8 @@ def station_spacing(rails: Rails) -> float:
 
 def strip_weights(mesh: Mesh, frame: RunningGear, rails: Rails) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (k,) of the rails, and their shares (lines, STATIONS, k) in a force at a station of a strip."""
-    lines, along = strip_lines(frame, rails), np.linspace(rails.rear, rails.front, STATIONS)
+    lines = strip_lines(frame, rails)
+    along = np.linspace(rails.rear, rails.front, STATIONS)
     weights = station_weights(mesh, [(x, y) for y in lines for x in along])
     nodes = np.flatnonzero(weights.any(axis=0))
     return nodes, weights[:, nodes].reshape(len(lines), STATIONS, -1)
@@ -98,7 +102,8 @@ def strip_weights(mesh: Mesh, frame: RunningGear, rails: Rails) -> tuple[np.ndar
 
 def extended(rows: np.ndarray) -> np.ndarray:
     """Rows (lines, STATIONS, ...) at the stations, extrapolated evenly by one on either side."""
-    before, behind = 2.0 * rows[:, :1] - rows[:, 1:2], 2.0 * rows[:, -1:] - rows[:, -2:-1]
+    before = 2.0 * rows[:, :1] - rows[:, 1:2]
+    behind = 2.0 * rows[:, -1:] - rows[:, -2:-1]
     return np.ascontiguousarray(np.concatenate((before, rows, behind), axis=1))
 
 

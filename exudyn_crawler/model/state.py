@@ -108,7 +108,7 @@ class StateLayout:
         return self._place(name)[0] - self._place("multipliers")[0]
 
     def has(self, name: str) -> bool:
-        """Whether there is a part of this name."""
+        """True if there is a part of this name."""
         return name in self._parts
 
     def equation(self, row: int) -> str:

@@ -54,7 +54,7 @@ class Tables(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """What a residual leaves for the matrix and for the next one."""
+    """Values that a residual leaves for the matrix and for the next one."""
 
     first: packed.Floats2  # (bodies, ...): this and the next two are the `Inertia` of every body
     second: packed.Floats3
@@ -66,7 +66,8 @@ class Workspace(NamedTuple):
     @classmethod
     def allocate(cls, tables: Tables, contacts: int, shoes: ShoePoints) -> "Workspace":
         """Workspace of a system with at most so many contacts, or with shoes on cells."""
-        count, m = len(tables.bodies.mass), len(tables.modes.stiffness)
+        count = len(tables.bodies.mass)
+        m = len(tables.modes.stiffness)
         joints = tables.joints
         directed = 1 if len(joints.pull.markers) else 0
         turned = len(joints.pins.markers) if joints.pins.in_plane or joints.pins.follows else 0

@@ -37,7 +37,8 @@ def add_terrain(
             )
         residual[first + i] += force
     for u in range(on_terrain.shape[0]):
-        heave, tilt = on_terrain[u, 0], on_terrain[u, 1]
+        heave = on_terrain[u, 0]
+        tilt = on_terrain[u, 1]
         if heave != 0.0 or tilt != 0.0:
             for k in range(size):
                 residual[first + k] -= terrain.heave[u, k] * heave + terrain.tilt[u, k] * tilt

@@ -1,1 +1,1 @@
-"""What a run leaves, as named arrays: the history and all that is computed from it."""
+"""Results of a run as named arrays: the history and all that is computed from it."""

@@ -18,11 +18,11 @@ from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regi
 from exudyn_crawler.run.folder.folder import SAME_TIME
 
 ANSWERABLE = {
-    name: one
-    for name, one in select(dimensions="time").items()
-    if one.numbers in DTYPES
-    and "body_axis" not in one.dimensions
-    and (one.by_shoe or one.per not in ("pair", "terrain coordinate", "tread"))
+    name: entry
+    for name, entry in select(dimensions="time").items()
+    if entry.numbers in DTYPES
+    and "body_axis" not in entry.dimensions
+    and (entry.by_shoe or entry.per not in ("pair", "terrain coordinate", "tread"))
 }
 """Quantities over time of which statistics are: real numbers and vectors of what all runs have."""
 DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")  # of what an answer is of
@@ -39,7 +39,7 @@ STATISTICS: dict[str, Any] = {
 
 
 class AnyAnswer(Parameters):
-    """What all answers have.
+    """Parameters that all answers have.
 
     A kind of answer adds a field `model` with its name, `_column`: name, unit and meaning of its column,
     ``_case_errors(case_file)``, what of it runs of a case cannot give, and ``of_run(run)``, its number, NaN
@@ -64,7 +64,7 @@ class AnyAnswer(Parameters):
 
     @property
     def meaning(self) -> str:
-        """What it is, for reading."""
+        """Meaning, for readers."""
         return self._column[2]
 
     def check(self, case_file: CaseFile) -> None:
@@ -105,13 +105,16 @@ class Answer(AnyAnswer):
 
     @property
     def _column(self) -> tuple[str, str, str]:
-        quantity, axis = QUANTITIES[self.quantity], f", {self.axis}" if self.axis else ""
+        quantity = QUANTITIES[self.quantity]
+        axis = f", {self.axis}" if self.axis else ""
         parts = [self.quantity, self.axis, self.statistic, self.wheels, *map(str, self.of or ())]
-        name, kind = "_".join(filter(None, parts)), f", {self.wheels}" if self.wheels else ""
+        name = "_".join(filter(None, parts))
+        kind = f", {self.wheels}" if self.wheels else ""
         return name, quantity.unit, f"{self.statistic} of {quantity.meaning}{axis}{kind}"
 
     def _case_errors(self, case_file: CaseFile) -> Errors:
-        case, quantity = case_file.case, QUANTITIES[self.quantity]
+        case = case_file.case
+        quantity = QUANTITIES[self.quantity]
         if lacking := quantity.lacking(case):
             yield f"{self.quantity} needs {lacking}"
         yield from _beyond(case_file, start=self.start, end=self.end)
@@ -119,7 +122,7 @@ class Answer(AnyAnswer):
         if self.wheels is not None and not lacking and self.wheels not in kinds:
             yield f"wheels must be of {' or '.join(sorted(kinds))}, got {self.wheels!r}"
         what, numbers = _counted(quantity, case)
-        wrong = [one for one in self.of or () if one not in numbers]
+        wrong = [number for number in self.of or () if number not in numbers]
         if wrong and not numbers:
             yield f"of must be left out, {self.quantity} is of the whole {what}"
         if wrong:
@@ -221,7 +224,7 @@ def _beyond(case_file: CaseFile, **times: float | None) -> Errors:
 
 
 def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
-    """What a quantity is of, and their numbers; contacts count by shoe: pairs differ from run to run."""
+    """Items of a quantity, and their numbers; contacts count by shoe: pairs differ from run to run."""
     flexible = [] if case.flexible is None else [*case.flexible.shoes]
     links = case.joints.tolist()
     counted = {
@@ -229,7 +232,7 @@ def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
         "flexible shoe": flexible,
         "link": links,
         # a link has two pins where one of its shoes is flexible
-        "pin": [one for one in links if {one, one % case.track.shoe_count + 1} & {*flexible}],
+        "pin": [link for link in links if {link, link % case.track.shoe_count + 1} & {*flexible}],
         "unit": case.terrain.units.tolist(),
         "roller": [*range(1, len(case.gear.wheel_names) + 1)],
     }

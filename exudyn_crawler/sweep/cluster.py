@@ -218,7 +218,9 @@ class _Submitted:
     def __init__(
         self, client: distributed.Client, tasks: Iterator[Task], run: Callable[[Task], Outcome]
     ) -> None:
-        self.client, self.tasks, self.run = client, tasks, run
+        self.client = client
+        self.tasks = tasks
+        self.run = run
         self.held: dict[str, tuple[distributed.Future, Task]] = {}
         self.finished: SimpleQueue[str] = SimpleQueue()
 
@@ -250,7 +252,8 @@ class _Submitted:
         try:
             outcome: Outcome = future.result()
         except distributed.scheduler.KilledWorker as error:
-            times, last = error.allowed_failures + 1, error.last_worker.address
+            times = error.allowed_failures + 1
+            last = error.last_worker.address
             reason = f"{times} workers died while they ran it, the last one {last}"
             outcome = write_outcome(task, CrawlerError(reason), {})
         except ImportError as error:
@@ -269,7 +272,9 @@ class _Awaited:
     """Workers that a batch system starts as its queue lets it."""
 
     def __init__(self, address: str, wait: float | None, report: Callable[[str], None]) -> None:
-        self.address, self.wait, self.report = address, wait, report
+        self.address = address
+        self.wait = wait
+        self.report = report
         self.seen = time.monotonic()
         self.is_told = False
 

@@ -1,4 +1,4 @@
-"""What a sweep is: a case, what of it varies, by which design, and the answers that are wanted; its file."""
+"""Definition of a sweep: a case, what of it varies, by which design, and answers; its file."""
 
 import hashlib
 import itertools
@@ -60,7 +60,7 @@ class Fleet(Parameters):
 
 
 class Variation(Parameters):
-    """What varies, and by which design."""
+    """Parameters that vary, and their design."""
 
     vary: tuple[Vary, ...] = option("what varies", min_length=1)
     design: Design = option("grid, list, latin_hypercube, sobol or saltelli", "grid")
@@ -81,25 +81,28 @@ class Variation(Parameters):
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]
         if twice := [name for name, count in Counter(names).items() if count > 1]:
             yield f"name must be given where columns would be the same: {', '.join(twice)}"
-        paths = Counter(path for one in self.vary for path in one.keys)
+        paths = Counter(path for variable in self.vary for path in variable.keys)
         if again := [path for path, count in paths.items() if count > 1]:
             yield f"a path must vary once, got {', '.join(again)} again"
-        sizes = [len(one.values) if one.values is not None else one.count or 1 for one in self.vary]
+        sizes = [
+            len(variable.values) if variable.values is not None else variable.count or 1
+            for variable in self.vary
+        ]
         if self.design == "grid" and self.runs is None and (count := math.prod(sizes)) > MOST_RUNS:
             yield f"runs must be at most {MOST_RUNS}, got a grid of at least {count}"
-        for one in self.vary:
-            one.check(self._varied)
+        for variable in self.vary:
+            variable.check(self._varied)
         self.rows  # noqa: B018 - numbers of runs that do not fit the design are refused here
 
     @property
     def is_sampled(self) -> bool:
-        """Whether its design draws points, whose answers scatter as what varies does."""
+        """True if its design draws points, whose answers scatter as what varies does."""
         return self.design in SAMPLED
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of what varies."""
-        return tuple(one.label for one in self.vary)
+        return tuple(variable.label for variable in self.vary)
 
     @cached_property
     def rows(self) -> list[Row]:
@@ -108,12 +111,15 @@ class Variation(Parameters):
 
     def units(self) -> dict[str, str]:
         """Units of the columns of what varies and of the answers, empty for what has none."""
-        varied = {one.label: one.unit_in(self._varied) for one in self.vary}
+        varied = {variable.label: variable.unit_in(self._varied) for variable in self.vary}
         return varied | {answer.label: answer.unit for answer in self.answers}
 
     def meanings(self) -> dict[str, str]:
-        """What those columns are."""
-        varied = {one.label: ("factor of " if one.factor else "") + ", ".join(one.keys) for one in self.vary}
+        """Meanings of those columns."""
+        varied = {
+            variable.label: ("factor of " if variable.factor else "") + ", ".join(variable.keys)
+            for variable in self.vary
+        }
         return varied | {answer.label: answer.meaning for answer in self.answers}
 
     @cached_property
@@ -121,28 +127,30 @@ class Variation(Parameters):
         return self._varied.model_dump(mode="json")
 
     def _changed(self, values: Row) -> Any:
-        """What is varied, with the values of a run."""
+        """Copy of what is varied, with the values of a run."""
         content = self._content
-        for one, value in zip(self.vary, values, strict=True):
-            content = one.applied(content, value)
+        for variable, value in zip(self.vary, values, strict=True):
+            content = variable.applied(content, value)
         if self._content.get(datasheets.KEY) is not None:
             content = datasheets.followed(content, self._content)
         return checked_case(content, type(self._varied))
 
     def _of_all(self, make: Callable[[int, Row], Made]) -> list[Made]:
-        """What is made of every run by its number and values; an error names the run and its values."""
+        """Results of a function for all runs by number and values; an error names the run and its values."""
         made = []
         for number, values in enumerate(self.rows, 1):
             try:
                 made.append(make(number, values))
             except ValueError as error:
-                named = ", ".join(f"{name} = {one}" for name, one in zip(self.columns, values, strict=True))
+                named = ", ".join(
+                    f"{name} = {value}" for name, value in zip(self.columns, values, strict=True)
+                )
                 raise ValueError(f"run {number} ({named}): {error}") from error
         return made
 
     def table(self) -> pd.DataFrame:
         """All runs: columns run, folder and those of what varies; raises and warns as `planned`."""
-        rows = [(one.number, one.digest[:FOLDER_DIGITS], *one.values) for one in self.planned]
+        rows = [(run.number, run.digest[:FOLDER_DIGITS], *run.values) for run in self.planned]
         return pd.DataFrame(rows, columns=["run", "folder", *self.columns])
 
 
@@ -165,20 +173,24 @@ class Sweep(Variation):
 
     @cached_property
     def _varied(self) -> Varied:
-        """What is varied: a case file and, where paths ask for it, the first answer of life, for all."""
+        """Subject that varies: a case file and, where paths ask for it, the first answer of life, for all."""
         life = None
         if any(path.startswith("life.") for one in self.vary for path in one.keys):
-            life = next((one for one in self.answers if isinstance(one, Life)), None)
+            life = next((answer for answer in self.answers if isinstance(answer, Life)), None)
             if life is None:
                 raise ValueError("vary: paths of life need an answer of model 'life'")
         return Varied(**dict(self.case) | {"outputs": self.outputs}, life=life)
 
     def case_of(self, values: Row) -> tuple[CaseFile, str, tuple[Answers, ...]]:
         """Case, duration and outputs of a run; a digest, with which the case's name ends; and its answers."""
-        varied, answers, lives = self._changed(values), self.answers, None
+        varied = self._changed(values)
+        answers = self.answers
+        lives = None
         if varied.life is not None:
             drawn = {name: getattr(varied.life, name) for name in LIVES}
-            answers = tuple(one.with_(**drawn) if isinstance(one, Life) else one for one in answers)
+            answers = tuple(
+                answer.with_(**drawn) if isinstance(answer, Life) else answer for answer in answers
+            )
             lives = ANSWERS.dump_python(answers, mode="json")
         # it was checked as it is
         case_file = CaseFile.model_construct(
@@ -203,7 +215,7 @@ class Sweep(Variation):
             return PlannedRun(number, values, digest, asked)
 
         planned = tuple(self._of_all(plan))
-        lines = [f"{one.label}: {line}" for one in self.answers for line in checks.out_of_range(one)]
+        lines = [f"{output.label}: {line}" for output in self.answers for line in checks.out_of_range(output)]
         lines += [f"run {number}: {line}" for line, number in odd.items()]
         more = [f"{len(lines) - SHOWN_WARNINGS} more warnings of this sweep's values"]
         checks.warn_of(lines[:SHOWN_WARNINGS] + more * (len(lines) > SHOWN_WARNINGS))
@@ -246,10 +258,10 @@ def design_rows(design: Design, varied: tuple[Vary, ...], runs: int | None, seed
     if design not in SAMPLED:
         if runs is not None:
             raise ValueError(f"runs must be left out with design {design!r}, whose values make its runs")
-        levels = [one.levels() for one in varied]
+        levels = [variable.levels() for variable in varied]
         if design == "grid":
             return list(itertools.product(*levels))
-        lengths = {one.label: len(values) for one, values in zip(varied, levels, strict=True)}
+        lengths = {variable.label: len(values) for variable, values in zip(varied, levels, strict=True)}
         if len(set(lengths.values())) > 1:
             counts = ", ".join(f"{name} {count}" for name, count in lengths.items())
             raise ValueError(f"lists must have as many values each with design 'list', got {counts}")
@@ -265,11 +277,13 @@ def design_rows(design: Design, varied: tuple[Vary, ...], runs: int | None, seed
     else:
         sampler = qmc.Sobol if design == "sobol" else qmc.LatinHypercube
         points = sampler(len(varied), rng=seed).random(runs)
-    return [tuple(one.at(u) for one, u in zip(varied, point, strict=True)) for point in points.tolist()]
+    return [
+        tuple(variable.at(u) for variable, u in zip(varied, point, strict=True)) for point in points.tolist()
+    ]
 
 
 def salib_problem(dimensions: int) -> dict[str, Any]:
-    """What is varied as SALib takes it, in the unit cube."""
+    """Problem of the varied parameters as SALib takes it, in the unit cube."""
     names = [str(k) for k in range(dimensions)]
     return {"num_vars": dimensions, "names": names, "bounds": [[0.0, 1.0]] * dimensions}
 
@@ -289,7 +303,7 @@ def read_sweep(path: str | Path) -> Sweep:
             content["vary"] = [*content.get("vary", []), *_assumed(case)]
         if isinstance(vary := content.get("vary"), list):
             content["vary"] = [
-                _of_file(one, path.parent, case) if isinstance(one, dict) else one for one in vary
+                _of_file(entry, path.parent, case) if isinstance(entry, dict) else entry for entry in vary
             ]
         return content | {"case": case.model_dump(mode="json")}
 
@@ -304,7 +318,7 @@ def _assumed(case_file: CaseFile) -> list[reading.Content]:
 
 
 def _of_file(varied: reading.Content, folder: Path, case_file: CaseFile) -> reading.Content:
-    """What varies with whole paths of meshes, and numbers of the case's unit for texts with units."""
+    """Variations with whole paths of meshes, and numbers of the case's unit for texts with units."""
     keys = varied.get("key")
     if MESH in str(keys):
         meshes = {
@@ -328,6 +342,6 @@ def _of_file(varied: reading.Content, folder: Path, case_file: CaseFile) -> read
 def _whole_paths(value: Any, folder: Path) -> Any:
     """Value, or values, with whole paths in place of names of files in a folder."""
     if isinstance(value, list):
-        return [_whole_paths(one, folder) for one in value]
+        return [_whole_paths(element, folder) for element in value]
     is_file = isinstance(value, str) and os.path.isfile(folder / value)
     return str((folder / value).resolve()) if is_file else value

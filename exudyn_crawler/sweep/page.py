@@ -37,8 +37,8 @@ def write_page(
     sweep: AnySweep, table: pd.DataFrame, folder: Path, runs: Path | None, say: Callable[[str], None]
 ) -> None:
     """Write the page and the scatter of a sweep into its folder, and reports of its best and worst `runs`."""
-    for name, one in results.scatter_tables(sweep, table).items():
-        write_table(one, folder / f"{name}.csv", overwrite=True)
+    for name, scatter_table in results.scatter_tables(sweep, table).items():
+        write_table(scatter_table, folder / f"{name}.csv", overwrite=True)
     links = {}
     if runs is not None:
         for name in results.best_and_worst(sweep, table)["folder"].unique():
@@ -70,7 +70,7 @@ def _label(table: pd.DataFrame, name: str) -> str:
 
 
 def _is_life(table: pd.DataFrame, name: str) -> bool:
-    """Whether a column is of hours, which span decades."""
+    """True for a column of hours, which span decades."""
     return table.attrs["units"].get(name) == "h"
 
 
@@ -87,8 +87,8 @@ def _best(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Mar
     rows = {
         "answer": best["answer"],
         "": best["which"],
-        "run": [page.Cell(str(one.run), True, links.get(one.folder)) for one in best.itertuples()],
-        "value": [page.Cell(f"{one.value:.4g} {one.unit}", True) for one in best.itertuples()],
+        "run": [page.Cell(str(row.run), True, links.get(row.folder)) for row in best.itertuples()],
+        "value": [page.Cell(f"{row.value:.4g} {row.unit}", True) for row in best.itertuples()],
         " ": best["answer"].map(table.attrs["meanings"]),
     }
     return page.table(pd.DataFrame(rows), compact=True)
@@ -100,17 +100,18 @@ def _scatter(sweep: AnySweep, table: pd.DataFrame) -> Markup:
         return Markup("")
     ranks = tables["sensitivities"].pivot(index="varied", columns="answer", values="rank correlation")
     order = ranks.abs().max(axis=1).sort_values(ascending=False).index
-    answers = [one.label for one in sweep.answers if one.label in ranks]
+    answers = [answer.label for answer in sweep.answers if answer.label in ranks]
     # without -0
     tables["sensitivities"] = (ranks.loc[order, answers].round(2) + 0.0).reset_index()
     parts = [] if tables["quantiles"].empty else [distribution_figure(sweep, table, tables["quantiles"])]
     shown = [(said, tables[name]) for name, said in SCATTER.items() if not tables[name].empty]
-    texts = [part for said, one in shown for part in (page.paragraph(said), page.table(one))]
+    texts = [part for said, rows in shown for part in (page.paragraph(said), page.table(rows))]
     return page.together(*map(page.plot, parts), *texts)
 
 
 def _figures(sweep: AnySweep, table: pd.DataFrame) -> list[page.Section]:
-    labels, effects = [answer.label for answer in sweep.answers], results.main_effects(sweep, table)
+    labels = [answer.label for answer in sweep.answers]
+    effects = results.main_effects(sweep, table)
     means = page.paragraph("Means over all else that varies; bars reach to the least and the greatest.")
     curves = [page.plot(response_curves(sweep, table, label)) for label in labels]
     bars = [page.plot(effect_figure(sweep, table, effects, label)) for label in labels]
@@ -129,7 +130,8 @@ def _indices(sweep: AnySweep, table: pd.DataFrame) -> Markup:
 
 
 def _runs(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Markup:
-    shown, labels = table.head(LONGEST_TABLE), [answer.label for answer in sweep.answers]
+    shown = table.head(LONGEST_TABLE)
+    labels = [answer.label for answer in sweep.answers]
     columns = [*sweep.columns, *labels, "status", "reason"]
     rows = shown[columns].rename(columns={name: _label(table, name) for name in columns})
     pairs = zip(shown["run"], shown["folder"], strict=True)
@@ -141,15 +143,17 @@ def _runs(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Mar
 
 def distribution_figure(sweep: AnySweep, table: pd.DataFrame, quantiles: pd.DataFrame) -> go.Figure:
     """Portion of the runs below each value of an answer, a panel each, with bounds of its quantiles."""
-    done, by_answer = _drawn(sweep, table), quantiles.groupby("answer", sort=False)
+    done = _drawn(sweep, table)
+    by_answer = quantiles.groupby("answer", sort=False)
     figure = make_subplots(cols=len(by_answer), shared_yaxes=True)
-    for k, (name, own) in enumerate(by_answer, 1):
-        values, place = done[name].sort_values(), {"row": 1, "col": k}
+    for k, (name, rows) in enumerate(by_answer, 1):
+        values = done[name].sort_values()
+        place = {"row": 1, "col": k}
         portions = np.arange(1, len(values) + 1) / len(values)
         figure.add_scatter(x=values, y=portions, mode="lines", **place)
-        bounds = _bars(own["value"], own["least"], own["most"])
+        bounds = _bars(rows["value"], rows["least"], rows["most"])
         how = {"mode": "markers", "error_x": bounds, "marker_color": "#444"}
-        figure.add_scatter(x=own["value"], y=own["portion below"], **how, **place)
+        figure.add_scatter(x=rows["value"], y=rows["portion below"], **how, **place)
         kind = "log" if _is_life(table, name) else None
         figure.update_xaxes(title_text=_label(table, name), type=kind, **FEW_TICKS, **place)
     figure.update_yaxes(title_text="portion of the runs below", col=1)
@@ -164,7 +168,8 @@ def _bars(value: pd.Series, least: pd.Series, most: pd.Series) -> dict[str, obje
 
 def response_curves(sweep: AnySweep, table: pd.DataFrame, answer: str) -> go.Figure:
     """An answer over all that varies: on a grid with a curve a level of what varies next, else points."""
-    done, panels = _drawn(sweep, table), []
+    done = _drawn(sweep, table)
+    panels = []
     for k, name in enumerate(sweep.columns):
         others = (*sweep.columns[k + 1 :], *sweep.columns[:k])
         if not (sweep.design == "grid" and others and done[others[0]].nunique() <= MOST_CURVES):
@@ -177,7 +182,9 @@ def response_curves(sweep: AnySweep, table: pd.DataFrame, answer: str) -> go.Fig
             for level, part in done.groupby(others[0], sort=True)
         }
         lines = {"mode": "lines+markers", "legendgroup": others[0]}
-        panels.append([go.Scatter(x=one.index, y=one, name=curve, **lines) for curve, one in levels.items()])
+        panels.append(
+            [go.Scatter(x=means.index, y=means, name=curve, **lines) for curve, means in levels.items()]
+        )
     return _panels(sweep, table, answer, panels)
 
 
@@ -194,15 +201,16 @@ def effect_figure(sweep: AnySweep, table: pd.DataFrame, effects: pd.DataFrame, a
 
 def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list[go.Scatter]]) -> go.Figure:
     """Traces in rows of panels, one for everything that varies; lives on logarithmic axes."""
-    rows, across = -(-len(panels) // ACROSS), min(len(panels), ACROSS)
+    rows = -(-len(panels) // ACROSS)
+    across = min(len(panels), ACROSS)
     figure = make_subplots(rows, across, shared_yaxes="all", vertical_spacing=0.3 / rows)
-    for k, (one, traces) in enumerate(zip(sweep.vary, panels, strict=True)):
+    for k, (variable, traces) in enumerate(zip(sweep.vary, panels, strict=True)):
         place = {"row": k // ACROSS + 1, "col": k % ACROSS + 1}
         figure.add_traces(traces, rows=place["row"], cols=place["col"])
-        axis: dict[str, object] = {"title_text": _label(table, one.label)}
-        if one.scale == "log":
+        axis: dict[str, object] = {"title_text": _label(table, variable.label)}
+        if variable.scale == "log":
             axis |= {"type": "log", **FEW_TICKS}
-            levels = np.unique(_drawn(sweep, table)[one.label])
+            levels = np.unique(_drawn(sweep, table)[variable.label])
             if len(levels) <= MOST_CURVES:
                 axis |= {"tickvals": levels, "ticktext": [cell_text(level, 3) for level in levels]}
         figure.update_xaxes(**axis, **place)
@@ -213,7 +221,8 @@ def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list
 
 def _report_of(run: Path, say: Callable[[str], None]) -> None:
     """Write the report of a run, unless it is there and as new as the run."""
-    path, outcome = run / report.REPORT, run / worker.OUTCOME
+    path = run / report.REPORT
+    outcome = run / worker.OUTCOME
     if path.is_file() and outcome.is_file() and path.stat().st_mtime >= outcome.stat().st_mtime:
         note_written(path)
         return

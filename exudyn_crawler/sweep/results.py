@@ -41,15 +41,16 @@ class SweepRun:
 
 def results_table(sweep: AnySweep, outcomes: dict[str, worker.Outcome]) -> pd.DataFrame:
     """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
-    table, found = sweep.table(), [outcomes.get(one.digest, {}) for one in sweep.planned]
+    table = sweep.table()
+    records = [outcomes.get(run.digest, {}) for run in sweep.planned]
     for name in sweep.columns:
         table[name] = table[name].map(_cell)
     for answer in sweep.answers:
-        numbers = [one.get("answers", {}).get(answer.label) for one in found]
+        numbers = [record.get("answers", {}).get(answer.label) for record in records]
         table[answer.label] = np.array(numbers, dtype=float)
-    table["status"] = [one.get("status", MISSING) for one in found]
-    table["reason"] = [one.get("reason", "") for one in found]
-    table["wall_time_s"] = np.array([one.get("wall_time_s") for one in found], dtype=float)
+    table["status"] = [record.get("status", MISSING) for record in records]
+    table["reason"] = [record.get("reason", "") for record in records]
+    table["wall_time_s"] = np.array([record.get("wall_time_s") for record in records], dtype=float)
     table.attrs = {"units": sweep.units(), "meanings": sweep.meanings()}
     return table
 
@@ -66,7 +67,8 @@ def _cell(value: Any) -> Any:
 
 def for_reading(table: pd.DataFrame) -> pd.DataFrame:
     """Same with forces in kN, stresses in MPa and angles in degrees, all else by prefixes: MN/m."""
-    made, units = table.copy(), {}
+    made = table.copy()
+    units = {}
     for name, unit in table.attrs["units"].items():
         prefix = prefix_of(table[name].dropna().tolist(), unit)
         units[name], factor = READ_IN.get(unit, (prefix + unit, 1.0 / PREFIXES[prefix]))
@@ -78,7 +80,8 @@ def for_reading(table: pd.DataFrame) -> pd.DataFrame:
 
 def _attributes(table: pd.DataFrame, name: str) -> dict[str, str]:
     """Unit and meaning of a column, as files have them."""
-    units, meanings = table.attrs["units"] | {"wall_time_s": "s"}, table.attrs["meanings"]
+    units = table.attrs["units"] | {"wall_time_s": "s"}
+    meanings = table.attrs["meanings"]
     return {"units": units.get(name, ""), "long_name": meanings.get(name, "")}
 
 
@@ -86,11 +89,15 @@ def results_dataset(sweep: AnySweep, table: pd.DataFrame) -> xr.Dataset:
     """Answers of a table over what varies if the design is a grid, else over the runs; with units."""
     names = [answer.label for answer in sweep.answers]
     if sweep.design == "grid":
-        coordinates: dict[str, Any] = {one.label: [*map(_cell, one.levels())] for one in sweep.vary}
-        shape, dimensions = [len(values) for values in coordinates.values()], [*coordinates]
+        coordinates: dict[str, Any] = {
+            variable.label: [*map(_cell, variable.levels())] for variable in sweep.vary
+        }
+        shape = [len(values) for values in coordinates.values()]
+        dimensions = [*coordinates]
     else:
         coordinates = {name: ("run", table[name].to_numpy()) for name in ("run", *sweep.columns)}
-        shape, dimensions = [len(table)], ["run"]
+        shape = [len(table)]
+        dimensions = ["run"]
     columns = {name: table[name].to_numpy(dtype=float) for name in (*names, "wall_time_s")}
     columns["run_number"] = table["run"].to_numpy()
     data = {name: (dimensions, values.reshape(shape)) for name, values in columns.items()}
@@ -119,12 +126,14 @@ def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     Columns answer, unit, runs, portion below, value, least and most (of `CONFIDENCE`; NaN where so few runs
     have none), and the value of the first quarter and half of the runs.
     """
-    done, units, rows = finished(table), table.attrs["units"], []
+    done = finished(table)
+    units = table.attrs["units"]
+    rows = []
     for answer in sweep.answers:
         values = done[answer.label].dropna().to_numpy()
         parts = [values[: max(1, len(values) // part)] for part in PARTS]
         for portion in PORTIONS if len(values) else ():
-            quarter, half, value = (float(np.quantile(one, portion)) for one in parts)
+            quarter, half, value = (float(np.quantile(part, portion)) for part in parts)
             bounds = quantile_test(values, q=value, p=portion).confidence_interval(CONFIDENCE)
             first = (answer.label, units[answer.label], len(values), portion, value)
             rows.append((*first, bounds.low, bounds.high, quarter, half))
@@ -134,16 +143,17 @@ def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
 
 def sensitivities(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Spearman's rank correlation of all answers with all drawn numbers; p: how often chance makes it."""
-    done, rows = finished(table), []
+    done = finished(table)
+    rows = []
     numeric = [name for name in sweep.columns if pd.api.types.is_numeric_dtype(done[name])]
     for answer in sweep.answers:
         known = done[done[answer.label].notna()]
         for name in numeric if known[answer.label].nunique() > 1 else ():
-            found = spearmanr(known[name], known[answer.label])
-            rows.append((answer.label, name, float(found.statistic), float(found.pvalue)))
-    found = pd.DataFrame(rows, columns=["answer", "varied", "rank correlation", "p value"])
-    found = found.sort_values("rank correlation", key=abs, ascending=False, kind="stable")
-    return found.sort_values("answer", kind="stable", ignore_index=True)
+            ranks = spearmanr(known[name], known[answer.label])
+            rows.append((answer.label, name, float(ranks.statistic), float(ranks.pvalue)))
+    ranks = pd.DataFrame(rows, columns=["answer", "varied", "rank correlation", "p value"])
+    ranks = ranks.sort_values("rank correlation", key=abs, ascending=False, kind="stable")
+    return ranks.sort_values("answer", kind="stable", ignore_index=True)
 
 
 def failures(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
@@ -152,8 +162,10 @@ def failures(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     A run stands for a shoe. Columns answer, hours, cracked (runs of all), portion with least and most, and
     shoes a year with theirs, the mean over the years until then; a cracked shoe counts once.
     """
-    done, fleet, rows = finished(table), sweep.fleet, []
-    for answer in (one for one in sweep.answers if isinstance(one, answers.Life)):
+    done = finished(table)
+    fleet = sweep.fleet
+    rows = []
+    for answer in (output for output in sweep.answers if isinstance(output, answers.Life)):
         lives = done[answer.label].dropna()
         if lives.empty:
             continue
@@ -232,32 +244,34 @@ def _indices(sweep: AnySweep, done: pd.DataFrame, answer: str) -> dict[str, Any]
     """Indices of an answer by their columns, in the order of what varies."""
     values = done[answer].to_numpy()
     if sweep.design == "grid":
-        values = values.reshape([len(one.levels()) for one in sweep.vary])
+        values = values.reshape([len(variable.levels()) for variable in sweep.vary])
         axes = range(values.ndim)
-        alone = [values.mean(axis=tuple(one for one in axes if one != axis)).var() for axis in axes]
+        alone = [values.mean(axis=tuple(other for other in axes if other != axis)).var() for axis in axes]
         others = [values.mean(axis=axis).var() for axis in axes]
         return {"first": alone / values.var(), "total": 1.0 - others / values.var()}
     from SALib.analyze import rbd_fast, sobol
 
     problem = definition.salib_problem(len(sweep.vary))
     if sweep.design == "saltelli":
-        found = sobol.analyze(problem, values, calc_second_order=False, seed=sweep.seed)
+        indices = sobol.analyze(problem, values, calc_second_order=False, seed=sweep.seed)
     else:
         points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])
-        found = rbd_fast.analyze(problem, points, values, seed=sweep.seed)
-    return {name: found[own] for name, own in SALIB.items() if own in found}
+        indices = rbd_fast.analyze(problem, points, values, seed=sweep.seed)
+    return {name: indices[key] for name, key in SALIB.items() if key in indices}
 
 
 def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Best and worst finished run of every answer: columns answer, which, run, value, unit and folder."""
-    done, units, rows = finished(table), table.attrs["units"], []
+    done = finished(table)
+    units = table.attrs["units"]
+    rows = []
     for answer in sweep.answers:
         values = done[answer.label].dropna()
         if values.empty:
             continue
         ends = [values.idxmin(), values.idxmax()]
         best, worst = ends if answer.better == "less" else reversed(ends)
-        for which, at in (("best", best), ("worst", worst)):
-            run, folder = done.loc[at, ["run", "folder"]]
-            rows.append((answer.label, which, run, values[at], units[answer.label], folder))
+        for which, row in (("best", best), ("worst", worst)):
+            run, folder = done.loc[row, ["run", "folder"]]
+            rows.append((answer.label, which, run, values[row], units[answer.label], folder))
     return pd.DataFrame(rows, columns=["answer", "which", "run", "value", "unit", "folder"])

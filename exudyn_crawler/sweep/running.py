@@ -52,7 +52,7 @@ def run_sweep(
         if isinstance(sweep, scatter.DutyScatter):
             with work.timed("draws"):
                 lives = enumerate(sweep.lives(work.say), 1)
-            stored: dict[str, Outcome] = {str(k): {"status": DONE, "answers": one} for k, one in lives}
+            stored: dict[str, Outcome] = {str(k): {"status": DONE, "answers": hours} for k, hours in lives}
             return _gathered(sweep, stored, folder, None, work)
         runs = writable_folder(folder.resolve() / "runs")
         write_case(sweep.case, folder / "base.toml", overwrite=True)
@@ -97,7 +97,7 @@ def _gathered(
 
 
 def folder_state(sweep: Sweep, out: Path, *, workers: int | None, retry: bool) -> str:
-    """What of a sweep is in a folder, and how long the rest takes; arguments as of `run_sweep`."""
+    """State of a sweep in a folder, and how long the rest takes; arguments as of `run_sweep`."""
     stored, missing, line = _state(sweep, out.resolve() / "runs", retry)
     rest = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, stored.values())
     return f"{line}\n{rest}"
@@ -112,7 +112,8 @@ def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], l
     asked = {digest: answers.ANSWERS.dump_python(one.asked, mode="json") for digest, one in different.items()}
     answered = {digest for digest, one in stored.items() if one.get("asked") == asked[digest]} - failed
     missing = [different[one] for one in different if one not in answered and (retry or one not in failed)]
-    count, there = len(sweep.planned), len(different) - len(missing)
+    count = len(sweep.planned)
+    there = len(different) - len(missing)
     same = f", {count - len(different)} of them the same as others" if len(different) < count else ""
     more = f" ({len(failed)} failed)" if failed else ""
     return stored, missing, f"{count} runs{same}: {there} done{more}, {len(missing)} to run"
@@ -141,7 +142,7 @@ def run_time(case_file: CaseFile) -> float:
 
 def estimate(case_file: CaseFile, missing: int, workers: int | None, stored: Iterable[Outcome]) -> str:
     """Time of the missing runs in a line; finished runs show how long one takes."""
-    times = [float(one["wall_time_s"]) for one in stored if one.get("status") == DONE]
+    times = [float(outcome["wall_time_s"]) for outcome in stored if outcome.get("status") == DONE]
     each = sum(times) / len(times) if times else run_time(case_file)
     whence = f"as {len(times)} finished ones took" if times else "of processor time, by a rule of thumb"
     count = workers or os.cpu_count() or 1

@@ -32,7 +32,7 @@ class DutyScatter(definition.Variation):
     design: definition.Design = base.option("as of a sweep", "latin_hypercube")
 
     def _errors(self) -> base.Errors:
-        for path in (path for one in self.vary for path in one.keys):
+        for path in (path for variable in self.vary for path in variable.keys):
             names = fields.names_of(fields.parse_path(path))
             if not {names[0], names[-1]} & set(DRAWN):
                 yield f"{path} cannot be drawn; what can begins or ends with {', '.join(DRAWN)}"
@@ -51,8 +51,10 @@ class DutyScatter(definition.Variation):
     def answers(self) -> tuple[answers.Life, ...]:
         """Life of the shoe, its bores left out, and of each of its regions."""
         damage = {name: getattr(self.duty, name) for name in DamageOptions.model_fields}
-        regions = [None, *(one for one in REGIONS if one != BORES)]
-        return tuple(answers.Life(region=one, survival=self.duty.survivals[-1], **damage) for one in regions)
+        regions = [None, *(region for region in REGIONS if region != BORES)]
+        return tuple(
+            answers.Life(region=region, survival=self.duty.survivals[-1], **damage) for region in regions
+        )
 
     @cached_property
     def duties(self) -> list[Duty]:
@@ -69,8 +71,8 @@ class DutyScatter(definition.Variation):
         """Lives in h of every draw by names of answers; raises as `life`."""
         counted = CountedDuty.of(stage_lives(_with_all_cases(self.duties), say), self.duty)
         say(f"{len(self.duties)} draws at {len(counted.regions)} nodes")
-        long = dict.fromkeys((one.label for one in self.answers), life.BEYOND)
-        return [long | counted.lives(one) for one in self.duties]
+        long = dict.fromkeys((answer.label for answer in self.answers), life.BEYOND)
+        return [long | counted.lives(duty) for duty in self.duties]
 
 
 AnySweep = definition.Sweep | DutyScatter
@@ -78,8 +80,8 @@ AnySweep = definition.Sweep | DutyScatter
 
 def _with_all_cases(duties: Sequence[Duty]) -> Duty:
     """First of some duties with the check cases of all of them."""
-    cases = {_key(one): one for duty in duties for one in duty.cases}
-    named = (one.with_(name=key, load=1.0) for key, one in cases.items())
+    cases = {_key(case): case for duty in duties for case in duty.cases}
+    named = (case.with_(name=key, load=1.0) for key, case in cases.items())
     return duties[0].with_(cases=tuple(named))
 
 
@@ -102,20 +104,25 @@ class CountedStage(NamedTuple):
 
     def weighed(self, duty: Duty) -> tuple[np.ndarray, ...]:
         """Node, both stresses (Pa) and number an hour of all cycles of a drawn duty."""
-        drawn = {one.name: one for one in duty.runs} | {_key(one): one for one in duty.cases}
-        often, load = np.zeros(len(self.runs)), np.ones(len(self.runs))
-        for k, one in enumerate(self.runs):
-            match drawn.get(one.run.name):
+        drawn = {run.name: run for run in duty.runs} | {_key(case): case for case in duty.cases}
+        often = np.zeros(len(self.runs))
+        load = np.ones(len(self.runs))
+        for k, used_run in enumerate(self.runs):
+            match drawn.get(used_run.run.name):
                 case DutyCase() as case:
-                    often[k], load[k] = case.an_hour, case.load
+                    often[k] = case.an_hour
+                    load[k] = case.load
                 case DutyRun() as run:
-                    often[k] = run.times_an_hour(float(one.time[-1] - one.time[0]))
-        there, places = often > 0.0, self.extremes.shape[2]
+                    often[k] = run.times_an_hour(float(used_run.time[-1] - used_run.time[0]))
+        there = often > 0.0
+        places = self.extremes.shape[2]
         between = load[there, None, None] * self.extremes[:, there]
-        high, low = between[0].max(axis=0).ravel(), between[1].min(axis=0).ravel()
+        high = between[0].max(axis=0).ravel()
+        low = between[1].min(axis=0).ravel()
         changes = often[there].min() if duty.changes_an_hour is None else duty.changes_an_hour
         changes = changes if there.sum() > 1 else 0.0
-        factor, nodes = load[self.part], np.tile(np.arange(self.extremes.shape[3]), places)
+        factor = load[self.part]
+        nodes = np.tile(np.arange(self.extremes.shape[3]), places)
         return (
             np.concatenate((self.node, nodes)),
             np.concatenate((factor * self.begin, low)),
@@ -134,31 +141,36 @@ class CountedDuty:
     @classmethod
     def of(cls, stages: Sequence[life.LifeResults], duty: Duty) -> "CountedDuty":
         """Cycles in the stages of a duty at nodes of the last one's mesh."""
-        last, near = stages[-1], [life.nearest_nodes(one, stages[-1]) for one in stages]
-        surface, chosen = last.whole.mesh.surface_nodes, set[int]()
-        for one, nearest in zip(stages, near, strict=True):
-            for part in (*one.dataset.part_damage.values, one.dataset.damage_an_hour.values[-1]):
+        last = stages[-1]
+        near = [life.nearest_nodes(stage, stages[-1]) for stage in stages]
+        surface = last.whole.mesh.surface_nodes
+        chosen = set[int]()
+        for stage, nearest in zip(stages, near, strict=True):
+            for part in (*stage.dataset.part_damage.values, stage.dataset.damage_an_hour.values[-1]):
                 known = pd.Series(part[nearest[surface]], surface).sort_values(ascending=False)
                 known = known[(known > 0.0) & (last.regions[known.index] != BORES)]
                 chosen |= {*known.groupby(last.regions[known.index]).head(WORST).index}
         nodes = np.array(sorted(chosen))
-        counted = (_counted(one, nearest[nodes]) for one, nearest in zip(stages, near, strict=True))
+        counted = (_counted(stage, nearest[nodes]) for stage, nearest in zip(stages, near, strict=True))
         return cls(last.regions[nodes], tuple(counted))
 
     def lives(self, duty: Duty) -> dict[str, float]:
         """Life in h of the shoe and of each of its regions over a drawn duty, by names of answers."""
-        material, survival = duty.material, duty.survivals[-1:]
+        material = duty.material
+        survival = duty.survivals[-1:]
         curve = replace(material.curve(duty.miner), residual_stress=0.0)
         residual = np.array([material.casting(region).residual_stress for region in self.regions])
-        weighed = [one.weighed(of) for one, of in zip(self.stages, duty.by_stage(), strict=True)]
+        weighed = [stage.weighed(of) for stage, of in zip(self.stages, duty.by_stage(), strict=True)]
         damage = np.zeros((len(weighed), len(self.regions)))
-        for own, (node, begin, end, often) in zip(damage, weighed, strict=True):
+        for by_region, (node, begin, end, often) in zip(damage, weighed, strict=True):
             moves = begin != end
-            amplitude, mean = 0.5 * np.abs(end - begin)[moves], 0.5 * (begin + end)[moves]
+            amplitude = 0.5 * np.abs(end - begin)[moves]
+            mean = 0.5 * (begin + end)[moves]
             each = curve.damage(amplitude, mean + residual[node[moves]], survival)[0]
-            own += np.bincount(node[moves], often[moves] * each, len(own))
+            by_region += np.bincount(node[moves], often[moves] * each, len(by_region))
         hours = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
-        lives, found = life.hours_in_stages(damage, hours).sum(axis=0), {"life": life.BEYOND}
+        lives = life.hours_in_stages(damage, hours).sum(axis=0)
+        shortest = {"life": life.BEYOND}
         for region in dict.fromkeys(self.regions):
             here = np.flatnonzero(self.regions == region)
             worst = here[np.argsort(lives[here])]
@@ -169,14 +181,15 @@ class CountedDuty:
                     for (of, begin, end, often), lasts in zip(weighed, hours, strict=True)
                 ]
                 least = min(least, material.defect_life(region, duty.miner, stages, survival[0]))
-            found[f"life_{region}".replace(" ", "_")] = least
-            found["life"] = min(found["life"], least)
-        return found
+            shortest[f"life_{region}".replace(" ", "_")] = least
+            shortest["life"] = min(shortest["life"], least)
+        return shortest
 
 
 def _counted(one: life.LifeResults, nodes: np.ndarray) -> CountedStage:
     """Cycles in a stage at some nodes, without those that no draw notices."""
-    found, extremes = [], []
+    rows = []
+    extremes = []
     for part, run in enumerate(one.runs):
         counting = run.counting(one.duty.material.curve(one.duty.miner), (0.999,), 1e-3 / life.BEYOND)
         at_places = []
@@ -186,9 +199,9 @@ def _counted(one: life.LifeResults, nodes: np.ndarray) -> CountedStage:
             for node, signal in enumerate(signals):
                 cycles = counting.cycles(signal)
                 columns = np.full(len(cycles.begin), part), np.full(len(cycles.begin), node)
-                found.append(np.stack((*columns, cycles.begin, cycles.end)))
+                rows.append(np.stack((*columns, cycles.begin, cycles.end)))
         extremes.append(np.array(at_places).swapaxes(0, 1))
-    part, node, begin, end = np.concatenate(found, axis=1)
+    part, node, begin, end = np.concatenate(rows, axis=1)
     return CountedStage(one.runs, part.astype(int), node.astype(int), begin, end, np.stack(extremes, axis=1))
 
 
@@ -198,8 +211,8 @@ def read_scatter(path: str | Path) -> AnySweep:
 
     def values(content: reading.Content) -> reading.Content:
         duty = read_duty(path.parent / str(content.pop("duty")))
-        one = duty.with_(survivals=duty.survivals[-1:], plane_nodes=0)
-        return content | {"duty": one.model_dump(mode="json")}
+        bare_duty = duty.with_(survivals=duty.survivals[-1:], plane_nodes=0)
+        return content | {"duty": bare_duty.model_dump(mode="json")}
 
     if path.is_file() and "duty" in reading.toml_content(path, "sweep file"):
         return reading.read_parameters(path, DutyScatter, "duty scatter file", values)

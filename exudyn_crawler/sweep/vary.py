@@ -1,4 +1,4 @@
-"""What of a case, or of its life, the runs of a sweep have otherwise."""
+"""Values of a case, or of its life, that differ between the runs of a sweep."""
 
 from functools import partial
 from typing import Annotated, Any, Literal, TypeVar
@@ -90,13 +90,14 @@ class Vary(Parameters):
     def _value_errors(self, values: tuple[Any, ...]) -> Errors:
         if (self.low, self.high, self.count, self.distribution) != (None, None, None, "uniform"):
             yield "values take the place of low, high and count, and of a distribution"
-        if not values or any(one in values[:k] for k, one in enumerate(values)):
+        if not values or any(value in values[:k] for k, value in enumerate(values)):
             yield f"values must be different ones, got {fields.shown(list(values))}"
         if self.settings is None:
             return
         if self.name is None or self.factor:
             yield "settings need a name of their values, and no factor"
-        counts, paths = [len(row) for row in self.settings], len(self.keys)
+        counts = [len(row) for row in self.settings]
+        paths = len(self.keys)
         if counts != [paths] * len(values):
             lists = f"{len(values)} lists, one a value, of {paths} each, one a path"
             yield f"settings must be {lists}, got lists of {fields.shown(counts)}"
@@ -146,10 +147,10 @@ class Vary(Parameters):
         is_normal = self.distribution == "normal"
         is_log = self.scale == "log" or not is_normal
         portions = np.array([portion, tail, 1.0 - tail])
-        at, least, most = norm.ppf(portions) if is_normal else np.log(-np.log1p(-portions))
+        score, least, most = norm.ppf(portions) if is_normal else np.log(-np.log1p(-portions))
         bounds = np.array([self.low, self.high])
         low, high = np.log(bounds) if is_log else bounds
-        value = low + (at - least) / (most - least) * (high - low)
+        value = low + (score - least) / (most - least) * (high - low)
         return float(np.exp(value) if is_log else value)
 
     def unit_in(self, case_file: CaseFile | Duty) -> str:
@@ -199,7 +200,9 @@ class Vary(Parameters):
             except ValueError as error:
                 # whether values, each allowed, fit each other depends on what else varies
                 cause = error.__cause__
-                kinds = {one["type"] for one in cause.errors()} if isinstance(cause, ValidationError) else {}
+                kinds = (
+                    {error["type"] for error in cause.errors()} if isinstance(cause, ValidationError) else {}
+                )
                 if kinds != {"value_error"}:
                     raise
         if self.factor and all(self.applied(content, value) == content for value in self._values[:2]):
@@ -223,7 +226,7 @@ class Vary(Parameters):
 def _multiplied(before: Any, factor: Any) -> Any:
     """Number, or numbers of a list, times a factor."""
     if isinstance(before, list):
-        return [_multiplied(one, factor) for one in before]
+        return [_multiplied(number, factor) for number in before]
     if not (fields.is_number(before) and fields.is_number(factor)):
         raise ValueError(f"a factor needs numbers, got {fields.shown(factor)} times {fields.shown(before)}")
     product = before * factor

@@ -23,7 +23,8 @@ from exudyn_crawler.sweep import answers, definition
 
 LOCK_WAIT = 600.0
 """s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
-DONE, FAILED = "done", "failed"
+DONE = "done"
+FAILED = "failed"
 OUTCOME = "outcome.json"  # what became of a run of a sweep, in its folder
 SEEN = ".seen"  # in the folder of the folders of runs, while a sweep goes on
 Outcome = dict[str, Any]
@@ -33,7 +34,7 @@ wall_time_s, processor_time_s, host, process and finished."""
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker needs to know of a run."""
+    """Task of a worker: a run with all that it needs to know."""
 
     digest: str
     case: str  # case file as JSON
@@ -47,7 +48,7 @@ class Task:
 
 @cache
 def own_versions() -> dict[str, str]:
-    """What has to be the same on client and workers, by name."""
+    """Versions that have to be the same on client and workers, by name."""
     names = ("exudyn-crawler", "exudyn", "numpy", "scipy", "distributed")
     python = {"Python": ".".join(platform.python_version_tuple()[:2])}
     return python | {name: version(name) for name in names} | {"sources": program_digest()[:12]}
@@ -83,8 +84,10 @@ def sees(runs: str | Path, token: str) -> bool:
 def run_task(task: Task) -> Outcome:
     """Run a case into its folder, or what is missing of it, and answer; raises as `check_versions` alone."""
     check_versions(task.versions, own_versions(), platform.node())
-    begun, computed = time.perf_counter(), time.process_time()
-    error, numbers = None, {}
+    begun = time.perf_counter()
+    computed = time.process_time()
+    error = None
+    numbers = {}
     try:
         numbers = _answered(task)
     except Exception as raised:
@@ -129,7 +132,8 @@ def write_outcome(
 
 def _answered(task: Task) -> dict[str, float | None]:
     """Answers of a run by name; None where a run has none."""
-    case_file, folder = CaseFile.model_validate_json(task.case), folder_of(task.runs, task.digest)
+    case_file = CaseFile.model_validate_json(task.case)
+    folder = folder_of(task.runs, task.digest)
     has_failed = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
     how: dict[str, Any] = {"overwrite": task.again and has_failed, "take_finished": True, "progress": False}
     folder.mkdir(parents=True, exist_ok=True)
@@ -139,5 +143,5 @@ def _answered(task: Task) -> dict[str, float | None]:
         # the sweep warns of them once
         warnings.simplefilter("ignore", errors.ImplausibleWarning)
         run = case_run.run_case(case_file, folder, reductions=task.reductions, **how)
-        numbers = {one.label: one.of_run(run) for one in answers.ANSWERS.validate_json(task.answers)}
+        numbers = {answer.label: answer.of_run(run) for answer in answers.ANSWERS.validate_json(task.answers)}
     return {name: None if value != value else value for name, value in numbers.items()}

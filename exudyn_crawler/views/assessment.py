@@ -173,7 +173,8 @@ def stability_figure(found: Assessment) -> Figure:
 def travel_figure(found: Assessment) -> Figure:
     """Pull of both tracks over the grade beside drive and ground, and what a turn takes."""
     numbers = found.numbers
-    weight, ground = numbers.weight, numbers.ground
+    weight = numbers.weight
+    ground = numbers.ground
     slopes = np.arctan(GRADES)
     needed = [travel.resistance(weight, slope, ground.rolling) for slope in slopes]
     held = [

@@ -1,4 +1,4 @@
-"""What a run offers to be drawn over time, in units for reading, curves in panels, and the papers' figures.
+"""Series of a run to be drawn over time, in units for reading, curves in panels, and the papers' figures.
 
 Panels stand one below the other, the phases of the run as light bands behind them. Figures are by names that
 can be those of files.
@@ -32,14 +32,16 @@ GROUPS = (
     *("teeth", "tumbler", "side frame", "links", "track"),
 )
 """Groups of curves, in the order in which they are offered."""
-LABEL = {name: one.label for name, one in QUANTITIES.items()}
-KINEMATICS = {name.replace("_", " "): one.label for name, one in select(curves="motion").items()}
+LABEL = {name: quantity.label for name, quantity in QUANTITIES.items()}
+KINEMATICS = {name.replace("_", " "): quantity.label for name, quantity in select(curves="motion").items()}
 """Figures of kinematic quantities that the papers draw, and the labels of what they show."""
 VECTORS = select(curves="contact", curve_axes=False, dimensions="axis")
-CONTACT_VECTORS = [one.label for one in VECTORS.values()]
+CONTACT_VECTORS = [quantity.label for quantity in VECTORS.values()]
 SCALARS = select(curves="contact", dimensions="contact")
-CONTACT_SCALARS = [one.label for one in SCALARS.values() if one.label not in CONTACT_VECTORS]
-JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values() if not one.needs]
+CONTACT_SCALARS = [quantity.label for quantity in SCALARS.values() if quantity.label not in CONTACT_VECTORS]
+JOINT_VECTORS = [
+    quantity.label for quantity in select(curves="links", per="link").values() if not quantity.needs
+]
 """Labels of forces and sinkage of shoes, and of forces of links."""
 OF_RUNS = {name: [label] for name, label in KINEMATICS.items()}
 OF_RUNS |= {label: [label] for label in CONTACT_VECTORS} | {"sinkage and friction torque": CONTACT_SCALARS}
@@ -73,7 +75,8 @@ class Panel:
         for name, values in self.curves.items():
             ax.plot(values.time, values, label=name)
         ax.set_ylabel(f"{self.label}\nin {self.unit}")
-        floor, (low, high) = style.negligible(self.unit), ax.get_ylim()
+        floor = style.negligible(self.unit)
+        (low, high) = ax.get_ylim()
         if high - low < 2.0 * floor:
             ax.set_ylim(-floor, floor)
 
@@ -85,7 +88,8 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
         height = TITLE_HEIGHT + PANEL_HEIGHT * len(panels) + TIME_HEIGHT
         figure = Figure(figsize=(PANEL_WIDTH, height))
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0].tolist()
-        top, bottom = 1.0 - TITLE_HEIGHT / height, TIME_HEIGHT / height
+        top = 1.0 - TITLE_HEIGHT / height
+        bottom = TIME_HEIGHT / height
         figure.subplots_adjust(LABEL_WIDTH / PANEL_WIDTH, bottom, 0.985, top, hspace=0.12)
         for ax, panel in zip(axes, panels, strict=True):
             panel.draw(ax)
@@ -113,7 +117,8 @@ def draw_phases(axes: Sequence[mpl.axes.Axes], phases: Sequence[RunPhase]) -> No
     for panel, ax in enumerate(axes):
         low, high = ax.get_xlim()
         for number, phase in enumerate(phases if len(phases) > 1 else ()):
-            begin, end = max(phase.begin, low), min(phase.end, high)
+            begin = max(phase.begin, low)
+            end = min(phase.end, high)
             if begin >= end:
                 continue
             text = _band(ax, number, begin, end, phase.name)
@@ -152,24 +157,32 @@ class Series:
 
 def history_series(history: History, stress: xr.Dataset | None = None) -> dict[str, Series]:
     """Everything over time that a history and its stresses offer to be drawn, by the catalogue's label."""
-    rows = [one for group in GROUPS for one in select(curves=group).values() if history.has(one.name, stress)]
-    values = history.over_time([one.name for one in rows], stress)
-    found = {series.label: series for one in rows for series in _series(one, values[one.name])}
+    rows = [
+        quantity
+        for group in GROUPS
+        for quantity in select(curves=group).values()
+        if history.has(quantity.name, stress)
+    ]
+    values = history.over_time([quantity.name for quantity in rows], stress)
+    by_label = {
+        series.label: series for quantity in rows for series in _series(quantity, values[quantity.name])
+    }
     if not history.has("unit_heave"):
         depth = LABEL["penetration"]
-        found[depth] = replace(found[depth], label=DEPTH_ON_CELLS)
-    return found
+        by_label[depth] = replace(by_label[depth], label=DEPTH_ON_CELLS)
+    return by_label
 
 
 def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
     """Panel for each axis of one quantity of runs by name, with a curve an item, named by what differs."""
-    first, is_named = next(iter(found.values())), len(items) > 1 or len(found) == 1
+    first = next(iter(found.values()))
+    is_named = len(items) > 1 or len(found) == 1
 
     def curves(axis: str) -> dict[str, xr.DataArray]:
         return {
-            ", ".join(filter(None, (item if is_named else "", run))): one.values.sel(item=item, axis=axis)
+            ", ".join(filter(None, (item if is_named else "", run))): series.values.sel(item=item, axis=axis)
             for item in items
-            for run, one in found.items()
+            for run, series in found.items()
         }
 
     axes = first.values.axis.values
@@ -179,7 +192,8 @@ def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
 def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
     """Series of a quantity; forces on rails of both sides together, and of each."""
     values = for_reading(values)
-    unit, axes = values.attrs["units"], list(quantity.curve_axes)
+    unit = values.attrs["units"]
+    axes = list(quantity.curve_axes)
     if axes:
         # the friction torque turns about the normal, which is z but for the units' tilt
         values = values.sel(axis=axes if len(axes) > 1 else axes[0], drop=True)
@@ -201,7 +215,7 @@ def _by_item(values: xr.DataArray, per: str) -> xr.DataArray:
     """Values with dimensions (time, item, axis), by the names of what they are of, or of the one thing."""
     if "axis" not in values.dims:
         values = values.expand_dims({"axis": [""]})
-    dim = next((str(one) for one in (*NAMED, *values.dims) if one in {*values.dims} - {"time", "axis"}), None)
+    dim = next((str(key) for key in (*NAMED, *values.dims) if key in {*values.dims} - {"time", "axis"}), None)
     if dim is None:
         values = values.expand_dims({"item": [per]})
     else:
@@ -235,14 +249,16 @@ def run_figures(
     case = history.case
     found = history_series(history) if series is None else series
     links = sorted({min(shoe, case.track.shoe_count - 1) for shoe in shoes})
-    of_shoes, of_links = [f"shoe {one}" for one in shoes], [f"link {one}-{one + 1}" for one in links]
+    of_shoes = [f"shoe {shoe}" for shoe in shoes]
+    of_links = [f"link {link}-{link + 1}" for link in links]
     items = [*of_shoes, *of_links]
     panels = {name: _panels(found, labels, items) for name, labels in OF_RUNS.items() if labels[0] in found}
     if LABEL["roller_force"] in found:
-        force, on_shoes = LABEL["roller_force"], LABEL["rail_force"]
+        force = LABEL["roller_force"]
+        on_shoes = LABEL["rail_force"]
         sides = [ON_RAILS.format(side) for side in history.rail.values]
         panels[force] = _panels(found, [force, *sides], axis="z")
-        loaded = items if case.flexible is None else [f"shoe {one}" for one in case.flexible.shoes]
+        loaded = items if case.flexible is None else [f"shoe {shoe}" for shoe in case.flexible.shoes]
         panels[on_shoes] = _panels(found, [on_shoes], loaded)
         # the way along x is an input
         rising = _panels(found, [LABEL["side_frame_way"]], axis="z")
@@ -251,8 +267,8 @@ def run_figures(
     figures = {}
     if LABEL["wheel_force"] in found:
         wheels = found[LABEL["wheel_force"]]
-        others = [one for one in wheels.items if "roller" not in one]
-        panels["force on the rollers"] = wheels.panels([one for one in wheels.items if one not in others])
+        others = [item for item in wheels.items if "roller" not in item]
+        panels["force on the rollers"] = wheels.panels([item for item in wheels.items if item not in others])
         panels["force on idler and carriers"] = wheels.panels(others)
         tracks = each_track(history).items()
         figures = {f"tension along the {name}chain": chain_figure(one) for name, one in tracks}
@@ -264,7 +280,8 @@ def chain_figure(history: History) -> Figure:
     along = summary.tension_along_chain(history)
     with style.titled_figure(f"{history.case.name}: tension along the chain", PANEL_WIDTH, 8.4) as figure:
         loop, by_place, by_link = figure.subplots(3, 1, height_ratios=[1.25, 1.0, 1.0])
-        mean, look = along.mean_at / style.KILO, {"cmap": style.SINKAGE_MAP, "edgecolors": style.SHOE_EDGE}
+        mean = along.mean_at / style.KILO
+        look = {"cmap": style.SINKAGE_MAP, "edgecolors": style.SHOE_EDGE}
         dots = loop.scatter(along.x, along.z, c=mean, s=60.0, **look)
         above = {"xytext": (0, 6), "textcoords": "offset points", "ha": "center", "fontsize": NAME_SIZE}
         for place, x, z in zip(along.place.values, along.x.values, along.z.values, strict=True):
@@ -276,9 +293,9 @@ def chain_figure(history: History) -> Figure:
             (by_place, "place", "_at", "place on the loop"),
             (by_link, "joint", "", "link, by its rear shoe"),
         )
-        for ax, dim, at, label in kinds:
+        for ax, dim, suffix, label in kinds:
             least, middle, most = (
-                along[f"{name}{at}"] / style.KILO for name in ("least", "mean", "greatest")
+                along[f"{name}{suffix}"] / style.KILO for name in ("least", "mean", "greatest")
             )
             how = {"color": style.SHOE, "alpha": 0.5, "step": "mid", "label": "least to greatest"}
             ax.fill_between(along[dim], least, most, **how)
@@ -309,8 +326,8 @@ def stress_figures(
             # the figure says which side it is, the curves only whose links
             pins = [item for item in found[label].items if item.endswith(f" {side}")]
             links = [item.removesuffix(f" {side}") for item in pins]
-            own = found[label].values.sel(item=pins).assign_coords(item=links)
-            panels[f"{side} {name}"] = replace(found[label], values=own).panels()
+            values = found[label].values.sel(item=pins).assign_coords(item=links)
+            panels[f"{side} {name}"] = replace(found[label], values=values).panels()
     if (deformation := LABEL["terrain_deformation"]) in found:
         panels["terrain deformation"] = _panels(found, [deformation])
     panels["modal coordinates"] = []
@@ -348,7 +365,7 @@ def roller_path_figure(table: pd.DataFrame, name: str) -> Figure:
 def _figures(title: str, panels: Mapping[str, Sequence[Panel]], history: History) -> dict[str, Figure]:
     """Figures by their names, which stand in their titles."""
     phases = common_phases(history)
-    return {name: panel_figure(f"{title}: {name}", one, phases) for name, one in panels.items()}
+    return {name: panel_figure(f"{title}: {name}", panel, phases) for name, panel in panels.items()}
 
 
 def _panels(
@@ -356,8 +373,10 @@ def _panels(
 ) -> list[Panel]:
     """Panels of some quantities one below the other: of the items that are theirs, or of all of theirs."""
     panels = []
-    for one in (found[label] for label in labels):
-        values = one.values.sel(axis=[axis]) if axis else one.values
-        chosen = [item for item in items if item in one.items]
-        panels += replace(one, label=SHORT.get(one.label, one.label), values=values).panels(chosen or None)
+    for series in (found[label] for label in labels):
+        values = series.values.sel(axis=[axis]) if axis else series.values
+        chosen = [item for item in items if item in series.items]
+        panels += replace(series, label=SHORT.get(series.label, series.label), values=values).panels(
+            chosen or None
+        )
     return panels

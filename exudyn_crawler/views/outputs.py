@@ -1,4 +1,4 @@
-"""What a run leaves beside its history: a writer for each of the outputs that its case asks for."""
+"""Writers of what a run leaves beside its history: one for each of the outputs that its case asks for."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -30,25 +30,29 @@ SERIES, PARTS = "track.pvd", "track_parts"
 
 def write_tables(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """Extremes, loads at the ends of phases, the roller path; highest stresses by phase, region and run."""
-    found = {"extremes": summary.extremes(history), "loads": summary.load_table(history)}
+    by_name = {"extremes": summary.extremes(history), "loads": summary.load_table(history)}
     if stresses is not None:
-        data, spots = stresses.dataset, stresses.hot_spots
-        found["highest_stresses"] = hot_spots.highest_by_phase(history, data)
-        found["highest_by_region"] = hot_spots.region_table(stresses.by_region, data)
-        found |= {f"hot_spots_shoe_{k}": hot_spots.hot_spot_table(one, data) for k, one in spots.items()}
+        data = stresses.dataset
+        spots = stresses.hot_spots
+        by_name["highest_stresses"] = hot_spots.highest_by_phase(history, data)
+        by_name["highest_by_region"] = hot_spots.region_table(stresses.by_region, data)
+        by_name |= {f"hot_spots_shoe_{k}": hot_spots.hot_spot_table(rows, data) for k, rows in spots.items()}
     if roller_path.treads_press(history):
-        found[figures.ROLLER_PATH] = roller_path.roller_path(history)
-    for name, table in found.items():
+        by_name[figures.ROLLER_PATH] = roller_path.roller_path(history)
+    for name, table in by_name.items():
         tables.write_table(table, folder / f"{name}.csv", overwrite=True)
 
 
 def write_forces(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """What derives from the forces of the history, which has them themselves."""
-    names = {name: one for name, one in catalogue.select(files="forces").items() if history.has(name)}
+    """Write the tables that derive from the forces of the history."""
+    names = {
+        name: quantity for name, quantity in catalogue.select(files="forces").items() if history.has(name)
+    }
 
     def chunk(part: History) -> xr.Dataset:
         values = (
-            (name, part.quantity(name).astype(one.dtype, keep_attrs=True)) for name, one in names.items()
+            (name, part.quantity(name).astype(quantity.dtype, keep_attrs=True))
+            for name, quantity in names.items()
         )
         return xr.Dataset(dict(values), attrs=part.dataset.attrs)
 
@@ -58,7 +62,8 @@ def write_forces(history: History, stresses: Stresses, folder: Path, outputs: Ou
 
 def write_figures(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
     """Curves of some shoes and links, of rollers and of flexible shoes; uneven ground as the run ends."""
-    terrain, drawn = history.case.terrain, {}
+    terrain = history.case.terrain
+    drawn = {}
     if isinstance(terrain, CellTerrain):
         ground = xr.load_dataset(folder / GROUND, engine="h5netcdf")
         drawn["ground"] = pictures.map_figure(history, ground)
@@ -92,13 +97,13 @@ def write_3d(history: History, stresses: Stresses, folder: Path, outputs: Output
     if stresses is None:
         return
     for shoe in stresses.dataset.shoe.values:
-        own = stresses.dataset.sel(shoe=shoe)
+        data = stresses.dataset.sel(shoe=shoe)
         fields = {
-            "greatest von Mises": own.peak_von_mises.values,
-            "time of the greatest": own.peak_time.values,
-            "range of von Mises": (own.peak_von_mises - own.least_von_mises).values,
-            "error of the mesh over the stress": own.peak_mesh_error.values,
-            "verdict": own.peak_verdict.values,
+            "greatest von Mises": data.peak_von_mises.values,
+            "time of the greatest": data.peak_time.values,
+            "range of von Mises": (data.peak_von_mises - data.least_von_mises).values,
+            "error of the mesh over the stress": data.peak_mesh_error.values,
+            "verdict": data.peak_verdict.values,
         }
         with files.whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite=True) as temporary:
             export.write_vtu(temporary, stresses.whole.mesh, fields)
@@ -119,7 +124,8 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     files.refuse_existing(path, overwrite)
     if history.case.flexible is None:
         raise ValueError("the history has no flexible shoes")
-    name, nodes = history.case.flexible.mesh, stress.node_position.transpose("node", "axis").values
+    name = history.case.flexible.mesh
+    nodes = stress.node_position.transpose("node", "axis").values
     mesh = mesh_named(name)
     if nodes.shape != mesh.nodes.shape or not np.allclose(nodes, mesh.nodes, atol=1e-6):
         of_mesh = f"the {len(mesh.nodes)} of the mesh {name!r}"
@@ -145,14 +151,15 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
 def _flexible_shoes(stress: xr.Dataset, now: xr.Dataset, mesh: Mesh) -> Iterator[tuple[str, meshio.Mesh]]:
     """All elements of every flexible shoe, in place."""
     for shoe in stress.shoe.values:
-        place, chosen = track.shoe_pose(now, int(shoe)), stress.sel(shoe=shoe)
+        place = track.shoe_pose(now, int(shoe))
+        chosen = stress.sel(shoe=shoe)
         bend = chosen.frame_displacement.transpose("node", "axis").values @ place.turn.T
         fields = {"displacement": bend.astype("f4"), "von mises": chosen.frame_von_mises.values.astype("f4")}
         yield f"shoe {shoe}", export.vtu_content(mesh, fields, place.place(mesh.nodes))
 
 
 def _track(moment: History) -> Iterator[tuple[str, meshio.Mesh]]:
-    """What is around the flexible shoes in one instant."""
+    """Solids around the flexible shoes at an instant."""
     for solid in track.shoe_boxes(moment):
         if solid.name == "rigid shoes":
             numbers = [float(label.removeprefix("shoe ")) for label in solid.labels]
@@ -183,7 +190,8 @@ def _ground(moment: History) -> meshio.Mesh:
     """Units as boxes with their heave; cells as a surface with its height and how deep it was pressed, m."""
     if not isinstance(moment.case.terrain, CellTerrain):
         return _cells(track.ground_units(moment), heave=moment.unit_heave.isel(time=0).values)
-    solid, depth = track.ground_faces(moment).at(), moment.ground_depth.values.ravel()
+    solid = track.ground_faces(moment).at()
+    depth = moment.ground_depth.values.ravel()
     return meshio.Mesh(
         solid.points, [("quad", solid.faces[0])], point_data={"height": solid.points[:, 2], "sinkage": depth}
     )
@@ -191,7 +199,8 @@ def _ground(moment: History) -> meshio.Mesh:
 
 def _cells(solid: scene.Solid, **fields: np.ndarray) -> meshio.Mesh:
     """Copies of a solid, boxes as hexahedra and others as triangles, with values of each field a copy."""
-    surface, is_box = solid.at(), len(solid.points) == 8
+    surface = solid.at()
+    is_box = len(solid.points) == 8
     cells = np.arange(len(surface.points)).reshape(-1, 8) if is_box else surface.triangles
     data = {name: [values[cells[:, 0] // len(solid.points)]] for name, values in fields.items()}
     return meshio.Mesh(surface.points, [("hexahedron" if is_box else "triangle", cells)], cell_data=data)

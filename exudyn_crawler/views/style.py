@@ -1,4 +1,4 @@
-"""What all figures, pictures and pages share: colours, style of figures, units for reading, round numbers."""
+"""Style that figures, pictures and pages share: colours, units for reading, round numbers."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,7 +21,9 @@ STRESS_MAP, HEAVE_MAP, SINKAGE_MAP = "YlOrRd", "cividis", "YlOrBr"
 PHASE_BANDS, PHASE_NAME = ("#eef2f6", "#fbfaf4"), "#66727d"
 """Bands of a run's phases, in turn, behind curves over time, and the names of the phases."""
 
-MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
+MEGA = 1e6
+KILO = 1e3
+MILLI = 1e-3
 NEGLIGIBLE, NEGLIGIBLE_FORCE = 1e-6, 1e-3
 """Half the least range of an axis in units for reading: rounding must not look like motion or a force."""
 
@@ -58,7 +60,7 @@ def colour_map(colours: str | tuple[str, ...]) -> mpl.colors.Colormap:
 
 
 def scale_of(low: float, high: float, colours: str) -> mpl.cm.ScalarMappable:
-    """What a colour bar from one value to another shows."""
+    """Scale of a colour bar from one value to another."""
     return mpl.cm.ScalarMappable(mpl.colors.Normalize(low, high), colours)
 
 

@@ -37,7 +37,9 @@ def print_rows(
     if not console.is_terminal:
         console = Console(width=150)
     cells = [dict(zip(columns, map(cell_text, row), strict=True)) for row in rows]
-    right, wanted, shown = set(numeric), [name for name in keys if name in columns], list(columns)
+    right = set(numeric)
+    wanted = [name for name in keys if name in columns]
+    shown = list(columns)
     widths = {
         name: max([_longest(name), *(_longest(row[name], name in right) for row in cells)])
         for name in columns
@@ -97,7 +99,7 @@ def cell_text(value: object, digits: int = 4) -> str:
 
 def print_table(table: "pd.DataFrame", title: str, keys: Sequence[str] = (), whole: str | Path = "") -> None:
     """Print a table as of `print_rows`; a column with a number is numeric, whatever words it has, too."""
-    numeric = [str(name) for name in table.columns if any(isinstance(one, Number) for one in table[name])]
+    numeric = [str(name) for name in table.columns if any(isinstance(cell, Number) for cell in table[name])]
     rows = table.itertuples(index=False, name=None)
     print_rows([*map(str, table.columns)], rows, title, numeric, keys, whole)
 

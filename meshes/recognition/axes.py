@@ -162,7 +162,8 @@ def _front(pair: PinPair, choices: Choices) -> tuple[PinPair, list[Question]]:
         # with equal ends the larger place decides, so that any file of the shoe gives the same
         asked = [Question("--flip-front", "both ends have equal lugs: either may lead")]
     if first_is_front != choices.flip_front:
-        rear, front = pair.lines[1], pair.lines[0]
+        rear = pair.lines[1]
+        front = pair.lines[0]
         return replace(pair, lines=(rear, front), ahead=-pair.ahead), asked
     return pair, asked
 
@@ -175,7 +176,8 @@ def _rows(pair: PinPair) -> Floats:
 def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[ShoeAxes, list[Question]]:
     """Axes with z up: pins are above the COM, and the largest plane near the outline looks down."""
     local = triangles.moved(axes.origin, axes.rows, axes.scale)
-    low, high = local.points[:, 2].min(), local.points[:, 2].max()
+    low = local.points[:, 2].min()
+    high = local.points[:, 2].max()
     pins = np.mean([axes.place_of(line)[2] for line in axes.pins.lines])
     lift = float(np.clip(PIN_LIFT * pins / (high - low), -1.0, 1.0))
     planes = [_outer_plane(local, sign) for sign in (-1.0, 1.0)]
@@ -198,7 +200,8 @@ def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[Sh
 
 def _outer_plane(local: Triangles, sign: float) -> float:
     """Greatest area at one height, near the outline, of faces that look up or down."""
-    low, high = local.points[:, 2].min(), local.points[:, 2].max()
+    low = local.points[:, 2].min()
+    high = local.points[:, 2].max()
     height = high - low
     depth = (high - local.middles[:, 2]) if sign > 0.0 else (local.middles[:, 2] - low)
     chosen = (sign * local.normals[:, 2] > np.cos(LEVEL)) & (depth < OUTER * height)

@@ -133,7 +133,8 @@ def recognize_file(path: str | Path, choices: Choices | None = None, size: str =
     ValueError
         If it is no shoe, or the choices do not fit it.
     """
-    path, choices = Path(path), choices or Choices()
+    path = Path(path)
+    choices = choices or Choices()
     if not path.is_file():
         raise FileNotFoundError(f"no file {path}")
     if size not in solids.SIZES:
@@ -284,14 +285,14 @@ def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileS
 
 def _of_mesh(content: VolumeMesh, choices: Choices) -> FileSolid:
     """Tetrahedra of a mesh file, of one body."""
-    nodes, elements, surfaces = content.nodes, content.elements, content.surfaces
+    nodes = content.nodes
+    elements = content.elements
+    surfaces = content.surfaces
     remarks = list(content.notes)
     remarks += [f"surface {name!r} is left out: {reason}" for name, reason in content.unread.items()]
     parts = tetrahedra.bodies(elements, len(nodes))
-    body, held = (
-        choices.body,
-        ", ".join(f"{number}: {len(part)} elements" for number, part in enumerate(parts, 1)),
-    )
+    body = choices.body
+    held = ", ".join(f"{number}: {len(part)} elements" for number, part in enumerate(parts, 1))
     if body is None and len(parts) > 1:
         raise MeshError(
             f"the mesh must be one body, got {len(parts)} that share no nodes ({held}); --body N chooses "

@@ -124,10 +124,12 @@ def _sides_of_bores(local: Triangles, end: str, line: PinLine, middle: float) ->
 
 def _joints(local: Triangles, faces: dict[str, Integers]) -> tuple[tuple[float, float], list[str]]:
     """Y of the joints: the middle of what both ends' bores share on a side, or of the gap between them."""
-    places, gaps = [], []
+    places = []
+    gaps = []
     for side in SIDES:
         boxes = [outline(local, faces[f"bore {end} {side}"])[:, 1] for end in ENDS]
-        low, high = max(box[0] for box in boxes), min(box[1] for box in boxes)
+        low = max(box[0] for box in boxes)
+        high = min(box[1] for box in boxes)
         places.append(float(0.5 * (low + high)))
         gaps.append(low - high)
     remarks = []
@@ -224,7 +226,8 @@ def _is_on_lug(part: Floats, bore: Floats) -> bool:
     """True for a part that ends above a pin, and is as wide as the lug, or the fork, of a bore; outlines."""
     (x0, y0, _), (x1, y1, _) = bore
     slack = LUG * (y1 - y0)
-    pin, radius = 0.5 * (x0 + x1), 0.5 * (x1 - x0)
+    pin = 0.5 * (x0 + x1)
+    radius = 0.5 * (x1 - x0)
     reaches = part[0, 0] - LUG * radius < pin < part[1, 0] + LUG * radius
     return bool(reaches and y0 - slack < part[0, 1] and part[1, 1] < y1 + slack)
 
@@ -233,7 +236,8 @@ def _rails(local: Triangles, above: list[Integers]) -> tuple[Integers | None, st
     """Two equal level bands at the greatest height, one a side; else why there are none."""
     heights = np.array([local.middles[part, 2].mean() for part in above])
     highest = [part for part, z in zip(above, heights, strict=True) if heights.max() - z < SAME_HEIGHT]
-    boxes, sides = [], []
+    boxes = []
+    sides = []
     y = np.array([local.middles[part, 1].mean() for part in highest])
     middle = 0.5 * (y.min() + y.max())
     for side in (y < middle, y >= middle):

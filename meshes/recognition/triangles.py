@@ -75,7 +75,8 @@ class Triangles:
         keys = keys[order]
         same = np.flatnonzero((keys[1:] == keys[:-1]).all(axis=1))
         _, counts = np.unique(keys, axis=0, return_counts=True)
-        first, second = order[same], order[same + 1]
+        first = order[same]
+        second = order[same + 1]
         pairs = np.column_stack((owner[first], owner[second]))
         return pairs, far[second], edges[first, 0], float((counts != 2).mean())
 
@@ -93,7 +94,8 @@ class Triangles:
     def bends(self) -> Floats:
         """Angles between neighbours: array (p,), rad, negative where they bend inwards."""
         pairs, far, start, _ = self._sides
-        first, second = self.normals[pairs[:, 0]], self.normals[pairs[:, 1]]
+        first = self.normals[pairs[:, 0]]
+        second = self.normals[pairs[:, 1]]
         angle = np.arccos(np.clip(np.einsum("pc,pc->p", first, second), -1.0, 1.0))
         # towards the outer side of a face: the far corner of a neighbour that bends inwards
         beyond = np.einsum("pc,pc->p", first, self.points[far] - self.points[start])
@@ -101,7 +103,8 @@ class Triangles:
 
     def labels(self, linked: np.ndarray) -> Integers:
         """Number of the connected region of every triangle, (k,), that some of the pairs (p,) link."""
-        pairs, count = self.pairs[linked], len(self.faces)
+        pairs = self.pairs[linked]
+        count = len(self.faces)
         ones = np.ones(len(pairs), dtype=np.int8)
         links = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
         return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)

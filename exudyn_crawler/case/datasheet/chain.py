@@ -46,7 +46,8 @@ def chain_of(sheet: Datasheet, notes: Notes, gravity: float) -> Chain:
     if grouser is None:
         grouser = pitch * notes.typical("grouser_height")
     tips = depth + grouser
-    on_ground, over_shoes = sheet.sprocket_to_idler or sheet.length_on_ground, sheet.crawler_length
+    on_ground = sheet.sprocket_to_idler or sheet.length_on_ground
+    over_shoes = sheet.crawler_length
     diameter = _diameter(sheet, notes, pitch, tips)
     if on_ground is None:
         on_ground = _on_ground(sheet, notes, pitch, diameter, tips, gravity)
@@ -92,7 +93,9 @@ def _pitch(sheet: Datasheet, notes: Notes) -> float:
     """Pitch, m: given, of the loop's closing, or by the machine's mass."""
     if sheet.pitch is not None:
         return sheet.pitch
-    on_ground, over_shoes, shoes = sheet.length_on_ground, sheet.crawler_length, sheet.shoes
+    on_ground = sheet.length_on_ground
+    over_shoes = sheet.crawler_length
+    shoes = sheet.shoes
     if shoes is not None and on_ground is not None and over_shoes is not None:
         depth = notes.typical("plate_depth")
         grouser = sheet.grouser_height
@@ -124,7 +127,9 @@ def _pitch(sheet: Datasheet, notes: Notes) -> float:
 
 def _diameter(sheet: Datasheet, notes: Notes, pitch: float, tips: float) -> float:
     """Mean diameter of the pins' circles about sprocket and idler, m."""
-    on_ground, over_shoes, shoes = sheet.length_on_ground, sheet.crawler_length, sheet.shoes
+    on_ground = sheet.length_on_ground
+    over_shoes = sheet.crawler_length
+    shoes = sheet.shoes
     if on_ground is not None and over_shoes is not None:
         return over_shoes - on_ground - 2.0 * tips
     if sheet.sprocket_gaps is not None:
@@ -143,14 +148,15 @@ def _on_ground(
     sheet: Datasheet, notes: Notes, pitch: float, diameter: float, tips: float, gravity: float
 ) -> float:
     """Length on ground, m, where the datasheet has none."""
-    over_shoes, shoes, pressure = sheet.crawler_length, sheet.shoes, sheet.ground_pressure
+    over_shoes = sheet.crawler_length
+    shoes = sheet.shoes
+    pressure = sheet.ground_pressure
     if over_shoes is not None:
-        how, value = (
-            "length over the shoes less circle and shoes: L - d - 2 e",
-            over_shoes - diameter - 2.0 * tips,
-        )
+        how = "length over the shoes less circle and shoes: L - d - 2 e"
+        value = over_shoes - diameter - 2.0 * tips
     elif shoes is not None:
-        how, value = "what the chain leaves: (N p - pi d) / 2", 0.5 * (shoes * pitch - math.pi * diameter)
+        how = "what the chain leaves: (N p - pi d) / 2"
+        value = 0.5 * (shoes * pitch - math.pi * diameter)
     else:
         assert pressure is not None
         whole = sheet.operating_weight * gravity / (2.0 * sheet.shoe_width * pressure)
@@ -178,7 +184,8 @@ def _check_closing(sheet: Datasheet, pitch: float, shoes: int, on_ground: float,
     missing = loop - shoes * pitch
     if abs(missing) <= max(LOOSE * loop, 0.5 * pitch):
         return
-    fit, other = round(loop / pitch), loop / shoes
+    fit = round(loop / pitch)
+    other = loop / shoes
     how = "short" if missing > 0.0 else "long"
     length = f"a length on ground of {on_ground:.3g} m"
     if sheet.length_on_ground is None and sheet.crawler_length is not None:

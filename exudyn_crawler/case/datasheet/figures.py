@@ -44,7 +44,8 @@ def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
     gear = case.closed_gear()
     start = gear.assembled(case.shoe, case.track)
     rear, front, _, _, low = case.shoe.footprint
-    place, pitch = start.shoes[:, 0], start.shoes[:, 4]
+    place = start.shoes[:, 0]
+    pitch = start.shoes[:, 4]
     ends = [place + x * np.cos(pitch) + low * np.sin(pitch) for x in (rear, 0.5 * (rear + front), front)]
     on_ground = gear.length + start.take_up
     if sheet.sprocket_to_idler is not None:
@@ -74,7 +75,8 @@ def _verdict(value: float, printed: float | None, most: float) -> str:
 
 def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     """Weight, lengths and pressure."""
-    mass, printed = machine_mass(case), sheet.operating_weight
+    mass = machine_mass(case)
+    printed = sheet.operating_weight
     yield Figure("weight of all parts", mass, printed, "kg", _verdict(mass, printed, CLOSE))
     on_ground, over_shoes = lengths(case, sheet)
     for name, value, one in (
@@ -92,7 +94,8 @@ def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     gear = case.closed_gear()
     radius = gear.travel_per_angle(case.track)
     weight = machine_mass(case) * case.gravity
-    speed, pull = sheet.travel_speed, sheet.drawbar_pull
+    speed = sheet.travel_speed
+    pull = sheet.drawbar_pull
     if speed is not None:
         turns = speed / radius
         rpm = 60.0 * turns / (2.0 * math.pi)

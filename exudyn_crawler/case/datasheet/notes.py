@@ -62,7 +62,8 @@ class Notes:
         if row is None:
             self.note(path, value, unit, "derived", f"{name} of the file")
         else:
-            low, high = row.low * size, row.high * size
+            low = row.low * size
+            high = row.high * size
             span = f"{name} {row.value:g}, so that it may be {low:.4g} to {high:.4g} {unit}"
             self.note(path, value, unit, "assumed", f"{span}; {row.source} [{row.known}]")
         return value

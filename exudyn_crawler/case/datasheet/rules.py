@@ -76,7 +76,8 @@ def seat_depth(gaps: float, pins: float, bush: float, reach: float, share: float
         cosine = (center**2 + arc**2 - (pins + reach) ** 2) / (2.0 * center * arc)
         return math.acos(max(-1.0, min(1.0, cosine)))
 
-    shallow, deep = 1e-6 * pins, 5.0 * pins
+    shallow = 1e-6 * pins
+    deep = 5.0 * pins
     if flank(shallow) <= share * least:
         return shallow
     return float(brentq(lambda depth: flank(depth) - share * least, shallow, deep))

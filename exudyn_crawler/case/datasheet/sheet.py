@@ -8,7 +8,8 @@ from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quan
 from exudyn_crawler.errors import ParameterError
 
 Kind = Literal["excavator", "dozer", "shovel", "crane", "drill", "vehicle"]
-LEAST_GAPS, GREATEST_GAPS = 7.0, 30.0
+LEAST_GAPS = 7.0
+GREATEST_GAPS = 30.0
 
 
 class DatasheetError(ParameterError):

@@ -18,13 +18,15 @@ def shoe_of(sheet: Datasheet, chain: Chain, notes: Notes) -> Shoe:
 
     Its underside is at the tips of the grousers. The link lies between the plate and the top of the rails.
     """
-    pitch, width = chain.pitch, sheet.shoe_width
+    pitch = chain.pitch
+    width = sheet.shoe_width
     link_height = pitch * notes.typical("link_height")
     rail_y = notes.sized("shoe.rails.left", "rail_place", pitch)
     rail_width = notes.sized("shoe.rails.width", "rail_width", pitch)
     plate = notes.typical("plate_mass") * pitch**2 * width
     link = notes.typical("link_mass") * pitch**3
-    mass, how = plate + link, "plate by pitch squared and width, and link by pitch cubed"
+    mass = plate + link
+    how = "plate by pitch squared and width, and link by pitch cubed"
     if sheet.shoe_weight is not None:
         plate, link = (sheet.shoe_weight * part / mass for part in (plate, link))
         mass = sheet.shoe_weight

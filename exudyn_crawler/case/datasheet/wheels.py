@@ -77,7 +77,8 @@ class Layout(NamedTuple):
         """X of the first and the last roller: given, or where they clear sprocket and idler."""
         if self.ends is not None:
             return self.ends
-        (rear, height), (front, other) = self.sprocket, self.idler(circle)
+        (rear, height) = self.sprocket
+        (front, other) = self.idler(circle)
         play = PLAY * self.pitch
         first = rear + rules.clear_of(self.root, self.roller_radius, height, play)
         return first, front - rules.clear_of(self.tread(circle), self.roller_radius, other, play)
@@ -124,7 +125,8 @@ def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> Whee
         "gear.tumbler.depth", seat, "m", "derived", f"flanks at {share:g} of the angle that frees bushes"
     )
     rear = -0.5 * chain.on_ground
-    first, span = sheet.first_roller, sheet.length_on_ground
+    first = sheet.first_roller
+    span = sheet.length_on_ground
     ends = None if first is None or span is None else (rear + first, rear + first + span)
     roller = _radius(sheet.roller_diameter, "gear.roller_radius", "roller_diameter", pitch, notes)
     axes = roller + rise + chain.tips
@@ -162,7 +164,8 @@ def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> Whee
     carriers = layout.carrier_places(circle)
     notes.note("gear.rollers", rollers, "m", "derived", "even between sprocket and idler, which they clear")
     notes.note("gear.carriers", carriers, "m", "derived", "even under the upper run")
-    radius, carrier = layout.roller_radius, layout.carrier_radius
+    radius = layout.roller_radius
+    carrier = layout.carrier_radius
     return WheelPlaces(
         layout.sprocket, pins, seat, reach, bush, idler, tread, rollers, radius, carriers, carrier
     )

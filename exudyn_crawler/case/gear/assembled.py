@@ -40,13 +40,16 @@ def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
     pins = np.array([assembly.point_at(pieces, place) for place in places])
     # the rearmost shoe of which the pins have passed the first roller comes first
     first = next(k for k, place in enumerate(places) if place >= 2.0)
-    apart, middles = np.diff(pins, axis=0), 0.5 * (pins[1:] + pins[:-1])
+    apart = np.diff(pins, axis=0)
+    middles = 0.5 * (pins[1:] + pins[:-1])
     angles = np.unwrap(np.arctan2(-apart[:, 1], apart[:, 0]))
     angles = angles - 2.0 * math.pi * np.round(angles[0] / (2.0 * math.pi))
     middle = np.array([chain.pin_ahead - 0.5 * pitch, chain.pin_height])
-    c, s = np.cos(angles), np.sin(angles)
+    c = np.cos(angles)
+    s = np.sin(angles)
     coms = middles - np.column_stack((c * middle[0] + s * middle[1], c * middle[1] - s * middle[0]))
-    coms, angles = np.roll(coms, -first, axis=0), np.roll(angles, -first)
+    coms = np.roll(coms, -first, axis=0)
+    angles = np.roll(angles, -first)
     if first:
         angles[-first:] -= 2.0 * math.pi
     height = closed.roller_radius + rails.height + shoe.com_height
@@ -83,9 +86,11 @@ class _Loop(NamedTuple):
 
     def circles(self, take_up: float) -> list[assembly.Circle]:
         """Circles of the pins about these wheels."""
-        closed, places = self.closed, self.closed.upper
+        closed = self.closed
+        places = self.closed.upper
         (x, z), on_idler = closed.idler_circle(take_up, self.rise, self.pitch)
-        rollers, carriers = closed.roller_radius + self.rise, closed.carrier_radius + self.rise
+        rollers = closed.roller_radius + self.rise
+        carriers = closed.carrier_radius + self.rise
         wheels = [(*closed.tumbler.place, closed.tumbler.radius(self.new_pitch))]
         wheels += [(closed.rollers[k], 0.0, rollers) for k in (0, -1)]
         wheels.append((x, z, on_idler))
@@ -114,7 +119,7 @@ class _Loop(NamedTuple):
     def take_ups(self) -> tuple[float, float]:
         """Range of take-ups at which no wheel lies within the chain, or in another, about the least way."""
         tried = np.linspace(*self.closed.idler.range, TAKE_UPS)
-        fit = np.array([self._fits(one) for one in tried])
+        fit = np.array([self._fits(take_up) for take_up in tried])
         if not fit.any():
             self.belt(tried[np.abs(tried).argmin()])
         nearest = np.flatnonzero(fit)[np.abs(tried[fit]).argmin()]
@@ -132,7 +137,8 @@ class _Loop(NamedTuple):
 def _closed(closed: ClosedFrame, shoe: Shoe, chain: Track) -> tuple[float, float, list[assembly.Piece]]:
     """Take-up, sag of the upper run, m, and belt of a chain that closes."""
     assert shoe.rails is not None
-    pitch, count = closed.chain_pitch(chain), chain.shoe_count
+    pitch = closed.chain_pitch(chain)
+    count = chain.shoe_count
     loop = _Loop(closed, shoe.rails.height - chain.pin_height, pitch, chain.pitch)
     take_up = closed.idler.take_up
     if take_up is None:
@@ -142,6 +148,7 @@ def _closed(closed: ClosedFrame, shoe: Shoe, chain: Track) -> tuple[float, float
             return taut, 0.0, loop.belt(taut)
         take_up = taut - slack
     most = MOST_SAG * loop.belt(take_up)[-1].length
-    fixed, what = float(take_up), f"a take-up of {take_up:.4g} m and a sag of"
+    fixed = float(take_up)
+    what = f"a take-up of {take_up:.4g} m and a sag of"
     sag = assembly.closed_chain(lambda sag: loop.belt(fixed, sag), pitch, count, (0.0, most), what)
     return fixed, sag, loop.belt(fixed, sag)

@@ -130,7 +130,8 @@ class Closed(ClosedFrame):
         assert rails is not None
         if rails.height <= chain.pin_height:
             yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
-        x, length = np.sort([x for x, _ in self.upper.values()]), rails.front - rails.rear
+        x = np.sort([x for x, _ in self.upper.values()])
+        length = rails.front - rails.rear
         near = x[2:] - x[:-2] < length + SLIDE_MARGIN
         if self.slides and np.any(near):
             places = ", ".join(f"{place:.4g}" for place in x[near.argmax() :][:3])

@@ -127,13 +127,14 @@ class ClosedFrame(RunningGear):
 
     def lugs(self, chain: Track) -> list[tuple[str, np.ndarray]]:
         """Joint centre that is next to each lug of a shoe on its side, and place (3,), m, of the lug."""
-        found, middle = [], chain.pin_ahead - 0.5 * chain.pitch
+        lugs = []
+        middle = chain.pin_ahead - 0.5 * chain.pitch
         for side in SIDES:
             rear = np.array(chain.joint_centers[f"rear {side}"])
             worn = rear - [self.pitch_growth * chain.pitch, 0.0, 0.0]
             places = [np.array([x, rear[1], z]) for x, z in self.tumbler.lugs] or [worn]
-            found += [(f"{'rear' if one[0] < middle else 'front'} {side}", one) for one in places]
-        return found
+            lugs += [(f"{'rear' if place[0] < middle else 'front'} {side}", place) for place in places]
+        return lugs
 
     @property
     def carried_mass(self) -> float:

@@ -96,15 +96,18 @@ def belt(circles: Sequence[Circle], sag: float = 0.0) -> list[Piece]:
     The last line, which ends at the first circle, sags. Raises `WithinError` if a circle lies within the belt
     about the others, `MisfitError` if two lie in each other.
     """
-    following, pieces = [*circles[1:], circles[0]], list[Piece]()
+    following = [*circles[1:], circles[0]]
+    pieces = list[Piece]()
     tangents = [tangent_angle(*pair) for pair in zip(circles, following, strict=True)]
     for k, (x, z, r) in enumerate(circles):
-        first, last = tangents[k - 1], tangents[k]
+        first = tangents[k - 1]
+        last = tangents[k]
         last += 2.0 * math.pi * math.ceil((first - last) / (2.0 * math.pi) - 1e-9)
         if last - first > 1.5 * math.pi:
             raise _within(circles, k)
         x1, z1, r1 = circles[(k + 1) % len(circles)]
-        c, s = math.cos(last), math.sin(last)
+        c = math.cos(last)
+        s = math.sin(last)
         pieces.append(Piece(x, z, r, first, last))
         sags = sag if k == len(circles) - 1 else 0.0
         pieces.append(Piece(x + r * c, z + r * s, 0.0, x1 + r1 * c, z1 + r1 * s, sags))
@@ -119,7 +122,8 @@ def point_at(pieces: Sequence[Piece], u: float) -> Point:
 
 def pins_along(pieces: Sequence[Piece], pitch: float, count: int) -> list[float]:
     """Places (as of `point_at`) of count + 1 pins, each a pitch from the one before."""
-    pins, steps = [FIRST_PIN], [MARCH * pitch / max(piece.length, 1e-12) for piece in pieces]
+    pins = [FIRST_PIN]
+    steps = [MARCH * pitch / max(piece.length, 1e-12) for piece in pieces]
     for _ in range(count):
         x, z = point_at(pieces, pins[-1])
 
@@ -140,13 +144,17 @@ def pins_along(pieces: Sequence[Piece], pitch: float, count: int) -> list[float]
 
 def surplus(pieces: Sequence[Piece], pitch: float, count: int) -> float:
     """Length along the belt, m, by which a chain of so many links overlaps its begin, or lacks it."""
-    last, end = pins_along(pieces, pitch, count)[-1], FIRST_PIN + len(pieces)
-    low, high = min(last, end), max(last, end)
-    total, u = 0.0, low
+    last = pins_along(pieces, pitch, count)[-1]
+    end = FIRST_PIN + len(pieces)
+    low = min(last, end)
+    high = max(last, end)
+    total = 0.0
+    u = low
     while u < high:
         k = math.floor(u + 1e-15)
         to = min(high, k + 1.0)
-        total, u = total + pieces[k % len(pieces)].length * (to - u), to
+        total = total + pieces[k % len(pieces)].length * (to - u)
+        u = to
     return math.copysign(total, last - end)
 
 
@@ -162,11 +170,13 @@ def closed_chain(
     def left_over(value: float, links: int = count) -> float:
         return surplus(shape(value), pitch, links)
 
-    least, greatest = left_over(bounds[0]), left_over(bounds[1])
+    least = left_over(bounds[0])
+    greatest = left_over(bounds[1])
     if least < 0.0 or greatest > 0.0:
         length, value = (-least, bounds[0]) if least < 0.0 else (greatest, bounds[1])
         change = math.ceil(length / pitch) if least < 0.0 else -math.ceil(length / pitch)
-        how, other = "short" if least < 0.0 else "long", count + change
+        how = "short" if least < 0.0 else "long"
+        other = count + change
         advice = f"no number of shoes fits between {bounds[0]:g} and {bounds[1]:g} m"
         if left_over(bounds[0], other) >= 0.0 >= left_over(bounds[1], other):
             advice = f"{other} shoes fit"

@@ -132,7 +132,7 @@ class Parameters(pydantic.BaseModel):
         return self
 
     def _errors(self) -> Errors:
-        """What of the values does not fit each other; each may take for granted what stands before it."""
+        """Yield the values that do not fit each other; each check may rely on those before it."""
         yield from ()
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **values: Any) -> Self:

@@ -43,7 +43,9 @@ class CarBody(base.PH4100C, values=ph4100c.CAR_BODY):
 
     def upper_at(self, angle: float) -> tuple[np.ndarray, np.ndarray]:
         """COM of the upper structure at a slew angle (rad), (3,), m, and its inertia tensor, kg m2."""
-        c, s, axis = math.cos(angle), math.sin(angle), np.array([self.swing_axis, 0.0, 0.0])
+        c = math.cos(angle)
+        s = math.sin(angle)
+        axis = np.array([self.swing_axis, 0.0, 0.0])
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         inertia = turn @ base.inertia_tensor(self.upper_inertia) @ turn.T
         return axis + turn @ (np.array(self.upper_com) - axis), inertia

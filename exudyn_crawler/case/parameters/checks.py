@@ -26,20 +26,21 @@ def _loads(case: Case) -> Iterator[str]:
     """Phases whose loads lift shoes, are next to nothing or beyond any machine, or act beside the shoe."""
     core = case.shoe.width / 6.0
     for number, phase in enumerate(case.loads.phases):
-        at, end = f"loads.phases[{number}]", f"at the end of {phase.name!r}"
+        key = f"loads.phases[{number}]"
+        end = f"at the end of {phase.name!r}"
         loads = np.array(phase.loads)
         whole = loads.sum()
         if loads.min() < 0.0:
             lifted = f"{_newtons(loads.min())} {end} lifts shoe {loads.argmin() + 1}"
-            yield f"{at}.loads: {lifted}; loads press down and are positive"
+            yield f"{key}.loads: {lifted}; loads press down and are positive"
         elif not case.gear.frame_parts and not LEAST_LOAD <= whole / len(loads) <= GREATEST_LOAD:
             cause = f"{_newtons(whole)} in all; loads are in N"
             if whole == 0.0:
                 cause = "nothing, so that the ground carries the shoes alone"
-            yield f"{at}.loads: {len(loads)} shoes carry {cause}"
+            yield f"{key}.loads: {len(loads)} shoes carry {cause}"
         if abs(phase.side_shift) > core and loads.any():
             shift = f"{phase.side_shift:g} m {end} is beyond a sixth of the shoe's width, {core:.3g} m"
-            yield f"{at}.side_shift: {shift}: the load pulls at the other edge"
+            yield f"{key}.side_shift: {shift}: the load pulls at the other edge"
 
 
 def _inertia(case: Case) -> Iterator[str]:
@@ -82,7 +83,8 @@ def _map(case: Case) -> Iterator[str]:
     measured = case.terrain.relief.measured
     if measured is None:
         return
-    apart, width = max(measured.sides), case.shoe.width
+    apart = max(measured.sides)
+    width = case.shoe.width
     if apart > width:
         yield (
             f"terrain.relief.measured: heights of {measured.file.name} are {apart:.4g} m apart, a shoe is "
@@ -105,7 +107,8 @@ def warn_of(lines: Iterable[str], category: type[Warning] = ImplausibleWarning) 
 def out_of_range(parameters: BaseModel) -> Iterator[str]:
     """Values outside of their plausible ranges, a line each."""
     for entry in fields.walk(parameters):
-        plausible, numbers = fields.plausible_range(entry.field), _numbers(entry.value)
+        plausible = fields.plausible_range(entry.field)
+        numbers = _numbers(entry.value)
         if plausible is None or not numbers:
             continue
         least, greatest = plausible
@@ -130,5 +133,5 @@ def _numbers(value: object) -> list[float]:
     if isinstance(value, drive.StepProfile):
         return list(value.values)
     if isinstance(value, tuple):
-        return [number for one in value for number in _numbers(one)]
+        return [number for element in value for number in _numbers(element)]
     return [float(value)] if fields.is_number(value) else []

@@ -49,12 +49,16 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
         A seated shoe is a side of the polygon of the tumbler, whose gaps are at its corners. Without backlash
         the arcs leave no play to the one of its lugs that is farthest from the arc's centre next to it.
         """
-        pitch, radius = chain.pitch, self.radius(chain.pitch)
-        center, middle = radius + self.depth, chain.pin_ahead - 0.5 * pitch
-        height, farthest = math.sqrt(max(0.0, radius**2 - 0.25 * pitch**2)), 0.0
+        pitch = chain.pitch
+        radius = self.radius(chain.pitch)
+        center = radius + self.depth
+        middle = chain.pin_ahead - 0.5 * pitch
+        height = math.sqrt(max(0.0, radius**2 - 0.25 * pitch**2))
+        farthest = 0.0
         # beside the middle between the shoe's pins, z into the loop
         for x, z in [(x - middle, z - chain.pin_height) for x, z in self.lugs] or [(-0.5 * pitch, 0.0)]:
-            far, angle = math.hypot(x, height - z), math.atan2(x, height - z)
+            far = math.hypot(x, height - z)
+            angle = math.atan2(x, height - z)
             off = angle - math.copysign(math.pi / self.teeth, x)
             farthest = max(farthest, math.hypot(far * math.cos(off) - center, far * math.sin(off)))
         arc = farthest + self.lug_radius + self.backlash
@@ -69,7 +73,8 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
             yield f"tumbler.reach must let the addendum circle of {addendum:.4g} m meet {arcs}; {remedies}"
             return
         if not self._frees_lugs(chain):
-            flank, free = math.degrees(self._flank(chain)), 90.0 - 180.0 / teeth
+            flank = math.degrees(self._flank(chain))
+            free = 90.0 - 180.0 / teeth
             ends = f"the flank of a tooth ends {flank:.1f} degrees beside its gap's middle"
             less = f"it must be less than 90 - 180 / teeth = {free:.1f}: leaving lugs hook under it"
             yield f"tumbler: {ends}, {less}; {self._remedies(chain)}"

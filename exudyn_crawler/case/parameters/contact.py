@@ -37,10 +37,12 @@ class PairContact(Parameters):
     )
 
     def _errors(self) -> Errors:
-        static, dynamic = self.static_friction, self.dynamic_friction
+        static = self.static_friction
+        dynamic = self.dynamic_friction
         if dynamic > static:
             yield f"dynamic_friction must not exceed static_friction = {static}, got {dynamic}"
-        stiction, full = self.stiction_speed, self.friction_speed
+        stiction = self.stiction_speed
+        full = self.friction_speed
         if full <= stiction:
             yield f"friction_speed must exceed stiction_speed = {stiction}, got {full}"
 

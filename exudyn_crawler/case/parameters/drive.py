@@ -1,4 +1,4 @@
-"""What runs over time: a quantity, the drive of the front shoe, and the steps of the integration."""
+"""Values over time: a quantity, the drive of the front shoe, and the steps of the integration."""
 
 from functools import lru_cache
 from typing import ClassVar, Literal, Self
@@ -74,7 +74,8 @@ def _steps(
     times: tuple[float, ...], values: tuple[float, ...]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Start (s), first value, length (s) and rise of every STEP, a flat one last."""
-    starts, firsts = np.array(times), np.array(values)
+    starts = np.array(times)
+    firsts = np.array(values)
     return starts, firsts, np.append(np.diff(starts), 1.0), np.append(np.diff(firsts), 0.0)
 
 
@@ -126,7 +127,8 @@ class Drive(Parameters):
     @classmethod
     def to_rest(cls) -> Self:
         """Propel of the S-paper: as in translation up to 10 s, then to rest at 15 s, and off."""
-        speed, rest = ph4100c.PROPEL_SPEED, ph4100c.REST_START
+        speed = ph4100c.PROPEL_SPEED
+        rest = ph4100c.REST_START
         times = (0.0, ph4100c.PROPEL_RISE, ph4100c.BRAKE_START, rest)
         return cls(speed=StepProfile(times=times, values=(0.0, speed, speed, 0.0)), on=((0.0, rest),))
 
@@ -142,7 +144,7 @@ class Drive(Parameters):
         return time - max((end for _, end in self.on or () if end <= time * (1.0 + SAME_TIME)), default=0.0)
 
     def drives_after(self, time: float) -> bool:
-        """Whether the drive is on just after a time (s)."""
+        """True if the drive is on just after a time (s)."""
         return self.on is None or any(start <= time * (1.0 + SAME_TIME) < end for start, end in self.on)
 
     def travel(self, time: np.typing.ArrayLike) -> np.ndarray:

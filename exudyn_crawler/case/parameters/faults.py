@@ -245,7 +245,7 @@ def _missing(spot: Spot, fault: Mapping[str, Any], head: str) -> str:
 
 
 def _wanted(fault: Mapping[str, Any]) -> str:
-    """What a value must be, in an engineer's words."""
+    """Say what a value must be, in an engineer's words."""
     words = str(fault["msg"]).partition(", unable to ")[0]
     for word, plain in WORDS:
         words = words.replace(word, plain)
@@ -253,13 +253,13 @@ def _wanted(fault: Mapping[str, Any]) -> str:
 
 
 def _number_words(unit: str) -> str:
-    """What a number must be where a text stands."""
+    """Say what a number must be where a text stands."""
     example = f", or such as '1 {next(iter(fields.MISTAKEN[unit]))}'" if unit in fields.MISTAKEN else ""
     return f"must be a number{f' in {unit}' if unit else ''}{example}"
 
 
 def _table(spot: Spot, unit: str) -> str:
-    """What a table, or values over time, must be."""
+    """Say what a table, or values over time, must be."""
     if any(getattr(held, "is_value", False) for held in spot.held):
         return PROFILE.format(units=f"s and {unit}" if unit else "s, and without a unit")
     return f"a table ({' or '.join(held.__name__ for held in spot.held)})"

@@ -65,7 +65,8 @@ def with_change(
     """
     if not path:
         return change(values)
-    part, below = path[0], path[1:]
+    part = path[0]
+    below = path[1:]
     if isinstance(part, int) or part == EVERY:
         if not isinstance(values, list | tuple):
             raise ValueError(f"there is no list {path_text(above)} to change an item of")
@@ -105,8 +106,9 @@ def beside(kind: type[BaseModel]) -> str:
 
 def file_fields(kind: type[BaseModel]) -> dict[str, FieldInfo]:
     """Fields of a class as a file has them."""
-    name, found = beside(kind), dict(kind.model_fields)
-    return file_fields(models_of(found.pop(name).annotation)[0]) | found if name else found
+    name = beside(kind)
+    infos = dict(kind.model_fields)
+    return file_fields(models_of(infos.pop(name).annotation)[0]) | infos if name else infos
 
 
 def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
@@ -136,19 +138,23 @@ def tag_of(kind: type[BaseModel]) -> str:
 
 
 def allows_none(annotation: Any) -> bool:
-    """Whether a field may have no value."""
+    """True if a field may have no value."""
     return type(None) in get_args(annotation)
 
 
 def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:
     """Constructors of a parameter class that need no argument, by name: ``Terrain.stress``, say."""
     parts = reversed(kind.__mro__[: kind.__mro__.index(BaseModel)])
-    own = {name: one for part in parts for name, one in vars(part).items()}
-    names = [name for name, one in own.items() if isinstance(one, classmethod) and name[0] != "_"]
+    members = {name: member for part in parts for name, member in vars(part).items()}
+    names = [name for name, member in members.items() if isinstance(member, classmethod) and name[0] != "_"]
     makers = {name: getattr(kind, name) for name in names}
     arguments = {name: inspect.signature(make).parameters.values() for name, make in makers.items()}
     empty = inspect.Parameter.empty
-    return {name: makers[name] for name in names if all(one.default is not empty for one in arguments[name])}
+    return {
+        name: makers[name]
+        for name in names
+        if all(argument.default is not empty for argument in arguments[name])
+    }
 
 
 class Entry(NamedTuple):
@@ -181,7 +187,8 @@ def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
 
     A table comes before what it holds, its values before its tables. A quantity over time is a value.
     """
-    values, tables = dict(iter(model)), []
+    values = dict(iter(model))
+    tables = []
     if name := beside(type(model)):
         values = dict(iter(values.pop(name))) | values
     for name, field in file_fields(type(model)).items():
@@ -207,12 +214,12 @@ def entry_at(model: BaseModel, path: KeyPath) -> Entry | None:
 
 
 def is_table(value: object) -> bool:
-    """Whether a value has a table of its own; a quantity over time has not."""
+    """True for a value with a table of its own; a quantity over time has none."""
     return isinstance(value, BaseModel) and not getattr(value, "is_value", False)
 
 
 def is_number(value: object) -> TypeGuard[int | float]:
-    """Whether a value is a number, which a truth value is not."""
+    """True for a number, which a truth value is not."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -227,8 +234,10 @@ PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 def prefix_of(value: object, unit: str) -> str:
     """Prefix of a unit in which a number, or the greatest of some, is read; empty for none."""
     numbers = value if isinstance(value, tuple | list) else [value]
-    greatest = max((abs(one) for one in numbers if is_number(one)), default=0.0)
-    return next((one for start, one, least in ENGINEERING if re.match(start, unit) and greatest >= least), "")
+    greatest = max((abs(number) for number in numbers if is_number(number)), default=0.0)
+    return next(
+        (prefix for start, prefix, least in ENGINEERING if re.match(start, unit) and greatest >= least), ""
+    )
 
 
 def shown(value: object) -> str:
@@ -251,9 +260,9 @@ def value_text(value: object, unit: str = "") -> str:
 def _scaled_text(value: object, size: float = 1.0) -> str:
     """Value, or values, over a size."""
     if isinstance(value, tuple | list) and value:
-        if len(value) > 3 and all(one == value[0] for one in value):
+        if len(value) > 3 and all(element == value[0] for element in value):
             return f"{len(value)} x {_scaled_text(value[0], size)}"
-        return ", ".join(_scaled_text(one, size) for one in value)
+        return ", ".join(_scaled_text(element, size) for element in value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
@@ -292,7 +301,7 @@ def values_of(case: BaseModel) -> Iterator[Entry]:
 
 def case_rows(case: BaseModel) -> list[Row]:
     """The same for reading."""
-    return [Row(one.path, value_text(one.value, one.unit), one.meaning) for one in values_of(case)]
+    return [Row(entry.path, value_text(entry.value, entry.unit), entry.meaning) for entry in values_of(case)]
 
 
 MISTAKEN: dict[str, dict[str, float]] = {
@@ -319,7 +328,7 @@ def _extra(field: FieldInfo) -> dict[str, Any]:
 
 
 def has_unit(field: FieldInfo) -> bool:
-    """Whether a field is a quantity, which may have the unit of a plain number."""
+    """True for a field that is a quantity, which may have the unit of a plain number."""
     return "unit" in _extra(field)
 
 
@@ -330,15 +339,15 @@ def unit_of(field: FieldInfo) -> str:
 
 
 def in_place(field: FieldInfo) -> str:
-    """What a file may have in place of a field's value, in words; empty for nothing else."""
+    """Say what a file may have in place of a field's value; empty for nothing else."""
     of_class = (getattr(kind, "in_place", "") for kind in models_of(field.annotation))
     return _extra(field).get("in_place") or next(filter(None, of_class), "")
 
 
 def plausible_range(field: FieldInfo) -> tuple[float, float] | None:
     """Least and greatest plausible value of a field; None for one that has none."""
-    found = _extra(field).get("plausible")
-    return found and tuple(found)
+    bounds = _extra(field).get("plausible")
+    return bounds and tuple(bounds)
 
 
 def likely_cause(value: float, field: FieldInfo) -> str:

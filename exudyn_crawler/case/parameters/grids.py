@@ -273,7 +273,8 @@ def _tiff(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]
         raise ValueError("GeoTIFF needs the package rasterio, which is not installed") from None
     _refuse_spacing(units)
     with rasterio.open(path) as data:
-        move, system = data.transform, data.crs
+        move = data.transform
+        system = data.crs
         if system is not None and system.is_geographic:
             raise ValueError(f"its places are in degrees; {PROJECT}")
         if move.b != 0.0 or move.d != 0.0 or move.a <= 0.0 or move.e >= 0.0:

@@ -122,7 +122,8 @@ class Roughness(Parameters):
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
-        random, w = np.random.default_rng(self.seed), self.exponent
+        random = np.random.default_rng(self.seed)
+        w = self.exponent
         ends = np.geomspace(1.0 / self.longest, 1.0 / self.shortest, BANDS + 1)
         # plane spectrum c k**-(w + 1) whose lines have the given one
         beta = math.gamma(0.5) * math.gamma(w / 2.0) / math.gamma((w + 1.0) / 2.0)
@@ -132,11 +133,12 @@ class Roughness(Parameters):
         for low, high, square in zip(ends[:-1], ends[1:], variance, strict=True):
             number = 2.0 * math.pi * random.uniform(low, high, DIRECTIONS)
             angle = math.pi / DIRECTIONS * (np.arange(DIRECTIONS) + random.uniform(size=DIRECTIONS))
-            kx, ky = number * np.cos(angle), number * np.sin(angle)
+            kx = number * np.cos(angle)
+            ky = number * np.sin(angle)
             phase = np.multiply.outer(x, kx) + np.multiply.outer(y, ky)
             phase += random.uniform(0.0, 2.0 * math.pi, DIRECTIONS)
             sine = -np.sin(phase)
-            sums = [one.sum(axis=-1) for one in (np.cos(phase), sine * kx, sine * ky)]
+            sums = [wave.sum(axis=-1) for wave in (np.cos(phase), sine * kx, sine * ky)]
             out += math.sqrt(2.0 * square / DIRECTIONS) * np.stack(sums, axis=-1)
         return out
 

@@ -28,7 +28,7 @@ class PhaseEnd(Parameters):
 def values_of(profiles: Iterable[drive.StepProfile], time: np.typing.ArrayLike) -> np.ndarray:
     """Values of profiles at each time: array (times, profiles)."""
     t = np.atleast_1d(np.asarray(time, dtype=float))
-    return np.column_stack([one.value(t) for one in profiles])
+    return np.column_stack([profile.value(t) for profile in profiles])
 
 
 class Cycle(Parameters):
@@ -92,7 +92,8 @@ class LoadCycle(Cycle):
         the dipper's from the rest of the printed 732 kN until nothing is left. Dump: the machine's share of
         the swing alone. Return: even again.
         """
-        count, middle = ph4100c.SHOE_COUNT, ph4100c.MIDDLE_SHOE
+        count = ph4100c.SHOE_COUNT
+        middle = ph4100c.MIDDLE_SHOE
         from_middle = np.abs(np.arange(1, count + 1) - middle)
         machine = count * ph4100c.PROPEL_LOAD
 
@@ -114,7 +115,9 @@ class LoadCycle(Cycle):
             "dump": (ph4100c.DUMP_END, dump),
             "return": (ph4100c.RETURN_END, even),
         }
-        phases = [Phase(name=name, end=end, loads=tuple(one.tolist())) for name, (end, one) in ends.items()]
+        phases = [
+            Phase(name=name, end=end, loads=tuple(loads.tolist())) for name, (end, loads) in ends.items()
+        ]
         return cls(phases=tuple(phases))
 
     @classmethod
@@ -164,7 +167,9 @@ class LoadCycle(Cycle):
         # a third of the time that a case takes to be shown
         import pandas as pd
 
-        columns = {f"{one.name} ({one.end:g} s)": [*one.loads, sum(one.loads)] for one in self.phases}
+        columns = {
+            f"{phase.name} ({phase.end:g} s)": [*phase.loads, sum(phase.loads)] for phase in self.phases
+        }
         shoes = [*map(str, range(1, self.shoe_count + 1)), "sum"]
         return pd.DataFrame({"shoe": shoes, **{n: np.array(v) / 1e3 for n, v in columns.items()}})
 

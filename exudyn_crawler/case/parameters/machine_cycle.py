@@ -64,7 +64,7 @@ class MachineCycle(loads.Cycle):
     def shovel(
         cls,
         frame: Weighed = PH4100C_FRAME,
-        poses: Sequence[Pose] = tuple(Pose(*one) for one in ph4100c.SHOVEL_POSES),
+        poses: Sequence[Pose] = tuple(Pose(*row) for row in ph4100c.SHOVEL_POSES),
         shovel: Mapping[str, Any] = ph4100c.SHOVEL,
         side: float = 1.0,
         down: Sequence[float] = (0.0, 0.0, -1.0),
@@ -84,7 +84,8 @@ class MachineCycle(loads.Cycle):
         phases = []
         for pose in poses:
             forces, places = _loads(shovel, pose, gravity)
-            whole, moment = forces.sum(axis=0), np.cross(places, forces).sum(axis=0)
+            whole = forces.sum(axis=0)
+            moment = np.cross(places, forces).sum(axis=0)
             aside = moment[0] / whole[2]
             share = 0.5 + side * aside / ph4100c.TRACK_DISTANCE
             if not 0.0 <= share <= 1.0:
@@ -100,7 +101,7 @@ class MachineCycle(loads.Cycle):
     def slewing(
         cls,
         body: CarBody | None = None,
-        poses: Sequence[Pose] = tuple(Pose(*one) for one in ph4100c.SHOVEL_POSES),
+        poses: Sequence[Pose] = tuple(Pose(*row) for row in ph4100c.SHOVEL_POSES),
         down: Sequence[float] = (0.0, 0.0, -1.0),
     ) -> Self:
         """Cycle of a machine on two tracks that stands: how its upper structure slews, and its dipper's load.
@@ -130,8 +131,8 @@ class MachineCycle(loads.Cycle):
 
     def wrench(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
-        both = loads.values_of(self.components, time)
-        return both[:, :3], both[:, 3:]
+        wrenches = loads.values_of(self.components, time)
+        return wrenches[:, :3], wrenches[:, 3:]
 
     def balance_errors(
         self, parts: Sequence[Part], rollers: Sequence[float], aside: float, gravity: np.ndarray
@@ -141,7 +142,9 @@ class MachineCycle(loads.Cycle):
         `parts` are those of the side frame, or the machine, that stands on `rollers` (x, m) and tips where
         its weight acts more than `aside` (m) beside the middle; gravity: (3,), m/s2.
         """
-        weight, rear, front = sum(part.mass for part in parts) * gravity, rollers[0], rollers[-1]
+        weight = sum(part.mass for part in parts) * gravity
+        rear = rollers[0]
+        front = rollers[-1]
         turned = sum(np.cross(part.com, part.mass * gravity) for part in parts)
         for phase in self.phases:
             force = np.array(phase.force) + weight
@@ -161,7 +164,8 @@ def _loads(shovel: Mapping[str, Any], pose: Pose, down: np.ndarray) -> tuple[np.
     """Forces on the machine (N) and their places from the swing axis at the rollers (m): (k, 3) each."""
     dipper = pose.turned(pose.reach, pose.height)
     places = pose.turned(0.0, shovel["lower_height"]), pose.turned(*shovel["upper_place"]), dipper, dipper
-    upper, front = shovel["upper"], shovel["front"]
+    upper = shovel["upper"]
+    front = shovel["front"]
     masses = shovel["mass"] - upper - front, upper, front + pose.payload
     forces = [*(mass * ph4100c.GRAVITY * down for mass in masses), pose.turned(*pose.bank)]
     return np.array(forces), np.array(places)

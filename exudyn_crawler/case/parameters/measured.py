@@ -55,7 +55,8 @@ class MeasuredGrid(Parameters):
         except (OSError, KeyError, ValueError) as error:
             yield f"file: {self.file} cannot be used: {' '.join(str(error).split())}"
             return
-        sides, known = surface.grid.sides, np.where(surface.known, surface.grid.z, np.nan)
+        sides = surface.grid.sides
+        known = np.where(surface.known, surface.grid.z, np.nan)
         steepest, bend = (
             [np.nanmax(abs(np.diff(known, n, axis=k)), initial=0.0) / side for k, side in enumerate(sides)]
             for n in (1, 3)
@@ -107,7 +108,8 @@ class MeasuredGrid(Parameters):
         terrain's, m.
         """
         surface = self._surface
-        low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+        low = corners.min(axis=(0, 1))
+        high = corners.max(axis=(0, 1))
         ends = surface.ends
         wanted = f"{self.file.name} must have heights wherever the track comes, {_extent(low, high)}"
         if (low < ends[0]).any() or (high > ends[1]).any():
@@ -125,13 +127,15 @@ class MeasuredGrid(Parameters):
         """
         surface = self._surface
         ends = surface.ends
-        size, wanted = ends[1] - ends[0], track[1] - track[0]
+        size = ends[1] - ends[0]
+        wanted = track[1] - track[0]
         for place in (terrain, track):
             shift = np.round(0.5 * (place - ends).sum(axis=0), 2)
             if (ends[0] + shift <= track[0]).all() and (ends[1] + shift >= track[1]).all():
                 x, y = (np.array(self.origin) + shift).tolist()
                 return f"origin = [{x:.10g}, {y:.10g}] would bring it there"
-        raw, is_fine = ends - self.origin, max(self.sides) < FINEST
+        raw = ends - self.origin
+        is_fine = max(self.sides) < FINEST
         if is_fine and np.abs(raw).max() <= MOST_DEGREES and raw[0].max() > 1.0:
             return f"its places from {raw[0][0]:.6g}, {raw[0][1]:.6g} look like degrees: {PROJECT}"
         for unit in GREATER_UNITS:
@@ -161,7 +165,8 @@ class _Surface(NamedTuple):
         if self.known.all():
             return inside
         whole = self.known[:-1, :-1] & self.known[1:, :-1] & self.known[:-1, 1:] & self.known[1:, 1:]
-        (along, aside), (columns, rows) = self.grid.sides, whole.shape
+        (along, aside) = self.grid.sides
+        (columns, rows) = whole.shape
         column = np.clip((x - x0) / along, 0, columns - 1).astype(int)
         row = np.clip((y - y0) / aside, 0, rows - 1).astype(int)
         return inside & whole[column, row]
@@ -171,7 +176,8 @@ class _Surface(NamedTuple):
         if self.known.all():
             return None
         step = 0.5 * min(self.grid.sides)
-        along, aside = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
+        along = corners[:, 1] - corners[:, 0]
+        aside = corners[:, 3] - corners[:, 0]
         counts = [2 + int(np.linalg.norm(side[0]) / step) for side in (along, aside)]
         share, other = (np.linspace(0.0, 1.0, count) for count in counts)
         for first, one_side, other_side in zip(corners[:, 0], along, aside, strict=True):
@@ -188,7 +194,9 @@ def _smoothed(
 ) -> _Surface:
     """Heights of a file as `MeasuredGrid` has them; where some are missing the nearest ones go on."""
     grid = read_grid(file, units)
-    z, known, sides = grid.z, np.isfinite(grid.z), grid.sides
+    z = grid.z
+    known = np.isfinite(grid.z)
+    sides = grid.sides
     if not known.all():
         z = z[
             tuple(ndimage.distance_transform_edt(~known, sides, return_distances=False, return_indices=True))

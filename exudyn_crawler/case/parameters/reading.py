@@ -24,7 +24,8 @@ from exudyn_crawler.errors import CaseFileError
 
 Model = TypeVar("Model", bound=BaseModel)
 Content = dict[str, Any]
-NUMBER, NAME = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?", r"[a-zµ°%_]+(?:\^?-?\d(?:\.\d+)?)?"
+NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
+NAME = r"[a-zµ°%_]+(?:\^?-?\d(?:\.\d+)?)?"
 UNIT = rf"(?:1/)?{NAME}(?:\s*[*/ ]\s*{NAME})*"
 TEXT = re.compile(rf"\s*({NUMBER})(?:\s*(?=[a-zµ°%])|\s+(?=1/))({UNIT})\s*", re.IGNORECASE)
 POWER = re.compile(r"(?<=[A-Za-zµ°])\^?(-?\d)")  # m3 and s2, as units are written here, too
@@ -115,7 +116,7 @@ def filled(
     path: fields.KeyPath = (),
     unit: str = "",
 ) -> Content:
-    """What a table of one of the classes gives over its base, or over the values `below` it.
+    """Values of a table of one of the classes over its base, or over the values `below` it.
 
     Texts with units become numbers and "none" no value; what is filled already stays as it is. `unit` is that
     of values over time.
@@ -126,22 +127,22 @@ def filled(
     if len(kinds) > 1:
         tag_field = fields.tag_field(kind)
         tag = content.get(tag_field, below.get(tag_field))
-        kind = next((one for one in kinds if fields.tag_of(one) == tag), kind)
+        kind = next((model for model in kinds if fields.tag_of(model) == tag), kind)
         # values of another class say nothing of this one
         values = values if below.get(tag_field) == fields.tag_of(kind) else {}
     if fields.BASE in content:
         values = _named(content[fields.BASE], kind, path)
     if len(kinds) > 1:
         values.setdefault(tag_field, fields.tag_of(kind))
-    given = {name: value for name, value in content.items() if name != fields.BASE}
-    exponent = (values | given).get("exponent")
-    for name, value in given.items():
+    entries = {name: value for name, value in content.items() if name != fields.BASE}
+    exponent = (values | entries).get("exponent")
+    for name, value in entries.items():
         field = kind.model_fields.get(name)
         if field is not None:
-            own = _unit_of(field, exponent)
+            value_unit = _unit_of(field, exponent)
             if getattr(kind, "is_value", False):
-                own = "s" if name == "times" else unit
-            value = _filled_value(value, field, values.get(name), (*path, name), own)
+                value_unit = "s" if name == "times" else unit
+            value = _filled_value(value, field, values.get(name), (*path, name), value_unit)
         values[name] = value
     return values
 
@@ -154,7 +155,7 @@ def _filled_value(value: Any, field: FieldInfo, below: Any, path: fields.KeyPath
     if not kinds:
         return value if unit is None else number_of(value, unit)
     if isinstance(value, list):
-        return [_filled_value(one, field, None, (*path, k), unit) for k, one in enumerate(value)]
+        return [_filled_value(element, field, None, (*path, k), unit) for k, element in enumerate(value)]
     if not isinstance(value, dict):
         return value
     # below is none, or the list of a table given by mistake
@@ -193,14 +194,14 @@ def _registry() -> Any:
 @cache
 def _size(unit: str, own: str) -> Fraction:
     """Size of a unit in a field's own; ValueError if there is no such unit, or it is of something else."""
-    there, here = (_registry().parse_units(POWER.sub(r"^\1", one)) for one in (unit, own))
+    there, here = (_registry().parse_units(POWER.sub(r"^\1", text)) for text in (unit, own))
     return Fraction((Fraction(1) * there).to(here).magnitude)
 
 
 def number_of(value: object, unit: str) -> object:
     """Number in a field's unit of a text with a number and a unit, as exact as may be; all else as it is."""
     if isinstance(value, list | tuple):
-        return [number_of(one, unit) for one in value]
+        return [number_of(element, unit) for element in value]
     match = TEXT.fullmatch(value) if isinstance(value, str) else None
     if match is None:
         return value

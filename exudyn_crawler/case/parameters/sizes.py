@@ -1,4 +1,4 @@
-"""What fits in size: pins within their shoe, inertias with mass and extent, wheels beside each other."""
+"""Sizes that fit: pins within their shoe, inertias with mass and extent, wheels beside each other."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -44,7 +44,7 @@ def wide_inertia(name: str, mass: float, inertia: base.Six, reach: Sequence[floa
     squares = np.square(reach)
     for component, value, most in zip(COMPONENTS, inertia, mass * (squares.sum() - squares), strict=False):
         if value > most * (1.0 + ROUNDING):
-            extent = " x ".join(f"{2.0 * one:.3g}" for one in reach)
+            extent = " x ".join(f"{2.0 * distance:.3g}" for distance in reach)
             corners = f"more than the {most:.4g} of {mass:g} kg at the corners of {extent} m"
             yield f"{name}.inertia: {component} is {value:g} kg m2, {corners}; it may be that of another size"
 
@@ -59,7 +59,8 @@ def shoe_reach(shoe: track.Shoe, chain: track.Track) -> tuple[float, float, floa
 def thin_inertia(name: str, mass: float, inertia: base.Six) -> Iterator[str]:
     """Inertia that is less than that of a ball of steel, which has the least: a line, or none."""
     radius = (0.75 * mass / (math.pi * DENSEST)) ** (1.0 / 3.0)
-    least, trace = 1.2 * mass * radius**2, sum(inertia[:3])
+    least = 1.2 * mass * radius**2
+    trace = sum(inertia[:3])
     if trace < least:
         moments = f"Ixx + Iyy + Izz is {trace:.4g} kg m2 with {mass:g} kg"
         ball = f"less than the {least:.4g} of a ball of steel, which has the least"
@@ -76,13 +77,13 @@ def far_inertia(name: str, mass: float, inertia: base.Six, length: float) -> Ite
 
 def overlap_errors(wheels: Sequence[Round], tolerance: float = 1e-6) -> Errors:
     """Wheels in each other, of different groups as of rollers, carriers, tumbler and idler."""
-    for k, one in enumerate(wheels):
+    for k, wheel in enumerate(wheels):
         for other in wheels[k + 1 :]:
-            if one.name.split()[0] == other.name.split()[0]:
+            if wheel.name.split()[0] == other.name.split()[0]:
                 continue
-            apart = math.hypot(one.x - other.x, one.z - other.z)
-            inside = one.radius + other.radius - apart
+            apart = math.hypot(wheel.x - other.x, wheel.z - other.z)
+            inside = wheel.radius + other.radius - apart
             if inside > tolerance:
-                are = f"axes {apart:.4g} m apart, radii {one.radius:.4g} and {other.radius:.4g} m"
+                are = f"axes {apart:.4g} m apart, radii {wheel.radius:.4g} and {other.radius:.4g} m"
                 by = f"they do by {1e3 * inside:.0f} mm"
-                yield f"{one.name} and {other.name} must not overlap, {by}: {are}"
+                yield f"{wheel.name} and {other.name} must not overlap, {by}: {are}"

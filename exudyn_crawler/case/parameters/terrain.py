@@ -27,7 +27,7 @@ ACROSS = 1e-6  # m, by which heights across y may differ
 
 
 class Ground(Parameters):
-    """What every ground has: heights before any shoe came, in axes that lean with it, unlike gravity."""
+    """Parameters of every ground: heights before any shoe came, in axes that lean with it, unlike gravity."""
 
     grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
     side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
@@ -35,7 +35,7 @@ class Ground(Parameters):
 
     @property
     def is_even(self) -> bool:
-        """Whether the ground has no relief."""
+        """True for a ground without relief."""
         return self.relief == Heights()
 
     @property
@@ -56,7 +56,8 @@ class Ground(Parameters):
     def reach_errors(self, corners: np.ndarray, time: float) -> Errors:
         """Yield where the corners (4, 2), m, of a track at a time (s) are beyond the ground."""
         for name, places, (least, greatest) in zip("xy", corners.T, self.bounds, strict=True):
-            low, high = places.min(), places.max()
+            low = places.min()
+            high = places.max()
             if low < least or high > greatest:
                 track = f"at t = {time:.3g} s the track reaches {name} = {low:.3f}..{high:.3f} m"
                 reach = f"the terrain {least:g}..{greatest:g} m"
@@ -197,7 +198,8 @@ class Terrain(Ground):
     @property
     def centers(self) -> np.ndarray:
         """Unit centres with the springs free: array (units, 3), m, global."""
-        half, (x, y) = 0.5 * self.unit_height, self.middles.T
+        half = 0.5 * self.unit_height
+        (x, y) = self.middles.T
         x = x - half * np.sin(self.tilts)
         return np.column_stack((x, y, self.top_heights - half * np.cos(self.tilts)))
 
@@ -363,8 +365,8 @@ class CellTerrain(Ground):
         except Exception as error:
             reason = " ".join(str(error).split())
             raise ValueError(f"terrain.ruts: {self.ruts} has no ground of cells: {reason}") from error
-        own = self.model_dump(mode="json") | {"law": law.model_dump(mode="json")}
+        ground = self.model_dump(mode="json") | {"law": law.model_dump(mode="json")}
         its = case["terrain"] | {"law": case["contact"]["law"]}
-        if others := [name for name in ("cell", "relief", "law") if its[name] != own[name]]:
+        if others := [name for name in ("cell", "relief", "law") if its[name] != ground[name]]:
             raise ValueError(f"terrain.ruts: {self.ruts} is of a ground with another {' and '.join(others)}")
         return cells

@@ -67,7 +67,8 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
     rails: Rails | None = option("rails that rollers roll on", None)
 
     def _errors(self) -> Errors:
-        sides, (low, high) = self.finger_sides, self.footprint[2:4]
+        sides = self.finger_sides
+        (low, high) = self.footprint[2:4]
         if (self.finger_length > 0.0) != bool(sides):
             got = f"{self.finger_length:g} m and {len(sides)} sides"
             yield f"finger_length must be positive where finger_sides are given and zero else, got {got}"
@@ -107,21 +108,22 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
 
         name = mesh if isinstance(mesh, str) else ""
         if isinstance(mesh, str):
-            found = mesh_named(mesh)
+            shoe_mesh = mesh_named(mesh)
         else:
-            found = with_load_surfaces(mesh)
-            checks.check_whole(found)
-        checks.check_extent(found, name)
-        checks.check_surfaces(found, load_surface, name)
-        body = fem.ElasticBody(found, replace(STEEL, density=density))
+            shoe_mesh = with_load_surfaces(mesh)
+            checks.check_whole(shoe_mesh)
+        checks.check_extent(shoe_mesh, name)
+        checks.check_surfaces(shoe_mesh, load_surface, name)
+        body = fem.ElasticBody(shoe_mesh, replace(STEEL, density=density))
         off = body.center_of_mass
         if np.abs(off).max() > ORIGIN_TOLERANCE:
             com = f"its COM is at {off.round(4).tolist()} m"
             raise ValueError(
                 f"{checks.the_mesh(name)} must have its origin at its COM within {ORIGIN_TOLERANCE} m, {com}"
             )
-        under = found.nodes[found.nodes_of("underside")]
-        low, high = under.min(axis=0), under.max(axis=0)
+        under = shoe_mesh.nodes[shoe_mesh.nodes_of("underside")]
+        low = under.min(axis=0)
+        high = under.max(axis=0)
         weights = body.surface_weights(load_surface)
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia.tolist()
         return cls(
@@ -131,8 +133,8 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
             length=high[0] - low[0],
             width=high[1] - low[1],
             underside_center=tuple((0.5 * (low + high)[:2]).tolist()),
-            load_point=tuple((weights @ found.nodes / weights.sum()).tolist()),
-            rails=_rails_of(found),
+            load_point=tuple((weights @ shoe_mesh.nodes / weights.sum()).tolist()),
+            rails=_rails_of(shoe_mesh),
         )
 
     def of_mass(self, mass: float) -> Self:

@@ -28,7 +28,8 @@ class CellGroundContact:
     """
 
     def __init__(self, case: Case) -> None:
-        terrain, shoe = case.cell_terrain(), case.shoe
+        terrain = case.cell_terrain()
+        shoe = case.shoe
         none = np.zeros((0, 0))
         coms = case.shoe_reference
         x0, x1, y0, y1, z = shoe.footprint
@@ -53,14 +54,16 @@ class CellGroundContact:
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""
-        shoe, places = self._case.shoe, self.shoe_reference[:, 0]
+        shoe = self._case.shoe
+        places = self.shoe_reference[:, 0]
         x0, x1 = places.min(), places.max()
         along = np.arange(x0 - shoe.length, x1 + shoe.length, self.ground.tiles.cell)
         across = self._middle + np.linspace(-0.5, 0.5, ACROSS) * shoe.width
         heights = self._case.cell_terrain().surface(*np.meshgrid(along, across)).max(axis=0)
         # beyond the chain's ends a measured map may end
         known = np.isfinite(heights)
-        along, heights = along[known], heights[known]
+        along = along[known]
+        heights = heights[known]
         slope = np.polyfit(along, heights, 1)[0]
         return np.asarray(slope * x + (heights - slope * along).max())
 
@@ -76,25 +79,33 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
     for s in range(frames.shape[0]):
         frame = frame_at(frames[s])
         area = sunk = 0.0
-        pushed, moment = NOTHING, NOTHING
+        pushed = NOTHING
+        moment = NOTHING
         for a in range(shoes.counts[s]):
-            block, k, traction = a // BLOCK, a % BLOCK, shoes.trial[s, a, TRIAL.traction]
+            block = a // BLOCK
+            k = a % BLOCK
+            traction = shoes.trial[s, a, TRIAL.traction]
             if traction <= 0.0:
                 continue
-            points, A = shoes.points[s, block], shoes.areas[s, a]
+            points = shoes.points[s, block]
+            A = shoes.areas[s, a]
             arm = arm_of(points, shoes.bent[shoes.bending[s], block], k, frame.R)
             n = triple_of(points, POINT.normal, k)
-            area, sunk = area + A, sunk + A * (points[POINT.ground, k] - dot(n, along(frame.r, 1.0, arm)))
+            area = area + A
+            sunk = sunk + A * (points[POINT.ground, k] - dot(n, along(frame.r, 1.0, arm)))
             force = scaled(A * traction, n)
-            pushed, moment = along(pushed, 1.0, force), along(moment, 1.0, cross(arm, force))
+            pushed = along(pushed, 1.0, force)
+            moment = along(moment, 1.0, cross(arm, force))
         size = norm(pushed)
         out[s, :].fill(0.0)
         out[s, pairs.COLUMN.shoe] = s
         out[s, pairs.COLUMN.unit] = NO_UNIT
         if size == 0.0:
             continue
-        wrench, up = shoes.wrench[s], (frame.R[0][2], frame.R[1][2], frame.R[2][2])
-        total, normal = (wrench[0], wrench[1], wrench[2]), scaled(1.0 / size, pushed)
+        wrench = shoes.wrench[s]
+        up = (frame.R[0][2], frame.R[1][2], frame.R[2][2])
+        total = (wrench[0], wrench[1], wrench[2])
+        normal = scaled(1.0 / size, pushed)
         # where the line of the normal forces meets the underside
         arm = scaled(1.0 / size**2, cross(pushed, moment))
         arm = along(arm, (shoes.corners[0, 2] - dot(up, arm)) / dot(up, normal), normal)

@@ -116,7 +116,8 @@ class CellGround:
 
     def press_in(self, earlier: Mapping[str, np.ndarray]) -> None:
         """Let cells of fresh ground remember what `CellTerrain.earlier` names, m and Pa, and no shear."""
-        cells, nothing = np.column_stack((earlier["cell_column"], earlier["cell_row"])), np.zeros(0, np.int64)
+        cells = np.column_stack((earlier["cell_column"], earlier["cell_row"]))
+        nothing = np.zeros(0, np.int64)
         memory = self._fresh(len(cells))
         memory[:, MEMORY.deepest] = earlier["cell_sinkage"]
         memory[:, MEMORY.pressure] = earlier["cell_pressure"]
@@ -140,7 +141,7 @@ class CellGround:
     def _make_tiles(self, wanted: Iterable[tuple[int, int]]) -> None:
         """Make tiles, of which some may be there, with fresh memory."""
         there = set(map(tuple, self._names.tolist()))
-        names = np.array([one for one in wanted if one not in there], dtype=np.int64)
+        names = np.array([tile for tile in wanted if tile not in there], dtype=np.int64)
         if len(names) == 0:
             return
         cell = self.tiles.cell

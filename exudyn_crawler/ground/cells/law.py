@@ -1,4 +1,4 @@
-"""What a law of the cells sees and answers, and its compiled code by address.
+"""Input and response of a law of the cells, and its compiled code by address.
 
 A law is one file of `laws`: a named tuple of its constants, two compiled functions (`prepare`, `respond`) and
 a class of parameters. The kernel is compiled once for each law, which it meets as the type of those
@@ -29,7 +29,7 @@ DRAWN = 400e3
 
 
 class Memory(NamedTuple):
-    """What a cell remembers: committed, or on trial within a step.
+    """Memory of a cell: committed, or on trial within a step.
 
     `deepest` is the greatest sinkage (m) and `pressure` the pressure there (Pa), `shear` the shear stress of
     the ground in the cell's plane (Pa, global), `mobilized` the share of the strength that shear has
@@ -43,7 +43,7 @@ class Memory(NamedTuple):
 
 
 class Probe(NamedTuple):
-    """What a law sees of a cell under a shoe.
+    """State of a cell under a shoe, as a law sees it.
 
     Depth (m) below the cell's first height along its normal and its rate (m/s); the slip since the last
     accepted step (m) and its velocity (m/s), vectors in the cell's plane; the committed memory; and what
@@ -59,7 +59,7 @@ class Probe(NamedTuple):
 
 
 class Response(NamedTuple):
-    """What a law answers, a unit area: the shoe receives ``normal n - shear - drag * slip velocity``."""
+    """Response of a law, a unit area: the shoe receives ``normal n - shear - drag * slip velocity``."""
 
     normal: float  # traction, Pa, and its derivatives by depth and rate
     normal_by_depth: float
@@ -135,8 +135,10 @@ class CellLaw(terrain.SoilLaw):
         `depths` and `slips` (steps,) are depth and place along the cell, m; `width` is the shoe's shorter
         side, m.
         """
-        constants, nothing = self.constants(width), (0.0, 0.0, 0.0)
-        memory, out = Memory(0.0, 0.0, nothing, self.kernel.fresh), np.zeros((2, len(depths)))
+        constants = self.constants(width)
+        nothing = (0.0, 0.0, 0.0)
+        memory = Memory(0.0, 0.0, nothing, self.kernel.fresh)
+        out = np.zeros((2, len(depths)))
         for step, (depth, slip) in enumerate(zip(depths, np.diff(slips, prepend=slips[0]), strict=True)):
             prepared = self.kernel.prepare(constants, memory.deepest, memory.pressure)
             probe = Probe(float(depth), 0.0, (float(slip), 0.0, 0.0), nothing, memory, prepared)
@@ -214,7 +216,7 @@ def call_at(_context, address, *arguments):
             is_array = isinstance(kind, types.Array)
             handed.append(context.make_array(kind)(context, builder, value).data if is_array else value)
         returned = context.get_value_type(types.intp)
-        function = ir.FunctionType(returned, [one.type for one in handed])
+        function = ir.FunctionType(returned, [argument.type for argument in handed])
         return builder.call(builder.inttoptr(values[0], function.as_pointer()), handed)
 
     return types.intp(address, types.StarArgTuple(arguments)), generate

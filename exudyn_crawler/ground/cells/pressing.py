@@ -132,7 +132,9 @@ class ShoePoints(NamedTuple):
         cls, law: LawKernel, constants: ArrayLike, corners: ArrayLike, most: int, bending: IntArray
     ) -> "ShoePoints":
         """Arrays of shoes with so many points at most each, on cells of a law; `bending` is as above."""
-        shoes, bend, blocks = len(bending), 1 + int(bending.max(initial=0)), -(-most // BLOCK)
+        shoes = len(bending)
+        bend = 1 + int(bending.max(initial=0))
+        blocks = -(-most // BLOCK)
         return cls(
             addresses=np.array(addresses_of(law)),
             constants=np.array(constants, dtype=float),
@@ -309,18 +311,22 @@ def press_shoe(law, count, frame, weights, shoe):
 
     `weights` (2,) are those of `press`.
     """
-    points, block = shoe.points, shoe.block
-    at = frame_at(frame)
+    points = shoe.points
+    block = shoe.block
+    pose = frame_at(frame)
     by_place = weights[0]
     by_velocity = weights[1]
     tangents = by_place != 0.0 or by_velocity != 0.0
-    F, M, by_x, by_y = NOTHING, NOTHING, NOTHING, NOTHING
+    F = NOTHING
+    M = NOTHING
+    by_x = NOTHING
+    by_y = NOTHING
     for b in range(points.shape[0]):
         first = b * BLOCK
         these = points[b]
         size = min(BLOCK, count - first)
         areas = shoe.areas[first:]
-        _move(these, shoe.bent[b], at, size, block)
+        _move(these, shoe.bent[b], pose, size, block)
         _answer(law, these, tangents, size, block, shoe.trial[first:])
         _push(these, areas, size, block)
         for k in range(size):
@@ -342,7 +348,7 @@ def press_shoe(law, count, frame, weights, shoe):
         shoe.wrench[i] = F[i]
         shoe.wrench[3 + i] = M[i]
     if tangents:
-        _write_tangent(points, at.R, by_place, shoe.slopes, (F, by_x, by_y), shoe.tangent)
+        _write_tangent(points, pose.R, by_place, shoe.slopes, (F, by_x, by_y), shoe.tangent)
 
 
 @inner(allocates=True)
@@ -356,8 +362,12 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
     monomials = np.empty((count, 6))
     for a in range(count):
         X, Y, _ = triple_of(points[a // BLOCK], POINT.place, a % BLOCK)
-        monomials[a, 0], monomials[a, 1], monomials[a, 2] = 1.0, X, Y
-        monomials[a, 3], monomials[a, 4], monomials[a, 5] = X * X, X * Y, Y * Y
+        monomials[a, 0] = 1.0
+        monomials[a, 1] = X
+        monomials[a, 2] = Y
+        monomials[a, 3] = X * X
+        monomials[a, 4] = X * Y
+        monomials[a, 5] = Y * Y
     sums = np.dot(slopes, monomials)
     z = points[0, POINT.place + 2, 0] if count > 0 else 0.0
     _congruence(sums, R, z, tangent)
@@ -376,7 +386,8 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
 @inner(allocates=True)
 def _congruence(sums, R, z, out):
     """Write the sum of ``B' g B`` with B = [1, -[arm]x], of sums (9, 6) of g as of `_write_tangent`."""
-    first, second = np.empty((9, 3)), np.empty((9, 3, 3))
+    first = np.empty((9, 3))
+    second = np.empty((9, 3, 3))
     for q in range(9):
         s = sums[q]
         out[q // 3, q % 3] = s[0]
@@ -413,8 +424,10 @@ def prepare_points(law, count, points):
 @cache
 def addresses_of(of_law: LawKernel) -> tuple[int, int]:
     """Addresses of `prepare_points` and `press_shoe` compiled for a law."""
-    constants_type, size = of_law.constants, len(of_law.constants._fields)
-    numbers, number = types.CPointer(types.float64), types.intp
+    constants_type = of_law.constants
+    size = len(of_law.constants._fields)
+    numbers = types.CPointer(types.float64)
+    number = types.intp
 
     def law_points(constants, count, points):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
@@ -515,7 +528,9 @@ def spread_forces(
         x, y, _ = triple_of(points[a // BLOCK], POINT.place, a % BLOCK)
         hats = hats_at(low, high, last, x, y)
         for k in range(4):
-            i, j, share = hats.i + k // 2, hats.j + k % 2, share_of(hats, k)
+            i = hats.i + k // 2
+            j = hats.j + k % 2
+            share = share_of(hats, k)
             for c in range(3):
                 nodes[i, j, c] += share * forces[a, c]
 
@@ -527,11 +542,15 @@ def coarse_forces(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> Non
     The nodes divide the underside evenly, from its least x and y to its greatest.
     """
     out.fill(0.0)
-    low, high = shoes.corners[0], shoes.corners[2]
+    low = shoes.corners[0]
+    high = shoes.corners[2]
     for s in range(out.shape[0]):
-        R, count = frame_at(frames[s]).R, shoes.counts[s]
+        R = frame_at(frames[s]).R
+        count = shoes.counts[s]
         spread_forces(shoes.points[s], shoes.force[s, :count], low, high, out[s])
         for i in range(out.shape[1]):
             for j in range(out.shape[2]):
                 force = turned_back(R, (out[s, i, j, 0], out[s, i, j, 1], out[s, i, j, 2]))
-                out[s, i, j, 0], out[s, i, j, 1], out[s, i, j, 2] = force[0], force[1], force[2]
+                out[s, i, j, 0] = force[0]
+                out[s, i, j, 1] = force[1]
+                out[s, i, j, 2] = force[2]

@@ -1,4 +1,4 @@
-"""What laws of the cells share: elastic-plastic shear by Janosi and Hanamoto, damping, their answer."""
+"""Parts that laws of the cells share: elastic-plastic shear by Janosi and Hanamoto, damping, their answer."""
 
 import math
 from typing import NamedTuple
@@ -12,7 +12,8 @@ COHESION_PRESSURE = 1e3
 a jump where a shoe lifts off. Chosen here; it takes 0.5 % off the cohesion at 200 kPa."""
 
 NOTHING = (0.0, 0.0, 0.0)
-HALF, SIXTH = 0.5, 1.0 / 6.0
+HALF = 0.5
+SIXTH = 1.0 / 6.0
 SMALL = 0.02
 """Plastic slip, in shear deformations, up to which a series has the exponential of it."""
 
@@ -70,10 +71,14 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool, nearby
     The stiffness never falls while a cell is in contact, so that no cycle of pressure and slip makes energy.
     """
     T, T_p = shear_strength(law, pressure)
-    memory, slip, per = probe.memory, probe.slip, 1.0 / law.deformation
-    k, k_p = probe.prepared[1], 0.0
+    memory = probe.memory
+    slip = probe.slip
+    per = 1.0 / law.deformation
+    k = probe.prepared[1]
+    k_p = 0.0
     if pressure > memory.pressure:
-        k, k_p = per * T, per * T_p
+        k = per * T
+        k_p = per * T_p
     # viscous where it sticks, nothing where the committed shear is all of the strength
     used = dot(memory.shear, memory.shear) / (T * T)
     drag = drag_p = 0.0
@@ -81,7 +86,9 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool, nearby
         drag = law.viscosity * per * T * (1.0 - used)
         drag_p = law.viscosity * per * T_p * (1.0 + used)
     trial = along(memory.shear, k, slip)
-    square, bound, by_pressure = dot(trial, trial), T * memory.mobilized, NOTHING
+    square = dot(trial, trial)
+    bound = T * memory.mobilized
+    by_pressure = NOTHING
     if tangents:
         by_pressure = along(scaled(k_p, slip), drag_p, probe.slip_velocity)
     if square <= max(bound * bound, 1e-18 * T * T):
@@ -93,7 +100,9 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool, nearby
     mobilized = 1.0
     if memory.mobilized < 1.0:
         mobilized -= (1.0 - memory.mobilized) * _decay(per * plastic, nearby)
-    scale, tangential, direction = T * mobilized / size, 0.0, NOTHING
+    scale = T * mobilized / size
+    tangential = 0.0
+    direction = NOTHING
     if tangents:
         direction = scaled(1.0 / size, trial)
         tangential = per * T * (1.0 - mobilized)

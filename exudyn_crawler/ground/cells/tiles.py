@@ -66,12 +66,17 @@ def gather(tiles: Tiles, shoes: pressing.ShoePoints) -> None:
     shear becomes the mean of both. This is exact for Janosi's curve, whose ``1 - share`` decays alike
     everywhere.
     """
-    memory, loaded = tiles.memory, tiles.loaded
+    memory = tiles.memory
+    loaded = tiles.loaded
     for s in range(shoes.counts.shape[0]):
-        cells, count = shoes.cells[s], shoes.counts[s]
+        cells = shoes.cells[s]
+        count = shoes.counts[s]
         for a in range(count):
-            cell, points, k = cells[a], shoes.points[s, a // BLOCK], a % BLOCK
-            before, now = memory[cell, MEMORY.area], loaded[cell]
+            cell = cells[a]
+            points = shoes.points[s, a // BLOCK]
+            k = a % BLOCK
+            before = memory[cell, MEMORY.area]
+            now = loaded[cell]
             share = before / now if now > before > 0.0 else 1.0
             x, y = share * memory[cell, MEMORY.shear], share * memory[cell, MEMORY.shear + 1]
             nx, ny, nz = pressing.triple_of(points, POINT.normal, k)
@@ -93,14 +98,16 @@ def cover(tiles: Tiles, shoes: pressing.ShoePoints, frames: FloatArray, before: 
 
     The outlines are at `frames` (shoes, FRAME), slip counts from those `before`.
     """
-    outline, total = np.empty((4, 2)), 0
+    outline = np.empty((4, 2))
+    total = 0
     for s in range(shoes.counts.shape[0]):
         frame = pressing.frame_at(frames[s])
         meets = frame.R[2][2] >= FACING
         for a in range(4):
             corner = shoes.corners[a]
             place = along(frame.r, 1.0, turned(frame.R, (corner[0], corner[1], corner[2])))
-            outline[a, 0], outline[a, 1] = place[0] / tiles.cell, place[1] / tiles.cell
+            outline[a, 0] = place[0] / tiles.cell
+            outline[a, 1] = place[1] / tiles.cell
             meets = meets and abs(place[0]) < FARTHEST and abs(place[1]) < FARTHEST
         count = _cover_shoe(tiles, shoes, s, outline, frame, pressing.frame_at(before[s])) if meets else 0
         if count < 0:
@@ -114,26 +121,33 @@ def cover(tiles: Tiles, shoes: pressing.ShoePoints, frames: FloatArray, before: 
 
 @inner(allocates=True)
 def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
-    """What the edges of an outline (4, 2), in cells, bound in the cells from (i, j) on.
+    """Sum what the edges of an outline (4, 2), in cells, bound in the cells from (i, j) on.
 
     By Green's theorem: an edge bounds from below the rest of each cell that it passes, and all cells above.
     Array (columns, rows, 5): in the cell, area and its moments along x and y about the cell's corner; in each
     cell above, area and its moment along x.
     """
-    columns, rows = int(math.floor(outline[:, 0].max())) - i + 1, int(math.floor(outline[:, 1].max())) - j + 1
+    columns = int(math.floor(outline[:, 0].max())) - i + 1
+    rows = int(math.floor(outline[:, 1].max())) - j + 1
     sums = np.zeros((columns, rows, 5))
     for a in range(4):
         b = a + 1 if a < 3 else 0
         x, y = outline[a, 0] - i, outline[a, 1] - j
-        dx, dy = outline[b, 0] - i - x, outline[b, 1] - j - y
-        column, row, t = int(x), int(y), 0.0
+        dx = outline[b, 0] - i - x
+        dy = outline[b, 1] - j - y
+        column = int(x)
+        row = int(y)
+        t = 0.0
         while t < 1.0:
             # where the edge leaves the cell: no rounding takes it out of the outline's bounds
             at_x = ((column + 1 if dx > 0.0 else column) - x) / dx if dx != 0.0 else math.inf
             at_y = ((row + 1 if dy > 0.0 else row) - y) / dy if dy != 0.0 else math.inf
             ahead = min(at_x, at_y, 1.0)
-            width, rise, middle = (ahead - t) * dx, (ahead - t) * dy, 0.5 * (ahead + t)
-            left, under = x + middle * dx - column, y + middle * dy - row
+            width = (ahead - t) * dx
+            rise = (ahead - t) * dy
+            middle = 0.5 * (ahead + t)
+            left = x + middle * dx - column
+            under = y + middle * dy - row
             sums[column, row, 0] += width * (1.0 - under)
             sums[column, row, 1] += width * (left * (1.0 - under) - width * rise / 12.0)
             sums[column, row, 2] += 0.5 * width * (1.0 - under * under - rise * rise / 12.0)
@@ -152,14 +166,22 @@ def _cover_shoe(
     tiles: Tiles, shoes: pressing.ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
 ) -> int:
     """List the points of a shoe, and add their areas to `tiles.loaded`; their number as of `cover`."""
-    points, areas, cells = shoes.points[s], shoes.areas[s], shoes.cells[s]
-    h, z, R, count, tile = tiles.cell, shoes.corners[0, 2], frame.R, 0, -1
+    points = shoes.points[s]
+    areas = shoes.areas[s]
+    cells = shoes.cells[s]
+    h = tiles.cell
+    z = shoes.corners[0, 2]
+    R = frame.R
+    count = 0
+    tile = -1
     x0, y0 = frame.r[0] + R[0][2] * z, frame.r[1] + R[1][2] * z
     scale = 1.0 / (R[0][0] * R[1][1] - R[0][1] * R[1][0])
     first = int(math.floor(outline[:, 0].min())), int(math.floor(outline[:, 1].min()))
     sums = _sums(outline, first[0], first[1])
     for c in range(sums.shape[0]):
-        i, below, moment = first[0] + c, 0.0, 0.0
+        i = first[0] + c
+        below = 0.0
+        moment = 0.0
         column = (i >> BITS) - tiles.corner[0]
         for k in range(sums.shape[1]):
             j = first[1] + k
@@ -167,8 +189,11 @@ def _cover_shoe(
                 row = (j >> BITS) - tiles.corner[1]
                 inside = 0 <= column < tiles.table.shape[0] and 0 <= row < tiles.table.shape[1]
                 tile = tiles.table[column, row] if inside else -1
-            area, x, y = below + sums[c, k, 0], moment + sums[c, k, 1], 0.5 * below + sums[c, k, 2]
-            below, moment = below + sums[c, k, 3], moment + sums[c, k, 4]
+            area = below + sums[c, k, 0]
+            x = moment + sums[c, k, 1]
+            y = 0.5 * below + sums[c, k, 2]
+            below = below + sums[c, k, 3]
+            moment = moment + sums[c, k, 4]
             if area <= LEAST:
                 continue
             if tile < 0:
@@ -176,20 +201,23 @@ def _cover_shoe(
             of_tile = (i & (SIDE - 1)) * SIDE + (j & (SIDE - 1))
             if math.isnan(tiles.planes[tile, of_tile, 3]):
                 return NO_HEIGHT
-            block, at = points[count // BLOCK], count % BLOCK
+            block = points[count // BLOCK]
+            slot = count % BLOCK
             for m in range(3):
-                block[POINT.normal + m, at] = tiles.planes[tile, of_tile, m]
-            block[POINT.ground, at] = tiles.planes[tile, of_tile, 3]
-            cell, true = tile * SIDE * SIDE + of_tile, h * h * area / tiles.planes[tile, of_tile, 2]
-            cells[count], areas[count] = cell, true
+                block[POINT.normal + m, slot] = tiles.planes[tile, of_tile, m]
+            block[POINT.ground, slot] = tiles.planes[tile, of_tile, 3]
+            cell = tile * SIDE * SIDE + of_tile
+            true = h * h * area / tiles.planes[tile, of_tile, 2]
+            cells[count] = cell
+            areas[count] = true
             tiles.loaded[cell] += true
             x, y = h * (i + x / area) - x0, h * (j + y / area) - y0
             X, Y = scale * (R[1][1] * x - R[0][1] * y), scale * (R[0][0] * y - R[1][0] * x)
             place = (X, Y, z)
             was = along(before.r, 1.0, turned(before.R, place))
             for m in range(3):
-                block[POINT.place + m, at] = place[m]
-                block[POINT.before + m, at] = was[m]
+                block[POINT.place + m, slot] = place[m]
+                block[POINT.before + m, slot] = was[m]
             count += 1
     return count
 
@@ -210,12 +238,18 @@ def commit(tiles: Tiles, shoes: pressing.ShoePoints, held: IntArray) -> IntArray
     makes it. A cell that all shoes have left, or without pressure, releases its shear. `held` are the cells
     that were in contact when the last step was accepted.
     """
-    memory, loaded = tiles.memory, tiles.loaded
-    now, count = np.empty(shoes.counts.sum(), dtype=np.int64), 0
+    memory = tiles.memory
+    loaded = tiles.loaded
+    now = np.empty(shoes.counts.sum(), dtype=np.int64)
+    count = 0
     for s in range(shoes.counts.shape[0]):
-        trial, cells, areas = shoes.trial[s], shoes.cells[s], shoes.areas[s]
+        trial = shoes.trial[s]
+        cells = shoes.cells[s]
+        areas = shoes.areas[s]
         for a in range(shoes.counts[s]):
-            cell, area, deepest = cells[a], areas[a], trial[a, TRIAL.deepest]
+            cell = cells[a]
+            area = areas[a]
+            deepest = trial[a, TRIAL.deepest]
             sticks = trial[a, TRIAL.shear] != 0.0 or trial[a, TRIAL.shear + 1] != 0.0
             meets = sticks or trial[a, TRIAL.traction] > 0.0 or (tiles.forgets and deepest > 0.0)
             total = loaded[cell] + area

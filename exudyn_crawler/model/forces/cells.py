@@ -48,7 +48,8 @@ class CellWorkspace(NamedTuple):
     @classmethod
     def allocate(cls, table: CellTable, shoes: pressing.ShoePoints) -> "CellWorkspace":
         """Workspace for these shoes."""
-        flexible, modes = int((table.flexible >= 0).sum()), table.rows.shape[3]
+        flexible = int((table.flexible >= 0).sum())
+        modes = table.rows.shape[3]
         rigid = ForceRows.allocate(len(table.flexible) - flexible, WRENCH, modes)
         rigid.bodies[:, 0] = np.flatnonzero(table.flexible < 0)
         bending = ForceRows.allocate(flexible, table.nodes.size, modes)
@@ -62,7 +63,7 @@ class CellWorkspace(NamedTuple):
 
 
 class OnCells(NamedTuple):
-    """What a track on cells is made of."""
+    """Tables of a track on cells."""
 
     bodies: Bodies
     table: CellTable
@@ -102,14 +103,16 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
             row[IN_FRAME.omega + c] = frame.omega[c]
             for k in range(3):
                 row[IN_FRAME.R + 3 * c + k] = frame.R[c][k]
-        f, modal = table.flexible[s], bodies.modal[s]
+        f = table.flexible[s]
+        modal = bodies.modal[s]
         if f < 0:
             continue
         bent = work.bent[f].reshape((2, table.nodes.size))
         rows = table.rows.reshape((table.nodes.size, modes))
         bent.fill(0.0)
         for m in range(modes):
-            z, z_t = state[0, modal + m], state[1, modal + m]
+            z = state[0, modal + m]
+            z_t = state[1, modal + m]
             for k in range(rows.shape[0]):
                 bent[0, k] += rows[k, m] * z
                 bent[1, k] += rows[k, m] * z_t
@@ -139,9 +142,12 @@ def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
             continue
         R = pressing.frame_at(frames[s]).R
         last = table.nodes.shape[0] - 1, table.nodes.shape[1] - 1
-        low, high = table.nodes[0, 0], table.nodes[last[0], last[1]]
+        low = table.nodes[0, 0]
+        high = table.nodes[last[0], last[1]]
         for a in range(shoes.counts[s]):
-            points, k, values = shoes.points[s, a // pressing.BLOCK], a % pressing.BLOCK, work.hats[f, a]
+            points = shoes.points[s, a // pressing.BLOCK]
+            k = a % pressing.BLOCK
+            values = work.hats[f, a]
             x, y, _ = pressing.triple_of(points, POINT.place, k)
             hats = pressing.hats_at(low, high, last, x, y)
             values[0], values[1], values[2], values[3] = hats
@@ -157,7 +163,9 @@ def _bend_points(table: CellTable, work: CellWorkspace) -> None:
     for s in range(table.flexible.shape[0]):
         f = table.flexible[s]
         for a in range(shoes.counts[s] if f >= 0 else 0):
-            b, k, hats = a // pressing.BLOCK, a % pressing.BLOCK, _hats(work.hats[f, a])
+            b = a // pressing.BLOCK
+            k = a % pressing.BLOCK
+            hats = _hats(work.hats[f, a])
             for rate in range(2):
                 moved = _moved_by_nodes(hats, work.bent[f, rate])
                 first = BENT.moved if rate == 0 else BENT.rate
@@ -179,7 +187,9 @@ def write_rows(
     """Press the shoes on the cells that were covered for the step, and write the elements."""
     if table.flexible.shape[0] == 0:
         return
-    shoes, rigid, flexible = work.shoes, work.rigid, work.flexible
+    shoes = work.shoes
+    rigid = work.rigid
+    flexible = work.flexible
     write_frames(bodies, table, state, work)
     _bend_points(table, work)
     # derivatives of what stands negative in the residual
@@ -188,7 +198,8 @@ def write_rows(
     derive = by[0] != 0.0 or by[1] != 0.0
     count = 0
     for s in range(table.flexible.shape[0]):
-        at, f = attitude_of(bodies, s), table.flexible[s]
+        at = attitude_of(bodies, s)
+        f = table.flexible[s]
         if f >= 0:
             _write_nodal(table, shoes, s, at, (work.bent[f, 0], work.hats[f]), derive, flexible, f)
             continue
@@ -213,20 +224,24 @@ def _add_nodal_tangent(
     The product of two hats is one of three functions along and one of three across. Their sums over the
     points of a mesh, whose `Hats` are given, are what all pairs of its nodes need.
     """
-    nodes, across, count = table.nodes, table.nodes.shape[1], shoes.counts[s]
-    sums, own = np.zeros((nodes.shape[0] - 1, across - 1, 9, 9)), np.empty(9)
+    nodes = table.nodes
+    across = table.nodes.shape[1]
+    count = shoes.counts[s]
+    sums = np.zeros((nodes.shape[0] - 1, across - 1, 9, 9))
+    slope = np.empty(9)
     slopes = shoes.slopes[shoes.bending[s], : 9 * count].reshape((9, count))
     for a in range(count):
         i, j, u, v = _hats(points[a])
         for c in range(9):
-            own[c] = slopes[c, a]
+            slope[c] = slopes[c, a]
         by_u = ((1.0 - u) * (1.0 - u), (1.0 - u) * u, u * u)
         by_v = ((1.0 - v) * (1.0 - v), (1.0 - v) * v, v * v)
         for p in range(3):
             for q in range(3):
-                share, into = by_u[p] * by_v[q], sums[i, j, 3 * p + q]
+                share = by_u[p] * by_v[q]
+                into = sums[i, j, 3 * p + q]
                 for c in range(9):
-                    into[c] += share * own[c]
+                    into[c] += share * slope[c]
     for i in range(sums.shape[0]):
         for j in range(sums.shape[1]):
             for k in range(4):
@@ -255,9 +270,14 @@ def _write_nodal(
     `grid` are how its nodes are displaced, and the `Hats` of its points.
     """
     bent, hats = grid
-    wrench, tangent, jacobian = rows.wrench[f], rows.tangent[f], rows.jacobian[f, 0]
-    nodes, across, count = table.nodes, table.nodes.shape[1], shoes.counts[s]
-    low, high = nodes[0, 0], nodes[nodes.shape[0] - 1, across - 1]
+    wrench = rows.wrench[f]
+    tangent = rows.tangent[f]
+    jacobian = rows.jacobian[f, 0]
+    nodes = table.nodes
+    across = table.nodes.shape[1]
+    count = shoes.counts[s]
+    low = nodes[0, 0]
+    high = nodes[nodes.shape[0] - 1, across - 1]
     wrench.fill(0.0)
     at_nodes = wrench.reshape(nodes.shape)
     pressing.spread_forces(shoes.points[s], shoes.force[s, :count], low, high, at_nodes)
@@ -266,10 +286,13 @@ def _write_nodal(
         _add_nodal_tangent(table, shoes, s, hats, tangent)
     for i in range(nodes.shape[0]):
         for j in range(across):
-            node, by = nodes[i, j], bent[i, j]
+            node = nodes[i, j]
+            by = bent[i, j]
             place = (node[0] + by[0], node[1] + by[1], node[2] + by[2])
-            arm, first = turned(at.R, place), 3 * (i * across + j)
-            rows, modes = table.rows[i, j], table.rows.shape[3]
+            arm = turned(at.R, place)
+            first = 3 * (i * across + j)
+            rows = table.rows[i, j]
+            modes = table.rows.shape[3]
             write_point(at, arm, rows, modes, 1.0, jacobian[first : first + 3])
 
 
@@ -277,7 +300,9 @@ class TrackOnCells:
     """Cells under a track from step to step: covered before one, committed after it was accepted."""
 
     def __init__(self, ground: ground.CellGround, parts: OnCells) -> None:
-        self.ground, self._parts, self._work = ground, parts, parts.work
+        self.ground = ground
+        self._parts = parts
+        self._work = parts.work
         self._block = packed.pack(parts, ON_CELLS)
         self._count_from_here()
 
@@ -304,7 +329,8 @@ class TrackOnCells:
         """
         place_shoes(self._block, np.stack((q, q_t)))
         bend_shoes(self._block)
-        wrenches, (bodies, table, _) = self.ground.press(self._work.frames), self._parts
+        wrenches = self.ground.press(self._work.frames)
+        (bodies, table, _) = self._parts
         angles = bodies.reference[:, 3:] + q[: wrenches.size].reshape(-1, 6)[:, 3:]
         wrenches[:, 3:] = moments_on_angles(angles, wrenches[:, 3:])
         if table.rows.shape[3] == 0:

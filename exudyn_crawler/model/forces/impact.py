@@ -10,7 +10,7 @@ FLANGE_DEPTH = 1e-3
 
 
 class Flange(NamedTuple):
-    """What guides sideways: play to each side (m), stiffness (N/m), damping (N s/m)."""
+    """Sideways guide: play to each side (m), stiffness (N/m), damping (N s/m)."""
 
     play: float
     stiffness: float

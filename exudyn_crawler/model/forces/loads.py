@@ -82,19 +82,22 @@ def add_loads(
     """
     row = np.empty((2, 6 + markers.displacement.shape[2]))
     for k in range(loads.marker.shape[0]):
-        place, beside = loads.marker[k], loads.beside[k]
+        place = loads.marker[k]
+        beside = loads.beside[k]
         if not wrenches[k].any():
             continue
         b = markers.body[place]
         read_body(bodies, b, state[0], row[0])
-        at = attitude_of(bodies, b)
+        attitude = attitude_of(bodies, b)
         force = (wrenches[k, 0], wrenches[k, 1], wrenches[k, 2])
         moment = (wrenches[k, 3], wrenches[k, 4], wrenches[k, 5])
-        direction(markers, place, end_of(markers, place, at, row[0]), at, force, moment, 1.0, row[1])
+        direction(
+            markers, place, end_of(markers, place, attitude, row[0]), attitude, force, moment, 1.0, row[1]
+        )
         add_body(bodies, b, row[1], -1.0, residual)
         if beside >= 0 and shift != 0.0:
-            end = end_of(markers, beside, at, row[0])
-            direction(markers, beside, end, at, force, NOTHING, 1.0, row[1])
+            end = end_of(markers, beside, attitude, row[0])
+            direction(markers, beside, end, attitude, force, NOTHING, 1.0, row[1])
             for c in range(3):
                 row[1, c] = 0.0
             add_body(bodies, b, row[1], -shift, residual)

@@ -81,8 +81,10 @@ def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, fl
     """
     angle = 2.0 * math.pi / profile.gaps
     k = round(math.atan2(z, x) / angle)
-    cx, cz = profile.center * math.cos(k * angle), profile.center * math.sin(k * angle)
-    dx, dz = x - cx, z - cz
+    cx = profile.center * math.cos(k * angle)
+    cz = profile.center * math.sin(k * angle)
+    dx = x - cx
+    dz = z - cz
     distance = math.sqrt(dx * dx + dz * dz)
     if distance < 1e-12:
         return profile.lug - profile.arc, 1.0, 0.0, 0.0
@@ -114,12 +116,15 @@ def write_rows(
     values = np.zeros((2, 6 + markers.displacement.shape[2]))
     work.energy[0] = 0.0
     for k in range(teeth.markers.shape[0]):
-        work.depth[k], work.guide[k] = 0.0, 0.0
+        work.depth[k] = 0.0
+        work.guide[k] = 0.0
         for c in range(3):
             work.force[k, c] = work.moment[k, c] = 0.0
-        marker, t = teeth.markers[k], teeth.tumblers[k]
+        marker = teeth.markers[k]
+        t = teeth.tumblers[k]
         b = markers.body[marker]
-        first, other = bodies.coordinate[b], bodies.coordinate[t]
+        first = bodies.coordinate[b]
+        other = bodies.coordinate[t]
         dx = bodies.reference[b, 0] + state[0, first] - bodies.reference[t, 0] - state[0, other]
         dy = bodies.reference[b, 1] + state[0, first + 1] - bodies.reference[t, 1] - state[0, other + 1]
         dz = bodies.reference[b, 2] + state[0, first + 2] - bodies.reference[t, 2] - state[0, other + 2]

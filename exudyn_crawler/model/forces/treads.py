@@ -77,19 +77,23 @@ def tread_force(
     x = min(max(center[0], rail.rear), rail.front)
     inside = 1.0 if x == center[0] else 0.0
     outside = 1.0 - inside
-    dx, dz = center[0] - x, center[1] - rail.height - bending.rise
+    dx = center[0] - x
+    dz = center[1] - rail.height - bending.rise
     distance = math.sqrt(dx * dx + dz * dz)
-    ex, ez = dx / distance, dz / distance
+    ex = dx / distance
+    ez = dz / distance
     # from the rail to the roller; within the rail along its bent normal
-    nx, nz = ex - inside * bending.slope, ez
+    nx = ex - inside * bending.slope
+    nz = ez
     depth = radius - distance
     rate = ez * bending.rate - nx * rates[0] - nz * rates[1]
     force, by_depth, by_rate = law_slopes(law, depth, rate)
-    push, foot = (force * (nx - drag * nz), force * (nz + drag * nx)), (x, rail.height + bending.rise)
+    push = (force * (nx - drag * nz), force * (nz + drag * nx))
+    foot = (x, rail.height + bending.rise)
     if not derive:
         none = (0.0, 0.0)
         return Tread(push, foot, depth, inside, (none, none, none, none), (none, none, none))
-    found = Slopes(force, by_depth, by_rate, drag)
+    slopes = Slopes(force, by_depth, by_rate, drag)
     speeds = (rates[0], rates[1], outside * bending.rate)
     turn = outside / distance
     return Tread(
@@ -98,12 +102,12 @@ def tread_force(
         depth,
         inside,
         (
-            _by_place(found, (nx, nz), -nx, (turn * ez * ez, -turn * ex * ez), speeds),
-            _by_place(found, (nx, nz), -nz, (-turn * ex * ez, turn * ex * ex), speeds),
-            _by_place(found, (nx, nz), ez, (turn * ex * ez, -turn * ex * ex), speeds),
-            _by_place(found, (nx, nz), 0.0, (-inside, 0.0), speeds),
+            _by_place(slopes, (nx, nz), -nx, (turn * ez * ez, -turn * ex * ez), speeds),
+            _by_place(slopes, (nx, nz), -nz, (-turn * ex * ez, turn * ex * ex), speeds),
+            _by_place(slopes, (nx, nz), ez, (turn * ex * ez, -turn * ex * ex), speeds),
+            _by_place(slopes, (nx, nz), 0.0, (-inside, 0.0), speeds),
         ),
-        (_by_rate(found, (nx, nz), -nx), _by_rate(found, (nx, nz), -nz), _by_rate(found, (nx, nz), ez)),
+        (_by_rate(slopes, (nx, nz), -nx), _by_rate(slopes, (nx, nz), -nz), _by_rate(slopes, (nx, nz), ez)),
     )
 
 

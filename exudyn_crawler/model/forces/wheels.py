@@ -59,7 +59,9 @@ class WheelWorkspace(NamedTuple):
     @classmethod
     def allocate(cls, wheels: Wheels, modes: int) -> "WheelWorkspace":
         """Workspace for these wheels."""
-        shoes, slots, strips = int(wheels.shoes.max(initial=0)), wheels.slots, wheels.places.shape[1]
+        shoes = int(wheels.shoes.max(initial=0))
+        slots = wheels.slots
+        strips = wheels.places.shape[1]
         return cls(
             ForceRows.allocate(shoes * slots * strips, 3, modes),
             np.full((shoes, slots), -1),
@@ -96,7 +98,8 @@ def write_rows(
 
     `drag` (wheels,) is rolling resistance over normal force with the sign of the travel.
     """
-    count, strips = 0, wheels.places.shape[1]
+    count = 0
+    strips = wheels.places.shape[1]
     values = np.zeros((2, 6 + work.modes.shape[1]))
     work.wheel.fill(-1)
     work.force.fill(0.0)
@@ -116,7 +119,9 @@ def write_rows(
         reach = math.sqrt(max(rail.rear**2, rail.front**2) + rail.height**2) + near
         most = reach * reach + ASIDE**2
         for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
-            apart, first, slot = 0.0, bodies.coordinate[s], 0
+            apart = 0.0
+            first = bodies.coordinate[s]
+            slot = 0
             for c in range(3):
                 if apart <= most:
                     apart += (bodies.reference[s, c] + state[0, first + c] - axis[c]) ** 2
@@ -127,7 +132,8 @@ def write_rows(
             shoe_at = attitude_of(bodies, s)
             shoe = frame_of(bodies, s, state, shoe_at)
             center = turned_back(shoe.R, along(axis, -1.0, shoe.r))
-            dx, dz = center[0] - min(max(center[0], rail.rear), rail.front), center[2] - rail.height
+            dx = center[0] - min(max(center[0], rail.rear), rail.front)
+            dz = center[2] - rail.height
             if dx * dx + dz * dz > near * near:
                 continue
             flexible = bodies.modal[s] >= 0
@@ -172,12 +178,16 @@ def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: Flo
     table = wheels.rows[strip]
     rise = slope = rate = aside = aside_rate = 0.0
     for row in range(4):
-        (a, b, c, d), r = values if row < 3 else slopes, min(row, 2)
+        (a, b, c, d) = values if row < 3 else slopes
+        r = min(row, 2)
         for k in range(out.shape[1]):
-            behind, ahead = a * table[i, r, k] + b * table[i + 1, r, k], c * table[i + 2, r, k]
+            behind = a * table[i, r, k] + b * table[i + 1, r, k]
+            ahead = c * table[i + 2, r, k]
             out[row, k] = behind + ahead + d * table[i + 3, r, k]
     for k in range(out.shape[1]):
-        y, z, tilt = out[1, k], out[2, k], out[3, k]
+        y = out[1, k]
+        z = out[2, k]
+        tilt = out[3, k]
         rise += z * own[0, 6 + k]
         slope += tilt * own[0, 6 + k]
         rate += z * own[1, 6 + k]
@@ -202,7 +212,8 @@ def _touch(
     `flags` are whether the shoe is flexible and whether derivatives are wanted; `modes` gets the rows of the
     rail below the strip.
     """
-    (w, k), (flexible, derive) = numbers, flags
+    (w, k) = numbers
+    (flexible, derive) = flags
     place = (wheels.places[w, k, 0], wheels.places[w, k, 1], wheels.places[w, k, 2])
     # place (m) and velocity (m/s) of the strip's axis in the shoe's axes
     arm = turned(frame.R, place)
@@ -215,7 +226,8 @@ def _touch(
     if flexible:
         bent = _bending(wheels, k, min(max(center[0], rail.rear), rail.front), values, modes)
     disc: treads.Pair = (wheels.radii[w], drag)
-    middle, speeds = (center[0], center[2]), (rates[0], rates[2])
+    middle = (center[0], center[2])
+    speeds = (rates[0], rates[2])
     tread = treads.tread_force(wheels.law, rail, disc, middle, speeds, bent, derive)
     engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0) if wheels.height > 0.0 else 0.0
     side = stiffness = damping = 0.0
@@ -223,12 +235,15 @@ def _touch(
         # of the wheel's plane where it meets the rail, not at its axis: a shoe may lean
         across = turned_back(shoe.R, turned(frame.R, basis(1)))
         turning = turned_back(shoe.R, along(frame.omega, -1.0, shoe.omega))
-        dx, dz = tread.foot[0] - center[0], tread.foot[1] - center[2]
+        dx = tread.foot[0] - center[0]
+        dz = tread.foot[1] - center[2]
         leaning = (across[0] * dx + across[2] * dz) / across[1]
         off = center[1] - leaning - place[1] + wheels.middles[w] - bent.aside
         rate = rates[1] + turning[2] * dx - turning[0] * dz - bent.aside_rate
         force, stiffness, damping = flange_force(wheels.flange, off, rate)
-        side, stiffness, damping = engaged * force, engaged * stiffness, engaged * damping
+        side = engaged * force
+        stiffness = engaged * stiffness
+        damping = engaged * damping
     foot = turned(shoe.R, (tread.foot[0], center[1], tread.foot[1]))
     return Strip(tread, side, stiffness, damping, foot)
 
@@ -249,20 +264,25 @@ def _keep(
     `numbers` are those of wheel, shoe, slot and strip, and of the element.
     """
     w, s, slot, k, count = numbers
-    rows, (frame, shoe) = work.rows, frames
-    tread, foot = strip.tread, along(shoe.r, 1.0, strip.arm)
+    rows = work.rows
+    (frame, shoe) = frames
+    tread = strip.tread
+    foot = along(shoe.r, 1.0, strip.arm)
     pressed = (tread.force[0], tread.force[1]) if tread.depth > 0.0 else (0.0, 0.0)
     force = turned(shoe.R, (pressed[0], strip.side, pressed[1]))
-    rows.bodies[count, 0], rows.bodies[count, 1] = wheels.frames[w], s
+    rows.bodies[count, 0] = wheels.frames[w]
+    rows.bodies[count, 1] = s
     rows.unit[count] = -1
-    arms, moment = (along(foot, -1.0, frame.r), strip.arm), cross(strip.arm, force)
+    arms = (along(foot, -1.0, frame.r), strip.arm)
+    moment = cross(strip.arm, force)
     for side in range(2):
         modes = work.modes.shape[1] if flexible and side == 1 else 0
         jacobian = rows.jacobian[count, side]
         write_point(attitudes[side], arms[side], work.modes, modes, 1.0 - 2.0 * side, jacobian)
     for r in range(3):
         rows.wrench[count, r] = force[r]
-        work.force[s, slot, k, r], work.foot[s, slot, k, r] = -force[r], foot[r]
+        work.force[s, slot, k, r] = -force[r]
+        work.foot[s, slot, k, r] = foot[r]
         work.on_shoes[s, r] -= force[r]
         work.on_shoes[s, 3 + r] -= moment[r]
         work.on_wheels[w, r] += force[r]

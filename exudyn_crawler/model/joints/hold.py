@@ -32,7 +32,8 @@ def write_rows(
     """Write the rows of all holds."""
     for k in range(holds.coordinates.shape[0]):
         row = holds.first + k
-        body, coordinate = holds.coordinates[k, 0], holds.coordinates[k, 1]
+        body = holds.coordinates[k, 0]
+        coordinate = holds.coordinates[k, 1]
         rows.bodies[row, 0] = body
         rows.bodies[row, 1] = -1
         rows.gap[row] = state[0, bodies.coordinate[body] + coordinate]

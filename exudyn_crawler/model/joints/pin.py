@@ -86,9 +86,11 @@ def write_rows(
     rows: JointRows,
 ) -> None:
     """Write the rows of all pins, and how the moments of their forces turn where the weights ask for it."""
-    behind_row, ahead_row = rows.scratch[0], rows.scratch[1]
+    behind_row = rows.scratch[0]
+    ahead_row = rows.scratch[1]
     for p in range(pins.markers.shape[0]):
-        rear, front = pins.markers[p, 0], pins.markers[p, 1]
+        rear = pins.markers[p, 0]
+        front = pins.markers[p, 1]
         a, b = markers.body[rear], markers.body[front]
         read_body(bodies, a, state[0], behind_row)
         read_body(bodies, b, state[0], ahead_row)

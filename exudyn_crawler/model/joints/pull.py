@@ -46,7 +46,8 @@ def write_rows(
     if pull.markers.shape[0] == 0:
         return
     rows.directed[pull.row] = 0
-    acted_on, directions = rows.acted_on[0], rows.directions[0]
+    acted_on = rows.acted_on[0]
+    directions = rows.directions[0]
     at = attitude_of(bodies, pull.frame)
     frame = frame_of(bodies, pull.frame, state, at)
     first = bodies.reference[0, 0] + state[0, bodies.coordinate[0]]
@@ -57,7 +58,9 @@ def write_rows(
     for c in range(directions.shape[1]):
         directions[0, c] = FORWARD[c] if c < 3 else 0.0
     for k in range(2):
-        shoe, marker, row = link + k, pull.markers[link + k], directions[1 + k]
+        shoe = link + k
+        marker = pull.markers[link + k]
+        row = directions[1 + k]
         share = 1.0 - part if k == 0 else part
         read_body(bodies, shoe, state[0], row)
         shoe_at = attitude_of(bodies, shoe)

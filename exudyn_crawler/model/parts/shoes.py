@@ -91,7 +91,8 @@ def joint_marker(assembler: Assembler, shoe: int, name: str, place: np.ndarray |
         return assembler.add_marker(shoe, center)
     reduced = assembler.floating.reduced
     joint = [interface.name for interface in reduced.interfaces].index(name)
-    moved, turned = reduced.pilots[joint, :3], reduced.pilots[joint, 3:]
+    moved = reduced.pilots[joint, :3]
+    turned = reduced.pilots[joint, 3:]
     arm = center - case.track.joint_centers[name]
     bore = reduced.interfaces[joint].center
     return assembler.add_marker(shoe, bore + arm, moved + np.cross(turned.T, arm).T, turned)

@@ -164,7 +164,7 @@ class ShoeCheck(Parameters):
     cases: tuple[CheckCase, ...] = option("further ones", default=())
 
     def _errors(self) -> base.Errors:
-        names = [one.name for one in self.cases]
+        names = [case.name for case in self.cases]
         if double := sorted({name for name in names if names.count(name) > 1}):
             yield f"cases: names must differ, got {double} twice"
 
@@ -210,7 +210,9 @@ class ShoeOutline(NamedTuple):
         under = mesh.nodes[mesh.nodes_of("underside")]
         carries = mesh.nodes[mesh.nodes_of("top")] if "top" in mesh.surfaces else mesh.nodes
         bearing = np.stack((carries.min(axis=0), carries.max(axis=0)))
-        highest, low, high = float(mesh.nodes[:, 2].max()), under.min(axis=0), under.max(axis=0)
+        highest = float(mesh.nodes[:, 2].max())
+        low = under.min(axis=0)
+        high = under.max(axis=0)
         at_end = mesh.nodes[:, 1] > high[1] - WING * (high[1] - low[1])
         return cls(_rails_of(mesh), low, high, highest, bearing, float(mesh.nodes[at_end, 2].max()))
 
@@ -256,7 +258,7 @@ def ready_cases(outline: ShoeOutline, force: float, machine: float = 1.0) -> lis
             _turns(outline, machine),
         ]
         kinds += [_drives(outline, outline.rails, machine), _strikes(outline, force, machine)]
-    return [CheckCase(**carried | one) for kind in kinds for one in kind]
+    return [CheckCase(**carried | loads) for kind in kinds for loads in kind]
 
 
 def _rolled(force: float, **place: Any) -> list[TreadForce]:
@@ -274,8 +276,11 @@ def _on_top(outline: ShoeOutline, force: float) -> Pressure:
 
 def _supports(outline: ShoeOutline, force: float) -> Loads:
     """The ground bears here or there."""
-    (x0, y0, _), (x1, y1, _) = outline.low, outline.high
-    along, beside, rails = outline.along, outline.beside, outline.rails
+    (x0, y0, _) = outline.low
+    (x1, y1, _) = outline.high
+    along = outline.along
+    beside = outline.beside
+    rails = outline.rails
     half = 0.5 * (y1 - y0)
     arm = None if rails is None else 0.5 * (rails.left - rails.right)
 
@@ -289,8 +294,10 @@ def _supports(outline: ShoeOutline, force: float) -> Loads:
         return GroundPart(low=low, high=high, stiffness=stiffness, **shape)
 
     def stone(y: float, ground: float) -> GroundPart:
-        x, size = x1 - 0.045 * along, 0.15 * along
-        low, high = (x - size, y - size), (x + size, y + size)
+        x = x1 - 0.045 * along
+        size = 0.15 * along
+        low = (x - size, y - size)
+        high = (x + size, y + size)
         return part(low, high, STONE * ground, round=True, height=0.05 * along)
 
     yield case("even, sand", SAND, half / 2)
@@ -298,7 +305,8 @@ def _supports(outline: ShoeOutline, force: float) -> Loads:
     for w in (0.2 * beside, 0.5 * beside):
         hole = part((x0, y0 + w), (x1, y1 - w), 0.0)
         yield case(f"both ends {w:.3g} m", SAND, half - w / 2, hole)
-    middle, w = 0.5 * (y0 + y1), 0.2 * beside
+    middle = 0.5 * (y0 + y1)
+    w = 0.2 * beside
     yield case(f"ridge {2 * w:.3g} m", 0.0, w / 2, part((x0, middle - w), (x1, middle + w), SAND))
     a, b = 0.3 * along, 0.3 * beside
     corners = part((x1 - a, y1 - b), (x1, y1), ROCK), part((x0, y0), (x0 + a, y0 + b), ROCK)
@@ -322,13 +330,15 @@ def _rail_ends(outline: ShoeOutline, rails: RailOutline, force: float) -> Loads:
 def _turns(outline: ShoeOutline, machine: float) -> Loads:
     """Pull of a chain that turns, shared by the pins, with the side force held at rails or pins."""
     under = {"low": tuple(outline.low - UNDER_A_SIDE), "high": tuple(outline.high + UNDER_A_SIDE)}
-    pull, push = machine * PULL, machine * SIDE
+    pull = machine * PULL
+    push = machine * SIDE
     pushed = Pressure.model_validate({"facing": "down", "force": (0.0, push, 0.0), **under})
-    along = [f"{one} x" for one in PINS]
+    along = [f"{pin} x" for pin in PINS]
     holds = {"two pins": ["rear left y", "rear right y", *along], "one pin": ["rear left y", *along]}
     at_rails = []
     if (rails := outline.rails) is not None:
-        side, reach = rails.left + rails.width / 2, 0.1 * outline.along
+        side = rails.left + rails.width / 2
+        reach = 0.1 * outline.along
         low = (-reach, side - 0.005, rails.height - 0.025 * outline.along)
         high = (reach, side + 0.005, outline.top + 0.01)
         at_rails = [Pressure(facing="left", low=low, high=high, force=(0.0, -push, 0.0))]
@@ -345,7 +355,8 @@ def _turns(outline: ShoeOutline, machine: float) -> Loads:
 
 def _drives(outline: ShoeOutline, rails: RailOutline, machine: float) -> Loads:
     """A tumbler's push on the web between the rails, both ways."""
-    inner, upward = rails.left - rails.width / 2, outline.along
+    inner = rails.left - rails.width / 2
+    upward = outline.along
     pull = machine * PULL
     for name, facing, push, low, high in (
         ("forward", "rear", pull, outline.low[0], 0.0),
@@ -353,7 +364,7 @@ def _drives(outline: ShoeOutline, rails: RailOutline, machine: float) -> Loads:
     ):
         box = {"low": (low, -inner, -0.1 * upward), "high": (high, inner, 0.15 * upward)}
         pressure = Pressure.model_validate({"facing": facing, "force": (push, 0.0, 0.0), **box})
-        held = [*(f"{one} x" for one in PINS if one.startswith(facing)), *(f"{one} z" for one in PINS)]
+        held = [*(f"{pin} x" for pin in PINS if pin.startswith(facing)), *(f"{pin} z" for pin in PINS)]
         yield {
             "name": f"drive push {name}",
             "treads": [],
@@ -369,7 +380,8 @@ def _strikes(outline: ShoeOutline, force: float, machine: float) -> Loads:
     lowest = outline.wing - 0.1 * outline.along
     carried = [] if outline.rails else [_on_top(outline, force)]
     for name, from_x in (("tip", outline.low[0]), ("edge", 0.1 * outline.along)):
-        low, high = (from_x, y1 - 0.25 * outline.beside, lowest), (x1, y1, outline.top + 0.1)
+        low = (from_x, y1 - 0.25 * outline.beside, lowest)
+        high = (x1, y1, outline.top + 0.1)
         strike = Pressure(facing="up", low=low, high=high, force=(0.0, 0.0, -machine * STRIKE))
         size = f"{machine * STRIKE / 1e6:.3g} MN"
         yield {"name": f"strike of {size} on the wing's {name}", "pressures": [*carried, strike]}

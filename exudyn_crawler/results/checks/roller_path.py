@@ -23,7 +23,9 @@ from exudyn_crawler.results.stress.basis import stress_basis
 from fem import Material
 from meshes import STEEL, rails
 
-MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
+MEGA = 1e6
+KILO = 1e3
+MILLI = 1e-3
 TILTS = (0.0, 0.5e-3, 1e-3, 2e-3)
 """rad across the rail of a tread that check cases press with."""
 PLACE = 0.05
@@ -33,15 +35,19 @@ AT_END = 1e-4
 INSTANTS = 400
 """Of a run, at most, over which the range of the structure's stress is looked for."""
 MATERIALS = (FatigueMaterial.cast_nicrmo(), FatigueMaterial.cast_manganese(), FatigueMaterial.a36())
-PASSES, PRESSURE, TYPICAL = "passes", "pressure in MPa", "median of the passes in MPa"
-MIDDLE, RAIL, INTENSITY = "x of its middle in m", "rail", "line load over radius"
+PASSES = "passes"
+PRESSURE = "pressure in MPa"
+TYPICAL = "median of the passes in MPa"
+MIDDLE = "x of its middle in m"
+RAIL = "rail"
+INTENSITY = "line load over radius"
 
 
 def limits(material: FatigueMaterial) -> tuple[float, float]:
     """Pressures of a level contact alone at first yield and at shakedown, Pa."""
     contact = hertz.LineContact(np.array(MEGA), np.array(MILLI))
-    found = hertz.path_stress(contact, material.yield_strength, STEEL.poissons_ratio)
-    return MEGA * found.to_yield, MEGA * found.to_shakedown
+    stress = hertz.path_stress(contact, material.yield_strength, STEEL.poissons_ratio)
+    return MEGA * stress.to_yield, MEGA * stress.to_shakedown
 
 
 def plane_modulus(material: Material) -> float:
@@ -53,8 +59,10 @@ def hertz_table(check: ShoeCheck, cases: Iterable[CheckCase]) -> pd.DataFrame:
     """Line contact of the treads of check cases: a row for every force, width and tilt."""
     treads: dict[tuple[float, float], str] = {}
     for case in cases:
-        for one in case.treads:
-            treads.setdefault((one.force, min(one.width or check.tread_width, check.tread_width)), case.name)
+        for tread in case.treads:
+            treads.setdefault(
+                (tread.force, min(tread.width or check.tread_width, check.tread_width)), case.name
+            )
     rows = []
     for (force, width), first in sorted(treads.items()):
         for tilt in TILTS:
@@ -88,7 +96,8 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
     goes over the run. In closed tracks rollers, idler and carriers are read on flexible shoes alone, whose
     strips a history has. A ValueError without such treads, or if none ever pressed.
     """
-    case, steel = history.case, STEEL
+    case = history.case
+    steel = STEEL
     if not has_treads(history):
         needs = "a side frame on an open track, or a closed track's flexible shoes"
         raise ValueError(f"roller paths need {needs}; {case.name!r} has none")
@@ -98,13 +107,15 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
     passes = _passes(history, gear)
     worst = passes.loc[passes.groupby("place")[INTENSITY].idxmax()].set_index("place")
     medians = passes.groupby("place")[INTENSITY].median()
-    beside, edges, rows = _beside(history, gear, worst), _places(case), []
+    beside = _beside(history, gear, worst)
+    edges = _places(case)
+    rows = []
     names = ["rear end", *[RAIL] * (len(edges) - 1), "front end"]
     middles = [edges[0], *0.5 * (edges[1:] + edges[:-1]), edges[-1]]
     for place, tread in worst.iterrows():
         contact, typical = (
-            hertz.line_contact(one * tread["radius"], tread["radius"], plane_modulus(steel))
-            for one in (tread[INTENSITY], medians[place])
+            hertz.line_contact(intensity * tread["radius"], tread["radius"], plane_modulus(steel))
+            for intensity in (tread[INTENSITY], medians[place])
         )
         node, structure = beside.get(place, (None, None))
         stress = hertz.path_stress(contact, MEGA, steel.poissons_ratio, structure)
@@ -115,10 +126,13 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
         if structure is not None:
             along, across, _ = structure[0] / MEGA
             row |= {"structure along in MPa": along, "structure across in MPa": across, "node": node}
-        for one in materials:
-            own = stress.of_strength(one.yield_strength / MEGA)
-            row |= {f"{one.name} to yield": own.to_yield, f"{one.name} to shakedown": own.to_shakedown}
-            row |= {one.name: own.verdict}
+        for material in materials:
+            margins = stress.of_strength(material.yield_strength / MEGA)
+            row |= {
+                f"{material.name} to yield": margins.to_yield,
+                f"{material.name} to shakedown": margins.to_shakedown,
+            }
+            row |= {material.name: margins.verdict}
         row |= {"shoe": int(tread["shoe"]), "roller": tread["roller"], "time in s": tread["time"]}
         rows.append(row)
     return pd.DataFrame(rows)
@@ -132,7 +146,7 @@ def _places(case: Case) -> np.ndarray:
 
 
 def has_treads(history: History) -> bool:
-    """Whether a history has the strips of treads: of a rolled track, or of flexible shoes in a closed one."""
+    """True if a history has strips of treads: of a rolled track, or of flexible shoes in a closed one."""
     return "tread_force" in history.dataset or "strip_force" in history.dataset
 
 
@@ -147,22 +161,29 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
 
     Beside it when (s and row), where on the rail (m), the tread's force (N) and to which side it leans.
     """
-    edges, case = _places(history.case), history.case
+    edges = _places(history.case)
+    case = history.case
     of_strips = "strip_force", "strip_foot", "strip_guide", "strip_wheel"
     of_treads = "tread_force", "tread_foot", "roller_shoe"
     read = [name for name in (*of_strips, *of_treads) if name in history.dataset]
     names = history.dataset["wheel" if "wheel" in history.dataset.dims else "roller"].values
     radii = np.tile(gear.first_wheels(case.shoe, case.track)[:, 2], case.tracks)
     rolls = np.array([label.kind != "slide" for label in case.wheel_labels])
-    keys, found, done = ["shoe", "roller", "rail", "place"], [], 0
+    keys = ["shoe", "roller", "rail", "place"]
+    tables = []
+    done = 0
     for part in blocks(history.dataset[[*read, "position", "angles"]]):
         on = treads(part)
         size = np.linalg.norm(on.force - on.guide, axis=-1)
         presses = size.any(axis=-1) & ((on.wheel >= 0) & rolls[on.wheel])[..., None]
         row, slot, rail = np.nonzero(presses)
-        size, shoe, wheel = size[presses], on.shoe[row, slot], on.wheel[row, slot]
-        roller, radius = names[wheel], radii[wheel]
-        total, moment = size.sum(axis=1), size @ gear.strip_places
+        size = size[presses]
+        shoe = on.shoe[row, slot]
+        wheel = on.wheel[row, slot]
+        roller = names[wheel]
+        radius = radii[wheel]
+        total = size.sum(axis=1)
+        moment = size @ gear.strip_places
         foot = np.einsum("ps,psi->pi", size, on.foot[presses]) / total[:, None]
         axes = rotation_matrices(part.angles.values)[row, shoe - 1, :, 0]
         x = np.einsum("pi,pi->p", foot - part.position.values[row, shoe - 1], axes)
@@ -173,9 +194,9 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
         columns |= {"row": done + row, "time": part.time.values[row], "force": total}
         columns |= {INTENSITY: line_load / radius}
         table = pd.DataFrame(columns | {"leans": np.sign(moment), "line load": line_load})
-        found.append(table.loc[table.groupby(keys)[INTENSITY].idxmax()])
+        tables.append(table.loc[table.groupby(keys)[INTENSITY].idxmax()])
         done += part.sizes["time"]
-    whole = pd.concat(found, ignore_index=True)
+    whole = pd.concat(tables, ignore_index=True)
     if whole.empty:
         raise ValueError("a tread must press on a shoe at a stored instant, none does")
     bent = whole["shoe"].isin(() if case.flexible is None else case.flexible.shoes)
@@ -194,7 +215,8 @@ def _beside(history: History, gear: RunningGear, worst: pd.DataFrame) -> Mapping
     even = np.linspace(0, history.time.size - 1, min(INSTANTS, history.time.size)).astype(int)
     rows = np.union1d(even, worst["row"])
     basis = stress_basis(History(case, history.dataset.isel(time=rows)), sorted(set(worst["shoe"])))
-    mesh, found = basis.shapes.mesh, {}
+    mesh = basis.shapes.mesh
+    spots = {}
     sides = rails.rail_nodes(mesh)
     for place, tread in worst.iterrows():
         nodes = sides[int(tread["rail"])]
@@ -202,7 +224,8 @@ def _beside(history: History, gear: RunningGear, worst: pd.DataFrame) -> Mapping
         node = nodes[np.hypot(*(mesh.nodes[nodes, :2] - (tread["x"], y)).T).argmin()]
         stress = basis.coordinates[int(tread["shoe"])] @ basis.shapes.stress_modes[node][[0, 1, 3]].T
         here = stress[np.searchsorted(rows, tread["row"])]
-        low, high = stress.min(axis=0), stress.max(axis=0)
+        low = stress.min(axis=0)
+        high = stress.max(axis=0)
         corners = [(a, b, 0.0) for a in (low[0], high[0]) for b in (low[1], high[1])]
-        found[int(place)] = int(node), np.array([here, *corners])
-    return found
+        spots[int(place)] = int(node), np.array([here, *corners])
+    return spots

@@ -52,13 +52,17 @@ class CheckedShoe:
     def __init__(self, check: ready.ShoeCheck) -> None:
         track = check.track or Track.ph4100c()
         if check.dimensions:
-            own = mesh_shoe(ShoeDimensions(**check.dimensions), check.mesh)
-            name, mesh = check.name, with_load_surfaces(own)
+            shoe_mesh = mesh_shoe(ShoeDimensions(**check.dimensions), check.mesh)
+            name = check.name
+            mesh = with_load_surfaces(shoe_mesh)
         else:
-            name, mesh = check.mesh, mesh_named(check.mesh)
+            name = check.mesh
+            mesh = mesh_named(check.mesh)
         check_surfaces(mesh, "underside", name)
         self.mesh, self.body = mesh, ElasticBody(mesh, STEEL)
-        pins = [replace(one, spider=check.spider) for one in pin_interfaces(mesh, name, track)]
+        pins = [
+            replace(pin_interface, spider=check.spider) for pin_interface in pin_interfaces(mesh, name, track)
+        ]
         self.partition, self.outline = Partition(self.body, pins), ready.ShoeOutline.of(mesh)
         empty = (np.empty((len(mesh.nodes), count, 0)) for count in (3, 6))
         shapes = Shapes(mesh, STEEL, tuple(pins), *empty)
@@ -88,12 +92,14 @@ class CheckedShoe:
 
     def rail(self, tread: ready.TreadForce) -> np.ndarray:
         """Nodal forces (n, 3) of a tread, N."""
-        rails, half = self.outline.rails, 0.5 * tread.length
+        rails = self.outline.rails
+        half = 0.5 * tread.length
         if rails is None:
             raise ValueError("a tread must press on a rail, the shoe has none")
         if "rail" not in self._points:
             self._points["rail"] = supports.surface_points(self.mesh, self.mesh.surface("rails"), RAIL_POINTS)
-        points, sign = self._points["rail"], 1.0 if tread.side == "left" else -1.0
+        points = self._points["rail"]
+        sign = 1.0 if tread.side == "left" else -1.0
         middle = 0.5 * (rails.front + rails.rear)
         x = {None: middle + tread.x, "front": rails.front - tread.x, "rear": rails.rear + tread.x}[tread.end]
         if not rails.rear <= x <= rails.front:
@@ -102,7 +108,8 @@ class CheckedShoe:
         x = min(max(x, rails.rear + half), rails.front - half)
         y = (rails.left if sign > 0 else rails.right) + sign * tread.across
         width = rails.width if tread.width is None else tread.width
-        place, target = points.positions[:, :2], np.array([x, y])
+        place = points.positions[:, :2]
+        target = np.array([x, y])
         sides = 0.5 * np.array([max(2.0 * half, 2.0 * RAIL_POINTS), width])
         near = points.chosen(np.flatnonzero((np.abs(place - target) <= sides).all(axis=1)))
         if len(near.areas) < 3:
@@ -111,7 +118,8 @@ class CheckedShoe:
 
     def pressure(self, load: ready.Pressure) -> np.ndarray:
         """Nodal forces (n, 3) of a pressure, N."""
-        points, along = self.facing(load.facing), NORMALS[load.facing][0]
+        points = self.facing(load.facing)
+        along = NORMALS[load.facing][0]
         inside = _inside(points.positions, load, [axis for axis in range(3) if axis != along])
         if not inside.any():
             raise ValueError(f"no face looks {load.facing} between {load.low} and {load.high} m")
@@ -124,9 +132,9 @@ class CheckedShoe:
         """
         loads = np.zeros(self.mesh.nodes.size + len(self.of_centers))
         forces, centers = self.parts(loads)
-        for one in (*map(self.rail, case.treads), *map(self.pressure, case.pressures)):
-            forces += one.ravel()
-        joints = [one.name for one in self.partition.interfaces]
+        for hold in (*map(self.rail, case.treads), *map(self.pressure, case.pressures)):
+            forces += hold.ravel()
+        joints = [interface.name for interface in self.partition.interfaces]
         known = {f"{name} {axis}": 6 * k + i for k, name in enumerate(joints) for i, axis in enumerate("xyz")}
         if unknown := [one for one in case.held_by if one not in known]:
             raise ValueError(f"held_by must be of {list(known)}, got {unknown}")
@@ -162,7 +170,8 @@ class CheckedShoe:
 
 def _inside(places: np.ndarray, part: ready.Pressure | ready.GroundPart, across: list[int]) -> np.ndarray:
     """Which places (p, axes) lie in the box of a part, or in the disc in it over two of the axes."""
-    low, high = np.array(part.low), np.array(part.high)
+    low = np.array(part.low)
+    high = np.array(part.high)
     away = np.abs(places - 0.5 * (low + high)) / (0.5 * (high - low))
     inside = (away <= 1.0).all(axis=1)
     return inside & ((away[:, across] ** 2).sum(axis=1) <= 1.0) if part.round else inside
@@ -207,18 +216,18 @@ class CheckResults:
 
     def cycle(self, first: str, second: str) -> pd.DataFrame:
         """Cycles to a crack in every region between two cases, or `UNLOADED` and one."""
-        stress = dict(zip([one.name for one in self.cases], self.stress, strict=True))
+        stress = dict(zip([case.name for case in self.cases], self.stress, strict=True))
         return cycle_table(self.check, self.shoe, stress, [(first, second)])
 
 
 def all_cases(check: ready.ShoeCheck, outline: ready.ShoeOutline) -> tuple[ready.CheckCase, ...]:
     """Ready cases at every level of the force, by "case, level", and the check's own."""
-    found = [
-        one.with_(name=f"{one.name}, {level.name}")
+    cases = [
+        ready_case.with_(name=f"{ready_case.name}, {level.name}")
         for level in check.levels
-        for one in ready.ready_cases(outline, level.force, check.machine)
+        for ready_case in ready.ready_cases(outline, level.force, check.machine)
     ]
-    return (*found, *check.cases)
+    return (*cases, *check.cases)
 
 
 def solve_cases(
@@ -233,7 +242,8 @@ def solve_cases(
     surface = shoe.mesh.surface_nodes
     stress = np.ascontiguousarray(np.moveaxis(shoe.body.stress(answers, surface), 2, 0))
     names = [case.name for case in cases]
-    by_name, pairs = dict(zip(names, stress, strict=True)), [(UNLOADED, name) for name in names]
+    by_name = dict(zip(names, stress, strict=True))
+    pairs = [(UNLOADED, name) for name in names]
     pairs += [
         (f"{a}, {level.name}", f"{b}, {level.name}")
         for level in check.levels
@@ -259,7 +269,8 @@ def _possible(
 ) -> tuple[ready.CheckCase, ...]:
     """Cases without ready ones that a shoe cannot have: what they press on is not there, or it tips over."""
     chosen = {case.name for case in check.cases}
-    kept, unbent = [], np.zeros_like(shoe.mesh.nodes)
+    kept = []
+    unbent = np.zeros_like(shoe.mesh.nodes)
     for case in cases:
         try:
             loads = shoe.loads(case)
@@ -294,16 +305,18 @@ def _solved(
     shoe: CheckedShoe, cases: Sequence[ready.CheckCase], say: Callable[[str], None]
 ) -> tuple[np.ndarray, np.ndarray, dict[str, tuple[float, float]]]:
     """Loads (3 n + 24, k) with the ground's, answers (n, 3, k), and blows as of `_blow` by their cases."""
-    each, blows = [], {}
+    each = []
+    blows = {}
     for case in cases:
         with errors_at(f"case {case.name!r}"):
-            given = case
+            load_case = case
             if case.energy is not None:
-                given, blows[case.name] = _blow(shoe, case, case.energy)
-            each.append(shoe.loads(given))
+                load_case, blows[case.name] = _blow(shoe, case, case.energy)
+            each.append(shoe.loads(load_case))
     say(f"{len(cases)} cases in balance: answers of {len(shoe.mesh.nodes)} nodes")
     loads = np.stack(each, axis=-1)
-    answers, below = shoe.answers(loads), np.zeros_like(loads)
+    answers = shoe.answers(loads)
+    below = np.zeros_like(loads)
     carried = [k for k, case in enumerate(cases) if case.ground is not None]
     for k in carried:
         with errors_at(f"case {cases[k].name!r}"):
@@ -320,10 +333,12 @@ def _rest(shoe: CheckedShoe, case: ready.CheckCase, loads: np.ndarray, answer: n
     assert case.ground is not None
     points = shoe.bed.points
     x = points.positions[:, :2]
-    gap, stiffness = np.zeros(len(x)), np.full(len(x), case.ground.stiffness)
+    gap = np.zeros(len(x))
+    stiffness = np.full(len(x), case.ground.stiffness)
     for part in case.ground.parts:
         inside = _inside(x, part, [0, 1])
-        gap[inside], stiffness[inside] = -part.height, part.stiffness
+        gap[inside] = -part.height
+        stiffness[inside] = part.stiffness
     shift = points.shapes @ answer[:, 2]
     return shoe.bed.settle(shoe.resultant(loads), shift, gap, stiffness)
 
@@ -338,20 +353,26 @@ def _blow(
     """
     alone = shoe.loads(case.with_(pressures=(), energy=None))
     blow = shoe.loads(case.with_(energy=None)) - alone
-    answers, forces = shoe.answers(np.stack((alone, blow), axis=-1)), shoe.parts(blow)[0].reshape(-1, 3)
-    own, whole = float(np.sum(forces * answers[..., 1])), float(np.linalg.norm(forces.sum(axis=0)))
-    below, resultant = shoe.bed.points.shapes @ answers[:, 2, 1], shoe.resultant(blow)[supports.UPRIGHT]
+    answers = shoe.answers(np.stack((alone, blow), axis=-1))
+    forces = shoe.parts(blow)[0].reshape(-1, 3)
+    own_way = float(np.sum(forces * answers[..., 1]))
+    whole = float(np.linalg.norm(forces.sum(axis=0)))
+    below = shoe.bed.points.shapes @ answers[:, 2, 1]
+    resultant = shoe.resultant(blow)[supports.UPRIGHT]
 
     def way(times: float) -> float:
         """Way of the unit blow's forces beside its own, m N; what ground does there by reciprocity."""
         rest = _rest(shoe, case, alone + times * blow, answers @ (1.0, times))
         return float(rest.forces @ below + resultant @ rest.motion)
 
-    at_rest, times = way(0.0), 1.0
+    at_rest = way(0.0)
+    times = 1.0
     for _ in range(BLOW_STEPS):
-        work = own + (way(times) - at_rest) / times  # of the unit blow by its own way, J
+        work = own_way + (way(times) - at_rest) / times  # of the unit blow by its own way, J
         times = np.sqrt(2.0 * energy / work)
-    scaled = tuple(one.with_(force=tuple(times * part for part in one.force)) for one in case.pressures)
+    scaled = tuple(
+        pressure.with_(force=tuple(times * part for part in pressure.force)) for pressure in case.pressures
+    )
     return case.with_(pressures=scaled, energy=None), (times * whole / MEGA, work / whole**2)
 
 
@@ -362,12 +383,13 @@ def _moments(
     blows: Mapping[str, tuple[float, float]],
 ) -> pd.DataFrame:
     """Bending moment at y = 0 by all that acts left of it, by hand, and the stress of a beam; blows."""
-    cut, rows = supports.section(shoe.mesh, 0.0), []
-    places = np.concatenate((shoe.mesh.nodes, [one.center for one in shoe.partition.interfaces]))
+    cut = supports.section(shoe.mesh, 0.0)
+    rows = []
+    places = np.concatenate((shoe.mesh.nodes, [interface.center for interface in shoe.partition.interfaces]))
     left = places[:, 1] > 0.0
     _, y, z = places[left].T
-    for case, own in zip(cases, loads.T, strict=True):
-        forces, centers = shoe.parts(own)
+    for case, load in zip(cases, loads.T, strict=True):
+        forces, centers = shoe.parts(load)
         acting = np.concatenate((forces.reshape(-1, 3), centers.reshape(-1, 6)[:, :3]))[left]
         moment = float((y * acting[:, 2] - (z - cut.middle) * acting[:, 1]).sum())
         by_hand = np.nan if case.hand_moment is None else case.hand_moment
@@ -389,21 +411,24 @@ def _peaks(
     """Highest von Mises stress of each case and region, with what the mesh leaves open."""
     tables = []
     for k, name in enumerate(names):
-        mises, resolved = von_mises(stress[k]), trust.resolution(shoe.mesh, STEEL, answers[..., k])
+        mises = von_mises(stress[k])
+        resolved = trust.resolution(shoe.mesh, STEEL, answers[..., k])
         highest = pd.Series(mises).groupby(shoe.regions).idxmax()
-        at = highest.reindex([region for region in REGIONS if region in highest]).to_numpy()
-        node, region = shoe.mesh.surface_nodes[at], shoe.regions[at]
-        error, principals = resolved.error[node], principal(stress[k, at]) / MEGA
+        rows = highest.reindex([region for region in REGIONS if region in highest]).to_numpy()
+        node = shoe.mesh.surface_nodes[rows]
+        region = shoe.regions[rows]
+        error = resolved.error[node]
+        principals = principal(stress[k, rows]) / MEGA
         verdicts = trust.verdict_numbers(error, error, resolved.relative_jump[node], region == BORES)
         columns = {
             "case": name,
             "region": region,
-            "von Mises in MPa": mises[at] / MEGA,
+            "von Mises in MPa": mises[rows] / MEGA,
             "greatest principal in MPa": principals[:, 2],
             "least principal in MPa": principals[:, 0],
             "mesh error": error,
             "verdict": trust.verdict_words(verdicts),
-            "above yield": np.where(mises[at] > check.material.yield_strength, "yes", ""),
+            "above yield": np.where(mises[rows] > check.material.yield_strength, "yes", ""),
             "node": node,
         }
         places = zip(("x in m", "y in m", "z in m"), shoe.mesh.nodes[node].T, strict=True)
@@ -422,40 +447,43 @@ def cycle_table(
     The amplitude is half the von Mises stress of the difference of both states, the mean stress that of
     their mean with the sign of its hydrostatic part.
     """
-    none, rows, material = np.zeros((len(shoe.regions), 6)), [], check.material
+    none = np.zeros((len(shoe.regions), 6))
+    rows = []
+    material = check.material
     curves = {region: material.curve("elementary", region) for region in REGIONS}
     for first, second in pairs:
         if wrong := {first, second} - {*stress, UNLOADED}:
             raise ValueError(f"cycles: no case {sorted(wrong)}; there are {[*stress]}")
         a, b = (stress.get(name, none) for name in (first, second))
-        change, mean = a - b, 0.5 * (a + b)
+        change = a - b
+        mean = 0.5 * (a + b)
         amplitude = 0.5 * von_mises(change)
         signed = np.where(mean[:, :3].sum(axis=1) < 0.0, -1.0, 1.0) * von_mises(mean)
         highest = np.maximum(von_mises(a), von_mises(b))
         for region in REGIONS:
-            own = np.flatnonzero((shoe.regions == region) & (amplitude > 1.0))
-            if not len(own):
+            places = np.flatnonzero((shoe.regions == region) & (amplitude > 1.0))
+            if not len(places):
                 continue
-            damage = curves[region].damage(amplitude[own], signed[own], (SURVIVAL,))[0]
-            at = own[np.argmax(damage)]
+            damage = curves[region].damage(amplitude[places], signed[places], (SURVIVAL,))[0]
+            place = places[np.argmax(damage)]
             often = 1.0 / float(damage.max())
             row = {
                 "from": first,
                 "to": second,
                 "region": region,
-                "amplitude in MPa": amplitude[at] / MEGA,
-                "mean in MPa": signed[at] / MEGA,
+                "amplitude in MPa": amplitude[place] / MEGA,
+                "mean in MPa": signed[place] / MEGA,
                 "cycles to a crack": often,
                 "an hour": often / check.hours,
-                "node": int(shoe.mesh.surface_nodes[at]),
-                "above yield": "yes" if highest[at] > material.yield_strength else "",
+                "node": int(shoe.mesh.surface_nodes[place]),
+                "above yield": "yes" if highest[place] > material.yield_strength else "",
             }
             if material.castings:
-                tension = signed[own] + amplitude[own] + curves[region].residual_stress > 0.0
-                widest = [at, *own[np.argsort(tension * amplitude[own])[-WIDEST:]]]
+                tension = signed[places] + amplitude[places] + curves[region].residual_stress > 0.0
+                widest = [place, *places[np.argsort(tension * amplitude[places])[-WIDEST:]]]
                 ends = np.stack((signed - amplitude, signed + amplitude))[:, widest, None]
                 each = ([defects.CycleStage(low, high, np.ones(1))] for low, high in ends.swapaxes(0, 1))
-                lives = (material.defect_life(region, "elementary", one, SURVIVAL) for one in each)
+                lives = (material.defect_life(region, "elementary", stages, SURVIVAL) for stages in each)
                 row["cycles to a crack, defect"] = min(lives)
             rows.append(row)
     return pd.DataFrame(rows)

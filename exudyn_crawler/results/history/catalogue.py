@@ -97,7 +97,7 @@ class Quantity:
         return np.dtype(DTYPES[self.numbers])
 
     def lacking(self, case: Case) -> str:
-        """What it needs and a case does not have, for reading; empty if it needs nothing more."""
+        """Say what it needs and a case does not have; empty if it needs nothing more."""
         return " and ".join(filter(None, (_lacking(need, case) for need in self.needs)))
 
 
@@ -159,10 +159,10 @@ def link_name(links: xr.DataArray, link: int) -> str:
 
 def check_dimensions(dataset: xr.Dataset) -> None:
     """Refuse a dataset of which a variable does not have its quantity's dimensions, by a ValueError."""
-    for name, one in dataset.data_vars.items():
+    for name, array in dataset.data_vars.items():
         quantity = QUANTITIES.get(str(name))
-        if quantity is not None and {*one.dims} - {TRACK} != {*quantity.dimensions}:
-            raise ValueError(f"{name} has dimensions {one.dims}, not {quantity.dimensions}")
+        if quantity is not None and {*array.dims} - {TRACK} != {*quantity.dimensions}:
+            raise ValueError(f"{name} has dimensions {array.dims}, not {quantity.dimensions}")
 
 
 def rotation_matrices(angles: np.ndarray) -> np.ndarray:
@@ -270,7 +270,7 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
     """Quantities of contacts by shoe as the catalogue says, and as of `History.contacts_by_shoe`."""
     wanted = list(names)
     derived = [name for name in wanted if QUANTITIES[name].derived_from]
-    stored = dict.fromkeys([one for name in wanted for one in QUANTITIES[name].derived_from or (name,)])
+    stored = dict.fromkeys([source for name in wanted for source in QUANTITIES[name].derived_from or (name,)])
     shoes = dataset.shoe.values
     depth = dataset.penetration.compute()
     contacts = [_slice_of(np.flatnonzero(dataset.contact_shoe.values == shoe)) for shoe in shoes]

@@ -58,7 +58,8 @@ def case_in_file(path: Path) -> Case:
         version = np.asarray(file.attrs.get(LAYOUT_VERSION, 0)).item()
         if version != VERSION:
             raise ValueError(f"its states have layout version {version}, this program reads {VERSION}")
-        case, has_checksums = saved_case(file.attrs[CASE]), bool(file["time"].fletcher32)
+        case = saved_case(file.attrs[CASE])
+        has_checksums = bool(file["time"].fletcher32)
     if not has_checksums:
         said = "has no checksums: other software has written it, and its numbers may not be those of the run"
         warnings.warn(f"{path} {said}", stacklevel=2)
@@ -86,7 +87,9 @@ def unpacked(dataset: xr.Dataset) -> xr.Dataset:
     Units are hundreds, of which few are looked at.
     """
     stored = {name: dataset.variables[name] for name in _single(dataset)}
-    computed = {name: _lazy(name, one.shape, partial(_doubled, one)) for name, one in stored.items()}
+    computed = {
+        name: _lazy(name, variable.shape, partial(_doubled, variable)) for name, variable in stored.items()
+    }
     whole = with_motion_of_units(dataset.assign(computed))
     whole.attrs.pop(CASE, None)
     return whole
@@ -105,7 +108,8 @@ def with_motion_of_units(dataset: xr.Dataset) -> xr.Dataset:
         _, shape, *rate = name.split("_")
         shapes = dataset.variables[f"{shape}_shape"].values
         motion = dataset.variables["_".join((TERRAIN, *rate))]
-        part, sizes = partial(_part_of_motion, shapes, motion), (motion.shape[0], len(shapes))
+        part = partial(_part_of_motion, shapes, motion)
+        sizes = (motion.shape[0], len(shapes))
         computed[name] = _lazy(name, sizes, part)
     return dataset.set_coords(list(TERRAIN_COORDINATES)).assign(computed)
 
@@ -116,7 +120,8 @@ def _single(dataset: xr.Dataset) -> list[str]:
 
 
 def _part_of_motion(shapes: np.ndarray, motion: xr.Variable, key: tuple) -> np.ndarray:
-    modes, rows = shapes[key[1]], motion[key[0]].values
+    modes = shapes[key[1]]
+    rows = motion[key[0]].values
     part = unit_motion(np.atleast_2d(modes), np.atleast_2d(rows))
     return part.reshape(rows.shape[:-1] + modes.shape[:-1])
 
@@ -156,7 +161,7 @@ class Chunk:
 
     @classmethod
     def of_file(cls, path: Path, end: float) -> Self:
-        """What a saved history holds up to a time, s."""
+        """Part of a saved history up to a time, s."""
 
         @interrupts_wait()
         def read() -> xr.Dataset:

@@ -38,8 +38,10 @@ def end_memory(memory: Mapping[str, np.ndarray], then: np.ndarray) -> xr.Dataset
     # cells are stored in the order in which their tiles were made, another one in a run that went on
     every = np.concatenate((memory["cells"], then[:, 1:3].astype(int)))
     cells, which = np.unique(every, axis=0, return_inverse=True)
-    which, count = which.ravel(), len(memory["cells"])
-    pressed, before = np.zeros((2, len(cells))), np.zeros((2, len(times), len(cells)))
+    which = which.ravel()
+    count = len(memory["cells"])
+    pressed = np.zeros((2, len(cells)))
+    before = np.zeros((2, len(times), len(cells)))
     pressed[:, which[:count]] = memory["memory"][:, :2].T
     before[:, when, which[count:]] = then[:, 3:].T
     named = {"cell_column": cells[:, 0], "cell_row": cells[:, 1]}
@@ -61,7 +63,8 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     case = history.case
     terrain = case.cell_terrain()
     cells = np.column_stack((history.cell_column, history.cell_row))
-    first, last = cells.min(axis=0), cells.max(axis=0)
+    first = cells.min(axis=0)
+    last = cells.max(axis=0)
     x, y = ((np.arange(first[k], last[k] + 1) + 0.5) * terrain.cell for k in range(2))
     place = tuple((cells - first).T)
 
@@ -73,7 +76,8 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     at_end = mapped(history.cell_sinkage, history.cell_pressure)
     greatest = "greatest sinkage along the normal of the ground"
     stays = "sinkage that stays where nothing presses"
-    height, dims = terrain.surface(*np.meshgrid(x, y, indexing="ij")), ("x", "y")
+    height = terrain.surface(*np.meshgrid(x, y, indexing="ij"))
+    dims = ("x", "y")
     ground = xr.Dataset(
         {
             "height": _metres(dims, height, "height before any shoe came"),
@@ -93,13 +97,15 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     depth = pressed_depths(history, rows, x, y, height)
     then = np.full((2, *depth.shape), np.nan)
     if "ground_time" in history.dataset:
-        kept, within = history.ground_time.values, max(case.solver.step, case.solver.quiet_step)
+        ground_times = history.ground_time.values
+        within = max(case.solver.step, case.solver.quiet_step)
         for row, time in enumerate(stored[rows]):
-            nearest = int(np.abs(kept - time).argmin())
-            if abs(kept[nearest] - time) <= within:
+            nearest = int(np.abs(ground_times - time).argmin())
+            if abs(ground_times[nearest] - time) <= within:
                 now = history.dataset.isel(ground_time=nearest)
                 then[:, row] = mapped(now.cell_sinkage_then, now.cell_pressure_then)
-    over, single = ("time", *dims), np.float32
+    over = ("time", *dims)
+    single = np.float32
     ground = ground.assign_coords(time=("time", stored[rows], {"units": "s"}))
     return ground.assign(
         depth=_metres(over, depth.astype(single), "how deep undersides had pressed the ground until then"),
@@ -114,7 +120,7 @@ def _metres(dims: str | tuple[str, ...], values: np.ndarray, meaning: str) -> tu
 
 
 def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:
-    """What of greatest sinkages (m), with pressures there (Pa), stays where nothing presses: array, m."""
+    """Rest of greatest sinkages (m), under pressures (Pa), that stays where nothing presses: array, m."""
     law: Any = case.cell_contact().law
     if law.kernel.forgets:
         return np.zeros_like(sinkage)
@@ -136,13 +142,17 @@ def pressed_depths(
     step = -(-int(rows[-1] + 1) // MOST_STATES)
     looked = np.unique(np.concatenate((np.arange(0, rows[-1] + 1, step), rows)))
     states = history.dataset[["position", "angles"]].isel(time=looked).transpose("time", "shoe", "axis")
-    position, turn = states.position.values, rotations.rotation_matrices(states.angles.values)
-    footprint, grid = np.array(history.case.shoe.footprint), np.array((x[0], x[1], y[0], y[1]))
-    depth, out = np.zeros(height.shape), np.zeros((len(rows), *height.shape))
+    position = states.position.values
+    turn = rotations.rotation_matrices(states.angles.values)
+    footprint = np.array(history.case.shoe.footprint)
+    grid = np.array((x[0], x[1], y[0], y[1]))
+    depth = np.zeros(height.shape)
+    out = np.zeros((len(rows), *height.shape))
     begin = 0
     for number, end in enumerate(np.searchsorted(looked, rows) + 1):
         _press_in(position[begin:end], turn[begin:end], footprint, grid, height, depth)
-        out[number], begin = depth, end
+        out[number] = depth
+        begin = end
     return out
 
 
@@ -156,13 +166,18 @@ def _press_in(
     depth: rotations.FloatArray,
 ) -> None:
     """Deepen what undersides have pressed in, at places of which the first two along x and y are given."""
-    x0, dx, y0, dy = grid[0], grid[1] - grid[0], grid[2], grid[3] - grid[2]
+    x0 = grid[0]
+    dx = grid[1] - grid[0]
+    y0 = grid[2]
+    dy = grid[3] - grid[2]
     for t in range(position.shape[0]):
         for s in range(position.shape[1]):
-            r, R = position[t, s], turn[t, s]
+            r = position[t, s]
+            R = turn[t, s]
             # middle of the underside, and half of its sides seen from above
             u, v = 0.5 * (footprint[0] + footprint[1]), 0.5 * (footprint[2] + footprint[3])
-            half_x, half_y = 0.5 * (footprint[1] - footprint[0]), 0.5 * (footprint[3] - footprint[2])
+            half_x = 0.5 * (footprint[1] - footprint[0])
+            half_y = 0.5 * (footprint[3] - footprint[2])
             middle_x = r[0] + R[0, 0] * u + R[0, 1] * v + R[0, 2] * footprint[4]
             middle_y = r[1] + R[1, 0] * u + R[1, 1] * v + R[1, 2] * footprint[4]
             middle_z = r[2] + R[2, 0] * u + R[2, 1] * v + R[2, 2] * footprint[4]

@@ -67,11 +67,11 @@ class History:
         return float(self.dataset.time[-1])
 
     def has(self, name: str, stress: xr.Dataset | None = None) -> bool:
-        """Whether `quantity` gives a quantity of the catalogue."""
+        """True if `quantity` gives a quantity of the catalogue."""
         quantity = catalogue.QUANTITIES[name]
         if quantity.lacking(self.case):
             return False
-        derives = quantity.derived_from and all(self.has(one, stress) for one in quantity.derived_from)
+        derives = quantity.derived_from and all(self.has(source, stress) for source in quantity.derived_from)
         return derives or name in self.dataset or (stress is not None and name in stress)
 
     def quantity(self, name: str, stress: xr.Dataset | None = None) -> xr.DataArray:
@@ -112,25 +112,28 @@ class History:
         Its shoes, links and contacts alone, numbered from 1; its side frame is the machine's place in the
         middle of the track.
         """
-        case, own = self.case.of_track(side), self.dataset.sel(track=side, drop=True)
-        number, count = SIDES.index(side), case.track.shoe_count
-        mine, wheels = slice(number * count, (number + 1) * count), len(case.wheel_names)
-        turn = catalogue.rotation_matrices(own.side_frame_angles.transpose(..., "axis").values)
+        case = self.case.of_track(side)
+        data = self.dataset.sel(track=side, drop=True)
+        number = SIDES.index(side)
+        count = case.track.shoe_count
+        mine = slice(number * count, (number + 1) * count)
+        wheels = len(case.wheel_names)
+        turn = catalogue.rotation_matrices(data.side_frame_angles.transpose(..., "axis").values)
         arm = self.case.track_middles[number] * turn[..., 1]
-        place = own.side_frame_position.transpose(..., "axis")
-        own = own.isel(shoe=mine, joint=mine)
-        for dim, names in _names_on(side, own).items():
-            own = own.sel({dim: [f"{side} {name}" for name in names]}).assign_coords({dim: names})
+        place = data.side_frame_position.transpose(..., "axis")
+        data = data.isel(shoe=mine, joint=mine)
+        for dim, names in _names_on(side, data).items():
+            data = data.sel({dim: [f"{side} {name}" for name in names]}).assign_coords({dim: names})
         for dim, shoe in {"contact": "contact_shoe", "flexible_shoe": "flexible_shoe"}.items():
-            if dim in own.dims:
-                own = own.isel({dim: np.isin(own[shoe], own.shoe)})
-                own = own.assign_coords({shoe: own[shoe] - mine.start})
-        if "strip_wheel" in own:
-            number_of = own.strip_wheel - number * wheels
-            own = own.assign(strip_wheel=number_of.where(own.strip_wheel > 0, 0).astype(int))
+            if dim in data.dims:
+                data = data.isel({dim: np.isin(data[shoe], data.shoe)})
+                data = data.assign_coords({shoe: data[shoe] - mine.start})
+        if "strip_wheel" in data:
+            number_of = data.strip_wheel - number * wheels
+            data = data.assign(strip_wheel=number_of.where(data.strip_wheel > 0, 0).astype(int))
         joint = ("joint", case.joints, {"long_name": catalogue.LINKS[1]})
-        own = own.drop_vars(["shoe_track", "joint_track"]).assign_coords(shoe=case.track.shoes, joint=joint)
-        return History(case, own.assign(side_frame_position=place.copy(data=place.values + arm)))
+        data = data.drop_vars(["shoe_track", "joint_track"]).assign_coords(shoe=case.track.shoes, joint=joint)
+        return History(case, data.assign(side_frame_position=place.copy(data=place.values + arm)))
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
         """Write everything to one NetCDF file, as of `results.history.files`: contacts in single precision.
@@ -150,8 +153,8 @@ class History:
         begin = self.dataset.isel(time=[0]) if self.begin is None else self.begin
         for start in range(0, self.time.size, TIMES_IN_PART):
             part = self.dataset.isel(time=slice(start, start + TIMES_IN_PART))
-            own = None if stress is None else stress.sel(time=slice(*part.time.values[[0, -1]]))
-            yield type(self)(self.case, part, begin), own
+            part_stress = None if stress is None else stress.sel(time=slice(*part.time.values[[0, -1]]))
+            yield type(self)(self.case, part, begin), part_stress
 
     @classmethod
     @interrupts_wait()
@@ -194,7 +197,7 @@ def _check(case: Case, dataset: xr.Dataset) -> None:
     """Refuse a dataset whose variables are not those of a history of the case."""
     catalogue.check_dimensions(dataset)
     stored = catalogue.select(files="history").items()
-    always = {name for name, one in stored if {*one.needs} <= {case.terrain.model}}
+    always = {name for name, quantity in stored if {*quantity.needs} <= {case.terrain.model}}
     always -= {*files.TERRAIN_COORDINATES}
     if missing := sorted(always - set(map(str, dataset.variables))):
         raise ValueError(f"it has no {missing[0]}")
@@ -215,7 +218,7 @@ class RunPhase(NamedTuple):
     end: float
 
     def rows(self, time: np.ndarray) -> np.ndarray:
-        """Whether each time (s) belongs to it: array of bool (times,); its begin is the one before's."""
+        """True for each time (s) in it: array of bool (times,); its begin belongs to the phase before."""
         after = time >= 0.0 if self.begin == 0.0 else time > self.begin * (1.0 + 1e-9)
         return after & (time <= self.end * (1.0 + 1e-9))
 
@@ -232,7 +235,7 @@ def phases(cycle: LoadCycle | MachineCycle, duration: float) -> list[RunPhase]:
     ends = [phase.end for phase in cycle.phases]
     spans = zip(cycle.phases, pairwise([0.0, *ends[:-1], max(ends[-1], duration)]), strict=True)
     reached = [(phase.name, begin, min(end, duration)) for phase, (begin, end) in spans]
-    return [RunPhase(*one) for one in reached if one[1] < one[2]]
+    return [RunPhase(*phase) for phase in reached if phase[1] < phase[2]]
 
 
 def common_phases(*histories: History) -> list[RunPhase]:
@@ -240,7 +243,7 @@ def common_phases(*histories: History) -> list[RunPhase]:
 
     There are none where those of two differ.
     """
-    duration = max(one.duration for one in histories)
-    cycles = (one.case.machine or one.case.loads for one in histories)
+    duration = max(history.duration for history in histories)
+    cycles = (history.case.machine or history.case.loads for history in histories)
     first, *others = (phases(cycle, duration) for cycle in cycles)
-    return first if all(one == first for one in others) else []
+    return first if all(other == first for other in others) else []

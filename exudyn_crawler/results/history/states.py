@@ -47,13 +47,14 @@ class _States(NamedTuple):
         return np.stack([self.part(name) for name in names], axis=1)
 
     def each(self, of: Callable[..., Any], *names: str) -> list[Any]:
-        """What a function makes of some parts of each state."""
+        """Apply a function to some parts of each state."""
         return [of(*state) for state in zip(*map(self.part, names), strict=True)]
 
 
 def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     """History of states (times, layout.size) of a system."""
-    case, states = system.case, _States(system, rows)
+    case = system.case
+    states = _States(system, rows)
     time = states.part("time")
     start = case.shoe_reference
     if not start[:, 3:].any():  # the shoes of an open track start level
@@ -65,7 +66,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     of_gear = OF_GEAR[case.gear.kind]
     values |= of_gear.values(states, values)
     dataset = xr.Dataset(
-        {name: catalogue.variable(name, one) for name, one in values.items()},
+        {name: catalogue.variable(name, value) for name, value in values.items()},
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
@@ -87,7 +88,9 @@ def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -
     `start` (..., 3) are positions (m), or with the angles there (rad) (..., 6).
     """
     u, v, a = (states.part(f"{bodies}{rate}") for rate in RATES)
-    angles, rates, accelerations = u[..., 3:], v[..., 3:], a[..., 3:]
+    angles = u[..., 3:]
+    rates = v[..., 3:]
+    accelerations = a[..., 3:]
     if start.shape[-1] > 3:
         angles = angles + start[..., 3:]
     return {
@@ -110,17 +113,20 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``. In a closed track the first
     three are along the axes of the chain's plane (`model.joints.pin`).
     """
-    layout, case = states.system.layout, states.system.case
-    joints, frames = case.joints, rotations.rotation_matrices(angles)
+    layout = states.system.layout
+    case = states.system.case
+    joints = case.joints
+    frames = rotations.rotation_matrices(angles)
     rear, front = np.moveaxis(frames[:, case.links - 1], 2, 0)
     y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
     names = [[pin_name(side, int(link)) for side in SIDES] for link in joints]
-    has = np.array([[layout.has(name) for name in both] for both in names])
+    has = np.array([[layout.has(name) for name in row] for row in names])
     present = np.array(names)[has]
     first = np.array([layout.first_multiplier(name) for name in present])
     # of all joints there are: (times, joints, equations of one), each of a link
     columns = first[:, None] + np.arange(dict(layout.multipliers)[present[0]])
-    reaction, link = states.part("multipliers")[:, columns], np.nonzero(has)[0]
+    reaction = states.part("multipliers")[:, columns]
+    link = np.nonzero(has)[0]
     force, torque = np.zeros((2, len(reaction), *has.shape, 3))
     if case.gear.loops:
         yaw = angles[..., 2]
@@ -158,13 +164,15 @@ def _reactions(states: _States, motion: Arrays) -> Arrays:
 
 def _terrain(states: _States) -> Arrays:
     """Coordinates of the terrain and their shapes, or the motion of units that are bodies."""
-    coordinates, named = states.system.contact.coordinates, Arrays()
+    coordinates = states.system.contact.coordinates
+    named = Arrays()
     if not len(states.system.case.terrain.units):
         return named
     if reduced := isinstance(coordinates, terrain.TerrainModes):
         named = {"heave_shape": coordinates.heave, "tilt_shape": coordinates.tilt}
     for rate in RATES:
-        rows, after = states.part(f"terrain{rate}"), rate.replace(" ", "_")
+        rows = states.part(f"terrain{rate}")
+        after = rate.replace(" ", "_")
         if reduced:
             named[f"{files.TERRAIN}{after}"] = rows.copy()
         else:
@@ -181,7 +189,7 @@ def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
     keys = rows[:, [RESULT[name] for name in ("shoe", "unit", "finger")]].astype(int)
     keys[:, :2] += 1  # shoes and units count from 1
     pairs, column = np.unique(keys, axis=0, return_inverse=True)
-    when = np.repeat(np.arange(len(results)), [len(one) for one in results])
+    when = np.repeat(np.arange(len(results)), [len(contacts) for contacts in results])
     tables = {}
     for name, quantity in CONTACTS.items():
         if not quantity.lacking(states.system.case):
@@ -199,7 +207,9 @@ def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
 
 def _dragged(states: _States, motion: Arrays) -> Arrays:
     """Force, place and torque of the drive on the front shoe."""
-    layout, point, angles = states.system.layout, states.system.point, motion["angles"]
+    layout = states.system.layout
+    point = states.system.point
+    angles = motion["angles"]
     # the front shoe is the last of the flexible ones, if it is one of them
     modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(angles), 0))
     return {
@@ -211,9 +221,9 @@ def _dragged(states: _States, motion: Arrays) -> Arrays:
 
 def _side_frame(states: _States) -> tuple[Arrays, "GearForces"]:
     """Motion of the side frame, and forces of its wheels."""
-    found = states.system.gear_forces(states.part("time"), *map(states.part, COORDINATES))
+    gear_forces = states.system.gear_forces(states.part("time"), *map(states.part, COORDINATES))
     motion = _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_")
-    return motion | _bogies(states, motion), found
+    return motion | _bogies(states, motion), gear_forces
 
 
 def _bogies(states: _States, of_frame: Arrays) -> Arrays:
@@ -231,19 +241,20 @@ def _rolled(states: _States, motion: Arrays) -> Arrays:
     """Motion of a side frame over an open track, forces of its rollers and pull of its drive."""
     case = states.system.case
     frame = case.rolled_gear()
-    of_frame, found = _side_frame(states)
+    of_frame, gear_forces = _side_frame(states)
     turned = rotations.rotation_matrices(of_frame["side_frame_angles"])[:, 0, 0]
     axes = of_frame["side_frame_position"][:, :1] + np.outer(turned, frame.rollers)
     behind = np.floor((axes - motion["position"][:, :1, 0]) / case.track.pitch).astype(int)
     behind = np.clip(behind, 0, case.track.shoe_count - len(NEIGHBOURS))
-    rollers, when = np.arange(axes.shape[1]), np.arange(len(axes))[:, None, None]
+    rollers = np.arange(axes.shape[1])
+    when = np.arange(len(axes))[:, None, None]
     shoes = behind[..., None] + np.arange(len(NEIGHBOURS))
     # of either slot of a shoe, where it has the roller: (times, rollers, neighbours, strips, 3)
-    has = (found.strip_wheel[when, shoes] == rollers[:, None, None])[..., None, None]
+    has = (gear_forces.strip_wheel[when, shoes] == rollers[:, None, None])[..., None, None]
     split = (*axes.shape, len(NEIGHBOURS), len(SIDES), frame.strips, 3)
     force, foot = (
         np.where(has, forces[when, shoes], 0.0).sum(axis=3).reshape(split).transpose(0, 1, 3, 4, 2, 5)
-        for forces in (found.strip_force, found.strip_foot)
+        for forces in (gear_forces.strip_force, gear_forces.strip_foot)
     )
     return of_frame | {
         "drive_pull": -states.part("drive")[:, 0],
@@ -257,7 +268,7 @@ def _rolled(states: _States, motion: Arrays) -> Arrays:
 def _closed(states: _States, motion: Arrays) -> Arrays:
     """Motion of side frame and tumblers of closed tracks, drive, wheels and teeth."""
     case = states.system.case
-    of_frame, found = _side_frame(states)
+    of_frame, gear_forces = _side_frame(states)
     names = case.gear.tumblers
     start = case.tumbler_reference
     place = states.parts(names)[..., :3] + start[:, :3]
@@ -268,21 +279,21 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
     )
     take_up = _take_up(states)
     if case.tracks == 1:
-        place, torque, pitch, rate, take_up = (one[:, 0] for one in (place, torque, pitch, rate, take_up))
+        place, torque, pitch, rate, take_up = (array[:, 0] for array in (place, torque, pitch, rate, take_up))
     named = of_frame | {
         "tumbler_position": place,
         "tumbler_angle": pitch,
         "tumbler_speed": rate,
         "drive_moment": torque,
         "take_up": take_up,
-        "wheel_force": found.on_wheels,
-        "wheel_load": found.wheel[..., :3],
-        "wheel_moment": found.wheel[..., 3:],
-        "tooth_force": found.tooth[..., :3],
-        "tooth_moment": found.tooth[..., 3:],
-        "guide_force": found.guide,
-        "wheel_energy": found.energy[:, 0],
-        "tooth_energy": found.energy[:, 1],
+        "wheel_force": gear_forces.on_wheels,
+        "wheel_load": gear_forces.wheel[..., :3],
+        "wheel_moment": gear_forces.wheel[..., 3:],
+        "tooth_force": gear_forces.tooth[..., :3],
+        "tooth_moment": gear_forces.tooth[..., 3:],
+        "guide_force": gear_forces.guide,
+        "wheel_energy": gear_forces.energy[:, 0],
+        "tooth_energy": gear_forces.energy[:, 1],
     }
     if not states.system.layout.flexible_shoes:
         return named
@@ -290,16 +301,16 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
     across = rotations.rotation_matrices(motion["angles"][:, shoes])[..., 1]
     turned = states.parts(names)[..., 3:] + start[:, 3:]
     axis = rotations.rotation_matrices(turned[:, shoes // case.loop.shoe_count])[..., 1]
-    times, count, slots, strips = found.strip_guide.shape
+    times, count, slots, strips = gear_forces.strip_guide.shape
     split = (times, count, slots, len(SIDES), strips // len(SIDES), 3)
-    guide = found.strip_guide[..., None] * across[:, :, None, None]
+    guide = gear_forces.strip_guide[..., None] * across[:, :, None, None]
     return named | {
-        "strip_wheel": found.strip_wheel + 1,
-        "strip_force": found.strip_force.reshape(split),
-        "strip_foot": found.strip_foot.reshape(split),
+        "strip_wheel": gear_forces.strip_wheel + 1,
+        "strip_force": gear_forces.strip_force.reshape(split),
+        "strip_foot": gear_forces.strip_foot.reshape(split),
         "strip_guide": guide.reshape(split),
-        "lug_force": found.lug_force,
-        "lug_guide": found.lug_guide[..., None] * axis[:, :, None],
+        "lug_force": gear_forces.lug_force,
+        "lug_guide": gear_forces.lug_guide[..., None] * axis[:, :, None],
     }
 
 
@@ -309,7 +320,8 @@ def _take_up(states: _States) -> np.ndarray:
     take_up = np.full((len(states.rows), case.tracks), case.assembled.take_up)
     if not case.gear.sliding_idlers:
         return take_up
-    frame, start = states.part(SIDE_FRAME), case.idler_reference[:, :3] - case.frame_start
+    frame = states.part(SIDE_FRAME)
+    start = case.idler_reference[:, :3] - case.frame_start
     for k, name in enumerate(case.gear.sliding_idlers):
         apart = states.part(name)[:, :3] - frame[:, :3] + start[k]
         turn = rotations.rotation_matrices(frame[:, 3:])

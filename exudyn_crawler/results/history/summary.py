@@ -1,4 +1,4 @@
-"""What a run comes to: key results, extremes, loads, and differences from another run."""
+"""Tables that sum up a run: key results, extremes, loads, and differences from another run."""
 
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
@@ -45,8 +45,8 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     for part, own in history.parts(stress):
         for name, values in part.over_time(named, own).items():
             for label, some in _apart(part.case, name, values):
-                found = _extreme(_size(some))
-                greatest[name, label] = max(greatest.get((name, label), found), found, key=_value)
+                extreme = _extreme(_size(some))
+                greatest[name, label] = max(greatest.get((name, label), extreme), extreme, key=_value)
         driven.add(part)
     rows = []
     for (name, label), one in greatest.items():
@@ -147,9 +147,9 @@ def _size(values: xr.DataArray) -> xr.DataArray:
 def _extreme(values: xr.DataArray, which: Literal["least", "greatest", "largest"] = "greatest") -> Extreme:
     """Least or greatest value of a series, or that of largest magnitude."""
     ranked = -values if which == "least" else abs(values) if which == "largest" else values
-    at = {str(dim): int(index) for dim, index in ranked.argmax(...).items()}
-    of = ", ".join(_item(values, dim, index) for dim, index in at.items() if dim != "time")
-    return Extreme(float(values.isel(at)), of, float(values.time[at["time"]]))
+    indices = {str(dim): int(index) for dim, index in ranked.argmax(...).items()}
+    of = ", ".join(_item(values, dim, index) for dim, index in indices.items() if dim != "time")
+    return Extreme(float(values.isel(indices)), of, float(values.time[indices["time"]]))
 
 
 def _item(values: xr.DataArray, dim: str, index: int) -> str:
@@ -250,12 +250,15 @@ def tension_along_chain(history: History) -> xr.Dataset:
     """
     case = history.case
     closed = case.closed_gear()
-    data, track = history.dataset, case.track
+    data = history.dataset
+    track = case.track
     tension = history.over_time(["link_tension"])["link_tension"].transpose("time", "joint").values
-    count, turned = tension.shape[1], data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)
+    count = tension.shape[1]
+    turned = data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)
     place = np.rint(np.arange(count) - turned[:, None]).astype(int) % count
     there = [tension[place == one] for one in range(count)]
-    start, turn = data.isel(time=0), catalogue.rotation_matrices(data.angles.isel(time=0).values)
+    start = data.isel(time=0)
+    turn = catalogue.rotation_matrices(data.angles.isel(time=0).values)
     pins = start.position.values + turn @ [track.pin_ahead, 0.0, track.pin_height]
     rise = (0.0 if case.shoe.rails is None else case.shoe.rails.height) - track.pin_height
     x, _, z = (pins - start.side_frame_position.values).T
@@ -291,7 +294,7 @@ ROUNDING = 1e-12
 def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
     """Quantities over time of a run to compare with another's; contacts by shoe, in units for reading."""
     named = [name for name in catalogue.select(compared=True) if history.has(name, stress)]
-    return {name: catalogue.for_reading(one) for name, one in history.over_time(named, stress).items()}
+    return {name: catalogue.for_reading(values) for name, values in history.over_time(named, stress).items()}
 
 
 def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:
@@ -304,19 +307,22 @@ def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.
     """
     rows = []
     for name in [name for name in first if name in second]:
-        time, end = first[name].time.values, float(second[name].time[-1])
+        time = first[name].time.values
+        end = float(second[name].time[-1])
         time = time[time <= end * (1.0 + 1e-9)]
         a, b = xr.align(first[name], second[name], join="inner", exclude=["time"])
         a, b = a.sel(time=time), b.interp(time=np.minimum(time, end)).assign_coords(time=time)
         greatest = float(abs(a).max()) if a.size else 0.0
-        for (axis, one), (_, other) in zip(_by_axis(a), _by_axis(b), strict=True):
-            still = axis and all(bool((abs(values) <= STILL * greatest).all()) for values in (one, other))
-            difference = other - one
+        for (axis, series), (_, other) in zip(_by_axis(a), _by_axis(b), strict=True):
+            still = axis and all(bool((abs(values) <= STILL * greatest).all()) for values in (series, other))
+            difference = other - series
             if still or not (abs(difference) > ROUNDING * max(greatest, ROUNDING)).any():
                 continue
-            size, now = float(abs(one).max()), float(abs(other).max())
+            size = float(abs(series).max())
+            now = float(abs(other).max())
             change = 100.0 * (now - size) / size if size > 0.0 else np.nan
             change = change if abs(change) <= MOST_CHANGE else np.nan
-            rms, found = float(np.sqrt((difference**2).mean())), _extreme(difference.fillna(0.0), "largest")
-            rows.append((str(name), axis, one.attrs.get("units", ""), size, now, change, rms, *found))
+            rms = float(np.sqrt((difference**2).mean()))
+            extreme = _extreme(difference.fillna(0.0), "largest")
+            rows.append((str(name), axis, series.attrs.get("units", ""), size, now, change, rms, *extreme))
     return pd.DataFrame(rows, columns=COLUMNS)

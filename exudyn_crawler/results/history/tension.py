@@ -28,10 +28,8 @@ class Hanging(NamedTuple):
 
 def hanging_chains(case: Case, state: xr.Dataset) -> list[Hanging]:
     """Chains of all tracks in one state of a history: a dataset without times."""
-    frame, turn = (
-        state.side_frame_position.values,
-        catalogue.rotation_matrices(state.side_frame_angles.values),
-    )
+    frame = state.side_frame_position.values
+    turn = catalogue.rotation_matrices(state.side_frame_angles.values)
     pins = _pins(case, state).reshape(case.tracks, -1, 3)
     take_ups = np.atleast_1d(state.take_up.values)
     sides = ("",) if case.tracks == 1 else SIDES
@@ -79,5 +77,6 @@ def depth_below_edge(points: np.ndarray) -> float:
 
 def _turns_up(first: np.ndarray, second: np.ndarray, third: np.ndarray) -> bool:
     """True where the second of three points lies on or below the line of the others."""
-    (x0, z0), (x1, z1) = second - first, third - second
+    (x0, z0) = second - first
+    (x1, z1) = third - second
     return bool(x0 * z1 - z0 * x1 >= 0.0)

@@ -25,12 +25,14 @@ PYLIFE_CLASSES = dict(
 )
 """PyLife's names of them."""
 CASTINGS: dict[str, Any] = {"fkm_class": "cast steel", "casting_factor": 1.25, "scatter": 1.4}
-MEGA, MICRO, MILLI = 1e6, 1e-6, 1e-3
+MEGA = 1e6
+MICRO = 1e-6
+MILLI = 1e-3
 HARDNESS = 3.2  # tensile strength in MPa over Vickers hardness of steel
 
 
 class Casting(Parameters):
-    """What of the casting differs in a region of a shoe."""
+    """Values of the casting that differ in a region of a shoe."""
 
     region: Literal["all"] | Region = option("of the shoe, or all that have no such table", default="all")
     residual_stress: float = quantity(
@@ -91,11 +93,12 @@ class FatigueMaterial(Parameters):
     castings: tuple[Casting, ...] = option("defects and residual stress by region", default=())
 
     def _errors(self) -> Errors:
-        strength, least = self.tensile_strength, self.yield_strength
+        strength = self.tensile_strength
+        least = self.yield_strength
         if least > strength:
             yield f"yield_strength must not exceed tensile_strength = {strength:g} Pa, got {least:g} Pa"
-        regions = [one.region for one in self.castings]
-        if double := sorted({one for one in regions if regions.count(one) > 1}):
+        regions = [casting.region for casting in self.castings]
+        if double := sorted({region for region in regions if regions.count(region) > 1}):
             yield f"castings: regions must differ, got {double} twice"
 
     @classmethod
@@ -135,21 +138,23 @@ class FatigueMaterial(Parameters):
 
     def provenance(self) -> str:
         """Source of the values; of a ready material that was changed, which values are not of that source."""
-        ready = {one.source: one for one in (self.a36(), self.cast_nicrmo(), self.cast_manganese())}
-        own, names = ready.get(self.source, self), [*type(self).model_fields][1:]  # but for the name
-        changed = [name for name in names if getattr(self, name) != getattr(own, name)]
+        ready = {
+            material.source: material for material in (self.a36(), self.cast_nicrmo(), self.cast_manganese())
+        }
+        original, names = ready.get(self.source, self), [*type(self).model_fields][1:]  # but for the name
+        changed = [name for name in names if getattr(self, name) != getattr(original, name)]
         return f"{', '.join(changed)} as the duty gives; all else: {self.source}" if changed else self.source
 
     def factors(self) -> dict[str, float]:
         """Factors of the strength: at the knee fatigue_strength (Pa) over design and casting_factor."""
         strength = self.size_factor * self.tensile_strength / MEGA
-        given = {name: getattr(self, name) for name in ("fatigue_strength", "mean_sensitivity")}
-        found = _fkm_factors(self.fkm_class, strength, self.roughness / MICRO, MILLI * self.stress_gradient)
-        return found | {name: value for name, value in given.items() if value is not None}
+        settings = {name: getattr(self, name) for name in ("fatigue_strength", "mean_sensitivity")}
+        factors = _fkm_factors(self.fkm_class, strength, self.roughness / MICRO, MILLI * self.stress_gradient)
+        return factors | {name: value for name, value in settings.items() if value is not None}
 
     def casting(self, region: str) -> Casting:
         """Casting of a region."""
-        known: dict[str, Casting] = {one.region: one for one in self.castings}
+        known: dict[str, Casting] = {casting.region: casting for casting in self.castings}
         return known.get(region, known.get("all", Casting()))
 
     def defect_life(
@@ -184,20 +189,23 @@ def _fkm_factors(kind: FKMClass, strength: float, roughness: float, gradient: fl
     """Factors of `FatigueMaterial.factors` by the guideline, of strength (MPa), R_z (um), gradient (1/mm)."""
     from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
 
-    fkm, normal, one = FkmLinearFunctions(), pd.Series(["normal"]), pd.Series([1.0])
-    name, size = pd.Series([PYLIFE_CLASSES[kind]]), pd.Series([strength])
+    fkm = FkmLinearFunctions()
+    normal = pd.Series(["normal"])
+    unity = pd.Series([1.0])
+    name = pd.Series([PYLIFE_CLASSES[kind]])
+    size = pd.Series([strength])
     constants, of_stress = fkm.get_material_constants(name, normal)
     of_steel = constants, of_stress, normal
     rough = fkm.rough_factor(size, pd.Series([roughness]), *of_steel, pd.Series(["rough"]))
     support = fkm.stieler_support(*of_steel, pd.Series([gradient]), size)
-    found = {
+    factors = {
         "fatigue_strength": MEGA * fkm.reversed_mat_strength_chap4(size, *of_steel),
         "roughness": rough,
         "support": support,
-        "design": fkm.design_factor(support, fkm.kf_constant(name), rough, one, one, one),
+        "design": fkm.design_factor(support, fkm.kf_constant(name), rough, unity, unity, unity),
         "mean_sensitivity": np.maximum(0.0, fkm.sm_sensitivity_chap4(size, *of_steel)),
     }
-    return {name: float(np.ravel(values)[0]) for name, values in found.items()}
+    return {name: float(np.ravel(values)[0]) for name, values in factors.items()}
 
 
 HOUR = 3600.0  # s
@@ -300,18 +308,19 @@ class Duty(DamageOptions):
     )
 
     def _errors(self) -> Errors:
-        names, stages = [one.name for one in self.parts], [stage.name for stage in self.stages]
+        names = [part.name for part in self.parts]
+        stages = [stage.name for stage in self.stages]
         if not names:
             yield "runs or cases must be given, got neither"
         for what, several in (("runs'", names), ("stages'", stages)):
             if len(set(several)) != len(several):
                 yield f"the {what} names must differ, got {fields.shown(several)}"
-        if unknown := {one.stage for one in self.parts} - {*stages, None}:
+        if unknown := {part.stage for part in self.parts} - {*stages, None}:
             yield f"stage must be one of {stages}, got {fields.shown(sorted(map(str, unknown)))}"
         if list(self.survivals) != sorted(set(self.survivals)):
             yield f"survivals must be different and rise, got {fields.shown(self.survivals)}"
-        for one in self.by_stage():
-            _check_shares({run.name: run.share for run in one.runs if run.share is not None})
+        for duty in self.by_stage():
+            _check_shares({run.name: run.share for run in duty.runs if run.share is not None})
 
     @property
     def parts(self) -> tuple[DutyRun | DutyCase, ...]:
@@ -320,17 +329,21 @@ class Duty(DamageOptions):
 
     def by_stage(self) -> "list[Duty]":
         """Duty of each stage alone, which is named as the stage; ValueError if nothing happens in one."""
-        found = []
+        duties = []
         for name, check in ((stage.name, stage.check or self.check) for stage in self.stages):
-            own = [one.with_(stage=None) for one in self.parts if one.stage in (None, name)]
-            runs, cases = ([one for one in own if isinstance(one, kind)] for kind in (DutyRun, DutyCase))
-            found.append(self.with_(name=name, stages=(), check=check, runs=runs, cases=cases))
-        return found or [self]
+            parts = [part.with_(stage=None) for part in self.parts if part.stage in (None, name)]
+            runs, cases = ([part for part in parts if isinstance(part, kind)] for kind in (DutyRun, DutyCase))
+            duties.append(self.with_(name=name, stages=(), check=check, runs=runs, cases=cases))
+        return duties or [self]
 
     def times_an_hour(self, durations: list[float]) -> list[float]:
         """How often an hour each run happens, at durations in s; ValueError if all take more than an hour."""
-        times = {run.name: run.times_an_hour(one) for run, one in zip(self.runs, durations, strict=True)}
-        _check_shares({name: times[name] * one / HOUR for name, one in zip(times, durations, strict=True)})
+        times = {
+            run.name: run.times_an_hour(duration) for run, duration in zip(self.runs, durations, strict=True)
+        }
+        _check_shares(
+            {name: times[name] * duration / HOUR for name, duration in zip(times, durations, strict=True)}
+        )
         return list(times.values())
 
 
@@ -349,8 +362,8 @@ def read_duty(path: str | Path) -> Duty:
     duty = read_parameters(path, Duty, "duty file", lambda content: {"name": path.stem} | content)
 
     def found(check: str) -> str:
-        own = path.parent / check
-        return str(own.resolve()) if own.is_file() else check
+        file = path.parent / check
+        return str(file.resolve()) if file.is_file() else check
 
     return duty.with_(
         runs=tuple(run.with_(folder=str((path.parent / run.folder).resolve())) for run in duty.runs),

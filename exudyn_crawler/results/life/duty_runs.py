@@ -62,7 +62,8 @@ def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[Used
 
     ValueError if the runs' shoes have another mesh.
     """
-    places, columns = [*runs[0].basis.coordinates] if runs else [1], check_cases_of(duty)
+    places = [*runs[0].basis.coordinates] if runs else [1]
+    columns = check_cases_of(duty)
     if runs and runs[0].basis.shapes.mesh.digest != shapes.mesh.digest:
         raise ValueError(
             f"runs and check cases must have the same mesh, got {len(runs[0].basis.shapes.nodes)} nodes of "
@@ -82,8 +83,8 @@ def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[Used
 
 def check_cases_of(duty: Duty) -> list[str]:
     """Names of the check cases that a duty needs, each once."""
-    both = [name for case in duty.cases for name in (case.case, case.after)]
-    return [name for name in dict.fromkeys(both) if name != UNLOADED]
+    names = [name for case in duty.cases for name in (case.case, case.after)]
+    return [name for name in dict.fromkeys(names) if name != UNLOADED]
 
 
 def _part(run: DutyRun, history: History) -> History:
@@ -120,14 +121,14 @@ def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
         if (shoes := case.flexible) is None:
             raise ValueError(f"run {run.name!r} must have flexible shoes: name some in its case, [flexible]")
         body, _ = shoe_model(shoes, case.track)
-        own = {name: getattr(shoes, name) for name in ("shoes", "youngs_modulus", "poissons_ratio")}
-        own |= {"mesh": body.mesh.digest[:12]}
-        first = first or own
-        if unlike := [name for name, value in own.items() if value != first[name]]:
+        traits = {name: getattr(shoes, name) for name in ("shoes", "youngs_modulus", "poissons_ratio")}
+        traits |= {"mesh": body.mesh.digest[:12]}
+        first = first or traits
+        if unlike := [name for name, value in traits.items() if value != first[name]]:
             name = unlike[0]
             raise ValueError(
                 f"the runs must have the same shoes: {name} of {runs[0].name!r} is {first[name]}, "
-                f"of {run.name!r} {own[name]}"
+                f"of {run.name!r} {traits[name]}"
             )
 
 
@@ -180,8 +181,9 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
     """Cycles and causes at some nodes with their S-N curves, with stresses at full rank."""
     tables: dict[int, list[pd.DataFrame]] = {node: [] for node in curves}
     by_criterion = {node: dict.fromkeys(map(str, damage.SIGNED_CRITERIA), 0.0) for node in curves}
-    for run, shoe in [(one, place) for one in runs for place in one.basis.coordinates]:
-        often, counted = run.times_an_hour / len(run.basis.coordinates), {}
+    for run, shoe in [(used_run, place) for used_run in runs for place in used_run.basis.coordinates]:
+        often = run.times_an_hour / len(run.basis.coordinates)
+        counted = {}
         for node, curve in curves.items():
             for criterion in damage.SIGNED_CRITERIA:
                 cycles = repeated_cycles(node_signals(criterion, run.basis, shoe, [node])[0])
@@ -202,16 +204,20 @@ def node_signals(
     criterion: damage.SignedCriterion, basis: StressBasis, shoe: int, nodes: np.ndarray | list[int]
 ) -> np.ndarray:
     """Signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
-    modes, q, found = basis.shapes.stress_modes[nodes], basis.coordinates[shoe], []
+    modes = basis.shapes.stress_modes[nodes]
+    q = basis.coordinates[shoe]
+    signals = []
     for rows in parts_of(len(q)):
         stress = modes.reshape(-1, modes.shape[2]) @ q[rows].T
-        found.append(damage.signed_signals(criterion, stress.reshape(len(nodes), 6, -1)))
-    return np.concatenate(found, axis=1)
+        signals.append(damage.signed_signals(criterion, stress.reshape(len(nodes), 6, -1)))
+    return np.concatenate(signals, axis=1)
 
 
 def _table(run: UsedRun, shoe: int, cycles: Cycles) -> pd.DataFrame:
     """Ends of the cycles of a node over a run."""
-    phase, begin, end = np.asarray(run.phase), cycles.begin_row, cycles.end_row
+    phase = np.asarray(run.phase)
+    begin = cycles.begin_row
+    end = cycles.end_row
     columns = {
         "run": run.run.name,
         "shoe": shoe,
@@ -228,18 +234,19 @@ def _table(run: UsedRun, shoe: int, cycles: Cycles) -> pd.DataFrame:
 def _of_loads(
     duty: Duty, basis: StressBasis, shoe: int, cycles: Mapping[int, Cycles]
 ) -> dict[int, dict[str, np.ndarray]]:
-    """What each load makes of the duty's signal at nodes of a shoe between the ends of cycles (n,), in Pa."""
+    """Part of each load in the duty's signal at nodes of a shoe between the ends of cycles (n,), in Pa."""
     q = basis.coordinates[shoe]
-    found: dict[int, dict[str, np.ndarray]] = {node: {} for node in cycles}
+    by_node: dict[int, dict[str, np.ndarray]] = {node: {} for node in cycles}
     for rows in parts_of(len(q)):
-        loads, own = basis.by_load(shoe, rows), q[rows]
+        loads = basis.by_load(shoe, rows)
+        coordinates = q[rows]
         for node, of in cycles.items():
             modes = basis.shapes.stress_modes[node]
             for end, sense in ((of.end_row, 1.0), (of.begin_row, -1.0)):
                 here = np.flatnonzero((end >= rows.start) & (end < rows.stop))
-                at = end[here] - rows.start
-                along = stress_directions(duty.criterion, own[at] @ modes.T)
+                instants = end[here] - rows.start
+                along = stress_directions(duty.criterion, coordinates[instants] @ modes.T)
                 for load, part in loads.items():
-                    of_load = found[node].setdefault(load, np.zeros(len(end)))
-                    of_load[here] += sense * np.einsum("tk,tk->t", along, part[at] @ modes.T)
-    return found
+                    of_load = by_node[node].setdefault(load, np.zeros(len(end)))
+                    of_load[here] += sense * np.einsum("tk,tk->t", along, part[instants] @ modes.T)
+    return by_node

@@ -25,7 +25,8 @@ from fem.damage import SIGNED_CRITERIA, damage_between, recover_damage
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
-MEGA, MILLI = 1e6, 1e-3
+MEGA = 1e6
+MILLI = 1e-3
 LIFE = "life in h"  # what the columns of lives begin with
 
 
@@ -87,7 +88,9 @@ def life_of(
     if shapes is not None:
         runs += used_cases(duty, shapes, runs)
     basis = runs[0].basis
-    whole, surface, history = basis.shapes, basis.shapes.mesh.surface_nodes, basis.history
+    whole = basis.shapes
+    surface = basis.shapes.mesh.surface_nodes
+    history = basis.history
     if inside := sorted(set(duty.nodes) - set(surface.tolist())):
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
     regions = hot_spots.shoe_regions(whole, Track.ph4100c() if history is None else history.case.track)
@@ -96,7 +99,7 @@ def life_of(
     for shoe in basis.coordinates:
         say(f"shoe {shoe}: counting cycles of {len(surface)} nodes")
         at_places.append(_at_place(duty, runs, groups, shoe))
-    damage, parts, amplitude = (np.array(one) for one in zip(*at_places, strict=True))
+    damage, parts, amplitude = (np.array(column) for column in zip(*at_places, strict=True))
     mean = damage.mean(axis=0)
     known = _worst_first(mean[-1])
     shown = _shown(known, regions, duty)
@@ -113,7 +116,7 @@ def life_of(
         "plane_normal": directions,
         **_life_trust(runs, next(iter(groups)), damage[:, -1], amplitude, spreads),
     }
-    names = [part for one in runs for part in one.parts] + [BETWEEN] * (len(runs) > 1)
+    names = [part for run in runs for part in run.parts] + [BETWEEN] * (len(runs) > 1)
     variables = {name: catalogue.variable(name, value) for name, value in values.items()}
     dataset = hot_spots.mesh_dataset(whole).assign(variables)
     dataset = dataset.assign_attrs(duty=duty.model_dump_json()).assign_coords(
@@ -121,8 +124,8 @@ def life_of(
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, _curves(duty, regions, shown))
-    found = LifeResults(duty, dataset, shortest_lives(dataset, nodes, runs, regions), nodes, runs, regions)
-    return _with_castings(found, [found], [np.arange(len(whole.nodes))])
+    life = LifeResults(duty, dataset, shortest_lives(dataset, nodes, runs, regions), nodes, runs, regions)
+    return _with_castings(life, [life], [np.arange(len(whole.nodes))])
 
 
 def _curves(duty: Duty, regions: np.ndarray, nodes: np.ndarray | list[int]) -> dict[int, SNCurve]:
@@ -134,7 +137,7 @@ def _curves(duty: Duty, regions: np.ndarray, nodes: np.ndarray | list[int]) -> d
 def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> dict[SNCurve, np.ndarray]:
     """Nodes of the surface by their S-N curve."""
     nodes = pd.Series(_curves(duty, regions, surface))
-    return {curve: own.index.to_numpy() for curve, own in nodes.groupby(nodes, sort=False)}
+    return {curve: group.index.to_numpy() for curve, group in nodes.groupby(nodes, sort=False)}
 
 
 def _with_castings(
@@ -144,17 +147,24 @@ def _with_castings(
 
     Without what goes between runs; at the nodes of its table, and the `nearest` ones of earlier stages.
     """
-    duty, material, rows = found.duty, found.duty.material, []
-    if not any(one.defect_size or one.residual_stress for one in material.castings):
+    duty = found.duty
+    material = found.duty.material
+    rows = []
+    if not any(cast_part.defect_size or cast_part.residual_stress for cast_part in material.castings):
         return found
     lasting = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
     for region, node in zip(found.table["region"], found.table["node"], strict=True):
         cycles = []
-        for one, near, hours in zip(stages, nearest, lasting, strict=True):
-            at, curve = int(near[node]), material.curve(duty.miner, region)
-            own = found.nodes if one is stages[-1] else node_lives(one.duty, one.runs, {at: curve})
+        for stage_life, near, hours in zip(stages, nearest, lasting, strict=True):
+            neighbour = int(near[node])
+            curve = material.curve(duty.miner, region)
+            lives = (
+                found.nodes
+                if stage_life is stages[-1]
+                else node_lives(stage_life.duty, stage_life.runs, {neighbour: curve})
+            )
             names = ("begin in Pa", "end in Pa", "times an hour")
-            begin, end, rate = (own[at].cycles[name].to_numpy(dtype=float) for name in names)
+            begin, end, rate = (lives[neighbour].cycles[name].to_numpy(dtype=float) for name in names)
             cycles.append(defects.CycleStage(begin, end, rate, hours))
         life = material.defect_life(region, duty.miner, cycles, duty.survivals[-1])
         casting = material.casting(region)
@@ -183,37 +193,40 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     stages have other places in the track.
     """
     last = stages[-1]
-    if any(one.dataset.shoe.values.tolist() != last.dataset.shoe.values.tolist() for one in stages):
+    if any(stage.dataset.shoe.values.tolist() != last.dataset.shoe.values.tolist() for stage in stages):
         raise ValueError("all stages must have flexible shoes at the same places in the track")
-    nearest = [nearest_nodes(one, last) for one in stages]
-    each = [one.dataset.isel(node=k) for one, k in zip(stages, nearest, strict=True)]
-    damage = np.stack([one.damage_an_hour.values for one in each])
+    nearest = [nearest_nodes(stage, last) for stage in stages]
+    each = [stage.dataset.isel(node=k) for stage, k in zip(stages, nearest, strict=True)]
+    damage = np.stack([data.damage_an_hour.values for data in each])
     spent = hours_in_stages(damage, [stage.hours for stage in duty.stages])
     shares = spent / spent.sum(axis=0)
     mean = (shares * damage).sum(axis=0)
-    parts = [share[-1] * one.part_damage.values for share, one in zip(shares, each, strict=True)]
+    parts = [share[-1] * data.part_damage.values for share, data in zip(shares, each, strict=True)]
     of_stages = zip(duty.stages, each, strict=True)
-    names = [f"{stage.name}, {part}" for stage, one in of_stages for part in one.part.values]
+    names = [f"{stage.name}, {part}" for stage, data in of_stages for part in data.part.values]
     values = {
-        "place_damage": sum(share * one.place_damage.values for share, one in zip(shares, each, strict=True)),
+        "place_damage": sum(
+            share * data.place_damage.values for share, data in zip(shares, each, strict=True)
+        ),
         "damage_an_hour": mean,
         "life": life_hours(mean),
         "part_damage": np.concatenate(parts),
     }
-    shown, nodes = _shown(_worst_first(mean[-1]), last.regions, duty), dict(last.nodes)
+    shown = _shown(_worst_first(mean[-1]), last.regions, duty)
+    nodes = dict(last.nodes)
     if more := [node for node in shown if node not in nodes]:
         nodes |= node_lives(last.duty, last.runs, _curves(duty, last.regions, more))
         groups = _groups(duty, last.regions, last.whole.mesh.surface_nodes)
         planes = _on_critical_planes(last.duty, last.runs, groups, np.array(more))
-        for name, own in zip(("plane_damage", "plane_normal"), planes, strict=True):
-            values[name] = np.where(np.isnan(own), last.dataset[name].values, own)
+        for name, array in zip(("plane_damage", "plane_normal"), planes, strict=True):
+            values[name] = np.where(np.isnan(array), last.dataset[name].values, array)
     nodes = {node: nodes[node] for node in shown}  # the worst first
     dataset = last.dataset.drop_dims("part").assign_coords(part=np.array(names, dtype=object))
     dataset = dataset.assign({name: catalogue.variable(name, value) for name, value in values.items()})
     dataset = dataset.assign_attrs(duty=duty.model_dump_json())
     table = shortest_lives(dataset, nodes, last.runs, last.regions)
-    found = replace(last, duty=duty, dataset=dataset, table=table, nodes=nodes)
-    return _with_castings(found, stages, nearest)
+    life = replace(last, duty=duty, dataset=dataset, table=table, nodes=nodes)
+    return _with_castings(life, stages, nearest)
 
 
 def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
@@ -221,39 +234,41 @@ def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
 
     The last stage goes on, `BEYOND` at most.
     """
-    rest, spent = np.ones(damage.shape[1:]), np.zeros(damage.shape)
-    for k, own in enumerate(damage):
-        until = rest / np.maximum(own, 1.0 / BEYOND)
+    rest = np.ones(damage.shape[1:])
+    spent = np.zeros(damage.shape)
+    for k, rate in enumerate(damage):
+        until = rest / np.maximum(rate, 1.0 / BEYOND)
         spent[k] = until if k == len(damage) - 1 else np.minimum(until, hours[k])
-        rest = np.maximum(rest - spent[k] * own, 0.0)
+        rest = np.maximum(rest - spent[k] * rate, 0.0)
     return spent
 
 
 def nearest_nodes(one: LifeResults, last: LifeResults) -> np.ndarray:
     """Node of a stage's mesh nearest to each of the last stage's (nodes,), of the same region's surface."""
-    found = np.arange(len(last.whole.nodes))
+    nodes = np.arange(len(last.whole.nodes))
     if one.whole.mesh.digest == last.whole.mesh.digest:
-        return found
+        return nodes
     surface = one.whole.mesh.surface_nodes
     for region in np.unique(last.regions):
         here = np.flatnonzero(last.regions == region)
-        own = surface[one.regions[surface] == region]
-        own = own if len(own) else surface
-        found[here] = own[cKDTree(one.whole.nodes[own]).query(last.whole.nodes[here])[1]]
-    return found
+        candidates = surface[one.regions[surface] == region]
+        candidates = candidates if len(candidates) else surface
+        nodes[here] = candidates[cKDTree(one.whole.nodes[candidates]).query(last.whole.nodes[here])[1]]
+    return nodes
 
 
 def _at_place(
     duty: Duty, runs: Sequence[UsedRun], groups: Mapping[SNCurve, np.ndarray], shoe: int
 ) -> list[np.ndarray]:
     """Damage an hour (survivals, nodes), also (parts, nodes), and amplitude (nodes,), Pa, of a shoe."""
-    whole, surface = runs[0].basis.shapes, np.concatenate([*groups.values()])
+    whole = runs[0].basis.shapes
+    surface = np.concatenate([*groups.values()])
     of_groups = zip(*(_of_group(duty, runs, *group, shoe) for group in groups.items()), strict=True)
-    found = [_spread(np.concatenate(one, axis=-1), surface, len(whole.nodes)) for one in of_groups]
+    quantities = [_spread(np.concatenate(pieces, axis=-1), surface, len(whole.nodes)) for pieces in of_groups]
     for run in runs:
         if run.basis.history is not None:
-            found[0][:, hot_spots.near_pull(run.basis.history, whole, shoe)] = np.nan
-    return found
+            quantities[0][:, hot_spots.near_pull(run.basis.history, whole, shoe)] = np.nan
+    return quantities
 
 
 def _of_group(
@@ -263,11 +278,13 @@ def _of_group(
     parts, ends = [], []  # (survivals, phases, nodes) each; highest and lowest stresses
     for run in runs:
         counting = run.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
-        modes, q = run.basis.shapes.stress_modes, run.basis.coordinates[shoe]
-        found = recover_damage(modes, q, duty.criterion, counting, surface)
-        parts.append(run.times_an_hour * found.damage.transpose(1, 2, 0))
-        ends.append((found.highest, found.lowest))
-    highest, lowest = np.max([high for high, _ in ends], axis=0), np.min([low for _, low in ends], axis=0)
+        modes = run.basis.shapes.stress_modes
+        q = run.basis.coordinates[shoe]
+        recovery = recover_damage(modes, q, duty.criterion, counting, surface)
+        parts.append(run.times_an_hour * recovery.damage.transpose(1, 2, 0))
+        ends.append((recovery.highest, recovery.lowest))
+    highest = np.max([high for high, _ in ends], axis=0)
+    lowest = np.min([low for _, low in ends], axis=0)
     if len(runs) > 1:
         often = min(run.times_an_hour for run in runs)
         often = often if duty.changes_an_hour is None else duty.changes_an_hour
@@ -291,16 +308,17 @@ def _on_critical_planes(
     normals = critical_plane.surface_normals(mesh)
 
     def damage_on(nodes: np.ndarray, angles: np.ndarray) -> np.ndarray:
-        found = np.zeros((*angles.shape, len(duty.survivals)))
-        for one, (curve, there) in itertools.product(runs, groups.items()):
-            own = np.flatnonzero(np.isin(nodes, there))
-            counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
-            modes, coordinates = one.basis.shapes.stress_modes, one.basis.coordinates
-            for q in coordinates.values() if len(own) else ():
-                of_own = modes, q, normals, angles[own], counting, nodes[own]
+        damage = np.zeros((*angles.shape, len(duty.survivals)))
+        for run, (curve, there) in itertools.product(runs, groups.items()):
+            rows = np.flatnonzero(np.isin(nodes, there))
+            counting = run.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
+            modes = run.basis.shapes.stress_modes
+            coordinates = run.basis.coordinates
+            for q in coordinates.values() if len(rows) else ():
+                of_own = modes, q, normals, angles[rows], counting, nodes[rows]
                 each = critical_plane.damage_on_planes(*of_own)
-                found[own] += one.times_an_hour / len(coordinates) * each
-        return found
+                damage[rows] += run.times_an_hour / len(coordinates) * each
+        return damage
 
     planes = critical_plane.critical_planes(damage_on, nodes)
     directions = critical_plane.plane_normals(normals[nodes], planes.angles[:, None])[:, 0]
@@ -327,19 +345,19 @@ def _life_trust(
     over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
     widest of the runs' counts, at the place that wears a node most.
     """
-    resolved = [trust.resolution_over(one.basis.shapes, _changes(one.basis.coordinates)) for one in runs]
-    found = sum(resolved[1:], start=resolved[0])
+    resolved = [trust.resolution_over(run.basis.shapes, _changes(run.basis.coordinates)) for run in runs]
+    resolution = sum(resolved[1:], start=resolved[0])
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
-    most = max(one.basis.bound or 0.0 for one in runs)
-    part = found.error + np.divide(most, greatest, out=np.zeros_like(greatest), where=greatest > 0.0)
+    most = max(run.basis.bound or 0.0 for run in runs)
+    part = resolution.error + np.divide(most, greatest, out=np.zeros_like(greatest), where=greatest > 0.0)
     worst = np.argmax(np.where(known, damage, 0.0), axis=0)
-    known_spreads = [one.values[worst, np.arange(len(part))] for one in spreads if one is not None]
+    known_spreads = [spread.values[worst, np.arange(len(part))] for spread in spreads if spread is not None]
     part = np.where(known, part + np.max([np.zeros_like(part), *known_spreads], axis=0), np.nan)
     held = np.isin(np.arange(len(part)), runs[0].basis.shapes.spider_nodes) & known
     return {
         "stress_error": part,
-        "verdict": trust.verdict_numbers(part, found.error, found.relative_jump, held),
+        "verdict": trust.verdict_numbers(part, resolution.error, resolution.relative_jump, held),
         "life_factor": (1.0 + part) ** curve.steepest,
     }
 
@@ -370,18 +388,21 @@ def shortest_lives(
     the damage, and the parts of all loads; life by each criterion, those signed without what goes from run
     to run; and whether a joint's rigid spider is near.
     """
-    whole, own = runs[0].basis.shapes, dataset.sel(node=list(nodes))
-    damage, factor = own.damage_an_hour.values[-1], own.life_factor.values
-    places, parts = own.place_damage.isel(survival=-1), own.part_damage
-    shares = [one.load_shares for one in nodes.values()]
-    columns = {"region": regions[own.node], "node": own.node.values}
-    columns |= hot_spots.in_the_shoe(own.node_position)
-    for survival, lives in zip(own.survival.values, own.life.values, strict=True):
+    whole = runs[0].basis.shapes
+    data = dataset.sel(node=list(nodes))
+    damage = data.damage_an_hour.values[-1]
+    factor = data.life_factor.values
+    places = data.place_damage.isel(survival=-1)
+    parts = data.part_damage
+    shares = [node_life.load_shares for node_life in nodes.values()]
+    columns = {"region": regions[data.node], "node": data.node.values}
+    columns |= hot_spots.in_the_shoe(data.node_position)
+    for survival, lives in zip(data.survival.values, data.life.values, strict=True):
         columns[f"{LIFE} that {100.0 * survival:g} % survive"] = lives
     columns |= {
         f"{LIFE} at least": life_hours(damage * factor),
         f"{LIFE} at most": life_hours(damage / factor),
-        "verdict": trust.verdict_words(own.verdict, all(one.basis.bound is not None for one in runs)),
+        "verdict": trust.verdict_words(data.verdict, all(run.basis.bound is not None for run in runs)),
         "worst place": places.shoe.values[np.nanargmax(places, axis=0)],
         f"{LIFE} there": life_hours(places.max("shoe").values),
         "main part": np.where(damage > 0.0, parts.part.values[parts.values.argmax(axis=0)], ""),
@@ -390,10 +411,12 @@ def shortest_lives(
     }
     columns |= pd.DataFrame(shares).add_prefix(hot_spots.SHARE).to_dict("series")
     for name in SIGNED_CRITERIA:
-        columns[f"{LIFE}, {name}"] = life_hours(np.array([one.by_criterion[name] for one in nodes.values()]))
-    columns[f"{LIFE}, critical plane"] = life_hours(own.plane_damage.values[-1])
-    beside = np.where(np.isin(own.node, whole.nodes_beside_spiders), "beside spider", "")
-    columns["flag"] = np.where(np.isin(own.node, whole.spider_nodes), "in spider", beside)
+        columns[f"{LIFE}, {name}"] = life_hours(
+            np.array([node_life.by_criterion[name] for node_life in nodes.values()])
+        )
+    columns[f"{LIFE}, critical plane"] = life_hours(data.plane_damage.values[-1])
+    beside = np.where(np.isin(data.node, whole.nodes_beside_spiders), "beside spider", "")
+    columns["flag"] = np.where(np.isin(data.node, whole.spider_nodes), "in spider", beside)
     return pd.DataFrame(columns)
 
 

@@ -1,1 +1,1 @@
-"""What acts on a shoe, and what that loads."""
+"""Actions on a shoe, and the coordinates that they load."""

@@ -1,4 +1,4 @@
-"""What acts on the shoes and the side frame of a history, as data: a record for each action, over all times.
+"""Actions on the shoes and the side frame of a history, as data: a record for each action, over all times.
 
 Balances of momentum and energy and the modal loads of a flexible shoe sum over these records; a new kind of
 load is one force element in `model` and one record here. All vectors are global, all units SI.

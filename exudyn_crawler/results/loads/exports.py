@@ -1,4 +1,4 @@
-"""What acts on a shoe in its axes: all of it at one instant, for other programs, and its pins over time."""
+"""Actions on a shoe in its axes: all of them at one instant, for other programs, and its pins over time."""
 
 import itertools
 from dataclasses import dataclass, replace
@@ -53,8 +53,8 @@ def at_instant(history: History, time: float) -> History:
     """Stored instant nearest to `time` (s), as a history of one; ValueError if it is not within the run."""
     if not -1e-9 <= time <= history.duration * (1.0 + 1e-9):
         raise ValueError(f"time must be in 0..{history.duration:g} s, got {time:g} s")
-    at = int(np.abs(history.time.values - time).argmin())
-    return History(history.case, history.dataset.isel(time=[at]))
+    row = int(np.abs(history.time.values - time).argmin())
+    return History(history.case, history.dataset.isel(time=[row]))
 
 
 def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
@@ -67,10 +67,12 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     """
     history.case.track.check_shoe(shoe)
     now = at_instant(history, time)
-    origin, frame = (one[0] for one in actions.shoe_frames(now, shoe))
-    words, vectors = [], []
+    origin, frame = (array[0] for array in actions.shoe_frames(now, shoe))
+    words = []
+    vectors = []
     for action in actions.actions(now, shoe):
-        force, moment = action.force[0] @ frame, action.moment[0] @ frame
+        force = action.force[0] @ frame
+        moment = action.moment[0] @ frame
         if force.any() or moment.any():
             words.append((action.kind.value, action.where))
             vectors.append(np.concatenate(((action.point[0] - origin) @ frame, force, moment)))
@@ -86,7 +88,9 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
 
 def _sums(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Force and moment about the origin of rows (k, 9) of places, forces and moments."""
-    place, force, moment = rows[:, :3], rows[:, 3:6], rows[:, 6:]
+    place = rows[:, :3]
+    force = rows[:, 3:6]
+    moment = rows[:, 6:]
     return force.sum(axis=0), (np.cross(place, force) + moment).sum(axis=0)
 
 
@@ -103,7 +107,8 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     now = at_instant(history, time)
     units = load_map.unit_loads(history.case)
     nodal, centers = units.forces(sum(load_map.loads_by_kind(now, shoe).values()).toarray()[0])
-    body, joints = units.body, list(units.whole.interfaces)
+    body = units.body
+    joints = list(units.whole.interfaces)
     table = action_table(now, shoe, now.duration)
     loads = ShoeLoads(now.duration, shoe, body, joints, nodal, centers, table)
     rigid = body.rigid_modes
@@ -128,14 +133,16 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
     history.case.track.check_shoe(shoe)
     origin, axes = actions.shoe_frames(history, shoe)
     shape = (len(axes), *(history.dataset.sizes[dim] for dim in (wheel, "rail", "axis")))
-    force, weighted, weight = np.zeros(shape), np.zeros(shape), np.zeros((*shape[:3], 1))
+    force = np.zeros(shape)
+    weighted = np.zeros(shape)
+    weight = np.zeros((*shape[:3], 1))
     for action in actions.actions(history, shoe):
         if isinstance(action.entry, actions.OnRail):
-            at = (slice(None), action.entry.roller, action.entry.line // frame.strips)
+            slot = (slice(None), action.entry.roller, action.entry.line // frame.strips)
             size = np.linalg.norm(action.force, axis=1, keepdims=True)
-            force[at] += np.einsum("tij,ti->tj", axes, action.force)
-            weighted[at] += size * np.einsum("tij,ti->tj", axes, action.point - origin)
-            weight[at] += size
+            force[slot] += np.einsum("tij,ti->tj", axes, action.force)
+            weighted[slot] += size * np.einsum("tij,ti->tj", axes, action.point - origin)
+            weight[slot] += size
     place = np.divide(weighted, weight, out=np.full(shape, np.nan), where=weight > 0.0)
     dims = ("time", wheel, "rail", "axis")
     return xr.Dataset(
@@ -157,13 +164,16 @@ def pin_forces(history: History, shoe: int) -> xr.Dataset:
     names = list(track.joint_centers)
     loads = np.full((2, len(frames), len(names), 3), np.nan)
     acting = actions.actions(history, shoe)
-    joints = [(one, one.place) for one in acting if one.kind is Kind.JOINT and isinstance(one.place, Pin)]
+    joints = [
+        (load, load.place) for load in acting if load.kind is Kind.JOINT and isinstance(load.place, Pin)
+    ]
     ends = [pin.end for _, pin in joints]
     for action, pin in joints:
         if ends.count(pin.end) > 1:
             vectors = np.stack((action.force, action.moment))
             loads[:, :, names.index(action.where)] = np.einsum("tji,vtj->vti", frames, vectors)
-    dims, text = ("time", "pin", "axis"), "on the shoe at the joint centre, in the shoe's axes"
+    dims = ("time", "pin", "axis")
+    text = "on the shoe at the joint centre, in the shoe's axes"
     return xr.Dataset(
         {
             name: (dims, values, {"units": unit, "long_name": f"{name} {text}"})
@@ -178,14 +188,14 @@ def pin_table(history: History, shoe: int) -> pd.DataFrame:
 
     ValueError if the track has no such shoe, or none of its pins has a force of its own.
     """
-    found = pin_forces(history, shoe).dropna("pin")
-    if not found.pin.size:
+    forces = pin_forces(history, shoe).dropna("pin")
+    if not forces.pin.size:
         raise ValueError(
             f"shoe must be flexible, or beside one that is, to have pin forces, got {shoe}; joint_force has "
             "the whole force of a link of rigid shoes"
         )
-    columns = {"time in s": found.time.values}
+    columns = {"time in s": forces.time.values}
     for name, letter, unit in (("force", "F", "N"), ("moment", "M", "N m")):
-        for pin, axis in itertools.product(found.pin.values, found.axis.values):
-            columns[f"{pin} {letter}{axis} in {unit}"] = found[name].sel(pin=pin, axis=axis).values
+        for pin, axis in itertools.product(forces.pin.values, forces.axis.values):
+            columns[f"{pin} {letter}{axis} in {unit}"] = forces[name].sel(pin=pin, axis=axis).values
     return pd.DataFrame(columns)

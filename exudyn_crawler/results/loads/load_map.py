@@ -38,7 +38,12 @@ from exudyn_crawler.results.loads import actions
 from exudyn_crawler.results.loads.kinds import Kind
 from fem import ElasticBody, Nested, ReducedBody, patches
 
-JOINTS, MACHINE, GROUND, RAILS, DRIVE, INERTIA = "joints", "machine", "ground", "rails", "drive", "inertia"
+JOINTS = "joints"
+MACHINE = "machine"
+GROUND = "ground"
+RAILS = "rails"
+DRIVE = "drive"
+INERTIA = "inertia"
 
 THIRDS = 3  # pieces between two stations of the equations' rails: a cubic has four values there
 STRIP_STATIONS = THIRDS * (shoe_mesh.STATIONS - 1) + 1  # stations along the line of a strip
@@ -100,9 +105,12 @@ class ShoeUnitLoads:
     @cached_property
     def work(self) -> np.ndarray:
         """Work (k, M) of the unit loads on all modes: their modal loads."""
-        modes, count = self.whole.modes, len(self.whole.frequencies)
-        spread = [np.tensordot(one.weights, modes[one.nodes], axes=1) for one in self.spread.values()]
-        rows = [one.reshape(-1, count) for one in (self.whole.pilots, *spread)]
+        modes = self.whole.modes
+        count = len(self.whole.frequencies)
+        spread = [
+            np.tensordot(family.weights, modes[family.nodes], axes=1) for family in self.spread.values()
+        ]
+        rows = [block.reshape(-1, count) for block in (self.whole.pilots, *spread)]
         return np.concatenate([*rows, self.integrated.inside.T])
 
     @cached_property
@@ -124,7 +132,8 @@ def unit_loads(case: Case) -> ShoeUnitLoads:
     """Unit loads of a case's flexible shoes, remembered; ValueError if there are none, or no mesh fits."""
     flexible = case.flexible_shoes()
     body, _ = flexible_shoes.shoe_model(flexible, case.track)
-    node, whole = shoe_mesh.pulled_node(case, body.mesh), flexible_shoes.whole_reduction(case).body
+    node = shoe_mesh.pulled_node(case, body.mesh)
+    whole = flexible_shoes.whole_reduction(case).body
     cells = case.terrain.model == "cells"
     frame = case.running_gear() if case.gear.wheel_names else None
     return _unit_loads(flexible, case.track, case.shoe, frame, whole, node, cells)
@@ -141,7 +150,8 @@ def _unit_loads(
     cells: bool,
 ) -> ShoeUnitLoads:
     body, _ = flexible_shoes.shoe_model(flexible, track)
-    mesh, strips = body.mesh, None
+    mesh = body.mesh
+    strips = None
     under = mesh.nodes_of("underside")
     # of each node its own integrals: products with modes are those of the equations
     each = np.eye(len(under))[:, None]
@@ -200,15 +210,15 @@ def coordinates(units: ShoeUnitLoads, action: actions.Action, frames: np.ndarray
         return csr_array((len(frames), units.size))
     family, numbers, shares = shared
     vectors = (action.force, action.moment) if family == JOINTS else (action.force,)
-    in_body = np.concatenate([np.einsum("tji,tj->ti", frames, one) for one in vectors], axis=1)
+    in_body = np.concatenate([np.einsum("tji,tj->ti", frames, vector) for vector in vectors], axis=1)
     values = shares[..., None] * in_body[:, None]
     times, loads, components = values.shape
     columns = units.families[family].start + numbers[..., None] * components + np.arange(components)
     rows = np.arange(times + 1) * loads * components
     places = np.broadcast_to(columns, values.shape).flatten()
-    found = csr_array((values.ravel(), places, rows), shape=(times, units.size))
-    found.eliminate_zeros()
-    return found
+    matrix = csr_array((values.ravel(), places, rows), shape=(times, units.size))
+    matrix.eliminate_zeros()
+    return matrix
 
 
 def loads_by_kind(history: History, shoe: int) -> dict[Kind, csr_array]:

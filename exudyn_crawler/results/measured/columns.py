@@ -67,7 +67,8 @@ def read_columns(
     for a column of another name and for one that stands twice.
     """
     heads, rows = read_table(path)
-    known, columns = {**units, **dict.fromkeys(labels, "")}, {}
+    known = {**units, **dict.fromkeys(labels, "")}
+    columns = {}
     for place, head in enumerate(heads):
         name, unit = head_parts(head)
         if name not in known:

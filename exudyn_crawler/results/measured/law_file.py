@@ -19,7 +19,8 @@ def parameter_table(fit: SoilFit) -> pd.DataFrame:
     for name, field in BekkerSoil.model_fields.items():
         if not fields.has_unit(field):
             continue
-        value, unit = getattr(fit.law, name), fields.unit_of(field)
+        value = getattr(fit.law, name)
+        unit = fields.unit_of(field)
         result = next((result for result in fit.parts if name in result.names), None)
         if result is not None:
             source = f"{result.points} points, {SCATTER[result.by_tests]}"

@@ -1,4 +1,4 @@
-"""What the stress of a history is the product of: columns of displacement and stress, and coordinates.
+"""Factors of the stress of a history: columns of displacement and stress, and coordinates.
 
 The columns are all modes and, where the case asks for them, static fields: what static answers to the loads
 of this history have beyond the modes. Their coordinates are products of those of the shoe's unit loads with
@@ -42,7 +42,8 @@ RAIL_SPACING = 0.0375  # m, about, between stations of a rail: `Stations` says w
 def ground_grid(mesh: fem.Mesh) -> fem.PressureGrid:
     """Grid of the static fields over the underside of a shoe; ValueError if that is no level rectangle."""
     under = mesh.nodes[mesh.nodes_of("underside"), :2]
-    low, high = under.min(axis=0), under.max(axis=0)
+    low = under.min(axis=0)
+    high = under.max(axis=0)
     along, across = (1 + int(np.ceil(side / GROUND_SPACING)) for side in high - low)
     return fem.PressureGrid(fem.FlatRectangle(mesh, "underside", low, high), (along, across))
 
@@ -73,19 +74,22 @@ def static_loads(case: Case) -> StaticLoads | None:
 
 @lru_cache(maxsize=2)
 def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> StaticLoads:
-    mesh, interfaces = units.body.mesh, units.whole.interfaces
+    mesh = units.body.mesh
+    interfaces = units.whole.interfaces
     families = {load_map.JOINTS: fem.UnitLoads.at_centers(len(mesh.nodes), interfaces)}
     blocks = [eye_array(6 * len(interfaces))]
     for name, family in units.spread.items():
         if name == load_map.GROUND and units.underside is not None:
             grid = ground_grid(mesh)
-            weights, shares = grid.weights, csr_array(_ground_shares(units.underside, grid))
+            weights = grid.weights
+            shares = csr_array(_ground_shares(units.underside, grid))
         elif name == load_map.RAILS and units.strips is not None:
             stations = rail_stations(mesh)
-            weights = hstack([one.weights for one in stations])
+            weights = hstack([station.weights for station in stations])
             shares = _rail_shares(units.strips, stations)
         else:
-            weights, shares = np.zeros((len(mesh.nodes), len(family.weights))), eye_array(len(family.weights))
+            weights = np.zeros((len(mesh.nodes), len(family.weights)))
+            shares = eye_array(len(family.weights))
             weights[family.nodes] = family.weights.T
         families[name] = fem.UnitLoads.spread(csr_array(weights), interfaces)
         blocks.append(kron(shares, eye_array(3)))
@@ -108,7 +112,8 @@ def _ground_shares(underside: patches.Underside, grid: fem.PressureGrid) -> np.n
 
 def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations]) -> csr_array:
     """Forces at static fields' stations, in the middle of a rail, by one at each station of the strips."""
-    blocks, along = [], strips.rear + strips.spacing * np.arange(load_map.STRIP_STATIONS)
+    blocks = []
+    along = strips.rear + strips.spacing * np.arange(load_map.STRIP_STATIONS)
     for rail in stations:
         x = np.clip(along, rail.rectangle.low[0], rail.rectangle.high[0])
         blocks.append(vstack([csr_array(rail.coordinates(np.ones((len(x), 1)), x)[..., 0])] * strips.lines))
@@ -155,13 +160,13 @@ class StressBasis:
 def _in_memory(history: History, rows: np.ndarray | slice) -> History:
     """Stored times of a history, all of it in memory but the motion of the units, which are hundreds."""
     part = history.dataset.isel(time=rows)
-    kept = part.drop_vars(files.UNIT_MOTION, errors="ignore").load()
-    return History(history.case, part.assign(kept.data_vars))
+    rest = part.drop_vars(files.UNIT_MOTION, errors="ignore").load()
+    return History(history.case, part.assign(rest.data_vars))
 
 
 @dataclass(frozen=True)
 class _Again:
-    """What a function yields, as often as it is iterated over."""
+    """Iterable that calls a function for every iteration."""
 
     make: Callable[[], Iterator[Any]]
 
@@ -178,7 +183,8 @@ def _loads(history: History, shoes: Sequence[int], is_long: bool) -> Iterator[tu
 
 def _in_files(parts: Iterable[tuple[int, np.ndarray]]) -> dict[int, np.ndarray]:
     """Rows (times, columns) of shoes that come in parts, each in a file without a name that memory maps."""
-    folder, stored = writable_folder(reductions.reductions_folder()), dict[int, Any]()
+    folder = writable_folder(reductions.reductions_folder())
+    stored = dict[int, Any]()
     # a map keeps its file when that is closed
     with ExitStack() as opened:
         for shoe, rows in parts:
@@ -186,7 +192,7 @@ def _in_files(parts: Iterable[tuple[int, np.ndarray]]) -> dict[int, np.ndarray]:
                 stored[shoe] = opened.enter_context(tempfile.TemporaryFile(dir=folder))
             rows.tofile(stored[shoe])
         maps = {shoe: np.memmap(file, float, "r") for shoe, file in stored.items()}
-        return {shoe: np.asarray(one).reshape(-1, rows.shape[1]) for shoe, one in maps.items()}
+        return {shoe: np.asarray(memory).reshape(-1, rows.shape[1]) for shoe, memory in maps.items()}
 
 
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
@@ -221,7 +227,8 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
 
 def unit_stress(case: Case, node: int) -> np.ndarray:
     """Stress (loads, 6) in Pa at a node by a unit of each load of `unit_loads`, with all static fields."""
-    units, static = load_map.unit_loads(case), static_loads(case)
+    units = load_map.unit_loads(case)
+    static = static_loads(case)
     if static is None:
         return np.asarray(units.answers @ units.whole.stress_modes[node].T)
     return np.asarray(static.shares @ static.fields.stress_at(units.whole, node))

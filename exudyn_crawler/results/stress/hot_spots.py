@@ -40,7 +40,8 @@ def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
     from the height of the pins up; wings begin 0.5 m beside the rails. The web is the rest; without a surface
     "rails" there is neither roller path nor wing, without "top" no notch.
     """
-    nodes, mesh = whole.nodes, whole.mesh
+    nodes = whole.nodes
+    mesh = whole.mesh
     x, y, z = nodes.T
     regions = np.full(len(nodes), "web", dtype=object)
     rails = nodes[mesh.nodes_of("rails"), 1] if "rails" in mesh.surfaces else np.empty(0)
@@ -52,7 +53,8 @@ def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
         regions[(y < rails.min() - WING_BESIDE) | (y > rails.max() + WING_BESIDE)] = "wings"
     flange = nodes[mesh.nodes_of("top"), 2].min() - FLANGE if "top" in mesh.surfaces else np.inf
     for name, center in track.joint_centers.items():
-        near, beside = np.hypot(x - center[0], z - center[2]) < LUG_RADIUS, np.abs(y - center[1])
+        near = np.hypot(x - center[0], z - center[2]) < LUG_RADIUS
+        beside = np.abs(y - center[1])
         regions[near & (beside < LUG_HALF_WIDTH)] = "lugs"
         if f"bore {name}" in mesh.surfaces:
             end = np.abs(nodes[mesh.nodes_of(f"bore {name}"), 1] - center[1]).max()
@@ -63,8 +65,9 @@ def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
 
 
 def near_pull(history: History, whole: Shapes, shoe: int) -> np.ndarray:
-    """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
-    marked, elements = np.zeros(len(whole.nodes), dtype=bool), whole.mesh.elements
+    """True for each node of an element about the node that the drive pulls: array (nodes,)."""
+    marked = np.zeros(len(whole.nodes), dtype=bool)
+    elements = whole.mesh.elements
     node = pulled_node(history.case, whole.mesh)
     if node is not None and shoe == history.case.track.shoe_count:
         marked[elements[(elements == node).any(axis=1)]] = True
@@ -72,7 +75,7 @@ def near_pull(history: History, whole: Shapes, shoe: int) -> np.ndarray:
 
 
 def mesh_dataset(whole: Shapes) -> xr.Dataset:
-    """What datasets of stress and life have of the mesh: nodes, flat triangles of the surface, spiders."""
+    """Variables of the mesh in datasets of stress and life: nodes, flat triangles of the surface, spiders."""
     named = {
         "node_position": whole.nodes,
         "triangle": flat_triangles(whole.mesh.boundary),
@@ -112,7 +115,7 @@ def load_shares(basis: StressBasis, shoe: int, nodes: np.ndarray, rows: np.ndarr
     """
     modes = basis.shapes.stress_modes[nodes]
     parts = {load: np.einsum("kcm,km->kc", modes, q) for load, q in basis.by_load(shoe, rows).items()}
-    return pd.DataFrame({SHARE + load: own for load, own in shares(parts).items()})
+    return pd.DataFrame({SHARE + load: share for load, share in shares(parts).items()})
 
 
 def shares(parts: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -122,8 +125,8 @@ def shares(parts: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     whole = (directions * stress).sum(axis=1)
     zero = np.zeros_like(whole)
     return {
-        load: np.divide((directions * own).sum(axis=1), whole, out=zero.copy(), where=whole != 0.0)
-        for load, own in parts.items()
+        load: np.divide((directions * part).sum(axis=1), whole, out=zero.copy(), where=whole != 0.0)
+        for load, part in parts.items()
     }
 
 
@@ -137,29 +140,36 @@ def highest_nodes(
     separation: OneOfEach | None = None,
 ) -> pd.DataFrame:
     """Hot spots among some nodes with verdicts, regions and shares of loads; positions those at t = 0."""
-    whole, time, start = basis.shapes, history.time.values, history.case.shoe_reference[shoe - 1]
+    whole = basis.shapes
+    time = history.time.values
+    start = history.case.shoe_reference[shoe - 1]
     # of a long run those stored times alone that may be in the table
-    used, at = np.unique(peaks.time_indices, return_inverse=True)
-    at_used, q = replace(peaks, time_indices=at), basis.coordinates[shoe][used]
+    used, numbers = np.unique(peaks.time_indices, return_inverse=True)
+    at_used = replace(peaks, time_indices=numbers)
+    q = basis.coordinates[shoe][used]
     table = hot_spots(whole, time[used], q, HOT_SPOTS, separation=separation, nodes=nodes, peaks=at_used)
-    at, rows = table["node"].to_numpy(), np.searchsorted(time, table["time"].to_numpy())
+    numbers = table["node"].to_numpy()
+    rows = np.searchsorted(time, table["time"].to_numpy())
     places = start[:3] + table[list("xyz")].to_numpy() @ rotation_matrices(start[3:]).T
-    table = judged(table, basis.bound).assign(**dict(zip("xyz", places.T, strict=True)), region=regions[at])
-    return pd.concat((table, load_shares(basis, shoe, at, rows)), axis=1)
+    table = judged(table, basis.bound).assign(
+        **dict(zip("xyz", places.T, strict=True)), region=regions[numbers]
+    )
+    return pd.concat((table, load_shares(basis, shoe, numbers, rows)), axis=1)
 
 
 def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
     """Highest von Mises stress of every flexible shoe in every phase of the load cycle: when and where."""
-    rows, reached = [], phases(history.case.loads, history.duration)
+    rows = []
+    reached = phases(history.case.loads, history.duration)
     for shoe, phase in product(stress.shoe.values, reached):
         within = stress.sel(shoe=shoe).isel(time=phase.rows(stress.time.values))
         if within.sizes["time"] == 0:
             continue
-        at = within.isel(time=int(within.highest_von_mises.argmax("time")))
-        node = int(at.highest_node)
+        instant = within.isel(time=int(within.highest_von_mises.argmax("time")))
+        node = int(instant.highest_node)
         row = {"shoe": int(shoe), "phase": phase.name, "begin in s": phase.begin, "end in s": phase.end}
-        row["highest von Mises in MPa"] = float(at.highest_von_mises) / MEGA
-        row |= {"time in s": float(at.time), "node": node}
+        row["highest von Mises in MPa"] = float(instant.highest_von_mises) / MEGA
+        row |= {"time in s": float(instant.time), "node": node}
         rows.append(row | in_the_shoe(stress.node_position.isel(node=node)))
     return pd.DataFrame(rows)
 

@@ -37,7 +37,7 @@ class StressResults:
     def _repr_html_(self) -> str:
         """Hot spots of every shoe and the dataset, for notebooks."""
         of = "highest von Mises stresses (Pa; places in m at t = 0)"
-        tables = [f"<p>Shoe {k}: {of}</p>{one.to_html(index=False)}" for k, one in self.hot_spots.items()]
+        tables = [f"<p>Shoe {k}: {of}</p>{spots.to_html(index=False)}" for k, spots in self.hot_spots.items()]
         return "".join([*tables, self.dataset._repr_html_()])
 
 
@@ -51,8 +51,10 @@ def recover_stresses(
     ValueError if the run has no flexible shoes, or none of the times lies within it.
     """
     history = as_history(history)
-    names, basis = _frames(history, times), stress_basis(history)
-    whole, coordinates = basis.shapes, basis.coordinates
+    names = _frames(history, times)
+    basis = stress_basis(history)
+    whole = basis.shapes
+    coordinates = basis.coordinates
     regions = hot_spots.shoe_regions(whole, history.case.track)
     pulled = {shoe: hot_spots.near_pull(history, whole, shoe) for shoe in coordinates}
     reached = {
@@ -60,19 +62,23 @@ def recover_stresses(
         for shoe, q in coordinates.items()
     }
     if peak:
-        highest = np.max([one.highest for one in reached.values()], axis=0)
+        highest = np.max([extremes.highest for extremes in reached.values()], axis=0)
         names.setdefault(int(highest.argmax()), []).append("peak")
     frames = np.array(sorted(names))
     words = [", ".join(filter(None, names[row])) for row in frames]
-    found, tables, by_region, each = [], {}, {}, OneOfEach(regions)
+    datasets = []
+    tables = {}
+    by_region = {}
+    each = OneOfEach(regions)
     for shoe, q in coordinates.items():
-        peaks, away = reached[shoe].peaks, np.flatnonzero(~pulled[shoe])
-        found.append(_of_shoe(history, whole, q, reached[shoe], frames, pulled[shoe]))
+        peaks = reached[shoe].peaks
+        away = np.flatnonzero(~pulled[shoe])
+        datasets.append(_of_shoe(history, whole, q, reached[shoe], frames, pulled[shoe]))
         tables[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, away)
         usable = away[regions[away] != hot_spots.BORES]
         by_region[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, usable, each)
     mesh = hot_spots.mesh_dataset(whole)
-    dataset = xr.concat(found, dim=xr.Variable("shoe", list(coordinates)))
+    dataset = xr.concat(datasets, dim=xr.Variable("shoe", list(coordinates)))
     dataset = dataset.transpose("time", "frame", "shoe", ...).assign(mesh.data_vars)
     dataset = dataset.assign(
         truncation=catalogue.variable("truncation", np.array(np.nan if basis.bound is None else basis.bound)),
@@ -84,7 +90,8 @@ def recover_stresses(
 
 def _frames(history: History, times: Sequence[float] | None) -> dict[int, list[str]]:
     """Rows of the stored instants nearest to times (s), or to the ends of phases, with their names."""
-    duration, stored = history.duration, history.time.values
+    duration = history.duration
+    stored = history.time.values
     parts = phases(history.case.loads, duration)
     known = {0.0: "begin"} | {round(part.end, 9): f"end of {part.name}" for part in parts}
     within = [time for time in (known if times is None else times) if time <= duration * (1.0 + 1e-9)]
@@ -100,7 +107,8 @@ def _of_shoe(
     history: History, whole: Shapes, q: np.ndarray, found: Extremes, frames: np.ndarray, at_load: np.ndarray
 ) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
-    time, displacements = history.time.values, whole.displacement(q[frames])
+    time = history.time.values
+    displacements = whole.displacement(q[frames])
     errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
     resolved = trust.resolution_over(whole, q)
     named = {
@@ -141,8 +149,8 @@ def verdicts(stress: xr.Dataset, more: np.typing.ArrayLike = 0.0) -> catalogue.V
 def peak_time(history: History, shoe: int) -> float:
     """Time (s) of the highest von Mises stress of a flexible shoe; ValueError if the history has no such."""
     basis = stress_basis(history, [shoe])
-    found = recover_extremes(basis.shapes.stress_modes, basis.coordinates[shoe])
-    return float(history.time[int(found.highest.argmax())])
+    extremes = recover_extremes(basis.shapes.stress_modes, basis.coordinates[shoe])
+    return float(history.time[int(extremes.highest.argmax())])
 
 
 def node_stress(
@@ -169,7 +177,8 @@ def node_stress(
     number, distance = _chosen(whole, near, node)
     history = history if isinstance(history, History) else History.load(history)
     stress = sum(loads_by_kind(history, shoe).values()) @ unit_stress(case, number)
-    in_spider, pascal = bool(np.isin(number, whole.spider_nodes)), {"units": "Pa"}
+    in_spider = bool(np.isin(number, whole.spider_nodes))
+    pascal = {"units": "Pa"}
     return xr.Dataset(
         {
             "stress": (("time", "component"), stress, pascal | {"long_name": "stress in the shoe's axes"}),

@@ -19,7 +19,8 @@ from exudyn_crawler.results.history.files import Chunk, reading_history, save_jo
 from exudyn_crawler.run.folder.record import CHECKPOINTS, END, HISTORY, quiet
 
 # what the names of the history's arrays and of the ground's memory begin with in a file
-VARIABLE, MEMORY = "history ", "memory "
+VARIABLE = "history "
+MEMORY = "memory "
 
 
 class StageEnd(NamedTuple):
@@ -51,7 +52,8 @@ class Checkpoints:
     """Checkpoints of the run in a folder; `say` gets a line on what was left out."""
 
     def __init__(self, run: Path, say: Callable[[str], None] = quiet) -> None:
-        self.folder, self.say = Path(run) / CHECKPOINTS, say
+        self.folder = Path(run) / CHECKPOINTS
+        self.say = say
         self._end, self._shorter = Path(run) / END, Path(run) / HISTORY
         self._assembled = self.folder / "assembled.nc"
 
@@ -68,8 +70,8 @@ class Checkpoints:
         ValueError, naming the file, if the first one was altered, or if one comes from other parameters or,
         where `layout` is given, has states of another layout.
         """
-        found: list[Checkpoint] = []
-        own = case.model_dump_json()
+        stages: list[Checkpoint] = []
+        case_json = case.model_dump_json()
         has_shorter = self._end.is_file() and self._shorter.is_file()
         path = self._end if has_shorter else self._file(0)
         again = f"delete {self._end if has_shorter else self.folder} to start again"
@@ -78,12 +80,12 @@ class Checkpoints:
                 content = _read(path)
                 if path not in (self._end, self._file(content.number)):
                     raise ValueError(f"checkpoint {path} is that of stage {content.number}")
-                saved = case if content.case == own else saved_case(content.case)
-                found.append(_checkpoint(path, content, self._shorter if path == self._end else None))
+                saved = case if content.case == case_json else saved_case(content.case)
+                stages.append(_checkpoint(path, content, self._shorter if path == self._end else None))
             except ValueError as error:
-                if not found:
+                if not stages:
                     raise ValueError(f"{error}; {again}") from error
-                self.say(f"{error}: removed, computing again from t = {found[-1].time:g} s")
+                self.say(f"{error}: removed, computing again from t = {stages[-1].time:g} s")
                 path.unlink()
                 break
             if saved != case:
@@ -94,7 +96,7 @@ class Checkpoints:
             if layout not in (None, content.layout):
                 raise ValueError(f"checkpoint {path} has states of another layout; {again}")
             path = self._file(content.number + 1)
-        return found
+        return stages
 
     def save_history(self, case: Case, chunks: list[Chunk], end: xr.Dataset) -> Path:
         """Write a history, for `hand_over`; `end` are the cells of the ground as of its end."""

@@ -53,8 +53,8 @@ def run_in(
         if goes_on:
             _remove(out, {name for name in record.recorded_files(out) if not _stays(out, name)})
         elif overwrite:
-            for one in (out, *(out / name for name in cases or ())):
-                _empty(one)
+            for path in (out, *(out / name for name in cases or ())):
+                _empty(path)
         else:
             _refuse_results(out, below=case_file is None)
         folder = RunFolder(out, report, holds if goes_on else Holds.NOTHING, overwrite or replaced)
@@ -70,11 +70,11 @@ def run_in(
 
 
 def held_of(out: Path, case_file: CaseFile) -> Holds:
-    """What the folder of a run holds of a case; nothing, too, if it holds another one, or a longer run."""
+    """Part of a case that a run's folder holds; nothing, too, if it holds another one, or a longer run."""
     noted = record.earlier_record(out)
-    found = _its_case(out / CASE) if noted else None
+    stored = _its_case(out / CASE) if noted else None
     case_file = tensioned_file(case_file)
-    if found is None or found.case != case_file.case or found.duration > case_file.duration + SAME_TIME:
+    if stored is None or stored.case != case_file.case or stored.duration > case_file.duration + SAME_TIME:
         return Holds.NOTHING
     end = _end(out / HISTORY)
     is_shorter = end is not None and end < case_file.duration - SAME_TIME
@@ -92,14 +92,14 @@ def _its_case(path: Path) -> CaseFile | None:
 
 
 def _held_of_study(out: Path, cases: Mapping[str, CaseFile]) -> Holds:
-    """Whether the folder of a study holds a part of cases in folders of their names, and no other ones."""
+    """True if the folder of a study holds a part of cases in folders of their names, and no other ones."""
     noted = record.earlier_record(out)
     if noted.get("status") != record.DONE:
         return Holds.STOPPED if noted else Holds.NOTHING
     there = {name for name in cases if (out / name / CASE).exists()}
-    found = {held_of(out / name, cases[name]) for name in there}
-    is_whole = found == {Holds.FINISHED} and len(there) == len(cases)
-    return Holds.NOTHING if is_whole or Holds.NOTHING in found else Holds.STOPPED
+    states = {held_of(out / name, cases[name]) for name in there}
+    is_whole = states == {Holds.FINISHED} and len(there) == len(cases)
+    return Holds.NOTHING if is_whole or Holds.NOTHING in states else Holds.STOPPED
 
 
 @interrupts_wait()
@@ -115,21 +115,21 @@ def _refuse_results(out: Path, below: bool = False) -> None:
     """Refuse a folder that holds results already, also one folder `below`."""
     paths = [*out.iterdir(), *(out.glob("*/*") if below else ())]
     results = [path for path in paths if path.suffix in RESULT_SUFFIXES and not path.name.startswith(".")]
-    if found := ", ".join(sorted(path.relative_to(out).as_posix() for path in results)[:3]):
+    if names := ", ".join(sorted(path.relative_to(out).as_posix() for path in results)[:3]):
         raise FileExistsError(
-            f"{out} holds results already ({found}, ...): choose another folder or {errors.ASK_TO_OVERWRITE}"
+            f"{out} holds results already ({names}, ...): choose another folder or {errors.ASK_TO_OVERWRITE}"
         )
 
 
 def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
     """Write the resolved case file; one that says the same stays as its author wrote it."""
-    found = _its_case(path)
-    if path.exists() and found != case_file and not replace:
-        other = "" if found is None else f" ({differences(found, case_file)[0]})"
+    stored = _its_case(path)
+    if path.exists() and stored != case_file and not replace:
+        other = "" if stored is None else f" ({differences(stored, case_file)[0]})"
         raise FileExistsError(
             f"{path} is the case of another run{other}: choose another folder or {errors.ASK_TO_OVERWRITE}"
         )
-    if found != case_file:
+    if stored != case_file:
         write_case(case_file, path, overwrite=True)
 
 
@@ -140,7 +140,7 @@ def _empty(out: Path) -> None:
 
 
 def _stays(out: Path, name: str) -> bool:
-    """Whether a file is kept where a run goes on: also those of runs in folders of their own."""
+    """True for a file that is kept where a run goes on: also those of runs in folders of their own."""
     first = Path(name).parts[0]
     return first in record.OF_THE_SIMULATION or (out / first / record.RECORD).is_file()
 
@@ -171,9 +171,9 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
     if path is None:
         raise FileNotFoundError(f"no history at {paths[0]} or {paths[1]}")
     history = History.load(path)
-    found = [str(one) for one in differences(history.case, case)]
+    changes = [str(difference) for difference in differences(history.case, case)]
     if abs(history.duration - case_file.duration) > SAME_TIME:
-        found.append(f"duration is {history.duration:g} s, not {case_file.duration:g} s")
-    if found:
-        raise ValueError(f"{path} comes from other parameters: {'; '.join(found[:5])}")
+        changes.append(f"duration is {history.duration:g} s, not {case_file.duration:g} s")
+    if changes:
+        raise ValueError(f"{path} comes from other parameters: {'; '.join(changes[:5])}")
     return history

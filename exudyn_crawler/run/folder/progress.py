@@ -1,4 +1,4 @@
-"""What a run takes: the time of its parts before it begins, and its progress while it works.
+"""Time that a run takes: of its parts before it begins, and its progress while it works.
 
 Times are those of a rule, in s of processor time (docs/speed.md, docs/sweeps.md): beside other work a part
 takes longer, and its progress says what is left by how fast it has been. Progress is a bar on a terminal and
@@ -22,8 +22,12 @@ if TYPE_CHECKING:
 REFRESH = 0.2  # s of wall time between updates of a bar; an update costs more than a time step
 LINE_EVERY = 10.0  # s of wall time between lines where there is no terminal, and in a log
 
-REDUCE, COMPILE, SIMULATE = "reduce the flexible shoe", "compile the equations", "simulate"
-FIELDS, RECOVER, WRITE = "static fields of the shoe", "recover stresses", "tables and figures"
+REDUCE = "reduce the flexible shoe"
+COMPILE = "compile the equations"
+SIMULATE = "simulate"
+FIELDS = "static fields of the shoe"
+RECOVER = "recover stresses"
+WRITE = "tables and figures"
 ONCE = (REDUCE, COMPILE, FIELDS)  # stay on a machine: for another run of the same shoe
 SIMULATION = (COMPILE, SIMULATE)  # a history takes their place
 BEGIN = {"dragged": 0.5, "rolled": 0.5, "closed": 2.5, "machine": 2.5}
@@ -47,7 +51,9 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
 
     Compiling takes as much in a second process beside.
     """
-    case, solver, outputs = case_file.case, case_file.case.solver, case_file.outputs
+    case = case_file.case
+    solver = case_file.case.solver
+    outputs = case_file.outputs
     flexible = 0 if case.flexible is None else len(case.flexible.shoes)
     step = STEP[case.is_compiled] * SLOWER.get(case.gear.kind, 1.0) * case.track.shoe_count / SHOES
     more = MORE_FLEXIBLE.get(case.gear.kind, STEP_FLEXIBLE[case.is_compiled])
@@ -86,7 +92,8 @@ def _shown(
     title: str, total: float | None, show: bool | None, *columns: bars.ProgressColumn, transient: bool = False
 ) -> Iterator[Callable[..., None]]:
     """Bar or lines as of `progress_bar`, also in a log; gives a function of what is done and the line."""
-    console, told = Console(stderr=True), clock.perf_counter()
+    console = Console(stderr=True)
+    told = clock.perf_counter()
     on_terminal = show or (show is None and console.is_terminal)
     described = bars.TextColumn("{task.description}"), bars.BarColumn()
     with bars.Progress(

@@ -1,4 +1,4 @@
-"""What a run reports and records (`run.json`, `run.log`) while it works in a folder, which it holds."""
+"""Report and record of a run (`run.json`, `run.log`) while it works in a folder, which it holds."""
 
 import importlib.metadata
 import json
@@ -21,7 +21,10 @@ from filelock import FileLock, Timeout
 
 from exudyn_crawler import errors, files
 
-CASE, RECORD, LOG, LOCK = "case.toml", "run.json", "run.log", ".lock"
+CASE = "case.toml"
+RECORD = "run.json"
+LOG = "run.log"
+LOCK = ".lock"
 HISTORY, STOPPED_HISTORY = "history.nc", "history_stopped.nc"
 """The second in place of the first, of a run that stopped early."""
 CHECKPOINTS, END = "checkpoints", "checkpoint.npz"
@@ -35,17 +38,18 @@ logger = logging.getLogger("exudyn_crawler")
 
 
 def earlier_record(folder: Path) -> dict[str, Any]:
-    """What an earlier run recorded in a folder; nothing if there is no readable record."""
+    """Record of an earlier run in a folder; nothing if there is no readable one."""
     with suppress(OSError, ValueError, RecursionError):
-        found = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-        return found if isinstance(found, dict) else {}
+        content = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        return content if isinstance(content, dict) else {}
     return {}
 
 
 def recorded_files(folder: Path) -> set[str]:
     """Names of the files in a folder that its record lists; nothing outside of it."""
-    whole, listed = folder.resolve(), earlier_record(folder).get("files")
-    names = [one for one in listed if isinstance(one, str)] if isinstance(listed, list) else []
+    whole = folder.resolve()
+    listed = earlier_record(folder).get("files")
+    names = [entry for entry in listed if isinstance(entry, str)] if isinstance(listed, list) else []
     return {
         name
         for name in names
@@ -80,12 +84,16 @@ def versions() -> dict[str, str]:
     needed: list[str] = []
     with suppress(importlib.metadata.PackageNotFoundError):
         needed = importlib.metadata.requires(PROGRAM) or []
-    names = [re.split(r"[\s<>=!~;\[(]", one, maxsplit=1)[0] for one in needed if "extra ==" not in one]
-    found = {}
+    names = [
+        re.split(r"[\s<>=!~;\[(]", requirement, maxsplit=1)[0]
+        for requirement in needed
+        if "extra ==" not in requirement
+    ]
+    installed = {}
     for name in (PROGRAM, *sorted(names, key=str.lower)):
         with suppress(importlib.metadata.PackageNotFoundError):
-            found[name] = importlib.metadata.version(name)
-    return found
+            installed[name] = importlib.metadata.version(name)
+    return installed
 
 
 @contextmanager
@@ -108,7 +116,7 @@ def logged(out: Path) -> Iterator[None]:
 
 
 class Holds(Enum):
-    """What a folder holds of a run that is to go into it."""
+    """Parts that a folder holds of a run that is to go into it."""
 
     NOTHING = "nothing of it"
     STOPPED = "a part of its simulation"
@@ -158,7 +166,9 @@ def recorded(folder: RunFolder) -> Iterator[None]:
     """Log and record what goes on in a folder, and which files it leaves there."""
     out = folder.path
     assert out is not None
-    before, begun, found = recorded_files(out), time.perf_counter(), versions()
+    before = recorded_files(out)
+    begun = time.perf_counter()
+    installed = versions()
     record = {
         "status": "running",
         "command": sys.argv,
@@ -170,14 +180,15 @@ def recorded(folder: RunFolder) -> Iterator[None]:
             "cpu_count": os.cpu_count(),
             "python": platform.python_version(),
         },
-        "versions": found,
+        "versions": installed,
         "commit": commit(),
         "overwrites": folder.overwrites,
     }
     with logged(out), files.noted_files() as noted:
 
         def write(**outcome: str) -> None:
-            whole, paths = out.resolve(), [path.resolve() for path in noted]
+            whole = out.resolve()
+            paths = [path.resolve() for path in noted]
             inside = {path.relative_to(whole).as_posix() for path in paths if path.is_relative_to(whole)}
             left = sorted(name for name in inside | before if (out / name).is_file())
             if outcome:
@@ -186,7 +197,7 @@ def recorded(folder: RunFolder) -> Iterator[None]:
             write_json(out / RECORD, record | {"stages_s": folder.stages, "files": left})
 
         folder._record = write
-        logger.info("%s %s, process %d", PROGRAM, found.get(PROGRAM, ""), os.getpid())
+        logger.info("%s %s, process %d", PROGRAM, installed.get(PROGRAM, ""), os.getpid())
         for name in (CASE, LOG):
             files.note_written(out / name)
         write()

@@ -69,7 +69,8 @@ def integrate(
     ground_times: Sequence[float] = (),
 ) -> History:
     """Integrate a built system from its initial state; see `simulate`."""
-    case, settings = system.case, solver_settings(system.case.solver)
+    case = system.case
+    settings = solver_settings(system.case.solver)
     recorder = stages.Recorder(system, duration, ground_times, checkpoints)
     reason = ""
     with progress_bar(case.name, duration, progress) as tell, _watched(system, recorder, tell) as watch:
@@ -107,7 +108,8 @@ class ChainWatch:
         _, self._lug = self.closed.lugs(case.track)[0]
         self._gaps = np.full(case.track.shoe_count, -1)
         self._ahead = case.links[:, 1] - 1
-        self._shoes, self._frame = case.shoe_reference, case.frame_start
+        self._shoes = case.shoe_reference
+        self._frame = case.frame_start
         self._tumblers = case.tumbler_reference
         self._middles = np.repeat(case.track_middles, case.loop.shoe_count)
         pins = [name for name, _ in layout.multipliers if " pin of link " in name]
@@ -121,8 +123,8 @@ class ChainWatch:
         self.next_look = float(self.layout.part(row, "time")) + LOOK
         shoes = self.layout.part(row, "shoes") + self._shoes
         tension = self._tension(row)
-        found = self._broken(tension) or self._off(row, shoes) or self._folded(shoes)
-        return found or self._jumped(row, shoes, tension)
+        cause = self._broken(tension) or self._off(row, shoes) or self._folded(shoes)
+        return cause or self._jumped(row, shoes, tension)
 
     def _tension(self, row: np.ndarray) -> np.ndarray:
         """Force of every link in the chain's plane, N."""
@@ -131,7 +133,8 @@ class ChainWatch:
         return np.hypot(*forces.T)
 
     def _broken(self, tension: np.ndarray) -> str:
-        limit, link = self.closed.tension_limit, int(tension.argmax())
+        limit = self.closed.tension_limit
+        link = int(tension.argmax())
         if limit is None or tension[link] <= limit:
             return ""
         return (
@@ -141,7 +144,8 @@ class ChainWatch:
         )
 
     def _off(self, row: np.ndarray, shoes: np.ndarray) -> str:
-        frame, limit = self.layout.part(row, SIDE_FRAME), self.closed.offset_limit
+        frame = self.layout.part(row, SIDE_FRAME)
+        limit = self.closed.offset_limit
         turn = rotations.rotation_matrices(frame[3:])
         aside = (shoes[:, :3] - frame[:3] - self._frame) @ turn[:, 1] - self._middles
         step = np.abs(aside - aside[self._ahead])
@@ -156,7 +160,8 @@ class ChainWatch:
         )
 
     def _folded(self, shoes: np.ndarray) -> str:
-        bend, limit = shoes[:, 4] - shoes[self._ahead, 4], self.closed.fold_limit
+        bend = shoes[:, 4] - shoes[self._ahead, 4]
+        limit = self.closed.fold_limit
         bend[self._ahead < np.arange(len(bend))] += 2.0 * math.pi
         link = int(np.abs(bend).argmax())
         if abs(bend[link]) <= limit:
@@ -169,11 +174,12 @@ class ChainWatch:
 
     def _jumped(self, row: np.ndarray, shoes: np.ndarray, tension: np.ndarray) -> str:
         """A lug in another gap than before, or than its neighbours say, or none in any."""
-        own = np.array([self.layout.part(row, name) for name in self.case.gear.tumblers])
-        own = np.repeat(own + self._tumblers, len(self._middles) // len(own), axis=0)
-        lugs = shoes[:, :3] + rotations.rotation_matrices(shoes[:, 3:]) @ self._lug - own[:, :3]
-        x, _, z = np.einsum("sji,sj->is", rotations.rotation_matrices(own[:, 3:]), lugs)
-        radius, angle = np.hypot(x, z), np.arctan2(z, x)
+        tumblers = np.array([self.layout.part(row, name) for name in self.case.gear.tumblers])
+        tumblers = np.repeat(tumblers + self._tumblers, len(self._middles) // len(tumblers), axis=0)
+        lugs = shoes[:, :3] + rotations.rotation_matrices(shoes[:, 3:]) @ self._lug - tumblers[:, :3]
+        x, _, z = np.einsum("sji,sj->is", rotations.rotation_matrices(tumblers[:, 3:]), lugs)
+        radius = np.hypot(x, z)
+        angle = np.arctan2(z, x)
         inside = radius < self._addendum
         gaps = np.where(inside, np.rint(angle * self._teeth / (2.0 * np.pi)) % self._teeth, -1.0).astype(int)
         after = gaps[self._ahead]
@@ -195,7 +201,7 @@ class ChainWatch:
 
 @dataclass
 class _Watch:
-    """What ends a run early: signals that interrupt it, and what is wrong with its shoes, in words."""
+    """Causes that end a run early: signals that interrupt it, and what is wrong with its shoes, in words."""
 
     waiting: list[int]
     chain: ChainWatch | None

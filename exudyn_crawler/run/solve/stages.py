@@ -28,16 +28,16 @@ def stage_times(case: Case, duration: float) -> list[float]:
     times = {0.0, duration} | {k * interval for k in range(1, math.ceil(duration / interval))}
     for time in case.drive.switch_times:
         times |= {other for other in (time, time + SETTLING) if other < duration}
-    kept: list[float] = []
+    ends: list[float] = []
     for time in sorted(times):
-        if not kept or time - kept[-1] > TIME_TOLERANCE * duration:
-            kept.append(time)
-    kept[-1] = duration
-    return kept
+        if not ends or time - ends[-1] > TIME_TOLERANCE * duration:
+            ends.append(time)
+    ends[-1] = duration
+    return ends
 
 
 def is_quiet(case: Case, start: float) -> bool:
-    """Whether the track is quiet in the stage that starts at a time, s."""
+    """True if the track is quiet in the stage that starts at a time, s."""
     return case.drive.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
 
 
@@ -91,7 +91,9 @@ class Recorder:
         ground_times: Sequence[float] = (),
         checkpoints: Checkpoints | None = None,
     ) -> None:
-        self._system, self._duration, self._checkpoints = system, duration, checkpoints
+        self._system = system
+        self._duration = duration
+        self._checkpoints = checkpoints
         self._interval = system.case.solver.output_interval
         self._tolerance = TIME_TOLERANCE * max(1.0, duration)
         self._next = 0.0
@@ -108,7 +110,8 @@ class Recorder:
 
     def _go_on_from(self, checkpoints: Checkpoints) -> None:
         """Bring the system to the end of the last stage that is also one of this run, but not its last."""
-        last, case = None, self._system.case
+        last = None
+        case = self._system.case
         for stage in checkpoints.load(case, self._system.layout.to_json()):
             # a shorter run ends within a stage of a longer one
             is_last = stage.number >= len(self.ends) - 2
@@ -128,7 +131,9 @@ class Recorder:
         self._next = (math.floor(time / self._interval + 1e-6) + 1) * self._interval
         if memory is not None:
             self.then = memory.get(KEPT, self.then)
-            self._ground_times = [one for one in self._ground_times if one > time + self._tolerance]
+            self._ground_times = [
+                ground_time for ground_time in self._ground_times if ground_time > time + self._tolerance
+            ]
 
     def store(self, time: float) -> None:
         """Store the state if its turn has come; the last one always."""
@@ -138,7 +143,9 @@ class Recorder:
             self._in_stage = True
             self.go_on(time)
         if self._ground_times and time >= self._ground_times[0] - self._tolerance:
-            self._ground_times = [one for one in self._ground_times if one > time + self._tolerance]
+            self._ground_times = [
+                ground_time for ground_time in self._ground_times if ground_time > time + self._tolerance
+            ]
             if memory := self._system.memory():
                 self.then = np.concatenate((self.then, ground_map.memory_now(memory, time)))
 
@@ -171,7 +178,7 @@ class Recorder:
 
     @property
     def nothing(self) -> bool:
-        """Whether no state was stored yet."""
+        """True before the first stored state."""
         return not (self._chunks or self._states)
 
     @property
@@ -185,7 +192,8 @@ class Recorder:
         With checkpoints it is written into their folder, which takes no more memory for a longer run, and
         read from there.
         """
-        case, end = self._system.case, ground_map.end_memory(self._system.memory(), self.then)
+        case = self._system.case
+        end = ground_map.end_memory(self._system.memory(), self.then)
         rows = self.taken()
         if self._checkpoints is None:
             return History(case, states.system_history(self._system, rows).dataset.assign(end))

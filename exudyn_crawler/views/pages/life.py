@@ -54,8 +54,9 @@ def write_life_page(
 
     `roller_paths` are tables of the treads' contact by what happens.
     """
-    shortest, parts = (page.table(one, digits=5) for one in (in_words(found.table), damage_parts(found)))
-    said, titled = page.paragraph(SHARES), page.part("titled", "Parts of the damage at these nodes", parts)
+    shortest, parts = (page.table(table, digits=5) for table in (in_words(found.table), damage_parts(found)))
+    said = page.paragraph(SHARES)
+    titled = page.part("titled", "Parts of the damage at these nodes", parts)
     causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(found)))
     growing = page.plot(damage_curves(found)) if found.duty.by_stage()[-1].runs else Markup()
     paths = [page.part("titled", name, page.table(table)) for name, table in (roller_paths or {}).items()]
@@ -85,10 +86,12 @@ def life_lines(found: LifeResults) -> list[str]:
     """Shortest life and how far to trust it, and what it is counted by."""
     rows = in_words(found.table)
     outside = rows[rows["flag"] != "in spider"]
-    worst, material = (outside if len(outside) else rows).iloc[0], found.duty.material
-    survival, places = 100.0 * float(found.dataset.survival[-1]), found.dataset.shoe.values.tolist()
+    worst = (outside if len(outside) else rows).iloc[0]
+    material = found.duty.material
+    survival = 100.0 * float(found.dataset.survival[-1])
+    places = found.dataset.shoe.values.tolist()
     mean = f", the mean over the places {places} that a shoe takes in turn" if found.duty.runs else ""
-    worn = "".join(f", {cell_text(one.hours)} h {one.name}" for one in found.duty.stages)
+    worn = "".join(f", {cell_text(stage.hours)} h {stage.name}" for stage in found.duty.stages)
     shortest = cell_text(worst[f"{LIFE} that {survival:g} % survive"])
     low, high = (cell_text(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = material.factors()
@@ -110,14 +113,15 @@ def life_solid(found: LifeResults) -> scene.Solid:
     used, corners = np.unique(data.triangle.values, return_inverse=True)
     at_last = data.place_damage.isel(survival=-1)
     lives = {
-        f"all places, {100 * one:g} % survive": data.life.sel(survival=one).values
-        for one in reversed(data.survival.values)
+        f"all places, {100 * survival:g} % survive": data.life.sel(survival=survival).values
+        for survival in reversed(data.survival.values)
     }
     lives |= {
         f"stays at place {shoe}": life_hours(at_last.sel(shoe=shoe).values) for shoe in data.shoe.values
     }
-    logs, high = {name: np.log10(life[used]) for name, life in lives.items()}, float(np.log10(BEYOND))
-    low = min(*(float(np.nanmin(one)) for one in logs.values()), high - LEAST_DECADES)
+    logs = {name: np.log10(life[used]) for name, life in lives.items()}
+    high = float(np.log10(BEYOND))
+    low = min(*(float(np.nanmin(log)) for log in logs.values()), high - LEAST_DECADES)
     colours = (low, high, f"{style.STRESS_MAP}_r")
     colourings = [
         scene.Colouring("life in h", log[None, None], *colours, name=name, decades=True)
@@ -133,25 +137,30 @@ def life_solid(found: LifeResults) -> scene.Solid:
 def causes_figure(found: LifeResults) -> go.Figure:
     """Life by each part of the damage alone, a row each, in every region: colours and hours."""
     lives = found.causes()
-    words, decades = (lives.map(lambda hours: "" if hours >= BEYOND else cell_text(hours)), np.log10(lives))
-    low, high = float(decades.min().min()), float(np.log10(BEYOND))
+    words = lives.map(lambda hours: "" if hours >= BEYOND else cell_text(hours))
+    decades = np.log10(lives)
+    low = float(decades.min().min())
+    high = float(np.log10(BEYOND))
     ticks = np.arange(np.floor(low), high + 1.0)
-    bar = {"title": "h", "tickvals": ticks, "ticktext": [f"1e{one:g}" for one in ticks]}
+    bar = {"title": "h", "tickvals": ticks, "ticktext": [f"1e{tick:g}" for tick in ticks]}
     colours = {"zmin": min(low, high - LEAST_DECADES), "zmax": high, "colorscale": "YlOrRd_r"}
     cells = {"x": lives.columns, "y": lives.index, "z": decades, "text": words, "colorbar": bar}
     said = {"texttemplate": "%{text}", "hovertemplate": "%{y}<br>%{x}: %{text} h<extra></extra>"}
     figure = go.Figure(go.Heatmap(**cells, **colours, **said))
     figure.update_yaxes(autorange="reversed", automargin=True)
     figure.update_xaxes(side="top")
-    height, margin = 120 + 26 * len(lives), {"l": 10, "r": 10, "t": 40, "b": 10}
+    height = 120 + 26 * len(lives)
+    margin = {"l": 10, "r": 10, "t": 40, "b": 10}
     return figure.update_layout(height=height, margin=margin)
 
 
 def damage_curves(found: LifeResults) -> go.Figure:
     """Damage of the worst nodes of the table as it grows over the runs, each at its worst place."""
-    figure, runs = go.Figure(), [run.name for run in found.duty.runs]
+    figure = go.Figure()
+    runs = [run.name for run in found.duty.runs]
     for _, row in found.table.head(DRAWN).iterrows():
-        node, place = int(row["node"]), row["worst place"]
+        node = int(row["node"])
+        place = row["worst place"]
         history = found.nodes[node].damage_history()
         chosen = history[(history["shoe"] == place) & history["run"].isin(runs)]
         for run, rows in chosen.groupby("run", sort=False):
@@ -167,9 +176,9 @@ def damage_curves(found: LifeResults) -> go.Figure:
 
 def damage_parts(found: LifeResults) -> pd.DataFrame:
     """Share of every run and phase in the damage at the nodes of the table, in per cent."""
-    own = found.dataset.isel(node=found.table["node"].to_numpy())
-    shares = 100.0 * own.part_damage / np.maximum(own.damage_an_hour.isel(survival=-1), 1e-300)
-    columns = {f"{name} in %": shares.sel(part=name).values for name in own.part.values}
+    data = found.dataset.isel(node=found.table["node"].to_numpy())
+    shares = 100.0 * data.part_damage / np.maximum(data.damage_an_hour.isel(survival=-1), 1e-300)
+    columns = {f"{name} in %": shares.sel(part=name).values for name in data.part.values}
     return found.table[["region", "node"]].assign(**columns)
 
 
@@ -179,7 +188,8 @@ def check_solid(
     """Surface of a checked shoe, bent by a displacement (nodes, 3), m, with colourings of its nodes."""
     mesh = found.shoe.mesh
     faces = np.searchsorted(mesh.surface_nodes, flat_triangles(mesh.boundary))
-    points, shades = mesh.nodes[mesh.surface_nodes] + bend, tuple(colourings)
+    points = mesh.nodes[mesh.surface_nodes] + bend
+    shades = tuple(colourings)
     return scene.Solid("shoe", points, (faces,), "white", colourings=shades, nodes=mesh.surface_nodes)
 
 
@@ -207,8 +217,11 @@ def write_check_page(found: CheckResults, path: Path, overwrite: bool = False) -
 
 def case_figure(found: CheckResults, number: int) -> Figure:
     """One case from above and from below: von Mises stress on the bent shoe, and its peaks by region."""
-    case, stress, bend = found.cases[number], von_mises(found.stress[number]), found.displacement[number]
-    larger, high = style.drawn_scale(bend, BENT), style.round_up(float(stress.max()) / style.MEGA)
+    case = found.cases[number]
+    stress = von_mises(found.stress[number])
+    bend = found.displacement[number]
+    larger = style.drawn_scale(bend, BENT)
+    high = style.round_up(float(stress.max()) / style.MEGA)
     colouring = scene.Colouring("von Mises stress in MPa", stress / style.MEGA, 0.0, high, style.STRESS_MAP)
     solid = check_solid(found, [colouring], larger * bend)
     with mpl.rc_context(style.STYLE | {"axes.grid": False}):
@@ -218,8 +231,10 @@ def case_figure(found: CheckResults, number: int) -> Figure:
             pictures.paint(ax, [solid], scene.View.seen_from(azimuth, elevation), WINDOW)
             ax.set_title(title, loc="left")
             ax.set_axis_off()
-        own = found.table[found.table["case"] == case.name]
-        peaks = ", ".join(f"{a} {b:.0f}" for a, b in zip(own["region"], own["von Mises in MPa"], strict=True))
+        rows = found.table[found.table["case"] == case.name]
+        peaks = ", ".join(
+            f"{a} {b:.0f}" for a, b in zip(rows["region"], rows["von Mises in MPa"], strict=True)
+        )
         figure.suptitle(f"{case.name}\n{peaks} MPa; displacement x {larger:g}", parse_math=False)
         figure.colorbar(style.scale_of(0.0, high, style.STRESS_MAP), ax=axes, label=colouring.title)
     return figure

@@ -69,11 +69,11 @@ def packed_scene(
         "titles": scene.titles,
         "first": first,
         "window": window,
-        "solids": [_packed_solid(one, arrays) for one in scene.solids],
+        "solids": [_packed_solid(solid, arrays) for solid in scene.solids],
         "arrows": [
-            _as_they_are(one, "name", "colour", "scale", "solid", "through")
-            | {name: arrays.add_over_time(getattr(one, name)) for name in ("heads", "forces")}
-            for one in scene.arrows
+            _as_they_are(arrow, "name", "colour", "scale", "solid", "through")
+            | {name: arrays.add_over_time(getattr(arrow, name)) for name in ("heads", "forces")}
+            for arrow in scene.arrows
         ],
     }
 
@@ -90,14 +90,14 @@ def _packed_solid(solid: Solid, arrays: SceneArrays) -> dict[str, object]:
         "bend": arrays.add_over_time(solid.bend, stepped=True),
         "colourings": [
             {
-                **_as_they_are(one, "name", "title", "words", "decades"),
-                "low": float(one.low),
-                "high": float(one.high),
-                "colours": _colour_scale(one.colours),
-                "nodal": one.values.ndim == 3,
-                "values": arrays.add_over_time(one.values, stepped=not one.words),
+                **_as_they_are(colouring, "name", "title", "words", "decades"),
+                "low": float(colouring.low),
+                "high": float(colouring.high),
+                "colours": _colour_scale(colouring.colours),
+                "nodal": colouring.values.ndim == 3,
+                "values": arrays.add_over_time(colouring.values, stepped=not colouring.words),
             }
-            for one in solid.colourings
+            for colouring in solid.colourings
         ],
     }
 
@@ -109,7 +109,9 @@ def _as_they_are(one: object, *names: str) -> dict[str, object]:
 def _colour_scale(colours: str | tuple[str, ...]) -> list[list[object]]:
     """Colours as Plotly takes them: places from 0 to 1, and a colour at each, of which some are doubled."""
     if isinstance(colours, str):
-        return [[float(at), to_hex(style.colour_map(colours)(at))] for at in np.linspace(0.0, 1.0, 17)]
+        return [
+            [float(place), to_hex(style.colour_map(colours)(place))] for place in np.linspace(0.0, 1.0, 17)
+        ]
     edges = np.linspace(0.0, 1.0, len(colours) + 1)
     return [[float(edges[k + end]), colour] for k, colour in enumerate(colours) for end in (0, 1)]
 
@@ -119,37 +121,41 @@ def packed_curves(
 ) -> tuple[dict[str, object], str]:
     """Time histories of runs by name for the page, and what a reader has to know about left-out times."""
     at_first = {
-        name: next(one.every(one.time.size).parts(stresses.get(name))) for name, one in histories.items()
+        name: next(run.every(run.time.size).parts(stresses.get(name))) for name, run in histories.items()
     }
-    offered = {name: figures.history_series(*one) for name, one in at_first.items()}
-    count = sum(one.values.size for series in offered.values() for one in series.values())
+    offered = {name: figures.history_series(*pair) for name, pair in at_first.items()}
+    count = sum(curve.values.size for series in offered.values() for curve in series.values())
     points = int(np.clip(SERIES_BYTES / BYTES_A_POINT / max(count, 1), LEAST_POINTS, MOST_POINTS))
     cases = {}
     for name, history in histories.items():
-        kept: dict[str, Kept] = {label: {} for label in offered[name]}
-        start, width = 0, bin_width(history.time.size, points)
-        for part, own in history.parts(stresses.get(name)):
-            for label, series in figures.history_series(part, own).items():
+        pieces: dict[str, Kept] = {label: {} for label in offered[name]}
+        start = 0
+        width = bin_width(history.time.size, points)
+        for part, stress in history.parts(stresses.get(name)):
+            for label, series in figures.history_series(part, stress).items():
                 whole = series.values.transpose("item", "axis", "time").values
-                for at in np.ndindex(whole.shape[:2]):
-                    few = thinned(whole[at], width)
-                    kept[label].setdefault(at, []).append((start + few, whole[at][few]))
+                for slot in np.ndindex(whole.shape[:2]):
+                    few = thinned(whole[slot], width)
+                    pieces[label].setdefault(slot, []).append((start + few, whole[slot][few]))
             start += part.time.size
-        kind, phases = "u2" if start < 2**16 else "u4", common_phases(history)
+        kind = "u2" if start < 2**16 else "u4"
+        phases = common_phases(history)
         cases[name] = {
             "time": packed(history.time.values, "f4"),
             "index": kind,
-            "quantities": [_packed_series(one, kept[label], kind) for label, one in offered[name].items()],
+            "quantities": [
+                _packed_series(quantity, pieces[label], kind) for label, quantity in offered[name].items()
+            ],
             "phases": [phase._asdict() for phase in phases] if len(phases) > 1 else [],
         }
-    most = max((one.time.size for one in histories.values()), default=0)
+    most = max((run.time.size for run in histories.values()), default=0)
     said = (
         f"Of the {most} stored times each curve keeps the least and the greatest value in every one of "
         f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; in between it is thinner "
         "than what was computed."
     )
     labels = {label for series in offered.values() for label in series}
-    first = [next(one for one in each if one in labels) for each in FIRST] if cases else []
+    first = [next(choice for choice in each if choice in labels) for each in FIRST] if cases else []
     return {"cases": cases, "first": first}, said if most > points else "Every stored time is drawn."
 
 
@@ -163,15 +169,15 @@ def thinned(values: np.ndarray, width: int) -> np.ndarray:
     n = len(values)
     padded = np.concatenate((values, np.full(-n % width, values[-1]))).reshape(-1, width)
     starts = width * np.arange(len(padded))
-    kept = np.concatenate(([0, n - 1], starts + padded.argmin(axis=1), starts + padded.argmax(axis=1)))
-    return np.unique(np.minimum(kept, n - 1))
+    indices = np.concatenate(([0, n - 1], starts + padded.argmin(axis=1), starts + padded.argmax(axis=1)))
+    return np.unique(np.minimum(indices, n - 1))
 
 
 def _packed_series(series: figures.Series, kept: Kept, kind: str) -> dict[str, object]:
     """Quantity for the page: names, and for every item and axis packed indices of time and values."""
     rows: list[list[list[str]]] = [[[] for _ in series.values.axis] for _ in series.items]
     for (item, axis), parts in kept.items():
-        few, values = (np.concatenate(one) for one in zip(*parts, strict=True))
+        few, values = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
         rows[item][axis] = [packed(few, kind), packed(values, "f4")]
     return {
         **_as_they_are(series, "group", "label", "unit", "items"),
@@ -184,7 +190,7 @@ def _packed_series(series: figures.Series, kept: Kept, kind: str) -> dict[str, o
 
 def _drawn(series: figures.Series) -> list[int]:
     """Numbers of the items that are drawn at first, evenly spread."""
-    found = (re.search(r"\d+", item) for item in series.items)
-    numbers = sorted({int(one[0]) for one in found if one})
+    matches = (re.search(r"\d+", item) for item in series.items)
+    numbers = sorted({int(match[0]) for match in matches if match})
     places = np.linspace(0, len(numbers) - 1, min(FEW, len(numbers)))
     return [numbers[round(place)] for place in places]

@@ -46,8 +46,8 @@ def page(
     top: str = "",
 ) -> str:
     """HTML of a page: lines below the title, `top`, sections, and `data` that the page's own scripts draw."""
-    shown = [one for one in sections if one.body]
-    has_plots = any("plotly-graph-div" in one.body for one in shown) or bool(data and data["scenes"])
+    shown = [section for section in sections if section.body]
+    has_plots = any("plotly-graph-div" in section.body for section in shown) or bool(data and data["scenes"])
     # nothing in the data of the scripts can end or begin one, such as a name with <!--<script>
     packed = "" if data is None else json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     parts = {"title": title, "lead": lead, "top": top, "sections": shown, "data": Markup(packed)}

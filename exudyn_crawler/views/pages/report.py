@@ -19,7 +19,9 @@ from exudyn_crawler.views.pages import first_screen, packing, page, runs
 from exudyn_crawler.views.pages.page import Section, part, table, together
 from exudyn_crawler.views.scenes import pictures, shoes, track
 
-REPORT, RECORD, COMPARISON = "report.html", "run.json", "comparison.csv"
+REPORT = "report.html"
+RECORD = "run.json"
+COMPARISON = "comparison.csv"
 LONGEST_TABLE = 300  # rows of a table on the page; longer ones are series, which plots show
 INSTANTS, MARGIN = 101, (0.6, 0.4, 0.3)
 """Instants that the moving track shows, evenly spread; m beyond the track, beside it and below the ground."""
@@ -54,23 +56,24 @@ def report_page(folder: Path) -> str:
     # a study keeps each of its cases in a folder of its own
     folders = [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
     histories, homes = runs.histories_in(folders)
-    stressed = next((one for one in folders if (one / runs.STRESSES).is_file()), folder)
-    stress, comparison = runs.stress_of(stressed), folder / COMPARISON
+    stressed = next((path for path in folders if (path / runs.STRESSES).is_file()), folder)
+    stress = runs.stress_of(stressed)
+    comparison = folder / COMPARISON
     compared = runs.contents(comparison, _compared) if comparison.is_file() else Markup()
     if not (histories or compared):
         raise FileNotFoundError(f"{folder} holds neither a history nor a {COMPARISON} to report on")
     bent = [name for name in histories if homes[name] == stressed and histories[name].case.flexible]
     stresses = {name: stress for name in bent[:1] if stress is not None}
     arrays = packing.SceneArrays()
-    tracks = {name: packed_track(one, arrays) for name, one in histories.items()}
+    tracks = {name: packed_track(history, arrays) for name, history in histories.items()}
     scenes = {"track": tracks} if tracks else {}
-    for name, own in stresses.items():
-        scene = shoes.stress_scene(own, histories[name])
-        scenes["shoe"] = {"": packing.packed_scene(scene, arrays, first=shoes.first_frame(own))}
+    for name, dataset in stresses.items():
+        scene = shoes.stress_scene(dataset, histories[name])
+        scenes["shoe"] = {"": packing.packed_scene(scene, arrays, first=shoes.first_frame(dataset))}
     curves, thinned = packing.packed_curves(histories, stresses)
     shown, first = _pictures(stressed, stress)
-    rolled = any(one.has("roller_force") for one in histories.values())
-    closed = any(one.has("wheel_force") for one in histories.values())
+    rolled = any(history.has("roller_force") for history in histories.values())
+    closed = any(history.has("wheel_force") for history in histories.values())
     sections = [
         Section("comparison", "Paper against computed", compared),
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
@@ -96,11 +99,13 @@ def report_page(folder: Path) -> str:
 
 def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, object]:
     """Track in evenly spread instants of a run, for a view in 3D."""
-    case, window = history.case, track.shown_box(history, MARGIN)
+    case = history.case
+    window = track.shown_box(history, MARGIN)
     shown = track.instants(history, np.linspace(0.0, history.duration, INSTANTS))
     near = None
     if isinstance(case.terrain, Terrain):
-        x, half = case.terrain.middles[:, 0], 0.5 * case.terrain.unit_length
+        x = case.terrain.middles[:, 0]
+        half = 0.5 * case.terrain.unit_length
         near = np.flatnonzero((x + half >= window[0][0]) & (x - half <= window[0][1]))
     scene = track.track_scene(shown, shoes.shoe_force_scale(history), near)
     return packing.packed_scene(scene, arrays, window)
@@ -108,7 +113,9 @@ def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, obj
 
 def _ground(histories: Mapping[str, History]) -> Markup:
     """Maps of the ground as runs on cells end."""
-    drawn = {name: one for name, one in histories.items() if isinstance(one.case.terrain, CellTerrain)}
+    drawn = {
+        name: history for name, history in histories.items() if isinstance(history.case.terrain, CellTerrain)
+    }
     maps = {name: pictures.map_figure(one, ground_map.ground_map(one)) for name, one in drawn.items()}
     return together(*(page.figure_picture(f"greatest sinkage, {name}", one) for name, one in maps.items()))
 
@@ -116,19 +123,22 @@ def _ground(histories: Mapping[str, History]) -> Markup:
 def _roller_paths(homes: Mapping[str, Path]) -> Markup:
     """Pressure of treads along the rails, of rolled runs whose table is there."""
     paths = {name: home / f"{figures.ROLLER_PATH}.csv" for name, home in homes.items()}
-    found = {name: runs.contents(path, pd.read_csv) for name, path in paths.items() if path.is_file()}
-    drawn = {name: figures.roller_path_figure(own, name) for name, own in found.items()}
-    return together(*(page.figure_picture(f"roller path, {name}", one) for name, one in drawn.items()))
+    contacts = {name: runs.contents(path, pd.read_csv) for name, path in paths.items() if path.is_file()}
+    drawn = {name: figures.roller_path_figure(contact, name) for name, contact in contacts.items()}
+    return together(*(page.figure_picture(f"roller path, {name}", figure) for name, figure in drawn.items()))
 
 
 def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
     """Lines that say what the page shows: times of the cases, versions, and when run and page were made."""
-    shown = [f"{name}: {one.duration:.4g} s, {one.time.size} stored times" for name, one in histories.items()]
+    shown = [
+        f"{name}: {history.duration:.4g} s, {history.time.size} stored times"
+        for name, history in histories.items()
+    ]
     programs = {
         f"{program} {version}"
-        for one in histories.values()
+        for history in histories.values()
         for program in ("exudyn-crawler", "exudyn")
-        if (version := one.dataset.attrs.get(f"{program.replace('-', '_')}_version"))
+        if (version := history.dataset.attrs.get(f"{program.replace('-', '_')}_version"))
     }
     record = folder / RECORD
     recorded = runs.contents(record, _recorded) if record.is_file() else []
@@ -138,7 +148,7 @@ def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
 
 
 def _recorded(path: Path) -> list[str]:
-    """What a run's record says: the commit that ran, and when it ended, as far as it did."""
+    """Lines of a run's record: the commit that ran, and when it ended, as far as it did."""
     record = json.loads(path.read_text(encoding="utf-8"))
     said = [f"commit {record['commit']}"] if record.get("commit") else []
     if "finished" in record:
@@ -151,10 +161,10 @@ def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Datas
     """Key results: a row a result, with value and unit, where and when for each case."""
     columns = []
     for name, history in histories.items():
-        found = summary.key_results(history, stresses.get(name)).set_index("result")
-        values = [page.Cell(f"{one.value:.4g} {one.unit}", True) for one in found.itertuples()]
-        where = [", ".join(filter(None, (one.of, f"t = {one.at:.4g} s"))) for one in found.itertuples()]
-        columns.append(pd.DataFrame({name: values, "": where}, found.index))
+        results = summary.key_results(history, stresses.get(name)).set_index("result")
+        values = [page.Cell(f"{row.value:.4g} {row.unit}", True) for row in results.itertuples()]
+        where = [", ".join(filter(None, (row.of, f"t = {row.at:.4g} s"))) for row in results.itertuples()]
+        columns.append(pd.DataFrame({name: values, "": where}, results.index))
     if not columns:
         return Markup()
     shown = pd.concat(columns, axis=1).fillna("").rename_axis("").reset_index(allow_duplicates=True)
@@ -166,7 +176,8 @@ def _compared(path: Path) -> Markup:
     comparison = pd.read_csv(path, dtype={"within": str})
     if missing := {"class", "within"}.difference(comparison):
         raise ValueError(f"{path} has no column {max(missing)!r} and is no comparison")
-    verdicts, count = comparison["within"], tables.within_by_class(comparison)
+    verdicts = comparison["within"]
+    count = tables.within_by_class(comparison)
     shown = comparison.assign(within=verdicts.replace(VERDICTS).fillna("no verdict"))
     rows = table(shown, kinds=verdicts.map(VERDICTS).fillna("none").tolist(), anchor="comparison-table")
     counts = Markup() if count.empty else table(count, compact=True)
@@ -175,21 +186,21 @@ def _compared(path: Path) -> Markup:
 
 def _tables(how: str, paths: Mapping[str, Path]) -> list[Markup]:
     """Tables of files by their titles that are short enough to be read, by the macro of that name."""
-    found = {title: runs.contents(path, pd.read_csv) for title, path in paths.items()}
-    short = {title: own for title, own in found.items() if len(own) <= LONGEST_TABLE}
-    return [part(how, title, table(own, digits=5)) for title, own in short.items()]
+    contents = {title: runs.contents(path, pd.read_csv) for title, path in paths.items()}
+    short = {title: content for title, content in contents.items() if len(content) <= LONGEST_TABLE}
+    return [part(how, title, table(content, digits=5)) for title, content in short.items()]
 
 
 def _hot_spots(folder: Path) -> Markup:
     """Tables of the hot spots in a folder, in the order of the shoes."""
     paths = sorted(folder.glob(f"{SPOTS}*.csv"), key=lambda path: (len(path.name), path.name))
-    found = _tables("titled", {path.stem.removeprefix(SPOTS).replace("_", " "): path for path in paths})
-    return together(page.paragraph(HOT_SPOTS), *found) if found else Markup()
+    parts = _tables("titled", {path.stem.removeprefix(SPOTS).replace("_", " "): path for path in paths})
+    return together(page.paragraph(HOT_SPOTS), *parts) if parts else Markup()
 
 
 def _further(folder: Path, folders: list[Path]) -> Markup:
     """Tables that have no section of their own."""
-    paths = [path for one in folders for path in sorted(one.glob("[!.]*.csv"))]
+    paths = [path for home in folders for path in sorted(home.glob("[!.]*.csv"))]
     further = [path for path in paths if path.name != COMPARISON and not path.name.startswith(SPOTS)]
     return together(*_tables("folded", {path.relative_to(folder).as_posix(): path for path in further}))
 
@@ -198,9 +209,9 @@ def _cases(folder: Path, histories: Mapping[str, History]) -> Markup:
     """Resolved cases with units, and files about the run as they are."""
     resolved = [page.paragraph("The folder keeps no resolved case.")]
     if histories:
-        rows = {name: pd.DataFrame(case_rows(one.case)) for name, one in histories.items()}
-        shown = {name: table(one.rename(columns={"key": "parameter"})) for name, one in rows.items()}
-        resolved = [part("folded", name, one, not at) for at, (name, one) in enumerate(shown.items())]
+        rows = {name: pd.DataFrame(case_rows(history.case)) for name, history in histories.items()}
+        shown = {name: table(row.rename(columns={"key": "parameter"})) for name, row in rows.items()}
+        resolved = [part("folded", name, one, not number) for number, (name, one) in enumerate(shown.items())]
     there = [path for path in (folder / "case.toml", folder / RECORD) if path.is_file()]
     texts = {path.name: runs.contents(path, lambda one: one.read_text(encoding="utf-8")) for path in there}
     as_they_are = (part("folded", name, part("preformatted", text)) for name, text in texts.items())
@@ -213,7 +224,9 @@ def _pictures(folder: Path, stress: xr.Dataset | None) -> tuple[Markup, int]:
     if not paths:
         return Markup(), 0
     uris = {shoes.picture_time(path): runs.contents(path, page.picture_file) for path in paths}
-    times, titles, shown = np.array(list(uris)), {time: f"t = {time:.6g} s" for time in uris}, 0
+    times = np.array(list(uris))
+    titles = {time: f"t = {time:.6g} s" for time in uris}
+    shown = 0
     if stress is not None:
         shown = int(np.abs(times - float(stress.frame[shoes.first_frame(stress)])).argmin())
         for frame, title in zip(stress.frame.values, shoes.frame_titles(stress), strict=True):

@@ -19,7 +19,7 @@ from fem.interrupts import interrupts_wait
 T = TypeVar("T")
 
 STRESSES = "stress.nc"
-DRAWN = [one for one in catalogue.select(compared=True).values() if one.compared != "table"]
+DRAWN = [quantity for quantity in catalogue.select(compared=True).values() if quantity.compared != "table"]
 MAIN = sorted(DRAWN, key=lambda one: one.compared)
 """Quantities that the page draws, as far as both runs have them."""
 SAME_CASES = "Nothing differs in the cases."
@@ -29,7 +29,7 @@ ITEMS = 3  # shoes that a figure draws at most: the ends and the middle of those
 
 
 def contents(path: Path, read: Callable[[Path], T]) -> T:
-    """What a file holds; a ValueError that names the file if it cannot be read."""
+    """Content of a file; a ValueError that names the file if it cannot be read."""
     try:
         return read(path)
     # altered bytes make the readers of tables, pictures and NetCDF raise all kinds of errors
@@ -49,7 +49,8 @@ def histories_in(folders: list[Path]) -> tuple[dict[str, History], dict[str, Pat
             name = history.case.name
             if name in histories:
                 name = f"{folder.name}, {path.stem}"
-            histories[name], places[name] = history, folder
+            histories[name] = history
+            places[name] = folder
     return histories, places
 
 
@@ -73,11 +74,14 @@ def comparison_figures(
     histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
 ) -> dict[str, Figure]:
     """Overlays of the main curves of two runs by name, by the label of the quantity."""
-    first, second = (history_series(one, stresses.get(name)) for name, one in histories.items())
-    figures, phases = {}, common_phases(*histories.values())
-    for label in (one.label for one in MAIN if one.label in first and one.label in second):
-        both = [item for item in first[label].items if item in second[label].items]
-        items = [both[round(place)] for place in np.linspace(0, len(both) - 1, min(ITEMS, len(both)))]
+    first, second = (history_series(history, stresses.get(name)) for name, history in histories.items())
+    figures = {}
+    phases = common_phases(*histories.values())
+    for label in (
+        quantity.label for quantity in MAIN if quantity.label in first and quantity.label in second
+    ):
+        names = [item for item in first[label].items if item in second[label].items]
+        items = [names[round(place)] for place in np.linspace(0, len(names) - 1, min(ITEMS, len(names)))]
         if items:
             panels = overlay(dict(zip(histories, (first[label], second[label]), strict=True)), items)
             is_of_one = len(items) == 1 and items != ["track"]
@@ -88,10 +92,10 @@ def comparison_figures(
 def comparison_tables(
     histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """What differs in the cases and in the results of two runs by name, the first A and the second B."""
+    """Tables of differences between the cases and results of two runs by name, first A, then B."""
     first, second = histories.values()
     results = summary.difference_table(
-        *(summary.compared(one, stresses.get(name)) for name, one in histories.items())
+        *(summary.compared(history, stresses.get(name)) for name, history in histories.items())
     )
     parameters = differences(first.case, second.case.with_(name=first.case.name))
     return pd.DataFrame(parameters, columns=["key", "A", "B"]), results
@@ -113,15 +117,15 @@ def write_comparison(
     parameters, results = comparison_tables(histories, stresses or {})
     a, b = histories
     lead = [
-        f"{letter} is {name}: case {one.case.name!r}, {one.duration:.4g} s"
-        for letter, (name, one) in zip("AB", histories.items(), strict=True)
+        f"{letter} is {name}: case {history.case.name!r}, {history.duration:.4g} s"
+        for letter, (name, history) in zip("AB", histories.items(), strict=True)
     ]
     said = "Greatest magnitudes of A and B, and of B less A over the time that both have."
     in_cases = page.paragraph(SAME_CASES) if parameters.empty else page.table(parameters)
     in_results = page.paragraph(SAME_RESULTS)
     if not results.empty:
         in_results = page.together(page.paragraph(said), page.table(results))
-    drawn = [page.figure_picture(*one) for one in comparison_figures(histories, stresses or {}).items()]
+    drawn = [page.figure_picture(*pair) for pair in comparison_figures(histories, stresses or {}).items()]
     sections = [
         page.Section("parameters", "What differs in the cases", in_cases),
         page.Section("results", "What differs in the results", in_results),

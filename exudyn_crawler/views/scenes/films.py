@@ -35,7 +35,8 @@ class TrackPicture:
     def __init__(self, history: History, scale: float, dpi: float = 100) -> None:
         if not scale > 0.0:
             raise ValueError(f"scale must be positive, got {scale:g}")
-        self.history, self._scale = history, scale
+        self.history = history
+        self._scale = scale
         self._force_scale = shoes.shoe_force_scale(history)
         # of cells as the run begins and ends
         ends = track.instants(history, [0.0, history.duration])
@@ -44,7 +45,10 @@ class TrackPicture:
         self._heave = float(shown.min()), float(shown.max())
         windows = pictures.windows(history)
         # both views become as wide as the picture has room for
-        ratios = [*(VIEW_WIDTH * (one[3] - one[2]) / (one[1] - one[0]) for one in windows), SPEED_HEIGHT]
+        ratios = [
+            *(VIEW_WIDTH * (limits[3] - limits[2]) / (limits[1] - limits[0]) for limits in windows),
+            SPEED_HEIGHT,
+        ]
         with mpl.rc_context(style.STYLE):
             self.figure = Figure(figsize=(12.0, round(sum(ratios) + WRITING_HEIGHT, 1)), dpi=dpi)
             *views, curves = self.figure.subplots(3, 1, height_ratios=ratios)
@@ -70,7 +74,7 @@ class TrackPicture:
             self.figure.set_layout_engine("none")
 
     def _legend(self) -> str:
-        """What has to be known about the side view."""
+        """Legend of the side view."""
         ground = f"displacement of the ground drawn {self._scale:g} times larger"
         most = track.greatest_shoe_force(self.history) / style.KILO
         greatest = f"contact force on each shoe, the greatest of the run {most:.3g} kN"
@@ -88,9 +92,9 @@ class TrackPicture:
             artist.remove()
         self._drawn = pictures.draw_plan(self._plan, now, self._heave)
         self._drawn += pictures.draw_side(self._side, now, self._scale, self._force_scale)
-        at = float(now.time[0])
-        self._cursor.set_xdata([at] * 2)
-        self._title.set_text(f"{self.history.case.name}: t = {at:.2f} s")
+        instant = float(now.time[0])
+        self._cursor.set_xdata([instant] * 2)
+        self._title.set_text(f"{self.history.case.name}: t = {instant:.2f} s")
 
     def image(self, time: float) -> np.ndarray:
         """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
@@ -112,19 +116,22 @@ def ground_scale(history: History) -> float:
 
 
 def _curves(history: History) -> figures.Panel:
-    """What drives a run over time: force of every roller, tension of a closed chain, speed of both ends."""
+    """Curves of what drives a run: force of every roller, tension of a closed chain, speed of both ends."""
     if history.has("link_tension"):
         tension = history.over_time(["link_tension"])["link_tension"] / style.KILO
-        most, least = tension.max("joint"), tension.min("joint")
+        most = tension.max("joint")
+        least = tension.min("joint")
         curves = {"greatest": most, "mean": tension.mean("joint"), "least": least}
         return figures.Panel("tension of links", "kN", curves)
     if history.has("roller_force"):
         pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
         of_rollers = {str(roller): pressed.sel(roller=roller) for roller in history.roller.values}
         return figures.Panel("roller force", "kN", of_rollers)
-    ends = {f"shoe {history.shoe.values[at]} ({name})": at for at, name in ((0, "rear"), (-1, "front"))}
+    ends = {
+        f"shoe {history.shoe.values[index]} ({name})": index for index, name in ((0, "rear"), (-1, "front"))
+    }
     speed = history.velocity.sel(axis="x")
-    return figures.Panel("x velocity", "m/s", {name: speed.isel(shoe=at) for name, at in ends.items()})
+    return figures.Panel("x velocity", "m/s", {name: speed.isel(shoe=end) for name, end in ends.items()})
 
 
 def film_times(

@@ -45,7 +45,8 @@ def frame_poses(history: History) -> tuple[np.ndarray, np.ndarray]:
 
 def frame_on_rails(case: Case) -> tuple[RunningGear, Rails]:
     """Side frame of a case, and the rails that its wheels run on; ValueError if it has none."""
-    frame, rails = case.running_gear(), case.shoe.rails
+    frame = case.running_gear()
+    rails = case.shoe.rails
     assert rails is not None
     return frame, rails
 
@@ -71,7 +72,8 @@ def each_track(history: History) -> dict[str, History]:
 
 def car_body(history: History) -> Solid:
     """Block that stands for the car body, from one side frame to the other."""
-    (low, high), (right, left) = BEAM, history.case.track_middles
+    (low, high) = BEAM
+    (right, left) = history.case.track_middles
     half = 0.2 * (left - right)
     shape = box((-half, right, low), (half, left, high))
     return Solid("car body", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
@@ -169,10 +171,12 @@ def wheel_solids(history: History) -> list[Solid]:
     way = origin[..., 0] - case.frame_start[0]
     if history.has("tumbler_angle"):
         way = history.tumbler_angle.values[:, None] * case.closed_gear().travel_per_angle(case.track)
-    solids, edge = [], style.ROLLER_EDGE
+    solids = []
+    edge = style.ROLLER_EDGE
     for name, (labels, wheels) in _wheels(case).items():
         # roller by roller, its right tread first
-        places, radius = np.array([(x, y, z) for x, z, _ in wheels for y in rails.middles]), wheels[0, 2]
+        places = np.array([(x, y, z) for x, z, _ in wheels for y in rails.middles])
+        radius = wheels[0, 2]
         hub = origin
         if name == "idler":  # a tensioner moves it from where it was assembled
             hub = origin + (history.take_up.values - case.assembled.take_up)[:, None, None] * turn[..., 0]
@@ -180,7 +184,8 @@ def wheel_solids(history: History) -> list[Solid]:
         if name == TURNING["roller"]:
             placed = placed[0] + np.repeat(_swung(history), len(rails.middles), axis=1), placed[1]
         half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, radius])
-        tread, named = disc(radius, frame.tread_width), tuple(np.repeat(labels, len(rails.middles)).tolist())
+        tread = disc(radius, frame.tread_width)
+        named = tuple(np.repeat(labels, len(rails.middles)).tolist())
         solids += [
             Solid(name, *tread, style.ROLLER, *placed, edges=edge, labels=named),
             Solid(f"{name}, marks", *box(-half, half), edge, *placed),
@@ -204,15 +209,19 @@ def tumbler_solids(history: History) -> list[Solid]:
     """Toothed wheels of a drive tumbler on its shaft, and the lugs of shoes that run into them, if any."""
     if not history.case.gear.tumblers:
         return []
-    case, frame = history.case, history.case.closed_gear()
-    tumbler, centers = frame.tumbler, case.track.joint_centers
+    case = history.case
+    frame = history.case.closed_gear()
+    tumbler = frame.tumbler
+    centers = case.track.joint_centers
     planes = np.array([[0.0, centers[f"rear {side}"][1], 0.0] for side in SIDES])
     _, turn = frame_poses(history)
     angle = case.assembled.tumbler[4] + history.tumbler_angle.values[:, None, None]
     axis = history.tumbler_position.transpose("time", "axis").values[:, None], turn
-    turned, middle = turn @ rotation_matrices(angle * np.eye(3)[1]), planes.mean(axis=0)[None]
+    turned = turn @ rotation_matrices(angle * np.eye(3)[1])
+    middle = planes.mean(axis=0)[None]
     shaft = disc(SHAFT * tumbler.radius(case.track.pitch), float(np.ptp(planes[:, 1])))
-    teeth, lug = star(tooth_outline(case), TEETH), disc(tumbler.lug_radius, TEETH, LUG_SIDES)
+    teeth = star(tooth_outline(case), TEETH)
+    lug = disc(tumbler.lug_radius, TEETH, LUG_SIDES)
     lugs = carried(*poses(history.dataset), np.array([place for _, place in frame.lugs(case.track)]))
     edge = style.ROLLER_EDGE
     return [
@@ -229,15 +238,16 @@ def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndar
     number where there is no force, and forces (..., shoes, 3), N.
     """
     names = (("wheels", "wheel_load", "wheel_moment"), ("teeth", "tooth_force", "tooth_moment"))
-    found = []
+    forces = []
     for (name, force, moment), colour in zip(names, (style.ROLLER_FORCE, style.TOOTH_FORCE), strict=True):
         place, f, m = (
-            dataset[one].transpose(..., "shoe", "axis").values for one in ("position", force, moment)
+            dataset[variable].transpose(..., "shoe", "axis").values
+            for variable in ("position", force, moment)
         )
         size = np.sum(f * f, axis=-1, keepdims=True)
         off = np.divide(np.cross(f, m), size, out=np.full_like(f, np.nan), where=size > 0.0)
-        found.append((f"forces of {name}", colour, place + off, f))
-    return found
+        forces.append((f"forces of {name}", colour, place + off, f))
+    return forces
 
 
 def near_gear(history: History, shoes: np.ndarray, beside: float) -> list[Solid]:

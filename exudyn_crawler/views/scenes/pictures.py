@@ -125,8 +125,10 @@ def _of_one_length(outlines: list[np.ndarray]) -> np.ndarray:
 def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Colours (m, 4) of faces by their values (m,), shaded by their normals (m, 3) without edges."""
     colours = np.tile(mpl.colors.to_rgba(solid.colour), (len(values), 1))
-    for one in solid.colourings:
-        colours = style.colour_map(one.colours)(mpl.colors.Normalize(one.low, one.high)(values))
+    for colouring in solid.colourings:
+        colours = style.colour_map(colouring.colours)(
+            mpl.colors.Normalize(colouring.low, colouring.high)(values)
+        )
     colours[:, 3] = solid.opacity
     if not solid.edges:
         shade = 0.45 + 0.65 * np.clip(normals @ LIGHT, 0.0, 1.0)
@@ -138,11 +140,11 @@ def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View, time: int = 0) ->
     """Draw arrows of a time over all that is there, seen from every side; what is drawn is returned."""
     how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "zorder": 4}
     drawn: Drawn = []
-    for one in kinds:
-        tails, heads = view.project(one.at(time))[..., :2].transpose(1, 2, 0)
+    for kind in kinds:
+        tails, heads = view.project(kind.at(time))[..., :2].transpose(1, 2, 0)
         if heads.size:
             ways = (*heads, *(heads - tails))
-            drawn.append(ax.quiver(*ways, color=one.colour, pivot="tip", width=ARROW_WIDTH, **how))
+            drawn.append(ax.quiver(*ways, color=kind.colour, pivot="tip", width=ARROW_WIDTH, **how))
     return drawn
 
 
@@ -154,26 +156,30 @@ def _fine(corners: np.ndarray) -> np.ndarray:
         small = edges.max(axis=1) <= FINEST
         done.append(corners[small])
         a, b, c = corners[~small].transpose(1, 0, 2)
-        ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        ab = 0.5 * (a + b)
+        bc = 0.5 * (b + c)
+        ca = 0.5 * (c + a)
         quarters = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
-        corners = np.concatenate([np.stack(one, axis=1) for one in quarters])
+        corners = np.concatenate([np.stack(quarter, axis=1) for quarter in quarters])
     return np.concatenate(done)
 
 
 def windows(history: History) -> tuple[Window, Window]:
-    """What a run shows at all times from above, least and greatest x and y, m, and from the side, x and z."""
+    """Windows of a run at all times, m: from above, least and greatest x and y; from the side, x and z."""
     x, y, (bottom, top) = track.shown_box(history, MARGIN)
     return (*x, *y), (*x, bottom, top + (ABOVE if history.has("side_frame_position") else 0.0))
 
 
 def ground_section(history: History, at_rest: bool = False) -> Solid:
     """Ground under the track's middle line, cut along that, as it is, or at rest with free springs."""
-    y, terrain = float(gear.poses(history.dataset)[0][0, :, 1].mean()), history.case.terrain
+    y = float(gear.poses(history.dataset)[0][0, :, 1].mean())
+    terrain = history.case.terrain
     if isinstance(terrain, CellTerrain):
         return track.cell_section(history.dataset, y, 2.0 * MARGIN[2], at_rest)
     row = int(np.clip((y - terrain.origin[1]) // terrain.unit_width, 0, terrain.rows - 1))
     units = np.arange(terrain.columns) * terrain.rows + row
-    half, deep = 0.5 * terrain.unit_length, 2.0 * MARGIN[2] + float(np.ptp(terrain.top_heights))
+    half = 0.5 * terrain.unit_length
+    deep = 2.0 * MARGIN[2] + float(np.ptp(terrain.top_heights))
     points = np.array([[-half, 0.0, -deep], [half, 0.0, -deep], [half, 0.0, 0.0], [-half, 0.0, 0.0]])
     middle = np.full(len(units), y)
     origin = np.column_stack((terrain.middles[units, 0], middle, terrain.top_heights[units]))[None]
@@ -185,24 +191,26 @@ def ground_section(history: History, at_rest: bool = False) -> Solid:
 
 
 def side_scene(now: History, scale: float = 1.0, force_scale: float = 0.0) -> Scene:
-    """What is seen from the right in an instant, the ground moved `scale` times as far; forces, m for 1 N."""
+    """Solids seen from the right at an instant, the ground moved `scale` times as far; forces, m for 1 N."""
     moved, still = (ground_section(now, at_rest).at() for at_rest in (False, True))
     tops = np.array([3, 2]) + 4 * np.arange(len(moved.points) // 4)[:, None]
-    x, rise = moved.points[tops, 0], moved.points[tops, 2] - still.points[tops, 2]
+    x = moved.points[tops, 0]
+    rise = moved.points[tops, 2] - still.points[tops, 2]
     larger = (scale - 1.0) * (rise - track.unloaded_level(now.case))
     moved.points[tops, 2] += larger
 
     def beneath(points: np.ndarray) -> np.ndarray:
         return np.interp(points[..., 0], x.ravel(), larger.ravel())
 
-    scene, solids = track.track_scene(now, force_scale), [moved]
+    scene = track.track_scene(now, force_scale)
+    solids = [moved]
     for one in (*scene.solids, link_pins(now)):
         if one.name.endswith("shoes"):
-            own = one.at()
-            solids.append(replace(own, points=own.points + upward(beneath(own.points))))
+            shoes = one.at()
+            solids.append(replace(shoes, points=shoes.points + upward(beneath(shoes.points))))
         elif one.name != "ground":
             solids.append(replace(one, lift=beneath(one.origin)).at())
-    arrows = [replace(one, heads=one.heads + upward(beneath(one.heads))) for one in scene.arrows]
+    arrows = [replace(arrow, heads=arrow.heads + upward(beneath(arrow.heads))) for arrow in scene.arrows]
     return Scene(scene.titles, tuple(solids), tuple(arrows))
 
 
@@ -210,7 +218,8 @@ def link_pins(history: History) -> Solid:
     """Pins at both ends of every shoe."""
     case = history.case
     pins = np.array([case.track.rear_pin, case.track.front_pin]) * [1.0, 0.0, 1.0]
-    shape, placed = disc(PIN, case.shoe.width + 0.01, PIN_SIDES), carried(*gear.poses(history.dataset), pins)
+    shape = disc(PIN, case.shoe.width + 0.01, PIN_SIDES)
+    placed = carried(*gear.poses(history.dataset), pins)
     return Solid("link pins", *shape, "white", *placed, edges=style.SHOE_EDGE)
 
 
@@ -219,7 +228,9 @@ def draw_side(
 ) -> Drawn:
     """Draw, and return, what `side_scene` has in axes that keep their limits; `opacity` is that of shoes."""
     scene = side_scene(now, scale, force_scale)
-    shown = [replace(one, opacity=opacity) if one.name.endswith("shoes") else one for one in scene.solids]
+    shown = [
+        replace(solid, opacity=opacity) if solid.name.endswith("shoes") else solid for solid in scene.solids
+    ]
     return [paint(ax, shown, FROM_THE_RIGHT), *draw_arrows(ax, scene.arrows, FROM_THE_RIGHT)]
 
 
@@ -239,19 +250,20 @@ def draw_plan(ax: Axes, now: History, heave: tuple[float, float]) -> Drawn:
 def plan_solids(now: History, heave: tuple[float, float]) -> list[Solid]:
     """Shoes and rollers from above in one instant, on ground in colours of a range: heave or height, mm."""
     shown = []
-    for one in (solid.at() for solid in track.track_scene(now, 0.0).solids):
-        if one.name == "ground":
-            colouring = replace(one.colourings[0], low=heave[0], high=heave[1])
-            one = replace(one, opacity=1.0, colourings=(colouring,))
-        elif one.name.endswith("shoes"):
-            one = replace(one, colour="white", opacity=0.35, edges="black")
-        shown.append(one)
+    for shape in (solid.at() for solid in track.track_scene(now, 0.0).solids):
+        if shape.name == "ground":
+            colouring = replace(shape.colourings[0], low=heave[0], high=heave[1])
+            shape = replace(shape, opacity=1.0, colourings=(colouring,))
+        elif shape.name.endswith("shoes"):
+            shape = replace(shape, colour="white", opacity=0.35, edges="black")
+        shown.append(shape)
     return shown
 
 
 def ground_figure(history: History, time: float) -> Figure:
     """Side view of a run at a time (s), and below it what the ground carries under every shoe."""
-    case, now = history.case, track.instants(history, [time])
+    case = history.case
+    now = track.instants(history, [time])
     left, right, _, top = windows(now)[1]
     bottom = min(0.0, float(case.unit_terrain().top_heights.min())) - DEPTH
     # as high as the side view becomes when it takes the whole width, so that both panels are one as wide
@@ -286,20 +298,27 @@ def map_figure(history: History, ground: xr.Dataset, time: float | None = None) 
     At the end its greatest sinkage; at another of the map's times (s) that of then or, where the run has not
     kept it, how deep shoes had pressed it.
     """
-    case, shown = history.case, history.duration if time is None else time
+    case = history.case
+    shown = history.duration if time is None else time
     end = history.dataset.sel(time=shown, method="nearest")
     x0, x1, y0, y1, z0 = case.shoe.footprint
     corners = np.array([[x0, y0, z0], [x1, y0, z0], [x1, y1, z0], [x0, y1, z0]])
     outlines = [track.shoe_pose(end, shoe).place(corners)[:, :2] for shoe in end.shoe.values]
     half = 0.5 * case.cell_terrain().cell
-    sinkage, rut, label = ground.sinkage.values, ground.rut.values, "greatest sinkage in mm"
+    sinkage = ground.sinkage.values
+    rut = ground.rut.values
+    label = "greatest sinkage in mm"
     if time is not None:
         then = ground.sel(time=time, method="nearest")
-        sinkage, rut, label = then.sinkage_then.values, then.rut_then.values, f"{label} until then"
+        sinkage = then.sinkage_then.values
+        rut = then.rut_then.values
+        label = f"{label} until then"
         if np.isnan(sinkage).any():
-            sinkage, rut, label = then.depth.values, None, "greatest depth so far in mm"
+            sinkage = then.depth.values
+            rut = None
+            label = "greatest depth so far in mm"
     (left, right), (low, high) = (
-        (one[0] - half, one[-1] + half) for one in (ground.x.values, ground.y.values)
+        (middles[0] - half, middles[-1] + half) for middles in (ground.x.values, ground.y.values)
     )
     shape = (high - low + 1.0) / (right - left + 1.0)
     with mpl.rc_context(style.STYLE):
@@ -325,7 +344,8 @@ def map_figure(history: History, ground: xr.Dataset, time: float | None = None) 
 
 def pressure_figure(history: History) -> Figure:
     """Ground pressure below every shoe from above: as the run starts, and where it is greatest."""
-    case, pressure = history.case, history.ground_pressure.transpose("time", "shoe")
+    case = history.case
+    pressure = history.ground_pressure.transpose("time", "shoe")
     greatest = int(pressure.max("shoe").argmax("time"))
     x0, x1, y0, y1, z0 = case.shoe.footprint
     corners = np.array([[x0, y0, z0], [x1, y0, z0], [x1, y1, z0], [x0, y1, z0]])
@@ -333,7 +353,8 @@ def pressure_figure(history: History) -> Figure:
     with style.titled_figure(f"{case.name}: ground pressure", 11.0, 7.0) as figure:
         panels = figure.subplots(2, 1, sharex=True, sharey=True)
         for ax, row, words in zip(panels, (0, greatest), ("start", "greatest"), strict=True):
-            now, below = history.dataset.isel(time=row), pressure.values[row] / style.KILO
+            now = history.dataset.isel(time=row)
+            below = pressure.values[row] / style.KILO
             mean = float(history.mean_ground_pressure[row]) / style.KILO
             on_ground = now.shoe.values[below > 0.0]
             outlines = [track.shoe_pose(now, shoe).place(corners)[:, :2] for shoe in on_ground]

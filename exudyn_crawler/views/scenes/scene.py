@@ -115,7 +115,8 @@ class Solid:
 
     def at(self, time: int = 0) -> "Solid":
         """All copies in one, as they are at a time by its index, in global axes."""
-        origin, turn = at_time(self.origin, time), at_time(self.turn, time)
+        origin = at_time(self.origin, time)
+        turn = at_time(self.turn, time)
         if self.lift is not None:
             origin = origin + upward(at_time(self.lift, time))
         there = np.flatnonzero(np.isfinite(origin).all(axis=1))
@@ -124,17 +125,20 @@ class Solid:
             shape = shape + self.larger * at_time(self.bend, time)[there]
         placed = np.einsum("cij,cnj->cni", turn[there], shape) + origin[there, None]
         starts = len(self.points) * np.arange(len(there))[:, None, None]
-        faces = tuple((one + starts).reshape(-1, one.shape[1]) for one in self.faces)
+        faces = tuple((group + starts).reshape(-1, group.shape[1]) for group in self.faces)
         shown = []
-        for one in self.colourings[:1]:
-            own = at_time(one.values, time)[there].reshape(len(there), -1)
-            shown.append(replace(one, values=np.broadcast_to(own, placed.shape[:2]).reshape(1, 1, -1)))
+        for colouring in self.colourings[:1]:
+            values = at_time(colouring.values, time)[there].reshape(len(there), -1)
+            shown.append(
+                replace(colouring, values=np.broadcast_to(values, placed.shape[:2]).reshape(1, 1, -1))
+            )
         merged = Solid(self.name, placed.reshape(-1, 3), faces, self.colour)
         return replace(merged, opacity=self.opacity, edges=self.edges, colourings=tuple(shown))
 
     def shows(self, point: int, view: View) -> bool:
-        """Whether a point is seen, or something of the solid lies before it."""
-        projected, triangles = view.project(self.points), self.triangles
+        """True for a point that is seen, with nothing of the solid before it."""
+        projected = view.project(self.points)
+        triangles = self.triangles
         here = projected[point]
         others = projected[triangles[(triangles != point).all(axis=1)]]
         around = (others.min(axis=1) <= here) & (others.max(axis=1) >= here)
@@ -167,13 +171,14 @@ class Arrows:
 
     def at(self, time: int = 0) -> np.ndarray:
         """Tail and head of each arrow that is there at a time by its index: array (arrows, 2, 3), m."""
-        heads, forces = self.heads[time], self.scale * self.forces[time]
+        heads = self.heads[time]
+        forces = self.scale * self.forces[time]
         there = np.isfinite(heads).all(axis=1) & forces.any(axis=1)
         return np.stack((heads[there] - forces[there], heads[there]), axis=1)
 
 
 class Scene(NamedTuple):
-    """What is seen at some times, each with a title; pictures show the first."""
+    """Solids that are seen at some times, each with a title; pictures show the first."""
 
     titles: tuple[str, ...]
     solids: tuple[Solid, ...]
@@ -189,12 +194,13 @@ def triangulated(faces: tuple[np.ndarray, ...]) -> np.ndarray:
     """Triangles (m, 3) of convex faces, arrays (m, k) of their corners; the array itself if it has them."""
     if len(faces) == 1 and faces[0].shape[1] == 3:
         return faces[0]
-    return np.concatenate([one[:, [0, k, k + 1]] for one in faces for k in range(1, one.shape[1] - 1)])
+    return np.concatenate([group[:, [0, k, k + 1]] for group in faces for k in range(1, group.shape[1] - 1)])
 
 
 def box(low: np.typing.ArrayLike, high: np.typing.ArrayLike) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Corners (8, 3) of a box between two places, m, and its faces."""
-    middle, half = 0.5 * np.add(low, high), 0.5 * np.subtract(high, low)
+    middle = 0.5 * np.add(low, high)
+    half = 0.5 * np.subtract(high, low)
     return middle + half * BOX, (BOX_FACES,)
 
 
@@ -202,7 +208,8 @@ def disc(radius: float, width: float, sides: int = SIDES) -> tuple[np.ndarray, t
     """Points (2 sides, 3) of a disc about the y axis, m, and its faces: rim and both flat sides."""
     around = 2.0 * np.pi * np.arange(sides) / sides
     rim = radius * np.column_stack((np.sin(around), np.zeros(sides), np.cos(around)))
-    half, right = np.array([0.0, 0.5 * width, 0.0]), np.arange(sides)
+    half = np.array([0.0, 0.5 * width, 0.0])
+    right = np.arange(sides)
     after = np.roll(right, -1)
     faces = triangulated((np.column_stack((right, after, after + sides, right + sides)),))
     return np.concatenate((rim - half, rim + half)), (faces, np.stack((right[::-1], right + sides)))
@@ -213,13 +220,15 @@ def star(outline: np.ndarray, width: float) -> tuple[np.ndarray, tuple[np.ndarra
 
     Its outline (n, 2), x and z in m, goes clockwise seen from the right, and all of it is seen from the axis.
     """
-    n, half = len(outline), np.array([0.0, 0.5 * width, 0.0])
+    n = len(outline)
+    half = np.array([0.0, 0.5 * width, 0.0])
     flat = np.column_stack((outline[:, 0], np.zeros(n), outline[:, 1]))
-    right, after = np.arange(n), np.roll(np.arange(n), -1)
+    right = np.arange(n)
+    after = np.roll(np.arange(n), -1)
     rim = np.column_stack((right, after, after + n, right + n))
     middle = np.full(n, 2 * n)
     ends = [(middle, after, right), (middle + 1, right + n, after + n)]
-    faces = rim, np.concatenate([np.column_stack(one) for one in ends])
+    faces = rim, np.concatenate([np.column_stack(end) for end in ends])
     return np.concatenate((flat - half, flat + half, [-half, half])), faces
 
 
@@ -231,8 +240,8 @@ def carried(
     `origin` (times, bodies, 3) and `turn` (times, bodies, 3, 3) are those of the bodies; what they carry
     turns with them, or as `spin` has it.
     """
-    at = origin[:, :, None] + np.einsum("tbij,nj->tbni", turn, places)
-    return at.reshape(len(at), -1, 3), np.repeat(turn if spin is None else spin, len(places), axis=1)
+    points = origin[:, :, None] + np.einsum("tbij,nj->tbni", turn, places)
+    return points.reshape(len(points), -1, 3), np.repeat(turn if spin is None else spin, len(places), axis=1)
 
 
 def upward(heights: np.ndarray) -> np.ndarray:

@@ -24,7 +24,8 @@ LONGEST_OF_SHOE, LONGEST_OF_PAIR, BENT = 0.7, 0.4, 0.04
 the greatest elastic displacement are drawn."""
 BESIDE, ROLLER_OPACITY = 0.75, 0.4
 """m beyond the outer shoes to which rollers are drawn; and their opacity, since they would hide the rails."""
-STRESS, TRUST = "von Mises stress", "how far to trust the greatest stress"
+STRESS = "von Mises stress"
+TRUST = "how far to trust the greatest stress"
 VERDICT_COLOURS = (
     *("#00682f", "#238443", "#41ab5d", "#78c679", "#a6d96a", "#c5e86c", "#e6f598", "#fff3a0"),
     *("#f79440", "#d73027", "#7b3294", "#d9d9d9"),
@@ -63,12 +64,14 @@ def stress_scene(stress: xr.Dataset, history: History) -> Scene:
     larger = style.drawn_scale(stress.frame_displacement.values, BENT)
     greatest = float(stress.frame_von_mises.isel(node=used).max()) / style.MEGA
     ends = 0.0, style.round_up(greatest) if greatest > 0.0 else 1.0
-    solids, arrows = [], []
+    solids = []
+    arrows = []
     for k, shoe in enumerate(numbers):
-        own, name = stress.sel(shoe=shoe), f"shoe {shoe}"
-        mises = own.frame_von_mises.transpose("frame", "node").values / style.MEGA
-        bend = own.frame_displacement.transpose("frame", "node", "axis").values[:, used]
-        notes = tuple(f"{one:.1f} MPa" for one in mises.max(axis=1))
+        data = stress.sel(shoe=shoe)
+        name = f"shoe {shoe}"
+        mises = data.frame_von_mises.transpose("frame", "node").values / style.MEGA
+        bend = data.frame_displacement.transpose("frame", "node", "axis").values[:, used]
+        notes = tuple(f"{peak:.1f} MPa" for peak in mises.max(axis=1))
         colouring = Colouring(f"{STRESS} in MPa", mises[:, None, used], *ends, style.STRESS_MAP, name=STRESS)
         placed = Solid(name, points, faces, "white", origin[:, [k]], turn[:, [k]], labels=(name,), nodes=used)
         bent = replace(placed, notes=notes, bend=bend[:, None], larger=larger)
@@ -76,7 +79,7 @@ def stress_scene(stress: xr.Dataset, history: History) -> Scene:
         tall = float(np.ptp(points[:, 2]))
         arrows.append(Arrows("contact forces", style.CONTACT_FORCE, *pressing[k], force_scale, name, tall))
     near = gear.near_gear(History(history.case, shown), origin, BESIDE)
-    solids += [replace(one, opacity=ROLLER_OPACITY) for one in near]
+    solids += [replace(solid, opacity=ROLLER_OPACITY) for solid in near]
     return Scene(tuple(frame_titles(stress)), tuple(solids), tuple(arrows))
 
 
@@ -112,25 +115,25 @@ def stress_picture(scene: Scene, now: History, time: int, force_scale: float) ->
 
     `now` is that instant, as of `track.instants`; the sum on a shoe is drawn `force_scale` m long for 1 N.
     """
-    bent = [one for one in scene.solids if one.colourings]
+    bent = [solid for solid in scene.solids if solid.colourings]
     tall = HEAD + ROW * len(bent) + STRIP + FOOT
     with mpl.rc_context(style.STYLE | {"axes.grid": False, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(WIDTH, tall))
         place = {"left": 0.08, "right": 0.93, "top": 1.0 - HEAD / tall, "bottom": (STRIP + FOOT) / tall}
         grid = figure.add_gridspec(len(bent), 2, wspace=0.02, hspace=0.0, **place)
-        for row, (one, forces) in enumerate(zip(bent, scene.arrows, strict=True)):
+        for row, (shoe, forces) in enumerate(zip(bent, scene.arrows, strict=True)):
             for column, (title, view) in enumerate(VIEWS.items()):
                 ax = figure.add_subplot(grid[row, column])
-                _draw_shoe(ax, one, forces, view, time)
+                _draw_shoe(ax, shoe, forces, view, time)
                 if row == 0:
                     ax.set_title(title, fontsize=9.5, loc="left")
             y = figure.axes[-2].get_position().intervaly.mean()
-            figure.text(0.011, y, one.name, fontsize=11, va="bottom")
-            figure.text(0.011, y, one.notes[time], fontsize=9, va="top")
+            figure.text(0.011, y, shoe.name, fontsize=11, va="bottom")
+            figure.text(0.011, y, shoe.notes[time], fontsize=9, va="top")
         ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
         pictures.draw_side(ax, now, 1.0, force_scale, opacity=0.0)
         _, window = pictures.windows(now)
-        pictures.paint(ax, [one.at(time) for one in bent], pictures.FROM_THE_RIGHT, window)
+        pictures.paint(ax, [shoe.at(time) for shoe in bent], pictures.FROM_THE_RIGHT, window)
         ax.set(xlabel="x in m", ylabel="z in m")
         ax.set_title("in place, seen from the right", fontsize=9.5, loc="left")
         bottom = (STRIP + FOOT + 0.3) / tall
@@ -153,9 +156,11 @@ def stress_picture(scene: Scene, now: History, time: int, force_scale: float) ->
 
 def _draw_shoe(ax: mpl.axes.Axes, shoe: Solid, forces: Arrows, seen_from: View, time: int) -> None:
     """Draw a shoe in its own axes with the forces on it and its highest place, if that is seen."""
-    solid, view = shoe.at(time), seen_from.on(Placement(shoe.origin[time, 0], shoe.turn[time, 0]))
+    solid = shoe.at(time)
+    view = seen_from.on(Placement(shoe.origin[time, 0], shoe.turn[time, 0]))
     seen = view.project(solid.points)
-    middle, top = 0.5 * (seen[:, 0].min() + seen[:, 0].max()), seen[:, 1].max() + HEADROOM
+    middle = 0.5 * (seen[:, 0].min() + seen[:, 0].max())
+    top = seen[:, 1].max() + HEADROOM
     place = ax.get_window_extent()
     window = (middle - 0.5 * SPREAD, middle + 0.5 * SPREAD, top - SPREAD * place.height / place.width, top)
     pictures.paint(ax, [solid], view, window)
@@ -180,7 +185,9 @@ def write_stress_pictures(
     stress: xr.Dataset, history: History, folder: Path, overwrite: bool = False
 ) -> list[Path]:
     """Write a picture of every chosen time into a folder; paths in order of time; raises as `save_figure`."""
-    scene, force_scale, written = stress_scene(stress, history), shoe_force_scale(history), []
+    scene = stress_scene(stress, history)
+    force_scale = shoe_force_scale(history)
+    written = []
     for time, frame in enumerate(stress.frame.values.tolist()):
         figure = stress_picture(scene, track.instants(history, [frame]), time, force_scale)
         written.append(style.save_figure(figure, folder / picture_name(frame), overwrite))

@@ -31,7 +31,8 @@ def instants(history: History, times: np.typing.ArrayLike) -> History:
     With them are the ground's height and how deep it is pressed, m, where it is of cells.
     """
     rows = np.unique(history.dataset.get_index("time").get_indexer(np.asarray(times), method="nearest"))
-    now, terrain = history.dataset.isel(time=rows).load(), history.case.terrain
+    now = history.dataset.isel(time=rows).load()
+    terrain = history.case.terrain
     if isinstance(terrain, CellTerrain):
         x, y, height = cell_grid(terrain, *_around(history, BESIDE))
         depth = ground_map.pressed_depths(history, rows, x, y, height)
@@ -59,27 +60,28 @@ def single_forces(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, np.ndarray
         return dataset[name].transpose(*QUANTITIES[name].dimensions).values
 
     meets = values("area")[..., None] > 0.0
-    forces, points = values("normal_force") + values("friction_force"), values("point")
+    forces = values("normal_force") + values("friction_force")
+    points = values("point")
     shoes = dataset.contact_shoe.values
-    found = {"contacts": (np.where(meets, points, 0.0), np.where(meets, forces, 0.0), shoes)}
+    by_kind = {"contacts": (np.where(meets, points, 0.0), np.where(meets, forces, 0.0), shoes)}
     if "tread_force" in dataset:
         on = treads(dataset)
         times, _, *strips, _ = on.force.shape
         shoes = np.repeat(on.shoe, np.prod(strips), axis=1)
-        found["treads"] = on.foot.reshape(times, -1, 3), on.force.reshape(times, -1, 3), shoes
+        by_kind["treads"] = on.foot.reshape(times, -1, 3), on.force.reshape(times, -1, 3), shoes
     if "wheel_load" in dataset:
         for name, _, places, forces in gear.gear_forces(dataset):
-            found[name] = places, forces, dataset.shoe.values
-    return found
+            by_kind[name] = places, forces, dataset.shoe.values
+    return by_kind
 
 
 def forces_on(dataset: xr.Dataset, shoe: int) -> tuple[np.ndarray, np.ndarray]:
     """Places (times, n, 3), m, and forces, N, of all that ever presses on a shoe; else not a number."""
-    found = []
+    parts = []
     for places, forces, shoes in single_forces(dataset).values():
         acts = (shoes == shoe) & forces.any(axis=-1)
-        found.append(np.where(acts[..., None], (places, forces), np.nan)[:, :, acts.any(axis=0)])
-    places, forces = np.concatenate(found, axis=2)
+        parts.append(np.where(acts[..., None], (places, forces), np.nan)[:, :, acts.any(axis=0)])
+    places, forces = np.concatenate(parts, axis=2)
     return places, forces
 
 
@@ -93,8 +95,8 @@ def roller_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Same of the rollers (times, rollers, 3): centres of what each presses on, and its force there."""
     points, forces, _ = single_forces(dataset)["treads"]
     rollers = np.arange(dataset.sizes["roller"])
-    own = rollers[:, None] == np.repeat(rollers, points.shape[1] // len(rollers))
-    return _resultants(points, forces, np.linalg.norm(forces, axis=-1), own)
+    mask = rollers[:, None] == np.repeat(rollers, points.shape[1] // len(rollers))
+    return _resultants(points, forces, np.linalg.norm(forces, axis=-1), mask)
 
 
 def _resultants(
@@ -110,8 +112,8 @@ def _resultants(
 def greatest_shoe_force(history: History) -> float:
     """Greatest force of the ground on a shoe over the run, in a closed track also of wheels or teeth, N."""
     names = [name for name in ("contact_force", "wheel_load", "tooth_force") if history.has(name)]
-    values = (one for part, _ in history.parts() for one in part.over_time(names).values())
-    return max(float(np.sqrt((one**2).sum("axis")).max()) for one in values)
+    values = (force for part, _ in history.parts() for force in part.over_time(names).values())
+    return max(float(np.sqrt((force**2).sum("axis")).max()) for force in values)
 
 
 def unloaded_level(case: Case) -> float:
@@ -123,12 +125,14 @@ def unloaded_level(case: Case) -> float:
 
 def track_scene(history: History, force_scale: float, units: np.ndarray | None = None) -> Scene:
     """Shoes, ground (units of some indices, or all), gear, and forces, `force_scale` m long for 1 N."""
-    case, dataset = history.case, history.dataset
-    tall, on_shoes = case.shoe.load_point[2] - case.shoe.footprint[4], shoe_forces(dataset)
+    case = history.case
+    dataset = history.dataset
+    tall = case.shoe.load_point[2] - case.shoe.footprint[4]
+    on_shoes = shoe_forces(dataset)
     arrows = [Arrows("contact forces", style.CONTACT_FORCE, *on_shoes, force_scale, through=tall)]
     solids = [*shoe_boxes(history), ground_faces(history, units), *gear.gear_solids(history)]
     if history.has("wheel_load"):
-        arrows += [Arrows(*one, force_scale) for one in gear.gear_forces(dataset)]
+        arrows += [Arrows(*gear_force, force_scale) for gear_force in gear.gear_forces(dataset)]
     if history.has("roller_force"):
         on_rails = roller_forces(dataset)
         arrows.append(Arrows("forces of rollers", style.ROLLER_FORCE, *on_rails, force_scale))
@@ -138,7 +142,8 @@ def track_scene(history: History, force_scale: float, units: np.ndarray | None =
 
 def shoe_boxes(history: History) -> list[Solid]:
     """Rigid shoes and flexible shoes, as far as there are any, as boxes."""
-    case, numbers = history.case, history.shoe.values
+    case = history.case
+    numbers = history.shoe.values
     x0, x1, y0, y1, z0 = case.shoe.footprint
     shape = box((x0, y0, z0), (x1, y1, case.shoe.load_point[2]))
     origin, turn = gear.poses(history.dataset)
@@ -149,7 +154,7 @@ def shoe_boxes(history: History) -> list[Solid]:
         labels = tuple(f"shoe {shoe}" for shoe in numbers[chosen])
         placed = origin[:, chosen], turn[:, chosen]
         solids.append(Solid(name, *shape, colour, *placed, edges=style.SHOE_EDGE, labels=labels))
-    return [one for one in solids if one.labels]
+    return [solid for solid in solids if solid.labels]
 
 
 def ground_units(history: History) -> Solid:
@@ -174,7 +179,8 @@ def ground_faces(history: History, units: np.ndarray | None = None) -> Solid:
     lift = history.unit_heave.transpose("time", "unit").values[:, chosen]
     heave = lift / style.MILLI
     colouring = Colouring("ground displacement in mm", heave, heave.min(), heave.max(), style.HEAVE_MAP)
-    faces, how = (np.array([[0, 1, 2, 3]]),), (0.6, style.GROUND_EDGE)
+    faces = (np.array([[0, 1, 2, 3]]),)
+    how = (0.6, style.GROUND_EDGE)
     return Solid("ground", points, faces, style.GROUND, *placed, *how, lift=lift, colourings=(colouring,))
 
 
@@ -203,7 +209,7 @@ def cell_surface(dataset: xr.Dataset) -> Solid:
     depth = dataset.ground_depth.transpose("time", "ground_x", "ground_y").values
     depth = depth.reshape(len(depth), -1)
     places = np.meshgrid(x, y, indexing="ij")
-    points = np.column_stack([one.ravel() for one in (*places, height)])
+    points = np.column_stack([grid.ravel() for grid in (*places, height)])
     number = np.arange(height.size).reshape(height.shape)
     faces = np.stack((number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]), axis=-1)
     now = (points[:, 2] - depth) / style.MILLI
@@ -216,7 +222,8 @@ def cell_surface(dataset: xr.Dataset) -> Solid:
 def cell_section(dataset: xr.Dataset, y: float, deep: float, at_rest: bool = False) -> Solid:
     """Ground of one instant, or before any shoe came, cut along a y (m), to `deep` m below its points."""
     line = dataset.isel(time=0).sel(ground_y=y, method="nearest")
-    x, top = line.ground_x.values, line.ground_height.values - (0.0 if at_rest else line.ground_depth.values)
+    x = line.ground_x.values
+    top = line.ground_height.values - (0.0 if at_rest else line.ground_depth.values)
     bottom = line.ground_height.values - deep
     ends = np.stack((x[:-1], x[1:], x[1:], x[:-1]), axis=1)
     heights = np.stack((bottom[:-1], bottom[1:], top[1:], top[:-1]), axis=1)
@@ -227,7 +234,8 @@ def cell_section(dataset: xr.Dataset, y: float, deep: float, at_rest: bool = Fal
 
 def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, float]]:
     """Least and greatest x, y and z of what a run is shown in, with a margin: beyond, beside, below; m."""
-    shoe, terrain = history.case.shoe, history.case.terrain
+    shoe = history.case.shoe
+    terrain = history.case.terrain
     length, beside = _around(history, margin)
     if isinstance(terrain, CellTerrain):
         tops = cell_grid(terrain, length, beside)[2]
@@ -244,7 +252,8 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
 
 def _around(history: History, margin: tuple[float, ...]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Least and greatest x and y of all shoes in a run, with m beyond both ends and beside them, m."""
-    shoe, (x, y) = history.case.shoe, (history.position.sel(axis=axis) for axis in "xy")
+    shoe = history.case.shoe
+    (x, y) = (history.position.sel(axis=axis) for axis in "xy")
     low, high = shoe.footprint[:2]
     sideways = 0.5 * shoe.width + margin[1]
     length = float(x.min()) + low - margin[0], float(x.max()) + high + margin[0]

@@ -41,7 +41,9 @@ def backbone(law: Bekker, z: float) -> tuple[float, float]:
     if z >= ROUNDING:
         p = law.k * z**law.exponent
         return p, law.exponent * p / z
-    p, s, n = law.k * ROUNDING**law.exponent, z / ROUNDING, law.exponent
+    p = law.k * ROUNDING**law.exponent
+    s = z / ROUNDING
+    n = law.exponent
     return p * s * ((2.0 - n) + (n - 1.0) * s), p / ROUNDING * ((2.0 - n) + 2.0 * (n - 1.0) * s)
 
 
@@ -75,10 +77,12 @@ def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]
 def respond(law: Bekker, probe: Probe, tangents: bool, nearby: bool) -> Response:
     """Response of a cell: on the curve deeper than ever before, elastic above."""
     memory = probe.memory
-    deepest, greatest = memory.deepest, memory.pressure
+    deepest = memory.deepest
+    greatest = memory.pressure
     if probe.depth >= deepest:
         p, slope = deeper(law, probe.depth, memory, nearby)
-        deepest, greatest = max(deepest, probe.depth), max(p, greatest)
+        deepest = max(deepest, probe.depth)
+        greatest = max(p, greatest)
     else:
         slope = probe.prepared[0]
         p = greatest - slope * (deepest - probe.depth)

@@ -33,14 +33,16 @@ def respond(law: Rock, probe: Probe, tangents: bool, nearby: bool) -> Response:
     if probe.depth <= 0.0:
         return lifted(Memory(0.0, 0.0, NOTHING, 1.0))
     if law.exponent == 1.0:
-        p, slope = law.stiffness * probe.depth, law.stiffness
+        p = law.stiffness * probe.depth
+        slope = law.stiffness
     elif nearby:
         p = slope = math.nan
     else:
         p = law.stiffness * probe.depth**law.exponent
         slope = law.exponent * p / probe.depth
     strength = Strength(0.0, law.friction, law.deformation, law.viscosity)
-    deepest, greatest = max(probe.depth, probe.memory.deepest), max(p, probe.memory.pressure)
+    deepest = max(probe.depth, probe.memory.deepest)
+    greatest = max(p, probe.memory.pressure)
     after = Memory(deepest, greatest, NOTHING, 1.0)
     return answer(strength, law.damping, probe, (p, slope), after, tangents, nearby)
 
