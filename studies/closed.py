@@ -128,7 +128,7 @@ def loads_round_the_loop(history: History) -> pd.DataFrame:
         for part in dict.fromkeys(along.part.values.tolist())
     ]
     wheel = history.wheel_force.isel(time=late)
-    labels = history.case.wheel_labels
+    labels = history.case.gear.wheel_labels
     forces = {
         kind: wheel.isel(wheel=[label.kind == kind for label in labels])
         for kind in ("roller", "idler", "carrier")

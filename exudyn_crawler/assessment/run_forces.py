@@ -78,7 +78,7 @@ def forces_of_run(history: History, name: str, begin: float | None = None) -> Ru
     stands = on_shoes > LEAST_PART * on_shoes.max()
     tracks = on_shoes.reshape(len(on_shoes), case.tracks, -1).sum(axis=2)
     wheels = history.dataset.wheel_force.transpose("time", "wheel", "axis").values[late]
-    rolls = np.array([label.kind == "roller" for label in case.wheel_labels])
+    rolls = np.array([label.kind == "roller" for label in case.gear.wheel_labels])
     on_rollers = np.linalg.norm(wheels[:, rolls], axis=-1)
     torque = history.dataset.drive_moment.transpose("time", "track").values[late]
     moves = turns or any(case.drive.speed.values)

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from exudyn_crawler.case import outline
 from exudyn_crawler.case.gear.assembled import Assembled
-from exudyn_crawler.case.gear.base import WheelLabel
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.named import NamedCases
 from exudyn_crawler.case.parameters import fields, sizes
@@ -53,7 +53,7 @@ class Case(NamedCases):
         if self.formulation == "compiled" and not self.is_compiled:
             yield f"formulation must be 'engine' or None with {NOT_COMPILED}"
         if isinstance(contact, SphereContact):
-            yield from self._sphere_errors(contact.radius)
+            yield from self._sphere_errors(contact)
         yield from self._support_errors(np.zeros(1))
 
     @classmethod
@@ -81,20 +81,15 @@ class Case(NamedCases):
         if not terrain.is_even and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
 
-    def _sphere_errors(self, radius: float) -> Errors:
+    def _sphere_errors(self, contact: SphereContact) -> Errors:
         """Spheres that cannot carry the shoes."""
         if not self.mean_load > 0.0:
             yield f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe"
         # of the most loaded shoe at its most loaded time on linear spheres
         load = max(max(phase.loads) for phase in self.loads.phases)
         depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load
-        if radius <= depth:
-            least = f"settled penetration of the most loaded shoe, {depth:.4g} m"
-            yield f"contact.radius must exceed the {least}, got {radius}"
         terrain = self.unit_terrain()
-        side = 0.25 * min(terrain.unit_length, terrain.unit_width)
-        if radius > side:
-            yield f"contact.radius must not exceed a quarter of a unit's side, {side:g} m, got {radius}"
+        yield from contact.size_errors(depth, min(terrain.unit_length, terrain.unit_width))
 
     @property
     def assembled(self) -> Assembled:
@@ -110,21 +105,6 @@ class Case(NamedCases):
     def loop(self) -> Track:
         """Chain of one of the tracks."""
         return self.gear.loop(self.track)
-
-    @property
-    def track_middles(self) -> np.ndarray:
-        """Y of the middles of the tracks in the axes of the side frame or of the machine: (tracks,), m."""
-        return self.gear.middles
-
-    @property
-    def wheel_names(self) -> list[str]:
-        """Names of the wheels that press on rails, "right idler" where there are two tracks."""
-        return self.gear.wheel_names
-
-    @property
-    def wheel_labels(self) -> list[WheelLabel]:
-        """Kinds and numbers of these wheels."""
-        return self.gear.wheel_labels
 
     @property
     def frame_parts(self) -> list[Part]:
@@ -166,7 +146,7 @@ class Case(NamedCases):
 
     def of_track(self, side: str) -> "Case":
         """One of two closed tracks, "right" or "left", with its own side frame and without a turn."""
-        apart = self.track_middles[SIDES.index(side)] - self.track_middles[0]
+        apart = self.gear.middles[SIDES.index(side)] - self.gear.middles[0]
         chain = self.loop
         x, y = chain.first_com
         first = SIDES.index(side) * chain.shoe_count
@@ -244,23 +224,11 @@ class Case(NamedCases):
     def outlines(self, times: np.ndarray) -> np.ndarray:
         """Corners of the track on the ground at times (s): array (times, 4, 2), m, global x and y.
 
-        The track is rigid seen from above, since its hinges only pitch: the drive carries its outline
-        along and turns it about its middle, and a machine on two tracks goes where it heads. A track that a
-        side frame rolls over stays where it is.
+        The drive carries the outline along and turns it, and a machine on two tracks goes where it heads. A
+        track that a side frame rolls over stays where it is.
         """
-        footprint = self.shoe.footprint
-        coms = self.shoe_reference
-        rear = coms[:, 0].min() + footprint[0]
-        front = coms[:, 0].max() + footprint[1]
-        right = coms[:, 1].min() + footprint[2]
-        left = coms[:, 1].max() + footprint[3]
-        corners = np.array([[rear, right], [front, right], [front, left], [rear, left]])
-        middle = corners.mean(axis=0)
-        angles = self.drive.turn(times)
-        c = np.cos(angles)
-        s = np.sin(angles)
-        turns = np.moveaxis(np.array([[c, s], [-s, c]]), 2, 0)
-        return middle + (corners - middle) @ turns + self.gear.way(self.drive, times)[:, None]
+        corners = outline.corners_of(self.shoe.footprint, self.shoe_reference)
+        return outline.moved(corners, self.drive.turn(times), self.gear.way(self.drive, times))
 
     def check_support(self, duration: float) -> None:
         """Refuse, by a `ValueError`, a drive off the terrain, or a frame off the track, in `duration` (s)."""

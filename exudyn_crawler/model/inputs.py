@@ -40,7 +40,7 @@ class TimedInputs:
         profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
         self._profiles = profiles_of(profiles)
         self._resistance = case.gear.resistance
-        self._middles = case.track_middles
+        self._middles = case.gear.middles
         self._gravity = tuple(case.gravity_vector().tolist())
         self._down = case.terrain.down
         self.commands: Callable[[float], tuple[np.ndarray, np.ndarray]] | None = None

@@ -118,7 +118,7 @@ class Answer(AnyAnswer):
         if lacking := quantity.lacking(case):
             yield f"{self.quantity} needs {lacking}"
         yield from _beyond(case_file, start=self.start, end=self.end)
-        kinds = {label.kind for label in case.wheel_labels}
+        kinds = {label.kind for label in case.gear.wheel_labels}
         if self.wheels is not None and not lacking and self.wheels not in kinds:
             yield f"wheels must be of {' or '.join(sorted(kinds))}, got {self.wheels!r}"
         what, numbers = _counted(quantity, case)
@@ -136,7 +136,7 @@ class Answer(AnyAnswer):
         if "axis" in values.dims:
             values = ((values**2).sum("axis") ** 0.5) if self.axis is None else values.sel(axis=self.axis)
         if self.wheels is not None:
-            labels = run.history.case.wheel_labels
+            labels = run.history.case.gear.wheel_labels
             values = values.sel(wheel=[label.words for label in labels if label.kind == self.wheels])
         item = next((dim for dim in DIMENSIONS if dim in values.dims), None)
         if item is not None and self.of is not None:

@@ -67,13 +67,13 @@ def test_slides_are_lines_that_do_not_turn_at_even_steps():
     closed, wheels = case.gear, case.gear.wheels(0.0)
     assert openings(case).max() < 1e-12
     assert case.assembled.take_up == pytest.approx(Case.closed().with_(TAUT).assembled.take_up, abs=1e-12)
-    first = [name.startswith("slide 1, line ") for name in case.wheel_names]
+    first = [name.startswith("slide 1, line ") for name in case.gear.wheel_names]
     lines = wheels[first]
     assert lines[:, 0] == pytest.approx(np.linspace(-2.7, -0.9, 5))
     assert lines[:, 1] + lines[:, 2] == pytest.approx(closed.slides[0][2])
     assert np.unique(closed.resistance.coefficients[first]) == closed.slide_friction
     assert set(closed.resistance.coefficients) == {closed.slide_friction, closed.rolling_resistance}
-    assert len(wheels) == len(case.wheel_names) == len(closed.resistance.coefficients)
+    assert len(wheels) == len(case.gear.wheel_names) == len(closed.resistance.coefficients)
 
 
 def test_slides_that_rails_lie_on_three_lines_of_or_that_overlap_are_refused():
@@ -203,7 +203,7 @@ def test_machine_has_two_closed_loops_side_by_side_and_its_parts_weigh_what_it_w
     assert left - right == pytest.approx(np.tile(apart, (38, 1)))
     assert case.frame_start[1] == pytest.approx(0.5 * (right + left)[0, 1])
     assert case.links[[37, 75]].tolist() == [[38, 1], [76, 39]]
-    assert case.wheel_names[0] == "right roller 1"
+    assert case.gear.wheel_names[0] == "right roller 1"
     mass = sum(part.mass for part in case.frame_parts)
     assert mass + 76 * case.shoe.mass + 2 * case.gear.tumbler.mass == pytest.approx(MACHINE_MASS)
 

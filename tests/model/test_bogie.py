@@ -99,7 +99,7 @@ def test_bogies_of_two_tracks_are_bodies_in_the_order_of_their_names():
     np.testing.assert_allclose(places, case.gear.middles)
     wheels = compiled_system(case).tables.forces.wheels
     last = len(layout.bodies) + layout.shoes
-    carriers = {name: wheels.frames[k] for k, name in enumerate(case.wheel_names)}
+    carriers = {name: wheels.frames[k] for k, name in enumerate(case.gear.wheel_names)}
     assert carriers["right roller 1"] == carriers["right roller 2"] == last - 2
     assert carriers["left roller 1"] == carriers["left roller 2"] == last - 1
     assert carriers["left roller 3"] == layout.shoes

@@ -38,7 +38,7 @@ def test_one_track_stands_in_a_turn_about_it_and_both_go_against_each_other_on_t
     for name, left in ((closed.ABOUT_LEFT, 0.0), (closed.ON_SPOT, -1.0)):
         case = closed.study_cases()[name].case
         speed, rate = case.drive.speed.values[-1], case.drive.turn_rate.values[-1]
-        of_tracks = speed - rate * case.track_middles
+        of_tracks = speed - rate * case.gear.middles
         assert of_tracks[1] == pytest.approx(left * of_tracks[0], abs=0.05 * of_tracks[0])
         case.check_support(closed.study_cases()[name].duration)
 

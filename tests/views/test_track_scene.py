@@ -381,7 +381,7 @@ def test_bogies_of_two_tracks_are_drawn_and_read_on_each():
     assert history.bogie.values.tolist() == ["right bogie 1", "left bogie 1"]
     left = history.of_track("left")
     assert left.bogie.values.tolist() == ["bogie 1"]
-    assert left.wheel.values.tolist() == left.case.wheel_names
+    assert left.wheel.values.tolist() == left.case.gear.wheel_names
     np.testing.assert_array_equal(left.bogie_angle[:, 0], history.bogie_angle[:, 1])
     angles = history_series(history)["angle of the bogies"].values
     assert angles["item"].values.tolist() == ["right bogie 1", "left bogie 1"]

@@ -90,6 +90,15 @@ class SphereContact(Parameters):
         """Shoe on oil sand: friction is mu_d of the papers, at whose speed a track slips at full propel."""
         return cls(**ph4100c.SPHERE_CONTACT)
 
+    def size_errors(self, depth: float, side: float) -> Errors:
+        """Yield a radius below the `depth` of the most loaded shoe, or too large for units of a `side`, m."""
+        if self.radius <= depth:
+            least = f"settled penetration of the most loaded shoe, {depth:.4g} m"
+            yield f"contact.radius must exceed the {least}, got {self.radius}"
+        if self.radius > 0.25 * side:
+            quarter = f"a quarter of a unit's side, {0.25 * side:g} m"
+            yield f"contact.radius must not exceed {quarter}, got {self.radius}"
+
     @property
     def count(self) -> int:
         """Spheres under one shoe."""

@@ -42,7 +42,7 @@ def _wheels(assembler: Assembler, frame: int) -> Wheels:
     rails = case.shoe.rails
     assert rails is not None
     lines = shoe_mesh.strip_lines(gear, rails)
-    middles = case.track_middles
+    middles = case.gear.middles
     wheels = gear.first_wheels(case.shoe, case.track)
     count = assembler.shoes // len(middles)
     first = count * np.repeat(np.arange(len(middles)), len(wheels))

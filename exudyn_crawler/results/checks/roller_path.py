@@ -168,7 +168,7 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
     read = [name for name in (*of_strips, *of_treads) if name in history.dataset]
     names = history.dataset["wheel" if "wheel" in history.dataset.dims else "roller"].values
     radii = np.tile(gear.first_wheels(case.shoe, case.track)[:, 2], case.tracks)
-    rolls = np.array([label.kind != "slide" for label in case.wheel_labels])
+    rolls = np.array([label.kind != "slide" for label in case.gear.wheel_labels])
     keys = ["shoe", "roller", "rail", "place"]
     tables = []
     done = 0

@@ -236,7 +236,7 @@ def pretension(case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataAr
     Of two tracks (time, track).
     """
     ahead = rotation_matrices(dataset.side_frame_angles.transpose("time", "axis").values)[..., 0]
-    idlers = [label.words for label in case.wheel_labels if label.kind == "idler"]
+    idlers = [label.words for label in case.gear.wheel_labels if label.kind == "idler"]
     force = dataset.wheel_force.sel(wheel=idlers).transpose("time", "wheel", "axis").values
     pull = -0.5 * np.einsum("twi,ti->tw", force, ahead)
     if case.tracks == 1:

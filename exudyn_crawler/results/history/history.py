@@ -117,9 +117,9 @@ class History:
         number = SIDES.index(side)
         count = case.track.shoe_count
         mine = slice(number * count, (number + 1) * count)
-        wheels = len(case.wheel_names)
+        wheels = len(case.gear.wheel_names)
         turn = catalogue.rotation_matrices(data.side_frame_angles.transpose(..., "axis").values)
-        arm = self.case.track_middles[number] * turn[..., 1]
+        arm = self.case.gear.middles[number] * turn[..., 1]
         place = data.side_frame_position.transpose(..., "axis")
         data = data.isel(shoe=mine, joint=mine)
         for dim, names in _names_on(side, data).items():

@@ -44,7 +44,7 @@ def _tensions(whole: History, late: History, of: str) -> Iterator[Row]:
 
 def _rollers(late: History) -> Iterator[Row]:
     """Loads of the lower rollers."""
-    lower = [label.words for label in late.case.wheel_labels if label.kind == "roller"]
+    lower = [label.words for label in late.case.gear.wheel_labels if label.kind == "roller"]
     force = late.dataset.wheel_force.sel(wheel=lower).transpose("time", "wheel", "axis").values
     size = np.linalg.norm(force, axis=-1)
     mean = float(size.mean())

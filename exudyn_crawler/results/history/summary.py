@@ -71,7 +71,7 @@ def _apart(case: Case, name: str, values: xr.DataArray) -> Iterator[tuple[str, x
         yield result, values
         return
     for kind, words in WHEELS.items():
-        some = [label.words for label in case.wheel_labels if label.kind == kind]
+        some = [label.words for label in case.gear.wheel_labels if label.kind == kind]
         if some:
             yield result.replace("a wheel", words), values.sel(wheel=some)
 

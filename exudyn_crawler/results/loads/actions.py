@@ -334,7 +334,7 @@ def treads(dataset: xr.Dataset) -> Treads:
 
 def treads_on(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Every strip of a tread that was ever on the shoe, and its flange; a flexible one in a closed track."""
-    labels = history.case.wheel_labels
+    labels = history.case.gear.wheel_labels
     stored = "strip_force" in history.dataset  # of flexible shoes alone
     strips = treads(history.dataset.sel(flexible_shoe=[shoe]) if stored else history.dataset)
     wheels = np.where(strips.shoe == shoe, strips.wheel, -1)

@@ -111,7 +111,7 @@ class ChainWatch:
         self._shoes = case.shoe_reference
         self._frame = case.frame_start
         self._tumblers = case.tumbler_reference
-        self._middles = np.repeat(case.track_middles, case.loop.shoe_count)
+        self._middles = np.repeat(case.gear.middles, case.loop.shoe_count)
         pins = [name for name, _ in layout.multipliers if " pin of link " in name]
         self._links = np.array([int(name.rpartition(" ")[2]) - 1 for name in pins])
         # of every pin, along the ground and normal to both

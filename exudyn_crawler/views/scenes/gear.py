@@ -73,7 +73,7 @@ def each_track(history: History) -> dict[str, History]:
 def car_body(history: History) -> Solid:
     """Block that stands for the car body, from one side frame to the other."""
     (low, high) = BEAM
-    (right, left) = history.case.track_middles
+    (right, left) = history.case.gear.middles
     half = 0.2 * (left - right)
     shape = box((-half, right, low), (half, left, high))
     return Solid("car body", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
