@@ -96,7 +96,9 @@ def deck_of(path: Path, text: str | None = None) -> Deck:
         except MeshError:
             raise
         except (ValueError, IndexError) as error:
-            raise MeshError(f"*{keyword.name} ({keyword.place}) must be as Abaqus has it: {error}") from error
+            raise MeshError(
+                f"*{keyword.name} ({keyword.place}) must be as Abaqus has it: {str(error)[:100]}"
+            ) from error
     if not deck.nodes or not deck.blocks:
         raise MeshError("a deck must have *NODE and *ELEMENT")
     return deck

@@ -51,7 +51,7 @@ def test_semicolons_decimal_commas_and_a_byte_order_mark_are_read(tmp_path):
         ("time [s],load [kN]\n0,386,4\n", "row 1 must have 2 cells, as the heads, got 3"),
         ("time [s],load [kN]\n0,nan\n", "'load [kN]' must be a number in row 1, got 'nan'"),
         ("time [s],load [kN]\n0,\n", "'load [kN]' must be a number in row 1, got ''"),
-        ("time [s],load [kN]\n0,1e30\n", "phases[0].loads[0]: must be less than or equal to"),
+        ("time [s],load [kN]\n0,1e30\n", "phases[0].loads[0..1]: must be less than or equal to"),
         ("\udcff", "it is no text"),
     ],
 )

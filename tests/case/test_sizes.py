@@ -80,6 +80,7 @@ def test_what_does_not_fit_in_size_is_refused(case, changes, message):
             {"gear.tumbler.pitch_radius": 1.061, "gear.tumbler.teeth": 9},
             "is 0.7258 m, the chain's 0.6557 m",
         ),
+        (CLOSED, {"shoe.rails.left": 0.0003}, "the middle between them is 0.12 m beside that of the shoe"),
         (CLOSED, {"shoe.rails.rear": -0.0003}, "they leave a gap of 0.351 m, into which rollers of"),
         (Case.rolled(), {"shoe.rails.rear": -0.0003}, "they leave a gap of 0.351 m, into which rollers of"),
     ],

@@ -9,7 +9,7 @@ from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.assembled import Assembled, assembled
 from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.case.gear.closed_frame import ClosedFrame
-from exudyn_crawler.case.gear.running_gear import wide_gap
+from exudyn_crawler.case.gear.running_gear import odd_rails
 from exudyn_crawler.case.parameters import assembly, base, sizes
 from exudyn_crawler.case.parameters.base import Errors, option
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
@@ -164,7 +164,7 @@ class Closed(ClosedFrame):
         yield from sizes.thin_inertia(*turning)
         yield from super().implausible(shoe, chain)
         yield from self._other_pitch(chain)
-        yield from wide_gap(shoe, chain, self.roller_radius)
+        yield from odd_rails(shoe, chain, self.roller_radius)
 
     def _other_pitch(self, chain: Track) -> Iterator[str]:
         """Tumbler whose pins' circle is of another pitch than the chain's, new or worn."""

@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors, wide_gap
+from exudyn_crawler.case.gear.running_gear import RunningGear, odd_rails, overlap_errors
 from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, Place, option, quantity
 from exudyn_crawler.case.parameters.drive import Drive
@@ -71,7 +71,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
         """Lines that say what no machine is known to have: inertias, and gaps of the rails."""
         yield from super().implausible(shoe, chain)
-        yield from wide_gap(shoe, chain, self.radius)
+        yield from odd_rails(shoe, chain, self.radius)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
         """Forces and moments beside those on shoes (n, 6): machine, and tension of the chain's ends."""

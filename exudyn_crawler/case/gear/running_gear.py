@@ -16,6 +16,7 @@ from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 ACROSS = (1, 5)
 """Coordinates of a side frame across the track: y and yaw."""
 WIDEST_GAP = 0.5  # of a radius of a roller, which drops by 3 % of it into such a gap of the rails
+FARTHEST_RAILS = 0.02  # of the width of a shoe: how far the middle of its rails may be beside its middle
 TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
 
 
@@ -253,10 +254,13 @@ def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Error
         yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {got}"
 
 
-def wide_gap(shoe: Shoe, chain: Track, radius: float) -> Iterator[str]:
-    """Line about gaps from rail to rail that rollers of a radius (m) would drop into."""
+def odd_rails(shoe: Shoe, chain: Track, radius: float) -> Iterator[str]:
+    """Lines about rails beside the shoe's middle, and gaps that rollers of a radius (m) would drop into."""
     if shoe.rails is None:
         return
+    beside = 0.5 * (shoe.rails.left + shoe.rails.right) - shoe.underside_center[1]
+    if abs(beside) > FARTHEST_RAILS * shoe.width:
+        yield f"shoe.rails: the middle between them is {abs(beside):.3g} m beside that of the shoe"
     gap = chain.pitch - (shoe.rails.front - shoe.rails.rear)
     if WIDEST_GAP * radius < gap < 2.0 * radius:
         drop = radius - math.sqrt(radius**2 - 0.25 * gap**2)

@@ -25,7 +25,7 @@ WORDS = (
 )
 """Those of pydantic, and what an engineer says."""
 PROFILE = "values over time, such as {{times = [0, 5], values = [0, 0.1]}} (numbers in {units})"
-OF_LIST = re.compile(r"([\w.\[\]]+\[)\d+(\]: .*)")
+OF_LIST = re.compile(r"([\w.\[\]]+\[)(\d+)(\]: .*)")
 """Line of a fault of an item of a list."""
 COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(.*)")
 OTHER_KIND = ("_type", "literal_error", "is_instance_of", "enum")
@@ -57,19 +57,20 @@ def error_lines(error: pydantic.ValidationError, model: type[pydantic.BaseModel]
 
 def _joined(lines: Iterable[str]) -> Iterator[str]:
     """Lines in which equal faults of neighbours in a list are one: a load in place of all is wrong once."""
-    for (head, tail), group in groupby(lines, key=_without_place):
-        together = list(group)
-        if head is None or len(together) == 1:
-            yield from together
+    for (head, tail, _), group in groupby(enumerate(lines), key=_run_of):
+        together = [line for _, line in group]
+        if len(together) == 1:
+            yield together[0]
         else:
             first, last = (line.removeprefix(head).partition("]")[0] for line in (together[0], together[-1]))
             yield f"{head}{first}..{last}{tail}"
 
 
-def _without_place(line: str) -> tuple[str | None, str]:
-    """Line before and behind the number of a place in a list; None, and the line, where it has none."""
+def _run_of(numbered: tuple[int, str]) -> tuple[str, str, int]:
+    """Line before and behind its place in a list, and a number that rising places share."""
+    number, line = numbered
     match = OF_LIST.fullmatch(line)
-    return (match[1], match[2]) if match else (None, line)
+    return (match[1], match[3], int(match[2]) - number) if match else ("", line, 0)
 
 
 def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel]) -> Iterator[str]:

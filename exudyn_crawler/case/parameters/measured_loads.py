@@ -88,15 +88,15 @@ def _column(head: str) -> Column:
     kinds = {"time": TIME, "load": EACH, "sum": SUM, "shift": SHIFT}
     kind = "shoe" if number else next((kind for kind, names in kinds.items() if name in names), None)
     if kind is None:
-        raise ValueError(f"column {head!r} must be one of {KNOWN}")
+        raise ValueError(f"column {head[:40]!r} must be one of {KNOWN}")
     unit = next(filter(None, match.groups()[1:]), None)
     wanted = {"time": "s", "shift": "m"}.get(kind, "N")
     example = {"s": "s", "m": "mm"}.get(wanted, "kN")
     if unit is None:
-        raise ValueError(f"column {head!r} needs its unit, such as '{match[1]} [{example}]'")
+        raise ValueError(f"column {head[:40]!r} needs its unit, such as '{match[1][:40]} [{example}]'")
     size = number_of(f"1 {unit}", wanted)
     if not isinstance(size, float):
-        raise ValueError(f"column {head!r} must be in a unit such as {example}, got {unit!r}")
+        raise ValueError(f"column {head[:40]!r} must be in a unit such as {example}, got {unit[:40]!r}")
     return Column(kind, int(number[1]) if number else 0, size)
 
 

@@ -170,7 +170,9 @@ def _named(name: object, kind: type[BaseModel], path: fields.KeyPath) -> Content
     near = difflib.get_close_matches(str(name), constructors, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     allowed = ", ".join(map(repr, constructors)) or "no names at all"
-    raise ValueError(f"{fields.path_text((*path, fields.BASE))}: no {name!r}; {hint}allowed are {allowed}")
+    raise ValueError(
+        f"{fields.path_text((*path, fields.BASE))}: no {fields.shown(name)}; {hint}allowed are {allowed}"
+    )
 
 
 def _unit_of(field: FieldInfo, exponent: object) -> str | None:
