@@ -15,5 +15,6 @@ from .ready import mesh_named as mesh_named
 from .ready import mesh_path as mesh_path
 from .ready import shoe_mesh as shoe_mesh
 from .ready import shoe_path as shoe_path
+from .recognition.axes import Choices as Choices
 from .shoe import STEEL as STEEL
 from .shoe import joint_interfaces as joint_interfaces

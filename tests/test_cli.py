@@ -32,7 +32,20 @@ STUDIES = {
     *("plate-sweep", "sliding-modes", "verify"),
 }
 COMMANDS = {
-    *("demo", "scatter", "schema", "fmu", "check", "init", "run", "info", "report", "animate", "node-stress"),
+    *(
+        "demo",
+        "scatter",
+        "schema",
+        "fmu",
+        "check",
+        "init",
+        "shoe",
+        "run",
+        "info",
+        "report",
+        "animate",
+        "node-stress",
+    ),
     *(
         "pin-forces",
         "shoe-loads",

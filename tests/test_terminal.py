@@ -188,6 +188,7 @@ FAKES = {
     "run case.toml": {
         "exudyn_crawler.case_run.run_case": result(SimpleNamespace(history=HISTORY, stresses=STRESSES)),
         "exudyn_crawler.results.history.summary.key_results": result(RESULTS),
+        "exudyn_crawler.results.stress.hot_spots.peak_spots": result({"peak stress": (7, SPOTS)}),
         "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
     },
     "sweep sweep.toml --dry-run": {},
@@ -226,10 +227,10 @@ def terminal(monkeypatch, told, tmp_path):
 
     def lines(words, width):
         for name, fake in FAKES.get(words, {}).items():
-            monkeypatch.setattr(name, fake)
-            # a public name is remembered where it was first asked for
+            # a public name is remembered where it is first asked for, which must not be a fake
             if (public := name.split(".")[-1]) in exudyn_crawler.__all__:
                 monkeypatch.setattr(exudyn_crawler, public, fake)
+            monkeypatch.setattr(name, fake)
         for name, value in {"COLUMNS": width, "TTY_COMPATIBLE": 1, "NO_COLOR": 1}.items():
             monkeypatch.setenv(name, str(value))
         return re.sub(r"\x1b\[[0-9;]*m", "", told(*words.split())).splitlines()

@@ -8,7 +8,6 @@ import typer
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.commands import command
-from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_table, write_table
 
@@ -277,6 +276,7 @@ def shoe(
     overwrite: application.Overwrite = False,
 ) -> None:
     """Make a mesh and a case of a maker's file of a shoe: what is what is found by its shape."""
+    from exudyn_crawler.files import refuse_existing
     from exudyn_crawler.shoe_file import paths_of, shoe_of, write_shoe
     from meshes.recognition.axes import Choices
 
