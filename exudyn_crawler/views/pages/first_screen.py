@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters import checks
-from exudyn_crawler.results.history import History, summary
+from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.scenes import pictures, shoes, track
@@ -22,9 +22,11 @@ LEVEL = 1e-6  # grade of ground that is level
 ROOM = 0.8  # inches, of a picture for its title and labels
 
 
-def first_screen(history: History, stress: xr.Dataset | None = None) -> Markup:
-    """Picture of the machine, what was simulated, answers, and the first warning if there is any."""
-    results = summary.key_results(history, stress)
+def first_screen(history: History, results: pd.DataFrame, stress: xr.Dataset | None = None) -> Markup:
+    """Picture of the machine, what was simulated, answers, and the first warning if there is any.
+
+    `results` are the run's key results.
+    """
     case = history.case
     now = track.instants(history, [results["at"].iloc[0]])
     answers = [_answer(result, history, stress) for result in results.head(ANSWERS).itertuples()]
@@ -74,14 +76,20 @@ def machine_figure(now: History) -> Figure:
 
 def _answer(result: Any, history: History, stress: xr.Dataset | None) -> tuple[str, str, str, str]:
     """Name, value, place, and limit or verdict of a key result."""
-    place = ", ".join(filter(None, (result.of, f"t = {result.at:.4g} s")))
+    value, place = value_and_place(result)
     limit = ""
     if result.unit == "kN":
         limit = f"{1e5 * result.value / _carried(history):.3g} % of what the ground carries at first"
     elif result.unit == "MPa" and stress is not None:
         peak = stress.peak_von_mises.argmax(...)
         limit = trust.verdict_words([int(stress.peak_verdict.isel(peak))])[0]
-    return result.result, f"{result.value:.4g} {result.unit}", place, limit
+    return result.result, value, place, limit
+
+
+def value_and_place(result: Any) -> tuple[str, str]:
+    """Value of a row of the key results with its unit, and of what and when it is."""
+    place = ", ".join(filter(None, (result.of, f"t = {result.at:.4g} s")))
+    return f"{result.value:.4g} {result.unit}", place
 
 
 def _carried(history: History) -> float:

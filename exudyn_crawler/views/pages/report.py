@@ -89,10 +89,12 @@ def report_page(folder: Path) -> str:
     title = f"Crawler track: {' and '.join(histories) or folder.resolve().name}"
     data = curves | {"first_picture": first, "scenes": scenes, "arrays": arrays.packed}
     data |= {"bands": style.PHASE_BANDS, "phase_name": style.PHASE_NAME}
+    results = {name: summary.key_results(run, stresses.get(name)) for name, run in histories.items()}
     opening = [
-        first_screen.first_screen(histories[name], stresses.get(name)) for name in [*bent, *histories][:1]
+        first_screen.first_screen(histories[name], results[name], stresses.get(name))
+        for name in [*bent, *histories][:1]
     ]
-    keys = _key_table(histories, stresses)
+    keys = _key_table(results)
     top = together(*opening, part("folded", "All key results", keys, len(histories) > 1))
     return page.page(title, provenance(folder, histories), sections, data, top)
 
@@ -157,18 +159,18 @@ def _recorded(path: Path) -> list[str]:
     return said
 
 
-def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]) -> Markup:
+def _key_table(results: Mapping[str, pd.DataFrame]) -> Markup:
     """Key results: a row a result, with value and unit, where and when for each case."""
     columns = []
-    for name, history in histories.items():
-        results = summary.key_results(history, stresses.get(name)).set_index("result")
-        values = [page.Cell(f"{row.value:.4g} {row.unit}", True) for row in results.itertuples()]
-        where = [", ".join(filter(None, (row.of, f"t = {row.at:.4g} s"))) for row in results.itertuples()]
-        columns.append(pd.DataFrame({name: values, "": where}, results.index))
+    for name, frame in results.items():
+        rows = [first_screen.value_and_place(row) for row in frame.itertuples()]
+        values = [page.Cell(value, True) for value, _ in rows]
+        where = [place for _, place in rows]
+        columns.append(pd.DataFrame({name: values, "": where}, pd.Index(frame["result"])))
     if not columns:
         return Markup()
     shown = pd.concat(columns, axis=1).fillna("").rename_axis("").reset_index(allow_duplicates=True)
-    return table(shown, anchor="key-results", compact=True, headed=len(histories) > 1)
+    return table(shown, anchor="key-results", compact=True, headed=len(results) > 1)
 
 
 def _compared(path: Path) -> Markup:
