@@ -22,7 +22,6 @@ from fem.mesh_content import LARGEST_FILE, FileCells, FileContent, VolumeMesh, v
 PHYSICAL = "gmsh:physical"
 SOLID_TAG = 1
 _TRIANGLE_OF = {"tetra": "triangle", "tetra10": "triangle6"}
-_CHUNK = 1 << 20
 
 
 def read_mesh(path: str | Path) -> Mesh:

@@ -30,8 +30,6 @@ PULL_OF_SHOVEL, PULL_OF_OTHERS = 0.5, 0.8
 """Of the weight, where no torque is given: 0.4 to 0.6 and 0.75 to 1 (remembered)."""
 PINS = {"diameter": 0.21, "inner": 0.50, "outer": 0.20, "gap": 0.005}
 """Of the pitch: pins 0.20 to 0.22 (remembered); the others assumed, as no source has them."""
-TREADS = 2
-"""Of a roller, one on each rail."""
 
 Origin = Literal["given", "derived", "assumed"]
 

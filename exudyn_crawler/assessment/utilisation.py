@@ -13,8 +13,9 @@ SHARED = 1.5
 """Pull of the more loaded of two hinge joints of a shoe over half of the chain's (assumed)."""
 IN_SHEAR = 0.6
 """Of the tensile strength, what a pin bears in shear (EN 1993-1-8, table 3.10)."""
-GAMMA_M0, GAMMA_M2, GAMMA_SER = 1.0, 1.25, 1.0
-"""Partial factors of EN 1993-1-8: M0 (remembered), M2 and M6,ser (eurocode.us)."""
+GAMMA_M0 = 1.0
+GAMMA_M2 = 1.25
+"""Partial factors of EN 1993-1-8: M0 (remembered) and M2 (eurocode.us); M6,ser of contact in holes is 1."""
 LIGHT = 0.591
 """Of EN 1993-1-8, eq. 3.15: Hertz's line contact of a pin in its hole."""
 

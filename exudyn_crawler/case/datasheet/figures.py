@@ -32,11 +32,8 @@ class Figure(NamedTuple):
 
 
 def machine_mass(case: Case) -> float:
-    """Mass of all parts of a machine, kg: frame, shoes and tumblers."""
-    gear = case.closed_gear()
-    shoes = case.track.shoe_count * case.shoe.mass
-    turning = gear.tumbler.mass + sum(bogie.mass for bogie in gear.bogies)
-    return float(sum(part.mass for part in gear.frame_parts) + shoes + gear.tracks * turning)
+    """Mass of all parts of a machine, kg: its shoes and what they carry."""
+    return float(case.closed_gear().carried_mass + case.track.shoe_count * case.shoe.mass)
 
 
 def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:

@@ -144,9 +144,9 @@ def _size(values: xr.DataArray) -> xr.DataArray:
     return abs(values) if values.attrs.get("units") == "N" else values
 
 
-def _extreme(values: xr.DataArray, which: Literal["least", "greatest", "largest"] = "greatest") -> Extreme:
-    """Least or greatest value of a series, or that of largest magnitude."""
-    ranked = -values if which == "least" else abs(values) if which == "largest" else values
+def _extreme(values: xr.DataArray, which: Literal["greatest", "largest"] = "greatest") -> Extreme:
+    """Greatest value of a series, or that of largest magnitude."""
+    ranked = abs(values) if which == "largest" else values
     indices = {str(dim): int(index) for dim, index in ranked.argmax(...).items()}
     of = ", ".join(_item(values, dim, index) for dim, index in indices.items() if dim != "time")
     return Extreme(float(values.isel(indices)), of, float(values.time[indices["time"]]))
