@@ -17,11 +17,10 @@ import pandas as pd
 import pytest
 import tomlkit
 
-from docs.rooms import ROOT
 from exudyn_crawler import Case, History, cli
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.parameters.fields import case_rows
-from exudyn_crawler.cli import commands
+from exudyn_crawler.cli import application, commands
 from exudyn_crawler.results.checks.cases import read_check
 from exudyn_crawler.sweep.scatter import read_scatter
 from studies.commands import app as studies
@@ -275,7 +274,7 @@ def test_files_of_studies_are_started_from(told, tmp_path):
     told("init", "carrier", "--study", "m113")
     assert read_case(tmp_path / "carrier.toml").case == case.with_(name="carrier")
     told("init", "weak", "--study", "duty_scatter")
-    assert read_scatter(tmp_path / "weak.toml") == read_scatter(ROOT / "studies" / "duty_scatter.toml")
+    assert read_scatter(tmp_path / "weak.toml") == read_scatter(application.study_files()["duty_scatter"])
 
 
 def test_init_refuses_unknown_names_with_the_known_ones(refused, tmp_path):
