@@ -66,8 +66,9 @@ CONSTANT = [
         ({"gravity": 0.0}, "gravity: 0 m/s2 is outside of 9.7 to 9.9 m/s2"),
         (
             {"contact.static_friction": 4.0},
-            "contact.static_friction: 4 is outside of 0 to 1.5; is it in %? It has to be a fraction of 1",
+            "contact.static_friction: 4 is outside of 0.02 to 1.5; is it in %? It has to be a fraction of 1",
         ),
+        ({"contact.dynamic_friction": 0.0}, "contact.dynamic_friction: 0 is outside of 0.02 to 1.5"),
         ({"solver.step": 0.5}, "solver.step: 0.5 s is longer than the run of 0.1 s"),
         ({"terrain.density": 1.6}, "is it in t/m3? It has to be in kg/m3"),
         ({"terrain.spring_stiffness": 20.0}, "is it in MN/m? It has to be in N/m"),

@@ -7,10 +7,12 @@ from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.case.gear.closed_frame import LEAST_SAG, MAKERS_SAG
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.history.summary import difference_table, key_results
 from exudyn_crawler.results.history.tension import depth_below_edge
 from exudyn_crawler.run.solve.standing import standing
 from exudyn_crawler.run.solve.tension import chains_at_rest, tensioned
+from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
 
@@ -91,6 +93,16 @@ def test_taut_chain_of_short_links_is_warned_of():
     (line,) = standing(light).warnings
     assert "the chain is tauter than makers ask for" in line
     assert f"not {100 * LEAST_SAG:g} to 4 %" in line
+
+
+def test_machine_on_cells_says_how_it_stands():
+    """Forces of cells, which no coordinates give, carry the weight."""
+    case = small_case().on_cells(BekkerSoil.lete_sand())
+    found = standing(case)
+    weight = (case.gear.mass + case.track.shoe_count * case.shoe.mass) * case.gravity
+    carried = float(found.history.normal_force.isel(time=0).sel(axis="z").sum())
+    assert carried == pytest.approx(weight, rel=1e-3)
+    assert f"at rest: the ground carries {1e-6 * carried:.4g} MN" in found.lines[0]
 
 
 @pytest.fixture(scope="module")

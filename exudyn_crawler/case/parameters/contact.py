@@ -19,8 +19,8 @@ class PairContact(Parameters):
     exponent: base.Exponent = quantity("1", "exponent e of the penetration", (1.0, 3.0))
     damping: base.Damping = quantity("N s/m", "greatest damping coefficient c_max", (0.0, 1e8))
     damping_depth: base.Depth = quantity("m", "penetration d at which the damping is full", (1e-6, 0.02))
-    static_friction: base.Coefficient = quantity("1", "coefficient mu_s at the stiction speed", (0.0, 1.5))
-    dynamic_friction: base.Coefficient = quantity("1", "mu_d beyond the friction speed", (0.0, 1.5))
+    static_friction: base.Coefficient = quantity("1", "coefficient mu_s at the stiction speed", (0.02, 1.5))
+    dynamic_friction: base.Coefficient = quantity("1", "mu_d beyond the friction speed", (0.02, 1.5))
     stiction_speed: base.Speed = quantity("m/s", "V_st", (1e-5, 0.2))
     friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)
     sharing: Literal["pair", "area"] = option(
@@ -79,7 +79,7 @@ class SphereContact(Parameters):
     reference_stiffness: base.Stiffness = quantity("N/m^exponent", "k of the IMPACT law that sets the depth")
     reference_exponent: base.Exponent = quantity("1", "exponent e of that law", (1.0, 3.0))
     damping: base.Damping = quantity("N s/m", "normal damping of all spheres of a shoe together", (0.0, 1e8))
-    friction: base.Coefficient = quantity("1", "coefficient of friction", (0.0, 1.5))
+    friction: base.Coefficient = quantity("1", "coefficient of friction", (0.02, 1.5))
     friction_speed: base.Speed = quantity("m/s", "slip speed at which friction is full", (1e-5, 0.2))
     faces: Literal["whole", "drawn_back"] = option(
         "whole: both units push a sphere over their seam; drawn_back: about as hard as one would", "whole"

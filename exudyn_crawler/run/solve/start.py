@@ -19,16 +19,19 @@ UNBALANCED = 0.01
 """Part of the weight that the residual force at the start may be without a warning."""
 
 
-def begin(system: TrackSystem) -> None:
+def begin(system: TrackSystem) -> np.ndarray:
     """Bring a system to its rest at t = 0, or to its steady creep where friction holds it there.
 
-    On cells shoes settle and stay. An EquilibriumError if there is no rest.
+    Gives coordinates and rates (2, coordinates) of it. On cells shoes settle and stay. An EquilibriumError if
+    there is no rest.
     """
     q = static_equilibrium(system.case)
     try:
-        system.set_initial(*_start_of(system, q))
+        motion = _start_of(system, q)
+        system.set_initial(*motion)
     except NewtonError as failed:
         raise no_rest(system, failed) from failed
+    return motion
 
 
 def _start_of(system: TrackSystem, q: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.history import History, tension
 from exudyn_crawler.results.history.states import system_history
-from exudyn_crawler.run.solve import equilibrium
+from exudyn_crawler.run.solve import equilibrium, start
 
 IDLER = "gear.idler"
 SHIMS = 5  # decimals of a take-up in m: so that it is the same again on another machine
@@ -49,7 +49,12 @@ def history_at_rest(case: Case) -> History:
     system = compiled_system(case)
     row = np.zeros((1, system.layout.size))
     coordinates = system.layout.part(row[0], "coordinates")
-    coordinates[:] = equilibrium.static_equilibrium(case)
+    if system.sticks:
+        # forces of cells follow from what these remember, which a run gives them as it starts
+        coordinates[:] = start.begin(system)[0]
+        system.layout.part(row[0], "contact")[:] = system.stored_contacts()
+    else:
+        coordinates[:] = equilibrium.static_equilibrium(case)
     return system_history(system, row)
 
 
