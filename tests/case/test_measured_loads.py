@@ -40,7 +40,7 @@ def test_semicolons_decimal_commas_and_a_byte_order_mark_are_read(tmp_path):
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("time [s],load [kN]\n", "it needs a line of heads and lines of numbers"),
+        ("time [s],load [kN]\n", "must have a line of heads and rows below it, got 1 lines"),
         ("time,load [kN]\n0,1\n", "column 'time' needs its unit, such as 'time [s]'"),
         ("time [s],load [mm]\n0,1\n", "column 'load [mm]' must be in a unit such as kN, got 'mm'"),
         ("time [s],force [kN]\n0,1\n", "column 'force [kN]' must be one of 'time [s]', 'load [kN]'"),
@@ -48,11 +48,11 @@ def test_semicolons_decimal_commas_and_a_byte_order_mark_are_read(tmp_path):
         ("time [s],shoe 1 [kN],shoe 3 [kN]\n0,1,2\n", "columns of shoes must be 1 to 2, each once, got"),
         ("time [s],load [kN]\n0,1\n0,2\n", "times must rise from 0 s or later, got 0 s in row 2"),
         ("time [s],load [kN]\n-1,1\n", "times must rise from 0 s or later, got -1 s in row 1"),
-        ("time [s],load [kN]\n0,386,4\n", "row 1 must have 2 cells, as the heads, got 3"),
-        ("time [s],load [kN]\n0,nan\n", "'load [kN]' must be a number in row 1, got 'nan'"),
+        ("time [s],load [kN]\n0,386,4\n", "row 1 must have 2 cells, as its head, got 3"),
+        ("time [s],load [kN]\n0,nan\n", "'load [kN]' must be finite in row 1, got 'nan'"),
         ("time [s],load [kN]\n0,\n", "'load [kN]' must be a number in row 1, got ''"),
         ("time [s],load [kN]\n0,1e30\n", "phases[0].loads[0..1]: must be less than or equal to"),
-        ("\udcff", "it is no text"),
+        ("\udcff", "is no text in UTF-8"),
     ],
 )
 def test_files_without_loads_over_time_are_refused_in_a_line(tmp_path, text, reason):

@@ -145,7 +145,7 @@ def test_sand_of_one_box_predicts_that_of_another():
     ("text", "words"),
     [
         ("sinkage in mm,pressure in kPa,width in m\n1,2,x", "width must be a number in row 1, got 'x'"),
-        ("sinkage in mm,pressure in kPa,width in m\n1,2", "row 1 has 2 cells, its head 3"),
+        ("sinkage in mm,pressure in kPa,width in m\n1,2", "row 1 must have 3 cells, as its head, got 2"),
         (
             "sinkage in mm,pressure in mm,width in m\n1,2,3",
             "column 'pressure': unit must be one of Pa, got 'mm'",
@@ -157,7 +157,7 @@ def test_sand_of_one_box_predicts_that_of_another():
         ("sinkage in mm,force in N,width in m\n1,2,3", "need a column 'length'"),
         ("sinkage in mm,force in N,diameter in m\n1,2,0", "greater than zero, got 0 m"),
         ("sinkage in mm,sinkage in mm\n1,2", "must stand once"),
-        ("sinkage in mm\n", "must have a head and rows"),
+        ("sinkage in mm\n", "must have a line of heads and rows"),
         ("test,sinkage in mm,force in N,diameter in m\na,1,2,0.1\na,1,2,0.2", "test 'a' must have one plate"),
     ],
 )

@@ -1,24 +1,26 @@
 """Measured loads over time from CSV files: a time and loads a row, with units in the heads of the columns."""
 
-import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from exudyn_crawler.case.parameters.reading import number_of
+import numpy as np
+
+from exudyn_crawler.case.parameters import columns
 from exudyn_crawler.errors import CaseFileError
 
 MOST_ROWS = 20_000
-HEAD = re.compile(r"\s*(.+?)(?:\s*\[(.+)\]|\s*\((.+)\)|\s+in\s+(\S.*)|\s*[,/]\s*(\S.*))?\s*")
-"""Head of a column: a name, and a unit in brackets or behind "in"."""
 SHOE = re.compile(r"(?:load\s+(?:on\s+)?)?shoe\s*(\d+)")
-TIME = ("time", "t")
-EACH = ("load", "loads", "load on each shoe")
-SUM = ("sum", "total", "total load", "sum of loads")
-SHIFT = ("side shift", "side_shift")
+NAMES = {
+    "time": ("time", "t"),
+    "load": ("load", "loads", "load on each shoe"),
+    "sum": ("sum", "total", "total load", "sum of loads"),
+    "shift": ("side shift", "side_shift"),
+}
 KNOWN = "'time [s]', 'load [kN]' (on each shoe), 'sum [kN]', 'shoe 1 [kN]', ... or 'side shift [m]'"
-COMMA = re.compile(r"[+-]?\d+,\d+")
+WANTED = {"time": ("s", "s"), "shift": ("m", "mm")}
+"""Unit of a kind of column and an example of one; of all others it is that of a force."""
 
 
 class LoadRow(NamedTuple):
@@ -30,7 +32,7 @@ class LoadRow(NamedTuple):
 
 
 class Column(NamedTuple):
-    """Column of a file."""
+    """Head of a column of a file."""
 
     kind: str  # "time", "load", "sum", "shift" or "shoe"
     shoe: int  # its number, of a shoe
@@ -47,68 +49,49 @@ def read_loads(path: Path, shoe_count: int) -> list[LoadRow]:
     CaseFileError
         If it holds no loads over time.
     """
-    if not path.is_file():
-        raise FileNotFoundError(f"no load cycle {path}")
     try:
-        # spreadsheets put a mark before the text
-        text = path.read_bytes().decode("utf-8-sig")
-        heads, *rows = _cells(text)
-        columns = [_column(head) for head in heads]
-        _check_columns(columns)
-        return list(_rows(columns, heads, rows, shoe_count))
+        heads, rows = columns.read_table(path)
+        if len(rows) > MOST_ROWS:
+            raise ValueError(f"it must have at most {MOST_ROWS} lines of numbers, got {len(rows)}")
+        kinds = [_column(head) for head in heads]
+        _check_columns(kinds)
+        numbers = [
+            column.size * columns.numbers([row[place] for row in rows], repr(heads[place][:40]))
+            for place, column in enumerate(kinds)
+        ]
     except ValueError as error:
-        reason = "it is no text" if isinstance(error, UnicodeDecodeError) else str(error)
-        raise CaseFileError(path, [reason]) from None
-
-
-def _cells(text: str) -> list[list[str]]:
-    """Cells of all lines that have any, with a point in numbers."""
-    lines = [line for line in text.splitlines() if line.strip(" ,;\t")]
-    if len(lines) < 2:
-        raise ValueError("it needs a line of heads and lines of numbers")
-    if len(lines) > MOST_ROWS + 1:
-        raise ValueError(f"it must have at most {MOST_ROWS} lines of numbers, got {len(lines) - 1}")
-    delimiter = next((mark for mark in (";", "\t") if mark in lines[0]), ",")
-    cells = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter)]
-    if delimiter == ",":
-        return cells
-    return [
-        cells[0],
-        *([cell.replace(",", ".") if COMMA.match(cell) else cell for cell in row] for row in cells[1:]),
-    ]
+        raise CaseFileError(path, [str(error).removeprefix(f"{path}").lstrip(": ")]) from None
+    return _load_rows(path, kinds, numbers, shoe_count)
 
 
 def _column(head: str) -> Column:
-    """Column of its head."""
-    match = HEAD.fullmatch(head)
-    if match is None:
-        raise ValueError(f"every column needs a head, such as {KNOWN}")
-    name = match[1].lower()
+    """Kind and unit of a column's head."""
+    name, unit = columns.head_parts(head)
     number = SHOE.fullmatch(name)
-    kinds = {"time": TIME, "load": EACH, "sum": SUM, "shift": SHIFT}
-    kind = "shoe" if number else next((kind for kind, names in kinds.items() if name in names), None)
+    kind = "shoe" if number else next((kind for kind, names in NAMES.items() if name in names), None)
     if kind is None:
         raise ValueError(f"column {head[:40]!r} must be one of {KNOWN}")
-    unit = next(filter(None, match.groups()[1:]), None)
-    wanted = {"time": "s", "shift": "m"}.get(kind, "N")
-    example = {"s": "s", "m": "mm"}.get(wanted, "kN")
-    if unit is None:
-        raise ValueError(f"column {head[:40]!r} needs its unit, such as '{match[1][:40]} [{example}]'")
-    size = number_of(f"1 {unit}", wanted)
-    if not isinstance(size, float):
-        raise ValueError(f"column {head[:40]!r} must be in a unit such as {example}, got {unit[:40]!r}")
+    wanted, example = WANTED.get(kind, ("N", "kN"))
+    if not unit:
+        raise ValueError(f"column {head[:40]!r} needs its unit, such as '{name[:40]} [{example}]'")
+    try:
+        size = columns.factor_of(unit, wanted)
+    except ValueError:
+        raise ValueError(
+            f"column {head[:40]!r} must be in a unit such as {example}, got {unit[:40]!r}"
+        ) from None
     return Column(kind, int(number[1]) if number else 0, size)
 
 
-def _check_columns(columns: Sequence[Column]) -> None:
+def _check_columns(kinds: Sequence[Column]) -> None:
     """Refuse columns that say too little, or a thing twice."""
-    kinds = [column.kind for column in columns]
-    if kinds.count("time") != 1:
-        raise ValueError(f"it must have one column 'time [s]', got {kinds.count('time')}")
-    if kinds.count("shift") > 1:
+    names = [column.kind for column in kinds]
+    if names.count("time") != 1:
+        raise ValueError(f"it must have one column 'time [s]', got {names.count('time')}")
+    if names.count("shift") > 1:
         raise ValueError("it must have at most one column 'side shift [m]'")
-    shoes = [column.shoe for column in columns if column.kind == "shoe"]
-    single = kinds.count("load") + kinds.count("sum")
+    shoes = [column.shoe for column in kinds if column.kind == "shoe"]
+    single = names.count("load") + names.count("sum")
     if single + bool(shoes) != 1:
         raise ValueError(
             "it must have a column 'load [kN]' or 'sum [kN]', or one for every shoe: 'shoe 1 [kN]', ..."
@@ -117,40 +100,26 @@ def _check_columns(columns: Sequence[Column]) -> None:
         raise ValueError(f"columns of shoes must be 1 to {len(shoes)}, each once, got {shoes[:20]}")
 
 
-def _rows(
-    columns: Sequence[Column], heads: Sequence[str], rows: Sequence[Sequence[str]], shoe_count: int
-) -> Iterator[LoadRow]:
-    """Rows of their cells, whose times rise from zero or later."""
-    before = -1.0
-    for line, cells in enumerate(rows, start=1):
-        if len(cells) != len(columns):
-            raise ValueError(f"row {line} must have {len(columns)} cells, as the heads, got {len(cells)}")
-        loads: dict[int, float] = {}
-        time = 0.0
-        shift = 0.0
-        for column, head, cell in zip(columns, heads, cells, strict=True):
-            value = column.size * _number(line, head, cell)
-            if column.kind == "time":
-                time = value
-            elif column.kind == "shift":
-                shift = value
-            elif column.kind == "shoe":
-                loads[column.shoe] = value
-            else:
-                share = value / shoe_count if column.kind == "sum" else value
-                loads = dict.fromkeys(range(1, shoe_count + 1), share)
-        if time < 0.0 or time <= before:
-            raise ValueError(f"times must rise from 0 s or later, got {time:g} s in row {line}")
-        before = time
-        yield LoadRow(time, tuple(loads[number] for number in sorted(loads)), shift)
-
-
-def _number(line: int, head: str, cell: str) -> float:
-    """Number of a cell."""
-    try:
-        value = float(cell)
-    except ValueError:
-        value = float("nan")
-    if value - value != 0.0:
-        raise ValueError(f"{head!r} must be a number in row {line}, got {cell[:40]!r}")
-    return value
+def _load_rows(
+    path: Path, kinds: Sequence[Column], numbers: Sequence[np.ndarray], shoe_count: int
+) -> list[LoadRow]:
+    """Rows of their columns of numbers; CaseFileError if times do not rise from zero or later."""
+    by_kind = {column.kind: values for column, values in zip(kinds, numbers, strict=True)}
+    times = by_kind["time"]
+    before = np.concatenate([[-np.inf], times[:-1]])
+    wrong = np.flatnonzero((times < 0.0) | (times <= before))
+    if wrong.size:
+        row = wrong[0]
+        raise CaseFileError(
+            path, [f"times must rise from 0 s or later, got {times[row]:g} s in row {row + 1}"]
+        )
+    if "shoe" in by_kind:
+        shoes = sorted((column.shoe, place) for place, column in enumerate(kinds) if column.kind == "shoe")
+        loads = np.column_stack([numbers[place] for _, place in shoes])
+    else:
+        each = by_kind["load"] if "load" in by_kind else by_kind["sum"] / shoe_count
+        loads = np.repeat(each[:, None], shoe_count, axis=1)
+    shifts = by_kind.get("shift", np.zeros(len(times)))
+    return [
+        LoadRow(*row) for row in zip(times.tolist(), map(tuple, loads.tolist()), shifts.tolist(), strict=True)
+    ]

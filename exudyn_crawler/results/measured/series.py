@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from exudyn_crawler.case.parameters import columns
 from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.measured import columns
 
 OVER = {"time": "s", "way": "m"}
 """First column of a measured table, which the others are over, and its unit."""
@@ -100,8 +100,7 @@ def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
             f"{path} must have a first column 'time in s' or 'way in m' and others, got {heads[0]!r}"
         )
     numbers = [
-        columns.numbers([row[place].strip() for row in rows], f"{path}: {head}")
-        for place, head in enumerate(heads)
+        columns.numbers([row[place] for row in rows], f"{path}: {head}") for place, head in enumerate(heads)
     ]
     place = _factor(path, over, unit, OVER[over]) * numbers[0] + shift
     run_place = history.time.values if over == "time" else way_of(history)

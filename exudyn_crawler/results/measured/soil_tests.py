@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from exudyn_crawler.results.measured.columns import read_columns
+from exudyn_crawler.case.parameters.columns import read_columns
 
 LOOP_SHARE, LOOP_DROP = 0.8, 0.1
 """A pressure that falls below this share of the greatest one before, and by more than this share of the

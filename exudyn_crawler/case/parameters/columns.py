@@ -10,8 +10,9 @@ import numpy as np
 
 from exudyn_crawler.case.parameters import reading
 
-HEAD = re.compile(r"\s*(?P<name>.*?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|(?:,| in )\s*(?P<c>[^,]+?))?\s*")
-"""Name of a column with its unit: ``force [N]``, ``force (N)``, ``force, N`` or ``force in N``."""
+HEAD = re.compile(r"\s*(?P<name>.*?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|(?:,|/| in )\s*(?P<c>[^,]+?))?\s*")
+"""Name of a column with its unit: ``force [N]``, ``force (N)``, ``force, N``, ``force/N``, ``force in N``."""
+DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
 
 
 def head_parts(head: str) -> tuple[str, str]:
@@ -35,26 +36,31 @@ def factor_of(unit: str, wanted: str) -> float:
 def read_table(path: str | Path) -> tuple[list[str], list[list[str]]]:
     """Heads and rows of a CSV file with commas, semicolons or tabs; lines that begin with # are remarks.
 
-    Numbers between semicolons may have decimal commas. FileNotFoundError if there is no such file, ValueError
-    if it has no rows, or rows of another length.
+    Numbers between semicolons or tabs may have decimal commas. FileNotFoundError if there is no such file,
+    ValueError if it has no rows, or rows of another length.
     """
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"no table {path}")
     try:
+        # spreadsheets put a mark before the text
         text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(f"{path} is no text in UTF-8: {error.reason}") from error
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    lines = [line for line in text.splitlines() if line.strip(" ,;\t") and not line.lstrip().startswith("#")]
     if len(lines) < 2:
-        raise ValueError(f"{path} must have a head and rows below it, got {len(lines)} lines")
+        raise ValueError(f"{path} must have a line of heads and rows below it, got {len(lines)} lines")
     delimiter = next((mark for mark in ";\t" if mark in lines[0]), ",")
-    heads, *rows = csv.reader(lines, delimiter=delimiter)
+    heads, *rows = ([cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter))
     for number, row in enumerate(rows, start=1):
         if len(row) != len(heads):
-            raise ValueError(f"{path}: row {number} has {len(row)} cells, its head {len(heads)}")
-    if delimiter == ";":
-        rows = [[cell.replace(",", ".") for cell in row] for row in rows]
+            raise ValueError(
+                f"{path}: row {number} must have {len(heads)} cells, as its head, got {len(row)}"
+            )
+    if delimiter != ",":
+        rows = [
+            [cell.replace(",", ".") if DECIMAL_COMMA.match(cell) else cell for cell in row] for row in rows
+        ]
     return heads, rows
 
 
@@ -77,7 +83,7 @@ def read_columns(
             raise ValueError(f"{path}: columns must be of {', '.join(known)}, got {name!r}{hint}")
         if name in columns:
             raise ValueError(f"{path}: column {name!r} must stand once")
-        cells = [row[place].strip() for row in rows]
+        cells = [row[place] for row in rows]
         if name in labels:
             columns[name] = np.array(cells)
             continue
@@ -96,7 +102,7 @@ def numbers(cells: list[str], name: str) -> np.ndarray:
         try:
             values[row] = float(cell)
         except ValueError:
-            raise ValueError(f"{name} must be a number in row {row + 1}, got {cell!r}") from None
+            raise ValueError(f"{name} must be a number in row {row + 1}, got {cell[:40]!r}") from None
         if not np.isfinite(values[row]):
             raise ValueError(f"{name} must be finite in row {row + 1}, got {cell!r}")
     return values
