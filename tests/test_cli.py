@@ -49,6 +49,7 @@ COMMANDS = {
         "pin-forces",
         "shoe-loads",
         "compare",
+        "drawbar",
         "fit-soil",
         "ground",
         "life",

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.commands import command
 from exudyn_crawler.views.tables import print_table, write_table
@@ -48,3 +49,42 @@ def fit_soil(
     written = law_file.write_law(result, path, sources, overwrite)
     typer.echo(f"{written}: a case reads it with file = '{written.name}' in [contact.law]")
     typer.echo(f"{figure_path}, {table_path}: the law over the points, and its parameters")
+
+
+@command("exudyn-crawler drawbar closed_on_sand.toml --pull 3e6")
+def drawbar(
+    case: Annotated[
+        Path, typer.Argument(help="case file of a closed track or a machine", metavar="CASE.toml")
+    ],
+    pull: Annotated[
+        float | None, typer.Option(help="N, greatest; by the closed form at full slip, if not given")
+    ] = None,
+    rise: Annotated[
+        float | None, typer.Option(help="s in which it rises; 8 track lengths, if not given")
+    ] = None,
+    height: Annotated[float, typer.Option(help="m, of the drawbar above the ground")] = 0.0,
+    slip: Annotated[float, typer.Option(help="at which the pull is told, too", min=0.0, max=1.0)] = 0.2,
+    out: application.OfName = None,
+    changes: application.Changes = None,
+    overwrite: application.Overwrite = False,
+) -> None:
+    """Pull a track back with a rising force: pull, torque, efficiency and sinkage over slip."""
+    import pandas as pd
+
+    from exudyn_crawler.results.measured import drawbar as tests
+    from exudyn_crawler.views import measured, style
+
+    test = tests.DrawbarTest(pull, rise, height)
+    pulled = tests.pulled_case(crawler.read_case(case, changes or ()), test)
+    folder = out or application.RESULTS / f"{case.stem}_drawbar"
+    done = crawler.run_case(pulled, folder, overwrite=overwrite, say=typer.echo)
+    table = tests.drawbar_table(done.history)
+    write_table(table, folder / "drawbar.csv", overwrite=True)
+    with style.titled_figure(f"{pulled.case.name}: drawbar test", 8.0, 5.5) as figure:
+        measured.draw_drawbar(table, figure)
+    style.save_figure(figure, folder / "drawbar.png", overwrite=True)
+    rows = tests.result_rows(tests.drawbar_result(done.history, slip), slip)
+    numbers = pd.DataFrame(rows, columns=["result", "value", "unit"])
+    write_table(numbers, folder / "drawbar_numbers.csv", overwrite=True)
+    print_table(numbers, f"Drawbar test of {pulled.case.name}")
+    typer.echo(f"{folder}: drawbar.csv over slip, drawbar.png beside the closed form, drawbar_numbers.csv")

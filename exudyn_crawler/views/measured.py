@@ -4,9 +4,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from exudyn_crawler.results.measured.drawbar import HEADS
 from exudyn_crawler.results.measured.series import Compared
 from exudyn_crawler.results.measured.soil_fit import SoilFit
 from exudyn_crawler.results.measured.soil_tests import PlateTests, ShearTests
@@ -73,3 +75,28 @@ def draw_compared(series: list[Compared], figure: Figure) -> None:
         axes.set(ylabel=f"{beside.head}\n{beside.unit}")
     panels[0].legend(**BESIDE)
     panels[-1].set(xlabel="time, s" if series[0].over == "time" else "way, m")
+
+
+def draw_drawbar(table: pd.DataFrame, figure: Figure) -> None:
+    """Draw pull, torque, efficiency and sinkage over slip; the pull beside its closed form."""
+    panels = figure.subplots(2, 2, sharex=True).ravel()
+    slip = 100.0 * table[HEADS["slip"]].values
+    order = np.argsort(slip)
+    curves = {
+        "pull": ("pull, kN", 1e-3),
+        "torque": ("torque of the drive, kN m", 1e-3),
+        "efficiency": ("efficiency", 1.0),
+        "sinkage": ("sinkage, mm", 1e3),
+    }
+    for axes, (name, (label, size)) in zip(panels, curves.items(), strict=True):
+        axes.plot(slip, size * table[HEADS[name]].values, color="C0", marker=".", label="run")
+        axes.set(ylabel=label, ylim=(0.0, None))
+    panels[0].plot(
+        slip[order],
+        1e-3 * table[HEADS["closed"]].values[order],
+        color="C1",
+        label="closed form, even pressure",
+    )
+    panels[0].legend(loc="lower right")
+    for axes in panels[2:]:
+        axes.set(xlabel="slip, %")
