@@ -85,6 +85,8 @@ def _shoes(history: History) -> _Motion:
 
 def _side_frame(history: History) -> _Motion:
     """Motion of the side frame, or of the machine on two tracks; ValueError if bogies swing in it."""
+    if history.case.drive.slip is not None:
+        raise ValueError("balances know no drawbar: drive.slip must be none")
     if history.has("bogie_angle"):
         raise ValueError("balances know no bogies: gear.bogies must be empty")
     parts = history.case.frame_parts

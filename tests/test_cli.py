@@ -51,6 +51,7 @@ COMMANDS = {
         "compare",
         "drawbar",
         "fit-soil",
+        "soil-stress",
         "ground",
         "life",
         "spread",

@@ -1,4 +1,4 @@
-"""The commands of measurement: a soil from its tests."""
+"""The commands of measurement: soil from tests, drawbar test, pressure in the ground."""
 
 from pathlib import Path
 from typing import Annotated
@@ -51,40 +51,70 @@ def fit_soil(
     typer.echo(f"{figure_path}, {table_path}: the law over the points, and its parameters")
 
 
-@command("exudyn-crawler drawbar closed_on_sand.toml --pull 3e6")
+@command("exudyn-crawler drawbar closed_on_sand.toml --slips 0.02,0.05,0.2")
 def drawbar(
     case: Annotated[
         Path, typer.Argument(help="case file of a closed track or a machine", metavar="CASE.toml")
     ],
-    pull: Annotated[
-        float | None, typer.Option(help="N, greatest; by the closed form at full slip, if not given")
-    ] = None,
-    rise: Annotated[
-        float | None, typer.Option(help="s in which it rises; 8 track lengths, if not given")
-    ] = None,
+    slips: Annotated[str | None, typer.Option(help="to hold, rising; 0.01 to 0.4, if not given")] = None,
     height: Annotated[float, typer.Option(help="m, of the drawbar above the ground")] = 0.0,
-    slip: Annotated[float, typer.Option(help="at which the pull is told, too", min=0.0, max=1.0)] = 0.2,
+    slip: Annotated[float, typer.Option(help="of the pull among the numbers", min=0.0, max=1.0)] = 0.2,
     out: application.OfName = None,
     changes: application.Changes = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Pull a track back with a rising force: pull, torque, efficiency and sinkage over slip."""
+    """Hold a track back at given slips: pull, torque, efficiency and sinkage over slip."""
     import pandas as pd
 
     from exudyn_crawler.results.measured import drawbar as tests
     from exudyn_crawler.views import measured, style
 
-    test = tests.DrawbarTest(pull, rise, height)
-    pulled = tests.pulled_case(crawler.read_case(case, changes or ()), test)
+    held = tests.SLIPS if slips is None else tests.read_slips(slips)
+    pulled = tests.pulled_case(crawler.read_case(case, changes or ()), tests.DrawbarTest(held, height))
     folder = out or application.RESULTS / f"{case.stem}_drawbar"
     done = crawler.run_case(pulled, folder, overwrite=overwrite, say=typer.echo)
     table = tests.drawbar_table(done.history)
     write_table(table, folder / "drawbar.csv", overwrite=True)
     with style.titled_figure(f"{pulled.case.name}: drawbar test", 8.0, 5.5) as figure:
-        measured.draw_drawbar(table, figure)
+        measured.draw_drawbar(table, tests.even_track(pulled.case), figure)
     style.save_figure(figure, folder / "drawbar.png", overwrite=True)
     rows = tests.result_rows(tests.drawbar_result(done.history, slip), slip)
     numbers = pd.DataFrame(rows, columns=["result", "value", "unit"])
     write_table(numbers, folder / "drawbar_numbers.csv", overwrite=True)
     print_table(numbers, f"Drawbar test of {pulled.case.name}")
     typer.echo(f"{folder}: drawbar.csv over slip, drawbar.png beside the closed form, drawbar_numbers.csv")
+
+
+@command("exudyn-crawler soil-stress results/closed --sensor 12,0,0 --sensor 12,0,0.5")
+def soil_stress(
+    run: application.Run,
+    sensor: Annotated[
+        list[str], typer.Option(help="x, y and depth below the pressed surface in m; several may be given")
+    ],
+    concentration: Annotated[
+        float | None, typer.Option(help="Froehlich's factor; 3 is Boussinesq, 4 if not given")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="table to write; RUN/soil_stress.csv, if not given")
+    ] = None,
+    overwrite: application.Overwrite = False,
+) -> None:
+    """Tell the normal pressure at sensors in the ground as the track passes: table, peaks and figure."""
+    from exudyn_crawler.files import refuse_existing
+    from exudyn_crawler.results.measured import soil_stress as stresses
+    from exudyn_crawler.views import measured, style
+
+    sensors = [stresses.read_sensor(text) for text in sensor]
+    path = out or application.history_path(run).parent / "soil_stress.csv"
+    figure_path = path.with_suffix(".png")
+    for target in (path, figure_path):
+        refuse_existing(target, overwrite)
+    factor = stresses.CONCENTRATION if concentration is None else concentration
+    table = stresses.stress_table(application.loaded(run), sensors, factor)
+    write_table(table, path, overwrite)
+    passages = stresses.passage_table(table)
+    print_table(passages, f"Pressure in the ground, concentration factor {factor:g}")
+    with style.titled_figure(f"{run.name}: pressure in the ground", 7.0, 3.6) as figure:
+        measured.draw_soil_stress(table, passages, figure)
+    style.save_figure(figure, figure_path, overwrite)
+    typer.echo(f"{path}: over time and way; {figure_path}")

@@ -37,7 +37,8 @@ class TimedInputs:
         self._load_count = loads
         machine = [NOTHING] * 6 if case.machine is None else case.machine.components
         turn = case.drive.turn_rate or NOTHING
-        profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, *machine]
+        slip = case.drive.slip or NOTHING
+        profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, slip, *machine]
         self._profiles = profiles_of(profiles)
         self._resistance = case.gear.resistance
         self._middles = case.gear.middles
@@ -55,8 +56,11 @@ class TimedInputs:
         loads[:count, :3] = np.outer(shoes, self._down)
         loads[count:] = case.gear.wrenches(machine)
         drag = self._resistance.drags(of_tracks)
-        active = case.gear.active(driven, driven and case.drive.turn_rate is not None)
+        drawn = case.drive.slip is not None
+        active = case.gear.active(driven, driven and case.drive.turn_rate is not None, drawn)
         motors = case.gear.motors(of_tracks, case.track)
+        # a drawbar lets the frame go slower than its tracks
+        speeds[0] *= 1.0 - speeds[3]
         return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)
 
     def drags_at(self, times: np.ndarray) -> np.ndarray:
@@ -65,11 +69,11 @@ class TimedInputs:
         return self._resistance.drags(self._speeds_of_tracks(speeds))
 
     def _applied(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Loads of the shoes, speed with rate of turning and side shift, wrench on the frame, at a time."""
+        """Loads of shoes; speed, rate of turning, side shift and slip; wrench on the frame, at a time."""
         count = self._case.track.shoe_count
-        values = np.zeros(count + 9)
+        values = np.zeros(count + 10)
         values_at(self._profiles, time, values)
-        shoes, speeds, machine = np.split(values, [count, count + 3])
+        shoes, speeds, machine = np.split(values, [count, count + 4])
         if self.commands is not None:
             speeds[:2], machine = self.commands(time)
         return shoes, speeds, machine

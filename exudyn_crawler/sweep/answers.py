@@ -14,6 +14,7 @@ from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import DTYPES, QUANTITIES, Quantity, select
 from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyRun, Often, Survival
 from exudyn_crawler.results.life.life import life_of
+from exudyn_crawler.results.measured.drawbar import drawbar_result
 from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
 from exudyn_crawler.run.folder.folder import SAME_TIME
 
@@ -26,6 +27,14 @@ ANSWERABLE = {
 }
 """Quantities over time of which statistics are: real numbers and vectors of what all runs have."""
 DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")  # of what an answer is of
+
+DRAWBAR_RESULTS = {
+    "greatest_pull": ("N", "greatest drawbar pull"),
+    "gradeability": ("rad", "grade whose tangent is the greatest drawbar pull over the weight"),
+    "motion_resistance": ("N", "motion resistance without a pull"),
+    "efficiency": ("1", "best work of the drawbar pull over that of the drive"),
+}
+"""Unit and meaning of a drawbar test's numbers beside the pull at a slip."""
 
 STATISTICS: dict[str, Any] = {
     "greatest": xr.DataArray.max,
@@ -209,7 +218,44 @@ class Life(AnyAnswer, DamageOptions, Often):
         return float(lives.min())
 
 
-Answers = Annotated[Answer | HotSpot | Life, Field(discriminator="model")]
+class Drawbar(AnyAnswer):
+    """Number of a drawbar test: of a case whose drive holds slips, as the command `drawbar` makes it."""
+
+    model: Literal["drawbar"] = "drawbar"
+    better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "more")
+    result: Literal["pull", "greatest_pull", "gradeability", "motion_resistance", "efficiency"] = option(
+        "pull at the slip, or over all slips greatest pull, grade that it climbs, resistance without a "
+        "pull, best efficiency",
+        "pull",
+    )
+    slip: float = measured("1", "at which the pull counts", ge=0, le=1, default=0.2)
+
+    @property
+    def _column(self) -> tuple[str, str, str]:
+        if self.result == "pull":
+            return f"pull_at_slip_{self.slip:g}", "N", f"drawbar pull at a slip of {self.slip:g}"
+        return self.result, *DRAWBAR_RESULTS[self.result]
+
+    def _case_errors(self, case_file: CaseFile) -> Errors:
+        slip = case_file.case.drive.slip
+        if slip is None:
+            yield "drawbar needs a drive.slip, as the command drawbar makes it"
+        elif self.result == "pull" and max(slip.values) < self.slip:
+            yield f"slip must be among those that are held, up to {max(slip.values):g}, got {self.slip:g}"
+
+    def of_run(self, run: CaseRun) -> float:
+        """Number of a run."""
+        result = drawbar_result(run.history, self.slip)
+        return {
+            "pull": result.pull_at_slip,
+            "greatest_pull": result.greatest_pull,
+            "gradeability": result.gradeability,
+            "motion_resistance": result.motion_resistance,
+            "efficiency": result.best_efficiency,
+        }[self.result]
+
+
+Answers = Annotated[Answer | HotSpot | Life | Drawbar, Field(discriminator="model")]
 """Every kind of answer; another one is a class like these, and stands here."""
 
 ANSWERS: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])

@@ -12,6 +12,7 @@ from exudyn_crawler.results.measured.drawbar import HEADS
 from exudyn_crawler.results.measured.series import Compared
 from exudyn_crawler.results.measured.soil_fit import SoilFit
 from exudyn_crawler.results.measured.soil_tests import PlateTests, ShearTests
+from exudyn_crawler.results.measured.traction import EvenTrack
 
 DOTS: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4.0}
 BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}  # where a legend hides no point
@@ -77,11 +78,10 @@ def draw_compared(series: list[Compared], figure: Figure) -> None:
     panels[-1].set(xlabel="time, s" if series[0].over == "time" else "way, m")
 
 
-def draw_drawbar(table: pd.DataFrame, figure: Figure) -> None:
+def draw_drawbar(table: pd.DataFrame, track: EvenTrack, figure: Figure) -> None:
     """Draw pull, torque, efficiency and sinkage over slip; the pull beside its closed form."""
     panels = figure.subplots(2, 2, sharex=True).ravel()
     slip = 100.0 * table[HEADS["slip"]].values
-    order = np.argsort(slip)
     curves = {
         "pull": ("pull, kN", 1e-3),
         "torque": ("torque of the drive, kN m", 1e-3),
@@ -90,13 +90,27 @@ def draw_drawbar(table: pd.DataFrame, figure: Figure) -> None:
     }
     for axes, (name, (label, size)) in zip(panels, curves.items(), strict=True):
         axes.plot(slip, size * table[HEADS[name]].values, color="C0", marker=".", label="run")
-        axes.set(ylabel=label, ylim=(0.0, None))
-    panels[0].plot(
-        slip[order],
-        1e-3 * table[HEADS["closed"]].values[order],
-        color="C1",
-        label="closed form, even pressure",
-    )
+        axes.set(ylabel=label)
+    every = np.linspace(0.0, slip.max(), DRAWN)
+    pulls = 1e-3 * track.pull(0.01 * every)
+    panels[0].plot(every, pulls, color="C1", label="closed form, even pressure")
     panels[0].legend(loc="lower right")
+    for axes in panels[[0, 1, 3]]:
+        axes.set(ylim=(min(0.0, axes.get_ylim()[0]), None))
+    panels[2].set(ylim=(0.0, 1.0))
     for axes in panels[2:]:
         axes.set(xlabel="slip, %")
+
+
+def draw_soil_stress(table: pd.DataFrame, passages: pd.DataFrame, figure: Figure) -> None:
+    """Draw pressure at sensors over the way, and the mean while the track is over them as dashes."""
+    axes = figure.subplots()
+    way = table["way in m"].to_numpy()
+    heads = [*table.columns][2:]
+    for number, (head, label) in enumerate(zip(heads, passages["sensor"], strict=True)):
+        axes.plot(way, 1e-3 * table[head].to_numpy(), color=f"C{number % 10}", label=f"{label} m")
+    if "mean in Pa" in passages:
+        for number, mean in enumerate(passages["mean in Pa"]):
+            axes.axhline(1e-3 * mean, color=f"C{number % 10}", linestyle="--", linewidth=0.8)
+    axes.set(xlabel="way of the machine, m", ylabel="normal pressure, kPa", ylim=(0.0, None))
+    axes.legend(title="sensor; dashed: mean", **BESIDE)

@@ -9,6 +9,7 @@ from exudyn_crawler.case import Drive
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.measured import drawbar
 from exudyn_crawler.results.measured.traction import EvenTrack, even_track
+from exudyn_crawler.sweep.answers import Drawbar
 
 SPRINGS = BekkerSoil.lete_sand().with_(
     exponent=1.0, k_c=0.0, k_phi=2e7, reload_stiffness=0.0, cohesion=0.0, friction_angle=31.1
@@ -63,39 +64,124 @@ def test_resistance_is_the_work_of_compaction_less_what_springs_back():
     assert springs.resistance == pytest.approx(0.0, abs=1e-6)
 
 
-def test_the_pull_rises_after_a_start_and_acts_at_its_height():
-    case = closed_case()
-    track = even_track(case)
-    test = drawbar.DrawbarTest(pull=1e6, rise=30.0, height=0.5)
-    pulled = drawbar.pulled_case(CaseFile(case=case, duration=1.0), test)
-    begin = pulled.duration - 30.0
-    assert begin == pytest.approx(2.0 + drawbar.START_LENGTHS * track.length / SPEED)
-    force, moment = pulled.case.machine_wrench([begin, pulled.duration])
-    assert force[:, 0].tolist() == pytest.approx([0.0, -1e6], abs=1e-6)
-    origin = case.running_gear().frame_start(case.shoe, case.track)[2]
-    # the drawbar is below the rollers' axes or above them: a pull above them presses on the rear
-    assert moment[:, 1].tolist() == pytest.approx([0.0, -1e6 * (0.5 - origin)], abs=1e-6)
-    assert drawbar.pull_over_time(pulled.case, np.array([pulled.duration])) == pytest.approx([1e6])
+def test_no_thrust_without_slip():
+    track = EvenTrack(BekkerSoil.lete_sand(), length=3.0, width=0.5, area=1.5, weight=150e3, tracks=1)
+    assert track.thrust(np.zeros(1)) == pytest.approx([0.0], abs=1e-6 * track.strength)
+    assert track.pull(np.zeros(1)) == pytest.approx([-track.resistance], rel=1e-3)
+
+
+def pulled(case, slips=(0.02, 0.2), **changes):
+    """Case of a drawbar test, and how long it lasts."""
+    file = CaseFile(case=case, duration=1.0)
+    changed = drawbar.pulled_case(file, drawbar.DrawbarTest(slips, **changes))
+    return changed.case, changed.duration
+
+
+def test_slips_rise_and_are_held_as_long_as_a_shoe_takes_from_front_to_rear():
+    case, duration = pulled(closed_case(), height=0.5)
+    passage = even_track(case).length / SPEED
+    slip = case.drive.slip
+    assert slip.values == (0.0, 0.02, 0.02, 0.2, 0.2)
+    assert slip.times[0] == pytest.approx(2.0 + 1.35 * passage)
+    assert np.diff(slip.times) == pytest.approx([0.15 * passage, 1.35 * passage] * 2)
+    assert duration == slip.times[-1]
+    assert case.drive.drawbar_height == 0.5
+    case.check_support(duration)
+
+
+def test_ground_of_cells_gets_as_long_as_the_way():
+    short, _ = pulled(closed_case())
+    case, duration = pulled(closed_case(), slips=drawbar.SLIPS)
+    assert short.terrain.length == closed_case().terrain.length
+    assert case.terrain.length > short.terrain.length
+    case.check_support(duration)
 
 
 def test_cases_without_a_drawbar_are_refused():
     with pytest.raises(ValueError, match=r"gear\.kind must be 'closed' or 'machine' .*'rolled'"):
         even_track(Case.rolled().on_cells(SPRINGS))
-    file = CaseFile(case=closed_case(), duration=1.0)
-    with pytest.raises(ValueError, match="pull must be greater than zero, got -1 N"):
-        drawbar.pulled_case(file, drawbar.DrawbarTest(pull=-1.0))
-    with pytest.raises(ValueError, match="rise must be greater than zero, got 0 s"):
-        drawbar.pulled_case(file, drawbar.DrawbarTest(rise=0.0))
+    posts = closed_case()
+    posts = posts.with_(gear=posts.gear.with_(support="posts"))
+    for other in (posts, Case.translation(), Case.rolled()):
+        drive = other.drive.with_(slip=StepProfile.constant(0.1))
+        with pytest.raises(ValueError, match=r"drive\.slip must be none but for closed tracks on the ground"):
+            other.with_(drive=drive)
+    with pytest.raises(ValueError, match=r"slip must lie within 0 and 1, got .*1\.1"):
+        Drive(speed=StepProfile.constant(0.0), slip=StepProfile.constant(1.1))
+
+
+@pytest.mark.parametrize("slips", [(), (0.0, 0.1), (0.1, 0.1), (0.2, 0.1), (0.5, 1.0)])
+def test_slips_that_do_not_rise_are_refused(slips):
+    with pytest.raises(ValueError, match="slips must increase between 0 and 1"):
+        pulled(closed_case(), slips)
+
+
+def test_slips_are_read_from_words():
+    assert drawbar.read_slips("0.02, 0.1") == (0.02, 0.1)
+    with pytest.raises(ValueError, match="slips must be numbers with commas between them, got '2 %'"):
+        drawbar.read_slips("2 %")
+
+
+def answered(**words):
+    return Drawbar(**words), CaseFile(case=pulled(closed_case())[0], duration=1.0)
+
+
+def test_an_answer_of_a_sweep_has_to_lie_among_the_slips():
+    answer, file = answered(slip=0.2)
+    answer.check(file)
+    assert (answer.label, answer.unit) == ("pull_at_slip_0.2", "N")
+    answer, file = answered(slip=0.3)
+    with pytest.raises(ValueError, match=r"slip must be among those that are held, up to 0\.2, got 0\.3"):
+        answer.check(file)
+    with pytest.raises(ValueError, match=r"gradeability: drawbar needs a drive\.slip"):
+        Drawbar(result="gradeability").check(CaseFile(case=closed_case(), duration=1.0))
+
+
+@pytest.fixture(scope="module")
+def springing():
+    """Drawbar test on soil that springs back, below many rollers."""
+    case, duration = pulled(closed_case(), drawbar.SLIPS)
+    return simulate(case, duration, progress=False)
+
+
+def even(history):
+    """Slip, and pull over that of the closed form, of the slips above zero."""
+    table = drawbar.drawbar_table(history).iloc[1:]
+    ratio = table[drawbar.HEADS["pull"]] / table[drawbar.HEADS["closed"]]
+    return table[drawbar.HEADS["slip"]].to_numpy(), ratio.to_numpy()
 
 
 @pytest.mark.simulation
 @pytest.mark.slow
-def test_pull_over_slip_is_the_closed_form_where_its_assumptions_hold():
-    test = drawbar.DrawbarTest(rise=40.0)
-    pulled = drawbar.pulled_case(CaseFile(case=closed_case(), duration=1.0), test)
-    history = simulate(pulled.case, pulled.duration, progress=False)
-    table = drawbar.drawbar_table(history)
-    pull, closed = table[drawbar.HEADS["pull"]], table[drawbar.HEADS["closed"]]
-    late = table[drawbar.HEADS["slip"]] > 0.02
-    assert late.sum() > 10
-    assert (pull[late] / closed[late]).to_numpy() == pytest.approx(1.0, abs=0.03)
+def test_pull_over_slip_is_the_closed_form_where_its_assumptions_hold(springing):
+    slip, ratio = even(springing)
+    assert slip == pytest.approx(drawbar.SLIPS, rel=0.01)
+    assert ratio == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.simulation
+@pytest.mark.slow
+def test_work_of_the_drive_is_that_of_the_pull_of_slip_and_of_resistance(springing):
+    table = drawbar.drawbar_table(springing).iloc[1:]
+    values = {name: table[head].to_numpy() for name, head in drawbar.HEADS.items()}
+    gear = springing.case.gear
+    force = values["torque"] / gear.travel_per_angle(springing.case.track)
+    assert values["pull"] + values["resistance"] == pytest.approx(force, rel=0.01)
+    drawn = values["pull"] * (1.0 - values["slip"]) / force
+    assert values["efficiency"] == pytest.approx(drawn, rel=0.01)
+    result = drawbar.drawbar_result(springing)
+    assert np.tan(result.gradeability) == pytest.approx(values["pull"].max() / result.track.weight)
+    at_slip = values["pull"][drawbar.SLIPS.index(0.2)]
+    assert result.pull_at_slip == pytest.approx(at_slip, rel=1e-3)
+    assert abs(result.motion_resistance) < 0.01 * result.greatest_pull
+
+
+@pytest.mark.simulation
+@pytest.mark.slow
+@pytest.mark.parametrize(("stays", "least"), [(True, 0.7), (False, 0.94)])
+def test_a_rut_takes_pull_at_little_slip(stays, least):
+    law = BekkerSoil.lete_sand()
+    law = law if stays else law.with_(reload_stiffness=0.0)
+    case, duration = pulled(closed_case(law), (0.02,))
+    _, ratio = even(simulate(case, duration, progress=False))
+    assert least - 0.05 < ratio[0] < least + 0.05

@@ -218,8 +218,11 @@ class Gear(Parameters):
         """Forces and moments beside those on shoes: array (n, 6), N and N m; `machine` (6,) is on a frame."""
         return np.zeros((0, 6))
 
-    def active(self, driven: bool, turned: bool) -> np.ndarray:
-        """Equations of the drive of a shoe or a frame, and of its turn, that hold: array (2,), 1 or 0."""
+    def active(self, driven: bool, turned: bool, drawn: bool = False) -> np.ndarray:
+        """Equations of the drive of a shoe or a frame, and of its turn, that hold: array (2,), 1 or 0.
+
+        A frame that is `drawn` has a drawbar that holds its speed.
+        """
         return np.array([driven, turned], dtype=float)
 
     def motors(self, speeds: np.ndarray, chain: Track) -> np.ndarray:

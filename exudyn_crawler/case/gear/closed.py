@@ -115,9 +115,9 @@ class Closed(ClosedFrame):
         """Shoes, from 0, of which every strip of a tread is known: the flexible ones."""
         return np.flatnonzero(bends)
 
-    def active(self, driven: bool, turned: bool) -> np.ndarray:
-        """Equations of the drive of a shoe or a frame, and of its turn, that hold: none, array (2,)."""
-        return np.zeros(2)
+    def active(self, driven: bool, turned: bool, drawn: bool = False) -> np.ndarray:
+        """Equations of the drive of a frame, and of its turn, that hold: that of a drawbar, array (2,)."""
+        return np.array([driven and drawn, False], dtype=float)
 
     def motors(self, speeds: np.ndarray, chain: Track) -> np.ndarray:
         """Speeds of the motors (rad/s) at speeds of the tracks (tracks,), m/s; sliding idlers stand still."""

@@ -15,5 +15,7 @@ class Dragged(Gear):
 
     def errors(self, case: Whole) -> Errors:
         """Lines that say what does not fit the rest of the case."""
+        if case.drive.slip is not None:
+            yield "drive.slip must be none but for closed tracks on the ground, whose drawbar holds it"
         if case.machine is not None:
             yield "machine must be None with gear.kind 'dragged', which has no side frame that it acts on"

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from exudyn_crawler.case.gear.base import SIDE_FRAME, Gear, Resistance, WheelLabel, Whole
+from exudyn_crawler.case.gear.base import POSTS, SIDE_FRAME, Gear, Resistance, WheelLabel, Whole
 from exudyn_crawler.case.parameters import base, fields, sizes
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.car_body import Part
@@ -200,6 +200,8 @@ class RunningGear(Gear):
             yield f"gear.tread_width must not exceed {width}, got {self.tread_width}"
         if case.drive.on is not None:
             yield f"drive.on must be None with {kind}, always moved or held; a speed of zero is a brake"
+        if case.drive.slip is not None and (not self.loops or self.holds == POSTS):
+            yield "drive.slip must be none but for closed tracks on the ground, whose drawbar holds it"
         yield from self._bogie_errors()
         yield from self.turn_errors(case.drive)
         if any(load != 0.0 for phase in case.loads.phases for load in phase.loads):

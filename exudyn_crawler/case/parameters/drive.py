@@ -93,6 +93,13 @@ class Drive(Parameters):
     on: tuple[tuple[float, float], ...] | None = quantity(
         "s", "times from and to which the drive moves the front shoe, free else; None: always", default=None
     )
+    slip: StepProfile | None = quantity(
+        "1",
+        "of closed tracks: a drawbar holds the frame at 1 less slip of the speed; None: no drawbar",
+        (0.0, 1.0),
+        default=None,
+    )
+    drawbar_height: float = quantity("m", "of the drawbar above the ground, where slip is held", default=0.0)
     point: Literal["com node", "front pins", "frame"] = option(
         "of the front shoe. com node: nearest to `flexible.com_node`, or a rigid shoe's COM; front pins: the "
         "middle of their centres; frame: the whole shoe, whose force spreads like a weight",
@@ -107,6 +114,8 @@ class Drive(Parameters):
                 yield f"{name} must start from zero at t = 0, got {rate.values[0]} at {rate.times[0]} s"
             if max(map(abs, rate.values)) > FASTEST:
                 yield f"{name} must not exceed {FASTEST:g} in size, got {fields.shown(rate.values)}"
+        if self.slip is not None and (min(self.slip.values) < 0.0 or max(self.slip.values) > 1.0):
+            yield f"slip must lie within 0 and 1, got {fields.shown(self.slip.values)}"
         times = [time for window in self.on or () for time in window]
         if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
             yield f"on must be times from 0 s that increase, got {fields.shown(self.on)}"

@@ -26,7 +26,11 @@ def add(assembler: Assembler) -> None:
         )
     )
     origin = assembler.add_marker(frame, np.zeros(3))
-    assembler.drive = origin, assembler.shoes - 1
+    drawn = origin
+    if case.drive.slip is not None:
+        height = case.drive.drawbar_height - case.frame_start[2]
+        drawn = assembler.add_marker(frame, np.array([0.0, 0.0, height]))
+    assembler.drive = drawn, assembler.shoes - 1
     assembler.couple([frame], [DRIVE])
     assembler.hold(frame, case.gear.holds)
     assembler.add_load(origin)

@@ -295,6 +295,8 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
         "wheel_energy": gear_forces.energy[:, 0],
         "tooth_energy": gear_forces.energy[:, 1],
     }
+    if case.drive.slip is not None:
+        named["drawbar_pull"] = states.part("drive")[:, 0]
     if not states.system.layout.flexible_shoes:
         return named
     shoes = np.array(states.system.layout.flexible_shoes) - 1

@@ -1,7 +1,7 @@
 """Drawbar test of a closed track or a machine: pull, torque, efficiency and sinkage over slip.
 
-A force that rises pulls the machine back while its tracks go at the case's speed. Means are over the passage
-of a shoe, so that neither the polygon of the tumbler nor single shoes that enter count.
+A drawbar lets the machine go slower than its tracks, by slips that are held one after the other. Means are
+over the passage of whole shoes, so that neither the polygon of the tumbler nor shoes that enter count.
 """
 
 import math
@@ -11,18 +11,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case import Case, CaseFile, MachineCycle
-from exudyn_crawler.case.parameters.machine_cycle import MachinePhase
+from exudyn_crawler.case import CaseFile, StepProfile
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.measured.traction import EvenTrack, even_track
 
-START_LENGTHS, RISE_LENGTHS = 1.5, 8.0
-"""Lengths of the track that the chain goes before the pull begins, and while it rises. Chosen here: shear
-below a track is steady once a shoe has gone from front to rear."""
-GREATEST = (
-    0.95  # of the pull of the closed form at full slip, up to which the pull rises where no file says more
-)
-BEFORE, PULLED = "before the pull", "pulled"
+SLIPS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
+"""Slips of a test, chosen here; zero comes before them."""
+RISE, SETTLED, COUNTED = 0.15, 1.0, 0.35
+"""Lengths of the track that the chain goes while the slip rises, until shear below it is steady, which takes
+the passage of a shoe from front to rear, and over which means are."""
 HEADS = {
     "slip": "slip",
     "pull": "pull in N",
@@ -37,62 +34,58 @@ HEADS = {
 
 @dataclass(frozen=True)
 class DrawbarTest:
-    """Pull of a drawbar test."""
+    """Slips that a drawbar holds one after the other, and its height."""
 
-    pull: float | None = None  # N, greatest; None: `GREATEST` of the closed form
-    rise: float | None = None  # s, in which it rises; None: by `RISE_LENGTHS`
+    slips: tuple[float, ...] = SLIPS
     height: float = 0.0  # m, of the drawbar above the ground; at 0 it shifts no load to the rear
 
 
+def read_slips(text: str) -> tuple[float, ...]:
+    """Slips of a text such as ``0.02,0.1``; ValueError if they are no numbers."""
+    try:
+        return tuple(float(word) for word in text.split(","))
+    except ValueError:
+        raise ValueError(f"slips must be numbers with commas between them, got {text!r}") from None
+
+
 def pulled_case(case_file: CaseFile, test: DrawbarTest) -> CaseFile:
-    """Case of a test: the pull is part of the machine's load, and the run lasts until it is greatest.
+    """Case of a test: its drive holds the slips, and it lasts until the last one is measured.
+
+    Ground of cells gets as long as the way; a measured map stays as it is.
 
     Raises
     ------
     ValueError
-        If the case has no closed track on cells, does not go forward, or has a load that changes.
+        If the case has no closed track on cells, does not go forward, or slips do not increase within 0
+        and 1.
     """
     case = case_file.case
     track = even_track(case)
     speed = float(case.drive.speed.values[-1])
     if speed <= 0.0:
         raise ValueError(f"drive.speed must end above zero in a drawbar test, got {speed:g} m/s")
-    if case.machine is not None and len(case.machine.phases) > 1:
-        raise ValueError(f"machine must have one phase in a drawbar test, got {len(case.machine.phases)}")
-    if test.rise is not None and test.rise <= 0.0:
-        raise ValueError(f"rise must be greater than zero, got {test.rise:g} s")
-    greatest = GREATEST * float(track.pull(np.array([1.0]))[0]) if test.pull is None else test.pull
-    if greatest <= 0.0:
-        raise ValueError(
-            f"pull must be greater than zero, got {greatest:g} N: the track's strength is "
-            f"{track.strength:.4g} N, its resistance {track.resistance:.4g} N"
-        )
-    begin = float(case.drive.speed.times[-1]) + START_LENGTHS * track.length / speed
-    end = begin + (RISE_LENGTHS * track.length / speed if test.rise is None else test.rise)
-    forces, moments = (part[0] for part in case.machine_wrench(0.0))
-    arm = test.height - float(case.running_gear().frame_start(case.shoe, case.track)[2])
-    phases = [
-        MachinePhase(
-            name=name,
-            end=time,
-            force=(float(forces[0]) - pull, *forces[1:].tolist()),
-            moment=(float(moments[0]), float(moments[1]) - arm * pull, float(moments[2])),
-        )
-        for name, time, pull in ((BEFORE, begin, 0.0), (PULLED, end, greatest))
-    ]
-    pulled = case.with_(machine=MachineCycle(phases=tuple(phases)))
-    return case_file.with_(case=pulled, duration=end)
-
-
-def pull_over_time(case: Case, time: np.ndarray) -> np.ndarray:
-    """Pull of the drawbar: what pulls the machine back more than at t = 0; array of the times' shape, N."""
-    force, _ = case.machine_wrench(time)
-    begin, _ = case.machine_wrench(0.0)
-    return begin[0, 0] - force[:, 0]
+    slips = np.array(test.slips, dtype=float)
+    if not len(slips) or slips.min() <= 0.0 or slips.max() >= 1.0 or np.any(np.diff(slips) <= 0.0):
+        raise ValueError(f"slips must increase between 0 and 1, got {list(test.slips)}")
+    length = track.length / speed
+    times = [float(case.drive.speed.times[-1]) + (SETTLED + COUNTED) * length]
+    values = [0.0]
+    for slip in slips.tolist():
+        times += [times[-1] + RISE * length, times[-1] + (RISE + SETTLED + COUNTED) * length]
+        values += [slip, slip]
+    profile = StepProfile(times=tuple(times), values=tuple(values))
+    drive = case.drive.with_(slip=profile, drawbar_height=test.height)
+    end = times[-1]
+    terrain: Any = case.terrain
+    if terrain.relief.measured is None:
+        front = case.outline(0.0)[:, 0].max() + float(drive.travel(end)) + track.length
+        beyond = max(0.0, front - terrain.bounds[0][1])
+        case = case.with_(terrain=terrain.with_(length=terrain.length + beyond))
+    return case_file.with_(case=case.with_(drive=drive), duration=end)
 
 
 def drawbar_table(history: History) -> pd.DataFrame:
-    """Table of a test: columns of `HEADS` in SI units, a row for the passage of each shoe.
+    """Table of a test: columns of `HEADS` in SI units, a row for each slip that was held, zero first.
 
     Slip is that of the way: ``1 - way of the machine / way of the chain``. Efficiency is the pull's work over
     that of the drive, motion resistance the drive's work by the way of the chain less the pull, so that it
@@ -100,33 +93,29 @@ def drawbar_table(history: History) -> pd.DataFrame:
     """
     case = history.case
     track = even_track(case)
+    if case.drive.slip is None:
+        raise ValueError(f"case {case.name!r} must have a drive.slip, as drawbar makes it")
     time = history.time.values
-    pull = pull_over_time(case, time)
-    if pull.max() <= 0.0:
-        raise ValueError(
-            f"case {case.name!r} must have a machine whose force pulls back, as drawbar makes it"
-        )
     gear: Any = case.gear
     turn = _by_track(history, "tumbler_angle", gear.tracks)
     torque = _by_track(history, "drive_moment", gear.tracks)
+    pull = history.quantity("drawbar_pull").values
     chain = gear.travel_per_angle(case.track) * (turn - turn[0]).mean(axis=1)
     way = history.side_frame_position.sel(axis="x").values
-    contacts = history.contacts_by_shoe()
-    area = contacts.area.transpose("time", "shoe").values
-    depth = contacts.penetration.transpose("time", "shoe").values
-    sinkage = np.sum(area * depth, axis=1) / np.maximum(area.sum(axis=1), 1e-12)
     work = _summed(np.sum(0.5 * (torque[1:] + torque[:-1]) * np.diff(turn, axis=0), axis=1))
     pulling = _summed(0.5 * (pull[1:] + pull[:-1]) * np.diff(way))
-    pitch = gear.chain_pitch(case.track)
-    marks = np.arange(np.interp(_begin(case), time, chain), chain[-1] + 1e-9, pitch)
-    edges = np.interp(marks, chain, time)
+    # whole shoes before the end of each hold
+    shoes = max(1, round(COUNTED * track.length / gear.chain_pitch(case.track)))
+    held = case.drive.slip.times[::2]
+    ends = np.interp([end for end in held if end <= time[-1] + 1e-9], time, chain)
+    edges = np.interp(np.column_stack((ends - shoes * gear.chain_pitch(case.track), ends)), chain, time)
 
     def gained(values: np.ndarray) -> np.ndarray:
-        return np.diff(np.interp(edges, time, values))
+        return np.diff(np.interp(edges, time, values))[:, 0]
 
     def mean(values: np.ndarray) -> np.ndarray:
         integral = _summed(0.5 * (values[1:] + values[:-1]) * np.diff(time))
-        return gained(integral) / np.diff(edges)
+        return gained(integral) / np.diff(edges)[:, 0]
 
     slip = 1.0 - gained(way) / gained(chain)
     rows = {
@@ -134,22 +123,24 @@ def drawbar_table(history: History) -> pd.DataFrame:
         "pull": mean(pull),
         "torque": mean(torque.sum(axis=1)),
         "efficiency": gained(pulling) / gained(work),
-        "sinkage": mean(sinkage),
+        "sinkage": mean(_sinkage(history)),
         "resistance": gained(work) / gained(chain) - mean(pull),
-        "closed": np.where(slip > 0.0, track.pull(np.maximum(slip, 1e-6)), math.nan),
+        "closed": track.pull(np.maximum(slip, 0.0)),
     }
     return pd.DataFrame(rows).rename(columns=HEADS)
+
+
+def _sinkage(history: History) -> np.ndarray:
+    """Mean sinkage of the loaded area: array (times,), m."""
+    contacts = history.contacts_by_shoe()
+    area = contacts.area.transpose("time", "shoe").values
+    depth = contacts.penetration.transpose("time", "shoe").values
+    return np.sum(area * depth, axis=1) / np.maximum(area.sum(axis=1), 1e-12)
 
 
 def _summed(steps: np.ndarray) -> np.ndarray:
     """Running sum from zero: array one longer."""
     return np.concatenate((np.zeros(1), np.cumsum(steps)))
-
-
-def _begin(case: Case) -> float:
-    """Time at which the pull begins, s."""
-    assert case.machine is not None
-    return case.machine.phases[-2].end if len(case.machine.phases) > 1 else 0.0
 
 
 def _by_track(history: History, name: str, tracks: int) -> np.ndarray:
@@ -166,7 +157,7 @@ class DrawbarResult:
     pull_at_slip: float  # N, at the slip that was asked for; NaN where the test does not reach it
     coefficient: float  # greatest pull over weight
     gradeability: float  # rad, of the grade on which that coefficient is used up
-    motion_resistance: float  # N, before the pull
+    motion_resistance: float  # N, at the slip at which the machine goes without a pull
     best_efficiency: float
     track: EvenTrack
 
@@ -176,15 +167,15 @@ def drawbar_result(history: History, slip: float = 0.2) -> DrawbarResult:
     table = drawbar_table(history).rename(columns={head: name for name, head in HEADS.items()})
     track = even_track(history.case)
     best = table.loc[table["pull"].idxmax()]
-    rising = table[table["slip"].cummax() <= table["slip"]]
-    reached = slip <= table["slip"].max()
+    # a rounding error of the slip that was held counts as reached
+    reached = slip <= table["slip"].max() + 1e-3
     return DrawbarResult(
         greatest_pull=float(best["pull"]),
         slip_there=float(best["slip"]),
-        pull_at_slip=float(np.interp(slip, rising["slip"], rising["pull"])) if reached else math.nan,
+        pull_at_slip=float(np.interp(slip, table["slip"], table["pull"])) if reached else math.nan,
         coefficient=float(best["pull"]) / track.weight,
         gradeability=math.atan(float(best["pull"]) / track.weight),
-        motion_resistance=float(table["resistance"].iloc[0]),
+        motion_resistance=float(np.interp(0.0, table["pull"], table["resistance"])),
         best_efficiency=float(table["efficiency"].max()),
         track=track,
     )
@@ -193,10 +184,12 @@ def drawbar_result(history: History, slip: float = 0.2) -> DrawbarResult:
 def result_rows(result: DrawbarResult, slip: float) -> list[tuple[str, float, str]]:
     """Rows of a test's numbers for reading: name, value, unit."""
     track = result.track
+    there = f"at {100.0 * slip:g} % slip"
     return [
         ("greatest pull", 1e-3 * result.greatest_pull, "kN"),
         ("slip there", 100.0 * result.slip_there, "%"),
-        (f"pull at {100.0 * slip:g} % slip", 1e-3 * result.pull_at_slip, "kN"),
+        (f"pull {there}", 1e-3 * result.pull_at_slip, "kN"),
+        (f"pull {there} in closed form", 1e-3 * float(track.pull(np.array([slip]))[0]), "kN"),
         ("greatest pull over weight", result.coefficient, ""),
         ("gradeability", math.degrees(result.gradeability), "deg"),
         ("motion resistance", 1e-3 * result.motion_resistance, "kN"),
@@ -205,9 +198,4 @@ def result_rows(result: DrawbarResult, slip: float) -> list[tuple[str, float, st
         ("mean pressure", 1e-3 * track.pressure, "kPa"),
         ("strength in closed form", 1e-3 * track.strength, "kN"),
         ("resistance of compaction in closed form", 1e-3 * track.resistance, "kN"),
-        (
-            f"pull at {100.0 * slip:g} % slip in closed form",
-            1e-3 * float(track.pull(np.array([slip]))[0]),
-            "kN",
-        ),
     ]

@@ -46,9 +46,9 @@ class EvenTrack:
         return float(stress[-1]) * self.area
 
     def thrust(self, slip: np.ndarray) -> np.ndarray:
-        """Thrust at slips above zero: array of their shape, N."""
-        share = self.law.shear_deformation / (slip * self.length)
-        return self.strength * (1.0 + share * np.expm1(-1.0 / share))
+        """Thrust at slips from zero on: array of their shape, N."""
+        shears = np.maximum(slip, 1e-9) * self.length / self.law.shear_deformation
+        return self.strength * (1.0 + np.expm1(-shears) / shears)
 
     @property
     def resistance(self) -> float:
@@ -60,7 +60,7 @@ class EvenTrack:
         return self.tracks * self.width * work
 
     def pull(self, slip: np.ndarray) -> np.ndarray:
-        """Pull at slips above zero: thrust less resistance; array of their shape, N."""
+        """Pull at slips from zero on: thrust less resistance; array of their shape, N."""
         return self.thrust(slip) - self.resistance
 
 

@@ -1,0 +1,196 @@
+"""Normal pressure at sensors in the ground as a track passes: of what the shoes of a run press.
+
+At the surface it is the pressure below the shoe over the sensor, below it that of an elastic half-space by
+Boussinesq with Froehlich's concentration factor. Forces along the ground are left out.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.signal import find_peaks
+
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.measured.series import way_of
+
+CONCENTRATION = 4.0
+"""Froehlich's factor: 3 of an elastic body, and by Soehne (Agricultural Engineering 39 (1958), remembered) 4
+of hard, 5 of firm and 6 of soft soil."""
+LEAST_DEPTH = 0.05  # m, below which a sensor's panels would be too many
+PANEL_POINTS = 4  # Gauss points along a side of a panel, which is at most as long as the sensor is deep
+BESIDE_MIDDLE = 0.49  # of the underside's side, to which a centre of pressure is kept
+LOADED = 0.1  # of a sensor's greatest pressure, from which on a track is over it
+RIPPLE = 0.05  # of the greatest pressure, by which a peak stands out
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """Place of a sensor: global x and y (m), depth (m) below the surface that the shoes press."""
+
+    x: float
+    y: float
+    depth: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """Name of its column."""
+        return f"pressure x {self.x:g} y {self.y:g} depth {self.depth:g} in Pa"
+
+
+def read_sensor(text: str) -> Sensor:
+    """Sensor of a text such as ``12,0,0.5``; ValueError if it is no two or three numbers."""
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (2, 3):
+        raise ValueError(f"sensor must be x, y and depth in m with commas between them, got {text!r}")
+    return Sensor(*numbers)
+
+
+def vertical_stress(
+    force: np.ndarray | float, away: np.ndarray | float, depth: float, concentration: float
+) -> np.ndarray:
+    """Vertical normal stress below a vertical point force (N) at a horizontal distance (m): Pa.
+
+    ``nu F z**nu / (2 pi R**(nu + 2))`` with ``R**2 = z**2 + r**2``: Boussinesq (1885) for nu = 3, Froehlich,
+    Druckverteilung im Baugrunde (1934), for other factors.
+    """
+    lead = concentration / (2.0 * math.pi * depth**2)
+    return np.asarray(force * lead * (1.0 + (away / depth) ** 2) ** (-0.5 * concentration - 1.0))
+
+
+def line_density(place: np.ndarray, size: float, offset: np.ndarray) -> np.ndarray:
+    """Share of a force a metre at places from the middle of a line, whose centre of pressure is offset; 1/m.
+
+    Straight over the line up to a sixth of its `size`, a triangle at its end beyond. Arrays broadcast; zero
+    outside of the line.
+    """
+    offset = np.clip(offset, -BESIDE_MIDDLE * size, BESIDE_MIDDLE * size)
+    whole = (1.0 + 12.0 * offset * place / size**2) / size
+    loaded = 3.0 * (0.5 * size - np.abs(offset))
+    from_edge = 0.5 * size - np.sign(offset) * place
+    ended = 2.0 / loaded * np.maximum(1.0 - from_edge / loaded, 0.0)
+    inside = np.abs(place) <= 0.5 * size
+    return np.where(inside, np.where(np.abs(offset) <= size / 6.0, whole, ended), 0.0)
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """What shoes press on the ground: their undersides as rectangles, with forces and centres of pressure."""
+
+    force: np.ndarray  # (times, shoes): down, N
+    middle: np.ndarray  # (times, shoes, 2): of the underside, global x and y, m
+    along: np.ndarray  # (times, shoes, 2): unit vector of the shoe's x in the plane
+    offset: np.ndarray  # (times, shoes, 2): centre of pressure from the middle, along and across the shoe, m
+    size: tuple[float, float]  # m, length and width of an underside
+
+    def local(self, sensor: Sensor) -> np.ndarray:
+        """Sensor from the undersides' middles, along and across the shoes: (times, shoes, 2), m."""
+        return _turned(np.array([sensor.x, sensor.y]) - self.middle, self.along)
+
+
+def _turned(vectors: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Vectors (..., 2) along and across unit vectors (..., 2)."""
+    across = along[..., ::-1] * np.array([-1.0, 1.0])
+    return np.stack(((vectors * along).sum(axis=-1), (vectors * across).sum(axis=-1)), axis=-1)
+
+
+def pressed(history: History) -> Pressed:
+    """What the shoes of a run press on the ground at its stored times."""
+    data = history.dataset
+    shoe = history.case.shoe
+    normal = data.normal_force.transpose("time", "contact", "axis").values[..., 2].astype(float)
+    point = data.point.transpose("time", "contact", "axis").values[..., :2].astype(float)
+    numbers = history.case.track.shoes
+    of_shoe = (data.contact_shoe.values[:, None] == numbers).astype(float)
+    force = normal @ of_shoe
+    moment = np.einsum("tci,tc,cs->tsi", point, normal, of_shoe)
+    center = moment / np.where(force > 0.0, force, np.inf)[..., None]
+    axes = history.quantity("axes").transpose("time", "shoe", "axis", "body_axis").values
+    position = data.position.transpose("time", "shoe", "axis").values
+    middle = position + axes @ np.array([*shoe.underside_center, -shoe.com_height])
+    along = axes[..., :2, 0] / np.linalg.norm(axes[..., :2, 0], axis=-1, keepdims=True)
+    offset = _turned(center - middle[..., :2], along) * (force > 0.0)[..., None]
+    return Pressed(np.maximum(force, 0.0), middle[..., :2], along, offset, (shoe.length, shoe.width))
+
+
+def sensor_pressure(load: Pressed, sensor: Sensor, concentration: float = CONCENTRATION) -> np.ndarray:
+    """Normal pressure at a sensor: array (times,), Pa.
+
+    Raises
+    ------
+    ValueError
+        If the sensor is above the surface or so little below it that panels would be too many, or the
+        concentration factor is not above zero.
+    """
+    if sensor.depth != 0.0 and sensor.depth < LEAST_DEPTH:
+        raise ValueError(f"depth must be 0 or at least {LEAST_DEPTH:g} m, got {sensor.depth:g} m")
+    if concentration <= 0.0:
+        raise ValueError(f"concentration must be greater than zero, got {concentration:g}")
+    local = load.local(sensor)
+    if sensor.depth == 0.0:
+        densities = (
+            line_density(local[..., k], load.size[k], load.offset[..., k]) for k in range(len(load.size))
+        )
+        return np.asarray((load.force * math.prod(densities)).sum(axis=1))
+    points, weights = zip(*(_panels(size, sensor.depth) for size in load.size), strict=True)
+    pressure = np.zeros(len(load.force))
+    for time, force in enumerate(load.force):
+        for number in np.flatnonzero(force > 0.0):
+            shares = [
+                weights[k] * line_density(points[k], load.size[k], load.offset[time, number, k])
+                for k in range(len(points))
+            ]
+            gap = [local[time, number, k] - points[k] for k in range(len(points))]
+            away = np.hypot(gap[0][:, None], gap[1])
+            below = vertical_stress(force[number], away, sensor.depth, concentration)
+            pressure[time] += shares[0] @ below @ shares[1]
+    return pressure
+
+
+def _panels(size: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points from the middle of a line, m, and their weights, m: Gauss points of panels."""
+    count = math.ceil(size / depth)
+    place, weight = np.polynomial.legendre.leggauss(PANEL_POINTS)
+    half = 0.5 * size / count
+    middles = half * (2.0 * np.arange(count) + 1.0) - 0.5 * size
+    return (middles[:, None] + half * place).ravel(), np.tile(half * weight, count)
+
+
+def stress_table(
+    history: History, sensors: list[Sensor], concentration: float = CONCENTRATION
+) -> pd.DataFrame:
+    """Table over the stored times: time, way of the machine, and normal pressure at each sensor, SI."""
+    load = pressed(history)
+    named = {sensor.name: sensor_pressure(load, sensor, concentration) for sensor in sensors}
+    return pd.DataFrame({"time in s": history.time.values, "way in m": way_of(history), **named})
+
+
+def passage_table(table: pd.DataFrame) -> pd.DataFrame:
+    """What sensors of a `stress_table` feel while the track is over them, a row each.
+
+    Mean while it is over them, greatest pressure, number and mean of the peaks, which pressing rollers make
+    (their mean is Wong's mean maximum pressure), and both over the mean; NaN where nothing passed.
+    """
+    rows = []
+    for name in [*table.columns][2:]:
+        pressure = table[name].to_numpy()
+        over = np.flatnonzero(pressure > LOADED * pressure.max())
+        row = {"sensor": name.removeprefix("pressure ").removesuffix(" in Pa")}
+        if len(over):
+            passage = pressure[over[0] : over[-1] + 1]
+            mean = float(passage.mean())
+            padded = np.concatenate(([0.0], passage, [0.0]))
+            peaks = padded[find_peaks(padded, prominence=RIPPLE * passage.max())[0]]
+            row |= {
+                "mean in Pa": mean,
+                "greatest in Pa": float(passage.max()),
+                "peaks": len(peaks),
+                "mean of peaks in Pa": float(peaks.mean()),
+                "greatest over mean": float(passage.max()) / mean,
+                "peaks over mean": float(peaks.mean()) / mean,
+            }
+        rows.append(row)
+    return pd.DataFrame(rows)
