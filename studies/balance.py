@@ -84,11 +84,12 @@ def _shoes(history: History) -> _Motion:
 
 
 def _side_frame(history: History) -> _Motion:
-    """Motion of the side frame, or of the machine on two tracks; ValueError if bogies swing in it."""
+    """Motion of the side frame, or of the machine on two tracks; ValueError if bogies or arms swing in it."""
     if history.case.drive.slip is not None:
         raise ValueError("balances know no drawbar: drive.slip must be none")
-    if history.has("bogie_angle"):
-        raise ValueError("balances know no bogies: gear.bogies must be empty")
+    for kind in ("bogie", "arm"):
+        if history.has(f"{kind}_angle"):
+            raise ValueError(f"balances know no {kind}s: gear.{kind}s must be empty")
     parts = history.case.frame_parts
     mass = sum(part.mass for part in parts)
     center = sum(part.mass * part.com for part in parts) / mass
@@ -123,14 +124,12 @@ def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
     angle = case.assembled.tumbler[4] + _of_tracks(history, "tumbler_angle")
     for place, *turn in zip(places, angle, _of_tracks(history, "tumbler_speed"), still, strict=True):
         yield _riding(frame, time, place, turn, closed.tumbler.mass, inertia)
-    if (tensioner := closed.idler.tensioner) is not None:
+    if (slide := closed.idler.slide) is not None:
         arms = case.idler_reference[:, None, :3] - case.frame_start
         arms = arms + (take_up - case.assembled.take_up)[..., None] * np.eye(3)[0]
-        inertia = tensioner.inertia_tensor(closed.idler.radius)
+        inertia = slide.inertia_tensor(closed.idler.radius)
         for place, way in zip(_times(frame.axes, arms), take_up, strict=True):
-            yield _riding(
-                frame, time, frame.origin + place, [still[0], still[0], way], tensioner.mass, inertia
-            )
+            yield _riding(frame, time, frame.origin + place, [still[0], still[0], way], slide.mass, inertia)
 
 
 def _riding(
@@ -308,6 +307,9 @@ def energies(history: History) -> xr.Dataset:
         if (spring := case.closed_gear().idler.tensioner) is not None:
             push = spring.preload - spring.stiffness * _of_tracks(history, "take_up")
             stored["tensioners"] = 0.5 * np.sum(push**2, axis=0) / spring.stiffness
+        elif (recoil := case.closed_gear().idler.recoil) is not None:
+            back = case.assembled.take_up - _of_tracks(history, "take_up")
+            stored["tensioners"] = np.sum(recoil.preload * back + 0.5 * recoil.stiffness * back**2, axis=0)
     if case.flexible is not None:
         squares = (history.modal_coordinate.values * 2.0 * np.pi * history.frequency.values) ** 2
         stored["elastic"] = 0.5 * squares.sum(axis=(1, 2))
@@ -419,7 +421,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
         taken[f"{kind}_losses"] = lost
     if case.flexible is not None:
         taken["modal_damping"] = _modal_powers(history, taken)
-    if (spring := case.closed_gear().idler.tensioner) is not None:
+    if (spring := case.closed_gear().idler.slide) is not None:
         rate = _rate(_of_tracks(history, "take_up").T, time)
         taken["tensioner_damping"] = spring.damping * np.sum(rate**2, axis=1)
         idlers = [label.kind == "idler" for label in case.gear.wheel_labels]

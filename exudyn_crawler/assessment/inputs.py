@@ -314,11 +314,15 @@ def _weights(case: Case, gear: Machine, middle: float, notes: _Notes) -> Machine
     fixed = [(part.mass, part.com) for part in gear.frame_parts[:-1]]
     tumblers = case.tumbler_reference[:, :3] - start
     fixed += [(gear.tumbler.mass, place) for place in tumblers]
-    if (tensioner := gear.idler.tensioner) is not None:
-        fixed += [(tensioner.mass, place) for place in case.idler_reference[:, :3] - start]
+    if (slide := gear.idler.slide) is not None:
+        fixed += [(slide.mass, place) for place in case.idler_reference[:, :3] - start]
     if gear.bogies:
         masses = [bogie.mass for bogie in gear.bogies] * gear.tracks
         pivots = gear.bogie_reference(case.shoe, case.track)[:, :3] - start
+        fixed += list(zip(masses, pivots, strict=True))
+    if gear.arms:
+        masses = [arm.mass for arm in gear.arms] * gear.tracks
+        pivots = gear.arm_reference(case.shoe, case.track)[:, :3] - start
         fixed += list(zip(masses, pivots, strict=True))
     shoes = case.shoe_reference[:, :3] - start
     fixed.append((case.shoe.mass * len(shoes), shoes.mean(axis=0)))

@@ -75,7 +75,7 @@ def _tables_of(assembler: Assembler, contact: GroundContact, modes: TerrainModes
         joints=assembler.tables_of_joints(),
         loads=assembler.table_of_loads(),
         terrain=terrain,
-        forces=Forces(units, assembler.cells, assembler.teeth, assembler.wheels),
+        forces=Forces(units, assembler.cells, assembler.teeth, assembler.wheels, assembler.arms),
         multipliers=sum(count for _, count in assembler.row_names),
         fronts=fronts,
         rows=rows,

@@ -10,6 +10,7 @@ from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.ground import packed
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.flexible_shoes import FloatingShoe
+from exudyn_crawler.model.forces.arms import Arms
 from exudyn_crawler.model.forces.cells import CellTable
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.teeth import Teeth
@@ -19,6 +20,7 @@ from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.motor import Motors
 from exudyn_crawler.model.joints.pin import ROWS, Pins
 from exudyn_crawler.model.joints.pull import Pull
+from exudyn_crawler.model.joints.recoil import Recoils
 from exudyn_crawler.model.kinds import Joints
 from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.shoe_mesh import DrivePoint
@@ -99,9 +101,11 @@ class Assembler:
         self.pull = packed.nothing(Pull)
         self.teeth = packed.nothing(Teeth)
         self.wheels = packed.nothing(Wheels)
+        self.arms = packed.nothing(Arms)
         self.cells = packed.nothing(CellTable)
         # bodies, and names of rows, that equations couple with each other
         self.couplings: list[tuple[tuple[int, ...], tuple[str, ...]]] = []
+        self._recoils: list[tuple[int, float, float, float]] = []  # pin, preload, compliance and stroke
         self._holds: list[tuple[int, int]] = []
         self._loads: list[tuple[int, int]] = []
         self._markers: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]] = []
@@ -144,6 +148,10 @@ class Assembler:
     ) -> None:
         """Add a pin between two markers; for the rest see `Hinge`."""
         self.pins.append(Hinge((rear, front), name, link, np.array(compliance), np.array(relaxation)))
+
+    def add_recoil(self, preload: float, compliance: float, stroke: float) -> None:
+        """Let the last pin's row along the frame, which has this compliance, be that of a recoil spring."""
+        self._recoils.append((len(self.pins) - 1, preload, compliance, stroke))
 
     def add_motor(self, frame: int, body: int, name: str, limit: float, lag: float) -> None:
         """Add a motor of a body against a frame; for the rest see `Motor`."""
@@ -213,12 +221,14 @@ class Assembler:
             np.array([motor.limit for motor in self.motors], dtype=float),
             np.array([motor.lag for motor in self.motors], dtype=float),
         )
+        recoils = np.array(self._recoils, dtype=float).reshape(-1, 4)
         return Joints(
             pins=pins,
             drive=Speeds(first_speed, *self.drive),
             pull=self.pull._replace(row=first_speed),
             holds=Held(first_hold, np.array(self._holds, dtype=np.int64).reshape(-1, 2)),
             motors=motors,
+            recoils=Recoils(ROWS * recoils[:, 0].astype(np.int64), *np.ascontiguousarray(recoils[:, 1:].T)),
         )
 
     def table_of_loads(self) -> Loads:

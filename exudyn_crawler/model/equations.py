@@ -19,7 +19,7 @@ from exudyn_crawler.model import bodies, elimination, kinds, terrain
 from exudyn_crawler.model.bodies import Bodies, add_bodies, add_body, attitude_of, write_angles
 from exudyn_crawler.model.forces import loads
 from exudyn_crawler.model.inputs import Inputs
-from exudyn_crawler.model.rows import ACTED_ON, STIFFNESS, JointRows
+from exudyn_crawler.model.rows import ACTED_ON, STIFFNESS, JointRows, gap_rate
 from exudyn_crawler.model.tables import FrontRows, read_system
 
 
@@ -49,17 +49,6 @@ def _add_forces(
 
 
 @inner
-def _gap_rate(bodies: Bodies, rows: JointRows, r: int, state: FloatArray) -> float:
-    """Rate (m/s or rad/s) of the gap of a constraint between two rigid bodies."""
-    rate = 0.0
-    for side in range(2):
-        first = bodies.coordinate[rows.bodies[r, side]]
-        for c in range(6):
-            rate += rows.jacobian[r, side, c] * state[1, first + c]
-    return rate
-
-
-@inner
 def _add_joints(
     bodies: Bodies, rows: JointRows, state: FloatArray, multipliers: FloatArray, out: FloatArray
 ) -> None:
@@ -69,7 +58,7 @@ def _add_joints(
         multiplier = multipliers[r]
         residual = rows.scale[r] * rows.gap[r] + rows.share[r] * multiplier
         if rows.relaxation[r] > 0.0:
-            residual += STIFFNESS * rows.relaxation[r] * _gap_rate(bodies, rows, r, state)
+            residual += STIFFNESS * rows.relaxation[r] * gap_rate(bodies, rows, r, state)
         out[n + r] = residual
         d = rows.directed[r]
         for side in range(2 if d < 0 else ACTED_ON):

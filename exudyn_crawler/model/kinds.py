@@ -11,18 +11,20 @@ from exudyn_crawler.ground.compiled import inlined
 from exudyn_crawler.ground.packed import FloatArray
 from exudyn_crawler.ground.rows import ForceRows, Weights
 from exudyn_crawler.model.bodies import Bodies
-from exudyn_crawler.model.forces import cells, teeth, units, wheels
+from exudyn_crawler.model.forces import arms, cells, teeth, units, wheels
+from exudyn_crawler.model.forces.arms import Arms, ArmWorkspace
 from exudyn_crawler.model.forces.cells import CellTable, CellWorkspace
 from exudyn_crawler.model.forces.teeth import Teeth, TeethWorkspace
 from exudyn_crawler.model.forces.units import UnitTable, UnitWorkspace
 from exudyn_crawler.model.forces.wheels import Wheels, WheelWorkspace
 from exudyn_crawler.model.inputs import Inputs
-from exudyn_crawler.model.joints import drive, hold, motor, pin, pull
+from exudyn_crawler.model.joints import drive, hold, motor, pin, pull, recoil
 from exudyn_crawler.model.joints.drive import Speeds
 from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.motor import Motors
 from exudyn_crawler.model.joints.pin import Pins
 from exudyn_crawler.model.joints.pull import Pull
+from exudyn_crawler.model.joints.recoil import Recoils
 from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.rows import JointRows
 from exudyn_crawler.model.terrain import TerrainTable
@@ -36,6 +38,7 @@ class Joints(NamedTuple):
     pull: Pull
     holds: Held
     motors: Motors
+    recoils: Recoils
 
 
 class Forces(NamedTuple):
@@ -45,6 +48,7 @@ class Forces(NamedTuple):
     cells: CellTable
     teeth: Teeth
     wheels: Wheels
+    arms: Arms
 
 
 class ForceWork(NamedTuple):
@@ -54,7 +58,8 @@ class ForceWork(NamedTuple):
     cells: CellWorkspace
     teeth: TeethWorkspace
     wheels: WheelWorkspace
-    rows: tuple[ForceRows, ForceRows, ForceRows, ForceRows, ForceRows]
+    arms: ArmWorkspace
+    rows: tuple[ForceRows, ForceRows, ForceRows, ForceRows, ForceRows, ForceRows]
 
     @classmethod
     def allocate(
@@ -65,8 +70,9 @@ class ForceWork(NamedTuple):
         on_cells = CellWorkspace.allocate(forces.cells, shoes)
         at_teeth = TeethWorkspace.allocate(len(forces.teeth.markers), modes)
         at_wheels = WheelWorkspace.allocate(forces.wheels, modes)
-        rows = on_units.contacts.rows, at_teeth.rows, at_wheels.rows, on_cells.rigid, on_cells.flexible
-        return cls(on_units, on_cells, at_teeth, at_wheels, rows)
+        of_arms = ArmWorkspace.allocate(len(forces.arms.torque), modes)
+        on_shoes = on_units.contacts.rows, at_teeth.rows, at_wheels.rows, on_cells.rigid, on_cells.flexible
+        return cls(on_units, on_cells, at_teeth, at_wheels, of_arms, (*on_shoes, of_arms.rows))
 
 
 @inlined
@@ -86,6 +92,7 @@ def write_joints(
     pull.write_rows(joints.pull, bodies, markers, state, multipliers, inputs, weights, rows)
     hold.write_rows(joints.holds, bodies, markers, state, multipliers, inputs, weights, rows)
     motor.write_rows(joints.motors, bodies, markers, state, multipliers, inputs, weights, rows)
+    recoil.write_rows(joints.recoils, bodies, markers, state, multipliers, inputs, weights, rows)
 
 
 @inlined
@@ -112,3 +119,4 @@ def write_forces(
     cells.write_rows(forces.cells, bodies, state, weights, work.cells)
     teeth.write_rows(forces.teeth, bodies, markers, state, weights, work.teeth)
     wheels.write_rows(forces.wheels, bodies, state, inputs.drag, weights, work.wheels)
+    arms.write_rows(forces.arms, bodies, state, weights, work.arms)

@@ -8,7 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.packed import Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
+from exudyn_crawler.ground.compiled import inner
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
+from exudyn_crawler.model.bodies import Bodies
 
 STIFFNESS = 1e9
 """N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
@@ -64,3 +66,14 @@ class JointRows(NamedTuple):
             np.zeros((turned, 2, 3, 3)),
             np.zeros((2, width)),
         )
+
+
+@inner
+def gap_rate(bodies: Bodies, rows: JointRows, r: int, state: FloatArray) -> float:
+    """Rate (m/s or rad/s) of the gap of a constraint between two rigid bodies."""
+    rate = 0.0
+    for side in range(2):
+        first = bodies.coordinate[rows.bodies[r, side]]
+        for c in range(6):
+            rate += rows.jacobian[r, side, c] * state[1, first + c]
+    return rate

@@ -66,8 +66,8 @@ def test_pitch_of_a_komatsu_pc300lc_follows_and_is_that_of_its_chain():
     case = derived(Datasheet(**PC300, grouser_height=0.036)).case
     assert case.track.pitch == pytest.approx(0.2159, rel=1e-3)
     assert case.track.shoe_count == 96
-    # 10.5 gaps are known of this chain: the nearest whole ones are built
-    assert case.gear.tumbler.teeth in (10, 11)
+    # known of this chain: 10.5 shoes a turn
+    assert (case.gear.tumbler.teeth, case.gear.tumbler.gaps_per_shoe) == (21, 2)
 
 
 def test_parts_weigh_what_the_datasheet_says_and_com_is_where_it_says():
@@ -148,7 +148,7 @@ def test_typical_values_can_be_given():
     [
         (
             {"shoes": 55, "pitch": 0.29, "length_on_ground": 7.6, "crawler_length": None},
-            "55 shoes of 290 mm are 2.5 m too short for a length on ground of 7.6 m; 64 fit, or a pitch",
+            "55 shoes of 290 mm are 2.3 m too short for a length on ground of 7.6 m; 63 fit, or a pitch",
         ),
         (
             {"shoes": 40, "pitch": 0.2159},
@@ -204,3 +204,86 @@ def test_bogies_carry_two_rollers_each_from_the_front_and_are_part_of_the_weight
     assert figures.machine_mass(case) == pytest.approx(35371.0)
     with pytest.raises(ParameterError, match="4 bogies take 8 lower rollers, a track has 7: 3 bogies do"):
         derived(sheet.with_(bogies=4))
+
+
+@pytest.mark.parametrize(
+    ("kind", "gaps", "built"),
+    [
+        ("excavator", None, (21, 2)),
+        ("dozer", 13.5, (27, 2)),
+        ("excavator", 11.0, (11, 1)),
+        ("vehicle", 12.0, (12, 1)),
+        ("crane", 10.7, (21, 2)),
+    ],
+)
+def test_sprockets_of_half_gaps_have_an_odd_number_of_teeth(kind, gaps, built):
+    values = PC300 | {"kind": kind, "sprocket_gaps": gaps, "crawler_length": None}
+    tumbler = derived(Datasheet(**values, suspension="rigid")).case.gear.tumbler
+    assert (tumbler.teeth, tumbler.gaps_per_shoe) == built
+
+
+def test_idlers_of_excavators_give_way_on_a_spring_of_half_the_weight():
+    gear = derived(Datasheet(**PC300)).case.gear
+    recoil = gear.idler.recoil
+    assert recoil.preload == pytest.approx(0.5 * 35371.0 * 9.81)
+    assert recoil.stiffness == pytest.approx(recoil.preload / (0.64 * 0.2159), rel=1e-2)
+    assert figures.machine_mass(derived(Datasheet(**PC300)).case) == pytest.approx(35371.0)
+    assert derived(Datasheet(**PC300, recoil_force=1e5)).case.gear.idler.recoil.preload == 1e5
+    assert derived(Datasheet(**PC300, recoil_spring=False)).case.gear.idler.recoil is None
+    assert derived(Datasheet(**PC300 | {"kind": "crane"})).case.gear.idler.recoil is None
+
+
+M113 = {
+    "kind": "vehicle",
+    "operating_weight": 11400.0,
+    "gauge": 2.159,
+    "length_on_ground": 2.667,
+    "sprocket_to_idler": 3.83,
+    "sprocket_height": 0.58,
+    "idler_height": 0.46,
+    "first_roller": 0.655,
+    "roller_diameter": 0.61,
+    "idler_diameter": 0.51,
+    "lower_rollers": 5,
+    "carrier_rollers": 0,
+    "shoe_width": 0.38,
+    "shoes": 63,
+    "pitch": 0.154,
+    "shoe_weight": 18.02,
+    "sprocket_gaps": 10,
+}
+
+
+@pytest.mark.parametrize("sprocket", ["rear", "front"])
+def test_road_wheels_of_a_vehicle_trail_on_arms_that_bear_an_even_share(sprocket):
+    arm = {"arm_pivot": (0.288, 0.134), "torsion_bar": 2.5e4, "arm_weight": 110.8}
+    case = derived(Datasheet(**M113, **arm, sprocket=sprocket)).case
+    gear = case.gear
+    assert [arm.roller for arm in gear.arms] == [1, 2, 3, 4, 5]
+    # the machine goes towards its sprocket in front, or its idler
+    ahead = 1.0 if sprocket == "rear" else -1.0
+    for arm, roller in zip(gear.arms, gear.rollers, strict=True):
+        assert arm.pivot == pytest.approx((roller + 0.288 * ahead, 0.134))
+    # moments of 10 arms carry all but the shoes below the wheels
+    on_ground = 2.0 * (1.0 + 2.667 / 0.154) * 18.02
+    carried = sum(2.0 * (arm.torque / 9.81 / 0.288 + 0.34 * arm.mass) for arm in gear.arms)
+    assert carried == pytest.approx(11400.0 - on_ground, rel=1e-9)
+    assert figures.machine_mass(case) == pytest.approx(11400.0)
+    assert not derived(Datasheet(**M113, suspension="rigid")).case.gear.arms
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"torsion_bar": 1e4}, "torsion_bar must be left out, or suspension = 'arms' given"),
+        ({"suspension": "arms", "arm_pivot": (0.0, 0.1)}, "arm_pivot must be ahead of the wheel's axis or"),
+        (
+            {"suspension": "arms", "lower_rollers": 6, "bogies": 2},
+            "2 bogies must be left out with suspension",
+        ),
+        ({"recoil_spring": False, "recoil_force": 1e5}, "recoil_force must be left out where recoil_spring"),
+    ],
+)
+def test_suspensions_that_contradict_themselves_are_refused(changes, words):
+    with pytest.raises(ParameterError, match=words):
+        derived(Datasheet(**(PC300 | changes)))

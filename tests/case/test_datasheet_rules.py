@@ -63,22 +63,6 @@ def test_ground_pressures_are_those_that_makers_print(kind, mass, width, on_grou
     assert rules.ground_pressure(mass, width, length, 9.81) == pytest.approx(printed, rel=0.025)
 
 
-@pytest.mark.parametrize("gaps", [8, 10.5, 11, 13, 20])
-def test_flank_of_a_tooth_ends_where_it_should_and_frees_the_bush(gaps):
-    pins, bush, share = 0.5 * rules.pin_circle(0.2159, gaps), 0.17 * 0.2159, 0.85
-    reach = 0.036 * 0.2159
-    depth = rules.seat_depth(gaps, pins, bush, reach, share)
-    center, arc = pins + depth, depth + bush
-    angle = share * (0.5 * math.pi - math.pi / gaps)
-    # the end of the flank, from the arc's centre, lies on the addendum circle
-    end = np.array([center - arc * math.cos(angle), arc * math.sin(angle)])
-    assert np.linalg.norm(end) == pytest.approx(pins + reach, rel=1e-9)
-    # a bush on the pins' circle touches the bottom of the gap
-    assert center - arc == pytest.approx(pins - bush, rel=1e-12)
-    # and a tooth is left beside it
-    assert end[1] < np.linalg.norm(end) * math.sin(math.pi / gaps)
-
-
 def test_wheels_beside_each_other_clear_by_their_play():
     way = rules.clear_of(0.3, 0.1, 0.25, 0.02)
     assert math.hypot(way, 0.25) == pytest.approx(0.3 + 0.1 + 0.02, rel=1e-12)

@@ -156,7 +156,7 @@ def test_a_misspelt_key_is_named_with_the_one_that_was_meant(read, refused, path
     table, _, name = path.rpartition(".")
     wrong = f"{name[:2]}{name[3:]}" if len(name) > 4 else f"{name}s"
     head, start = f"[{table}]\n" if table else "", f"{table}." if table else ""
-    if table.endswith((".phases", ".bogies")):
+    if table.endswith((".phases", ".bogies", ".arms")):
         head, start = f"[[{table}]]\n", f"{table}[0]."
     if path in OF_SPHERES:
         head += 'model = "spheres"\n'

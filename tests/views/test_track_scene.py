@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, History, simulate
+from exudyn_crawler.case.gear.arms import Arm
 from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.case.parameters.heights import Heights, Ridge
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
@@ -26,7 +27,7 @@ from exudyn_crawler.views.scenes.track import (
 )
 from exudyn_crawler.views.style import drawn_scale, round_up
 from studies.grounds import STEP_HEIGHT, STEP_PLACE, uneven_case
-from tests.rolled import small_case
+from tests.rolled import ROLLERS, small_case
 
 ANGLE = 0.7
 """rad that the tumbler turns between the two instants."""
@@ -374,6 +375,26 @@ def test_drawn_rollers_of_a_bogie_stand_on_their_rails():
     assert apart == pytest.approx(np.full(len(axes), case.gear.radius), abs=1e-3)
 
 
+def test_drawn_road_wheels_of_arms_stand_on_their_rails():
+    """Their axes are a radius from where treads press; arms are drawn from pivot to axis."""
+    values = {"mass": 20.0, "inertia": (10.0, 20.0, 20.0, 0.0, 0.0, 0.0), "torque": 5e5, "stiffness": 5e6}
+    arms = tuple(Arm(roller=k, pivot=(x + 0.8, 0.1), **values) for k, x in enumerate(ROLLERS, start=1))
+    ridge = Heights(parts=(Ridge(x=11.4, height=0.06, width=0.3, flank=0.4),))
+    history = simulate(small_case(arms=arms).on_cells(RockFloor.hard_floor(), ridge), 2e-3, progress=False)
+    now = instants(history, [0.0])
+    assert np.ptp(now.arm_angle.values) > 0.02
+    solids = by_name(gear_solids(now))
+    assert {"arm 1", "arm 2", "arm 3"} <= set(solids)
+    axes = solids["rollers"].origin[0].reshape(-1, 2, 3).mean(axis=1)
+    force = now.tread_force.isel(time=0)
+    feet = now.tread_foot.isel(time=0).where(np.abs(force).sum("axis") > 0.0)
+    feet = feet.mean(("rail", "strip", "neighbour")).transpose("roller", "axis").values
+    apart = np.linalg.norm((axes - feet)[:, [0, 2]], axis=1)
+    assert apart == pytest.approx(np.full(len(axes), history.case.gear.radius), abs=1e-3)
+    pivots = np.array([solids[f"arm {k}"].origin[0, 0] for k in (1, 2, 3)])
+    assert np.linalg.norm((axes - pivots)[:, [0, 2]], axis=1) == pytest.approx(np.full(3, np.hypot(0.8, 0.1)))
+
+
 def test_bogies_of_two_tracks_are_drawn_and_read_on_each():
     rollers = Case.shovel().gear.rollers
     bogie = Bogie(rollers=(1, 2), pivot=(0.5 * (rollers[0] + rollers[1]), 0.2), **BOGIE)
@@ -387,3 +408,19 @@ def test_bogies_of_two_tracks_are_drawn_and_read_on_each():
     assert angles["item"].values.tolist() == ["right bogie 1", "left bogie 1"]
     names = {one.name for one in gear_solids(instants(history, [0.0]))}
     assert {"right bogie 1", "left bogie 1"} <= names
+
+
+def test_drawn_teeth_of_a_half_pitch_sprocket_have_straight_flanks_and_leave_their_lugs_alone():
+    sprocket = {"teeth": 21, "gaps_per_shoe": 2, "depth": None, "reach": None}
+    case = Case.closed()
+    changes = {f"gear.tumbler.{name}": value for name, value in sprocket.items()}
+    case = case.with_(changes | {"gear.carriers": ()})
+    outline = tooth_outline(case)
+    profile = case.gear.tumbler.profile(case.track)
+    radii = np.hypot(*outline.T)
+    assert radii.max() == pytest.approx(profile.addendum)
+    assert radii.min() == pytest.approx(profile.center - profile.arc)
+    # corners of the tips: two a gap
+    assert np.isclose(radii, profile.addendum).sum() == 42
+    depths = [tooth(Profile(*profile), *place)[0] for place in outline]
+    assert np.array(depths) == pytest.approx(np.full(len(outline), profile.lug), abs=1e-9)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from exudyn_crawler.case.datasheet import rules
 from exudyn_crawler.case.datasheet.notes import Notes
-from exudyn_crawler.case.datasheet.sheet import GREATEST_GAPS, LEAST_GAPS, Datasheet, DatasheetError
+from exudyn_crawler.case.datasheet.sheet import GREATEST_GAPS, LEAST_GAPS, Datasheet, DatasheetError, Kind
 from exudyn_crawler.case.parameters.track import MOST_SHOES
 
 SHOES = "track.shoe_count of one track"
@@ -13,6 +13,8 @@ SHOES = "track.shoe_count of one track"
 LOOSE = 0.01  # of a chain's length, by which lengths of a datasheet may disagree
 PLAUSIBLE_GAPS = 8, 18  # of sprockets for which a number of shoes is taken as printed
 LONGEST, SHORTEST = 40.0, 5.0  # pitches of a length on ground
+HALF_PITCH: tuple[Kind, ...] = ("excavator", "dozer", "drill")
+"""Kinds of machines whose sprockets have an odd number of teeth, of which a chain uses every second gap."""
 
 
 class Chain(NamedTuple):
@@ -23,9 +25,15 @@ class Chain(NamedTuple):
     on_ground: float  # from the sprocket's axis to the idler's
     diameter: float  # of the pins' circle about sprocket and idler, their mean
     gaps: float  # of the sprocket, that its maker has
-    whole_gaps: int  # of the sprocket as it is built
+    teeth: int  # of the sprocket as it is built
+    gaps_per_shoe: int  # 2 of a half-pitch sprocket
     depth: float  # of the plate's underside below the pins
     grouser: float
+
+    @property
+    def built_gaps(self) -> float:
+        """Shoes that a whole turn of the sprocket moves as it is built, such as 10.5."""
+        return self.teeth / self.gaps_per_shoe
 
     @property
     def tips(self) -> float:
@@ -75,14 +83,36 @@ def chain_of(sheet: Datasheet, notes: Notes, gravity: float) -> Chain:
             f"{length} leave {_length(max(diameter, 0.0))} for the sprocket's circle of pins, which is "
             f"{gaps:.3g} shoes of {_length(pitch)}; {fits}: is the pitch right?"
         )
-    whole = max(int(LEAST_GAPS), round(gaps))
-    how = "pins' circle p / sin(pi / z) of the length that loop and shoes leave"
+    teeth, gaps_per_shoe = _teeth(sheet, gaps, notes)
+    return Chain(pitch, shoes, on_ground, diameter, gaps, teeth, gaps_per_shoe, depth, grouser)
+
+
+def _teeth(sheet: Datasheet, gaps: float, notes: Notes) -> tuple[int, int]:
+    """Teeth of the sprocket, and its gaps from pin to pin, nearest to shoes that a turn moves."""
     if sheet.sprocket_gaps is not None:
+        halves = round(2.0 * gaps)
         how = f"{gaps:g} of the datasheet"
-    if abs(whole - gaps) > 1e-9:
-        how += f", {gaps:.3g}; built with whole gaps"
-    notes.note("gear.tumbler.teeth", whole, "", "derived", how)
-    return Chain(pitch, shoes, on_ground, diameter, gaps, whole, depth, grouser)
+    elif sheet.kind in HALF_PITCH:
+        halves = max(2 * math.floor(gaps), 2 * int(LEAST_GAPS)) + 1
+        how = (
+            "pins' circle p / sin(pi / z) of the length that loop and shoes leave, to the nearest odd number"
+        )
+    else:
+        halves = 2 * max(round(gaps), int(LEAST_GAPS))
+        how = "pins' circle p / sin(pi / z) of the length that loop and shoes leave"
+    if abs(0.5 * halves - gaps) > 1e-9:
+        how += f": {gaps:.3g} shoes a turn, built with {0.5 * halves:g}"
+    gaps_per_shoe = 1 + halves % 2
+    teeth = halves if gaps_per_shoe == 2 else halves // 2
+    notes.note("gear.tumbler.teeth", teeth, "", "derived", how)
+    notes.note(
+        "gear.tumbler.gaps_per_shoe",
+        gaps_per_shoe,
+        "",
+        "derived",
+        "2 where half of the teeth is no whole number of shoes: a half-pitch sprocket",
+    )
+    return teeth, gaps_per_shoe
 
 
 def _length(value: float) -> str:

@@ -23,9 +23,20 @@ PLACES = {
     "upper_weight": "gear.car_body.upper_mass",
     "sag": "gear.idler.sag",
     "chain_tension": "gear.idler.pretension",
+    "recoil_force": "gear.idler.recoil.preload",
 }
 """Where values of a datasheet stand in the case as they are."""
-NO_FIGURES = ("source", "remembered", "typical", "lift_chart", "kind", "sprocket", "travel")
+NO_FIGURES = (
+    "source",
+    "remembered",
+    "typical",
+    "lift_chart",
+    "kind",
+    "sprocket",
+    "travel",
+    "suspension",
+    "recoil_spring",
+)
 
 
 class Derived(NamedTuple):

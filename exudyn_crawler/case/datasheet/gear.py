@@ -4,12 +4,11 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.datasheet import rules, travel, weights, wheels
+from exudyn_crawler.case.datasheet import rules, suspension, travel, weights, wheels
 from exudyn_crawler.case.datasheet.chain import Chain
 from exudyn_crawler.case.datasheet.notes import Notes
-from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
+from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.gear.machine import Machine
-from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.case.parameters.car_body import CarBody
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
 from exudyn_crawler.case.parameters.track import Shoe, Track
@@ -46,7 +45,9 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
     place = wheels.wheels_of(sheet, chain, rails.height - track.pin_height, notes)
     sprocket = notes.sized("gear.tumbler.mass", "sprocket_mass", pitch**3, "kg")
     axes = place.roller_radius + rails.height + shoe.com_height
-    parts = weights.weights_of(sheet, chain, shoe.mass, sprocket, axes, notes)
+    springs = suspension.springs_of(sheet, chain, shoe.mass, place, notes)
+    beside = sprocket, springs.mass
+    parts = weights.weights_of(sheet, chain, shoe.mass, beside, axes, notes)
     contacts = _contacts(sheet, chain, shoe, len(place.rollers), notes)
     speed = travel.run_speed(sheet, notes)
     resistance = notes.typical("rolling_resistance")
@@ -56,16 +57,17 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
     for path in SCALED:
         how = "that of the project's P&H 4100C, by pitch, shoe's mass and speed"
         notes.note(f"gear.{path}", None, "", "assumed", how)
-    bogies = _bogies(sheet, pitch, place.rollers, notes)
-    radius = chain.whole_gaps * pitch / (2.0 * math.pi)
+    bogies = suspension.bogies_of(sheet, pitch, place.rollers, notes)
+    radius = chain.built_gaps * pitch / (2.0 * math.pi)
     return Machine(
         mass=parts.frame - sum(bogie.mass for bogie in bogies),
         inertia=parts.frame_inertia,
         com=parts.frame_com,
         tumbler=_tumbler(chain, place, sprocket, contacts, notes),
-        idler=_idler(sheet, pitch, place, notes),
+        idler=_idler(sheet, pitch, place, springs, notes),
         rollers=place.rollers,
         bogies=bogies,
+        arms=springs.arms,
         roller_radius=place.roller_radius,
         carriers=place.carriers,
         carrier_radius=place.carrier_radius,
@@ -84,28 +86,6 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
         torque_speed=LAG * speed / radius,
         car_body=_car_body(sheet, parts),
     )
-
-
-def _bogies(sheet: Datasheet, pitch: float, rollers: tuple[float, ...], notes: Notes) -> tuple[Bogie, ...]:
-    """Bogies with two lower rollers each, from the front; they are part of the side frame's weight."""
-    if not sheet.bogies:
-        return ()
-    if 2 * sheet.bogies > len(rollers):
-        raise DatasheetError(
-            f"{sheet.bogies} bogies take {2 * sheet.bogies} lower rollers, a track has {len(rollers)}: "
-            f"{len(rollers) // 2} bogies do"
-        )
-    mass = notes.sized("mass of a bogie", "bogie_mass", pitch**3, "kg")
-    height = notes.sized("height of a bogie's pivot", "bogie_pivot", pitch)
-    bogies = []
-    for number in range(len(rollers) + 1 - 2 * sheet.bogies, len(rollers), 2):
-        rear, front = rollers[number - 1 : number + 1]
-        inertia = rules.box_inertia(mass, front - rear + pitch, pitch, pitch).tolist()
-        pivot = 0.5 * (rear + front), height
-        bogies.append(
-            Bogie(rollers=(number, number + 1), pivot=pivot, mass=mass, inertia=(*inertia, 0.0, 0.0, 0.0))
-        )
-    return tuple(bogies)
 
 
 def _contacts(sheet: Datasheet, chain: Chain, shoe: Shoe, rollers: int, notes: Notes) -> Contacts:
@@ -142,11 +122,12 @@ def _tumbler(
     notes.note("gear.tumbler.place", place.sprocket, "m", "derived", "by length on ground; sprocket_lift")
     return Tumbler(
         place=place.sprocket,
-        teeth=chain.whole_gaps,
+        teeth=chain.teeth,
+        gaps_per_shoe=chain.gaps_per_shoe,
         mass=mass,
         inertia=inertia,
-        depth=place.seat_depth,
         reach=place.reach,
+        flank=notes.sized("gear.tumbler.flank", "flank", 1.0, ""),
         lug_radius=place.bush,
         stiffness=contacts.tooth,
         damping=contacts.tread_damping,
@@ -154,7 +135,9 @@ def _tumbler(
     )
 
 
-def _idler(sheet: Datasheet, pitch: float, place: wheels.WheelPlaces, notes: Notes) -> Idler:
+def _idler(
+    sheet: Datasheet, pitch: float, place: wheels.WheelPlaces, springs: suspension.Springs, notes: Notes
+) -> Idler:
     """Idler where the chain has the tension that the maker asks for."""
     way = notes.sized("gear.idler.range", "take_up", pitch)
     notes.note("gear.idler.place", place.idler, "m", "derived", "by length on ground; idler_lift")
@@ -164,6 +147,7 @@ def _idler(sheet: Datasheet, pitch: float, place: wheels.WheelPlaces, notes: Not
         range=(-way, way),
         sag=sheet.sag,
         pretension=sheet.chain_tension,
+        recoil=springs.recoil,
     )
 
 

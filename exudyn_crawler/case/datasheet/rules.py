@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from scipy.optimize import brentq
 
 
 def pitch_by_mass(mass: float, factor: float) -> float:
@@ -58,29 +57,6 @@ def ground_length(on_ground: float, over_shoes: float, share: float) -> float:
 def ground_pressure(mass: float, width: float, length: float, gravity: float) -> float:
     """Mean pressure (Pa) below two tracks of a width over a length."""
     return mass * gravity / (2.0 * width * length)
-
-
-def seat_depth(gaps: float, pins: float, bush: float, reach: float, share: float) -> float:
-    """Distance of the arcs' centres of a tooth profile beyond the pins' circle, so that bushes get free.
-
-    The gap is an arc of radius ``depth + bush`` about ``pins + depth``, so that a bush is seated on the pins'
-    circle; it ends at ``pins + reach``, so many radians beside the gap's middle. That angle must be less than
-    ``pi / 2 - pi / z``, or leaving bushes hook under the tooth: it is made a `share` of it, or less where no
-    tooth would be left between the gaps. `pins`, the radius of the pins' circle, and all others in m.
-    """
-    least = 0.5 * math.pi - math.pi / gaps
-
-    def flank(depth: float) -> float:
-        arc = depth + bush
-        center = pins + depth
-        cosine = (center**2 + arc**2 - (pins + reach) ** 2) / (2.0 * center * arc)
-        return math.acos(max(-1.0, min(1.0, cosine)))
-
-    shallow = 1e-6 * pins
-    deep = 5.0 * pins
-    if flank(shallow) <= share * least:
-        return shallow
-    return float(brentq(lambda depth: flank(depth) - share * least, shallow, deep))
 
 
 def clear_of(radius: float, other: float, height: float, play: float) -> float:

@@ -95,6 +95,23 @@ class Datasheet(Parameters):
         le=30,
         default=0,
     )
+    suspension: Literal["rigid", "arms"] | None = option(
+        "of lower rollers or road wheels: fixed in the frame, or on sprung arms; none: as its kind has", None
+    )
+    arm_pivot: base.Two | None = quantity(
+        "m", "pivot of a road wheel's arm ahead of its axis and above it; behind it: negative", default=None
+    )
+    arm_weight: base.Mass | None = quantity("kg", "of an arm with its road wheel", (10.0, 2e3), default=None)
+    torsion_bar: base.Stiffness | None = quantity(
+        "N m/rad", "of the spring of an arm", (1e3, 1e6), default=None
+    )
+    arm_damping: base.Damping | None = quantity("N m s/rad", "of an arm", (0.0, 1e5), default=None)
+    recoil_spring: bool | None = option(
+        "true where the idler gives way on a spring; none: as machines of its kind have it", None
+    )
+    recoil_force: float | None = quantity(
+        "N", "of the recoil spring as it is installed", (1e4, 1e7), gt=0, le=1e10, default=None
+    )
     carrier_rollers: int | None = quantity(
         "1", "carrier rollers of one track", (0, 8), ge=0, le=60, default=None
     )
@@ -156,6 +173,18 @@ class Datasheet(Parameters):
         needed = ("shoes", "pitch", "idler_diameter", "sprocket_gaps", "length_on_ground", "first_roller")
         if free and (missing := [name for name in needed if getattr(self, name) is None]):
             yield f"{', '.join(missing)} must be given with sprocket_to_idler: all make the chain's way"
+        if self.suspension != "arms" and self.kind != "vehicle":
+            arm = [
+                name
+                for name in ("arm_pivot", "arm_weight", "torsion_bar", "arm_damping")
+                if getattr(self, name)
+            ]
+            if arm:
+                yield f"{', '.join(arm)} must be left out, or suspension = 'arms' given"
+        if self.arm_pivot is not None and self.arm_pivot[0] == 0.0:
+            yield f"arm_pivot must be ahead of the wheel's axis or behind it, got {list(self.arm_pivot)}"
+        if self.recoil_spring is False and self.recoil_force is not None:
+            yield "recoil_force must be left out where recoil_spring is false"
         if self.sag is not None and self.chain_tension is not None:
             yield "sag and chain_tension must not be given together: each is the tension at rest"
         known = [name for name in type(self).model_fields if name not in ("remembered", "typical", "source")]

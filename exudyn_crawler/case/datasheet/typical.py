@@ -10,7 +10,7 @@ import pydantic
 from exudyn_crawler.case.parameters.base import Parameters, quantity
 
 TABLE = Path(__file__).with_name("typical.csv")
-OF_SIZES = ("pitch", "length", "rail")  # what values may be measured by
+OF_SIZES = ("pitch", "length", "rail", "weight", "diameter")  # what values may be measured by
 WIDER = 10.0  # times least and greatest, beyond which nobody means a value
 
 

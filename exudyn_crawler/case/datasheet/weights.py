@@ -33,15 +33,16 @@ def gyration_inertia(mass: float, roll: float, pitch: float, yaw: float) -> Six:
 
 
 def weights_of(
-    sheet: Datasheet, chain: Chain, shoe: float, sprocket: float, axes: float, notes: Notes
+    sheet: Datasheet, chain: Chain, shoe: float, beside: tuple[float, float], axes: float, notes: Notes
 ) -> PartWeights:
     """Weights of the parts, which add up to the operating weight.
 
-    `shoe` and `sprocket` are the masses of one (kg), `axes` the height of the rollers' axes above ground, m.
+    `shoe` is the mass of one (kg), `beside` are those of a track's sprocket and of what it has on springs,
+    `axes` is the height of the rollers' axes above ground, m.
     A DatasheetError where the parts weigh more than the machine.
     """
     length = chain.on_ground
-    upper, body, frames = _shares(sheet, chain, shoe, sprocket, notes)
+    upper, body, frames = _shares(sheet, chain, shoe, beside, notes)
     frame = notes.note(
         "gear.mass", 0.5 * frames, "kg", "derived", "half of what is left of the operating weight"
     )
@@ -75,21 +76,23 @@ def weights_of(
 
 
 def _shares(
-    sheet: Datasheet, chain: Chain, shoe: float, sprocket: float, notes: Notes
+    sheet: Datasheet, chain: Chain, shoe: float, beside: tuple[float, float], notes: Notes
 ) -> tuple[float, float, float]:
     """Masses of upper structure, car body and both side frames, kg."""
     whole = sheet.operating_weight
+    sprocket, springs = beside
     tracks = 2.0 * chain.shoes * shoe + 2.0 * sprocket
+    others = whole - 2.0 * springs
     upper = sheet.upper_weight
     if upper is None:
         upper = notes.sized("gear.car_body.upper_mass", "upper_share", whole, "kg")
     body = notes.sized("gear.car_body.mass", "body_share", whole, "kg")
-    rest = whole - tracks - upper
+    rest = others - tracks - upper
     if rest - body < LEAST_FRAMES * whole and sheet.upper_weight is None:
-        upper = UPPER_OF_REST * max(0.0, whole - tracks)
+        upper = UPPER_OF_REST * max(0.0, others - tracks)
         how = f"{UPPER_OF_REST:g} of what heavy tracks leave"
         notes.note("gear.car_body.upper_mass", upper, "kg", "derived", how)
-        rest = whole - tracks - upper
+        rest = others - tracks - upper
     if rest - body < LEAST_FRAMES * whole:
         body = BODY_OF_REST * max(0.0, rest)
         how = f"{BODY_OF_REST:g} of what upper structure and tracks leave"

@@ -26,7 +26,6 @@ class WheelPlaces(NamedTuple):
 
     sprocket: Wheel  # x and z of its axis
     pins: float  # radius of the pins' circle about it
-    seat_depth: float  # of the arcs' centres of its teeth beyond this circle
     reach: float
     bush: float
     idler: Wheel
@@ -116,14 +115,9 @@ def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> Whee
     A DatasheetError in words of the datasheet where they do not fit.
     """
     pitch = chain.pitch
-    pins = 0.5 * rules.pin_circle(pitch, chain.whole_gaps)
+    pins = 0.5 * rules.pin_circle(pitch, chain.built_gaps)
     bush = notes.sized("gear.tumbler.lug_radius", "bush_radius", pitch)
     reach = notes.sized("gear.tumbler.reach", "tooth_reach", pitch)
-    share = notes.typical("flank")
-    seat = rules.seat_depth(chain.whole_gaps, pins, bush, reach, share)
-    notes.note(
-        "gear.tumbler.depth", seat, "m", "derived", f"flanks at {share:g} of the angle that frees bushes"
-    )
     rear = -0.5 * chain.on_ground
     first = sheet.first_roller
     span = sheet.length_on_ground
@@ -166,9 +160,7 @@ def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> Whee
     notes.note("gear.carriers", carriers, "m", "derived", "even under the upper run")
     radius = layout.roller_radius
     carrier = layout.carrier_radius
-    return WheelPlaces(
-        layout.sprocket, pins, seat, reach, bush, idler, tread, rollers, radius, carriers, carrier
-    )
+    return WheelPlaces(layout.sprocket, pins, reach, bush, idler, tread, rollers, radius, carriers, carrier)
 
 
 def _above(height: float | None, axes: float) -> float | None:
@@ -235,5 +227,5 @@ def _closing_circle(layout: Layout, chain: Chain) -> float:
     except assembly.MisfitError as error:
         raise DatasheetError(
             f"{chain.shoes} shoes of {1e3 * layout.pitch:.4g} mm do not close about a sprocket of "
-            f"{chain.whole_gaps} gaps and a length on ground of {chain.on_ground:.3g} m: {error}"
+            f"{chain.built_gaps:g} gaps and a length on ground of {chain.on_ground:.3g} m: {error}"
         ) from error

@@ -43,8 +43,8 @@ class Closed(ClosedFrame):
 
     @property
     def sliding_idlers(self) -> tuple[str, ...]:
-        """Names of the idlers that tensioners push."""
-        return () if self.idler.tensioner is None else ("idler",)
+        """Names of the idlers that slide on springs."""
+        return () if self.idler.slide is None else ("idler",)
 
     @property
     def holds(self) -> tuple[int, ...]:
@@ -150,15 +150,17 @@ class Closed(ClosedFrame):
 
     def _overlaps(self, chain: Track, take_up: float) -> Errors:
         """Rollers, idler and carriers in each other, or in what of the tumbler is within its gaps."""
-        _, center, arc, _, _ = self.tumbler.profile(chain)
+        profile = self.tumbler.profile(chain)
         labelled = zip(self.wheel_labels, self.wheels(take_up).tolist(), strict=True)
         wheels = [sizes.Round(label.words, *wheel) for label, wheel in labelled if label.kind != "slide"]
-        yield from sizes.overlap_errors([sizes.Round("tumbler", *self.tumbler.place, center - arc), *wheels])
+        yield from sizes.overlap_errors(
+            [sizes.Round("tumbler", *self.tumbler.place, profile.center - profile.arc), *wheels]
+        )
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
         """Lines that say what no machine is known to have: inertias, and teeth of another pitch."""
         tumbler = self.tumbler
-        radius = tumbler.radius(chain.pitch) + tumbler.reach
+        radius = tumbler.tip_radius(chain.pitch)
         turning = "gear.tumbler", tumbler.mass, tumbler.inertia
         yield from sizes.wide_inertia(*turning, (radius, 0.5 * shoe.width, radius))
         yield from sizes.thin_inertia(*turning)
@@ -173,10 +175,11 @@ class Closed(ClosedFrame):
         worn = self.chain_pitch(chain)
         if pitch is None or (1.0 - MISFIT) * min(new, worn) <= pitch <= (1.0 + MISFIT) * max(new, worn):
             return
-        fits = new / (2.0 * np.sin(np.pi / self.tumbler.teeth))
+        fits = new / (2.0 * np.sin(np.pi / self.tumbler.shoes_per_turn))
+        turn = "pi" if self.tumbler.gaps_per_shoe == 1 else f"{self.tumbler.gaps_per_shoe} pi"
         pitches = f"{new:.4g} m" if worn == new else f"{new:.4g} m new and {worn:.4g} m worn"
         yield (
-            f"gear.tumbler: its pitch, 2 pitch_radius sin(pi / teeth), is {pitch:.4g} m, the chain's "
+            f"gear.tumbler: its pitch, 2 pitch_radius sin({turn} / teeth), is {pitch:.4g} m, the chain's "
             f"{pitches}: shoes climb its {self.tumbler.teeth} teeth and stretch the chain; "
             f"pitch_radius none, or {fits:.4g} m, fits"
         )

@@ -88,9 +88,10 @@ class ClosedFrame(RunningGear):
         if np.any(np.diff(ends) <= 0.0):
             got = fields.shown(list(self.slides))
             yield f"slides must have a length and stand in order, rear to front, got {got}"
-        turn = 2.0 * math.pi / self.tumbler.teeth
+        turn = 2.0 * math.pi / self.tumbler.shoes_per_turn
         if self.fold_limit <= turn:
-            yield f"fold_limit must be greater than 2 pi / teeth = {turn:.4g} rad, got {self.fold_limit}"
+            angle = f"{2 * self.tumbler.gaps_per_shoe} pi / teeth = {turn:.4g} rad"
+            yield f"fold_limit must be greater than {angle}, got {self.fold_limit}"
         if not self.tumbler.place[0] < self.rollers[0] < self.rollers[-1] < self.idler.place[0]:
             yield "the tumbler must be behind the rollers and the idler in front of them"
 
@@ -139,7 +140,7 @@ class ClosedFrame(RunningGear):
     @property
     def carried_mass(self) -> float:
         """Mass on the shoes beside their own, kg: tumblers and idlers on springs are bodies of their own."""
-        idlers = 0.0 if self.idler.tensioner is None else self.tracks * self.idler.tensioner.mass
+        idlers = 0.0 if self.idler.slide is None else self.tracks * self.idler.slide.mass
         return super().carried_mass + self.tracks * self.tumbler.mass + idlers
 
     def first_loads(self, case: Whole) -> np.ndarray:
@@ -202,4 +203,4 @@ class ClosedFrame(RunningGear):
 
     def travel_per_angle(self, chain: Track) -> float:
         """Travel of the chain for each radian of the tumbler, m."""
-        return self.tumbler.teeth * self.chain_pitch(chain) / (2.0 * math.pi)
+        return self.tumbler.shoes_per_turn * self.chain_pitch(chain) / (2.0 * math.pi)

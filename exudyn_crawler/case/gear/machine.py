@@ -65,7 +65,7 @@ class Machine(Closed):
 
     @property
     def sliding_idlers(self) -> tuple[str, ...]:
-        """Names of the idlers that tensioners push."""
+        """Names of the idlers that slide on springs."""
         return _beside(super().sliding_idlers)
 
     @property

@@ -1,4 +1,4 @@
-"""Side frames whose wheels run on the shoes' rails, and bogies that carry some of their rollers."""
+"""Side frames whose wheels run on the shoes' rails; bogies or sprung arms carry some of their rollers."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -6,6 +6,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from exudyn_crawler.case.gear.arms import Arm, arm_errors
 from exudyn_crawler.case.gear.base import POSTS, SIDE_FRAME, Gear, Resistance, WheelLabel, Whole
 from exudyn_crawler.case.parameters import base, fields, sizes
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
@@ -55,6 +56,7 @@ class RunningGear(Gear):
         "m", "x of the lower rollers' axes, rear to front", min_length=2
     )
     bogies: tuple[Bogie, ...] = option("bodies on pivots of the frame that carry two rollers each", ())
+    arms: tuple[Arm, ...] = option("arms on pivots of the frame that carry a roller each on springs", ())
     tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
     strips: Literal[1, 2] = quantity("1", "of a tread, which share its load on a tilted rail", default=2)
     stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e6, 1e12))
@@ -67,19 +69,27 @@ class RunningGear(Gear):
     @property
     def parts(self) -> tuple[str, ...]:
         """Files of `model.parts` that its machine is made of, in the order of their bodies."""
-        return (*super().parts, "frame", *self.chain_parts, "bogie")
+        return (*super().parts, "frame", *self.chain_parts, "bogie", "arm")
 
     @property
     def bodies(self) -> tuple[str, ...]:
         """Names of the bodies beside the shoes: the side frame, then what turns in it."""
-        return (SIDE_FRAME, *self.tumblers, *self.sliding_idlers, *self.bogie_names)
+        return (SIDE_FRAME, *self.tumblers, *self.sliding_idlers, *self.bogie_names, *self.arm_names)
 
     @property
     def bogie_names(self) -> tuple[str, ...]:
         """Names of the bogies, track by track, rear to front."""
+        return self._numbered("bogie", len(self.bogies))
+
+    @property
+    def arm_names(self) -> tuple[str, ...]:
+        """Names of the arms, track by track, as they are listed."""
+        return self._numbered("arm", len(self.arms))
+
+    def _numbered(self, part: str, count: int) -> tuple[str, ...]:
+        """Names of parts of which every track has so many."""
         tracks = [""] if self.tracks == 1 else [f"{side} " for side in SIDES]
-        numbers = range(1, len(self.bogies) + 1)
-        return tuple(f"{track}bogie {number}" for track in tracks for number in numbers)
+        return tuple(f"{track}{part} {number}" for track in tracks for number in range(1, count + 1))
 
     @property
     def wheel_labels(self) -> list[WheelLabel]:
@@ -144,8 +154,15 @@ class RunningGear(Gear):
 
     def bogie_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
         """Pivots of the bogies (m, global) and their angles (rad) at t = 0: array (tracks * bogies, 6)."""
+        return self._pivots([bogie.pivot for bogie in self.bogies], shoe, chain)
+
+    def arm_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Pivots of the arms (m, global) and their angles (rad) at t = 0: array (tracks * arms, 6)."""
+        return self._pivots([arm.pivot for arm in self.arms], shoe, chain)
+
+    def _pivots(self, places: Sequence[base.Two], shoe: Shoe, chain: Track) -> np.ndarray:
         start = self.frame_start(shoe, chain)
-        pivots = [(x, y, z) for y in self.middles for x, z in (bogie.pivot for bogie in self.bogies)]
+        pivots = [(x, y, z) for y in self.middles for x, z in places]
         reference = np.zeros((len(pivots), 6))
         reference[:, :3] = start + np.reshape(pivots, (-1, 3))
         return reference
@@ -166,7 +183,8 @@ class RunningGear(Gear):
     def carried_mass(self) -> float:
         """Mass on the shoes beside their own, kg."""
         bogies = self.tracks * sum(bogie.mass for bogie in self.bogies)
-        return bogies + sum(part.mass for part in self.frame_parts)
+        arms = self.tracks * sum(arm.mass for arm in self.arms)
+        return bogies + sum(part.mass for part in self.frame_parts) + arms
 
     def standing(self, case: Whole) -> np.ndarray:
         """True for shoes below the outer rollers or between them: array (shoes,)."""
@@ -203,6 +221,7 @@ class RunningGear(Gear):
         if case.drive.slip is not None and (not self.loops or self.holds == POSTS):
             yield "drive.slip must be none but for closed tracks on the ground, whose drawbar holds it"
         yield from self._bogie_errors()
+        yield from arm_errors(self.arms, self.rollers, {n for bogie in self.bogies for n in bogie.rollers})
         yield from self.turn_errors(case.drive)
         if any(load != 0.0 for phase in case.loads.phases for load in phase.loads):
             yield f"loads must be zero on every shoe with {kind}, whose rollers carry the machine"
@@ -238,6 +257,8 @@ class RunningGear(Gear):
             turning = f"gear.bogies[{number}]", bogie.mass, bogie.inertia
             yield from sizes.thin_inertia(*turning)
             yield from sizes.far_inertia(*turning, front - rear)
+        for number, arm in enumerate(self.arms):
+            yield from sizes.thin_inertia(f"gear.arms[{number}]", arm.mass, arm.inertia)
 
     def turn_errors(self, drive: Drive) -> Errors:
         """Lines that refuse a turn of a single track."""

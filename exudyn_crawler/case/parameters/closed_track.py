@@ -1,6 +1,7 @@
 """Wheels of a closed track that are no rollers: drive tumbler and idler."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,20 +11,86 @@ from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quan
 
 DEEPER, TRIED = 10.0, 500  # greatest depth in place of another, and values tried, of teeth that would do
 Wheel = tuple[base.Place, base.Place]
+TIPS = 0.036
+"""Tips of a sprocket's teeth beyond the pins' circle, in pitches: 7.75 mm of 215.9 mm (Case CX350B)."""
+
+
+class ToothProfile(NamedTuple):
+    """Gaps between the teeth of a tumbler: an arc each, and straight flanks where these are longer; m."""
+
+    gaps: float
+    center: float  # radius of the circle of the arcs' centres
+    arc: float  # radius of the arcs
+    addendum: float  # radius of the teeth's tips
+    lug: float
+    rim: float  # radius where the arcs end: the addendum's where nothing follows
+    flank: float  # length of the straight flanks that follow
+
+    @property
+    def flank_angle(self) -> float:
+        """Angle (rad) beside a gap's middle, about its arc's centre, where the arc ends; NaN: nowhere."""
+        cosine = (self.center**2 + self.arc**2 - self.rim**2) / (2.0 * self.center * self.arc)
+        return math.acos(cosine) if -1.0 < cosine < 1.0 else math.nan
+
+    @property
+    def half_width(self) -> float:
+        """Half of a gap's width between the tips of its teeth."""
+        angle = self.flank_angle
+        return self.arc * math.sin(angle) + self.flank * math.cos(angle)
+
+    def with_flanks(self, angle: float) -> "ToothProfile":
+        """Profile whose arcs end at an angle (rad) beside the gap's middle and go on straight to the tips."""
+        along, aside = self.center - self.arc * math.cos(angle), self.arc * math.sin(angle)
+        rim = math.hypot(along, aside)
+        if not rim < self.addendum:
+            return self
+        way = along * math.sin(angle) + aside * math.cos(angle)
+        return self._replace(rim=rim, flank=math.sqrt(way**2 + self.addendum**2 - rim**2) - way)
 
 
 class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
-    """Drive tumbler: even gaps between its teeth are concave arcs, into which round lugs of the shoes run."""
+    """Drive tumbler: even gaps between its teeth are concave arcs, into which round lugs of the shoes run.
+
+    Without a `depth` the profile follows from pitch, teeth and lugs: arcs about the pins' circle that seat
+    the lugs, and flanks that go on straight to the tips, inclined so that leaving lugs get free.
+    """
 
     place: Wheel = quantity("m", "x and z of the axis in the frame", (-20.0, 20.0))
     teeth: int = quantity("1", "number of teeth, and of gaps between them", (6, 30), ge=4, le=200)
+    gaps_per_shoe: int = quantity(
+        "1",
+        "gaps from pin to pin: 2 of a half-pitch sprocket, whose chain uses every second",
+        ge=1,
+        le=2,
+        default=1,
+    )
     mass: float = quantity("kg", "mass", (20.0, 2e5), ge=0.1, le=1e8)
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about its centre (tensor)")
     pitch_radius: base.Length | None = quantity(
-        "m", "of the pins on it; none: that of a new chain, pitch / (2 sin(pi / teeth))", default=None
+        "m",
+        "of the pins on it; none: that of a new chain, pitch / (2 sin(pi gaps_per_shoe / teeth))",
+        default=None,
     )
-    depth: base.Length = quantity("m", "of the arcs' centres beyond the pins' circle", (0.01, 0.5))
-    reach: base.Extent = quantity("m", "of the addendum circle beyond the pins' circle", (0.005, 0.4))
+    depth: base.Length | None = quantity(
+        "m",
+        "of the arcs' centres beyond the pins' circle; none: they are on it, and straight flanks follow",
+        (0.01, 0.5),
+        default=None,
+    )
+    reach: base.Extent | None = quantity(
+        "m",
+        "of the addendum circle beyond the pins' circle; none: 0.036 pitches",
+        (0.005, 0.4),
+        default=None,
+    )
+    flank: float = quantity(
+        "1",
+        "angle of straight flanks over that at which leaving lugs hook",
+        (0.6, 0.95),
+        gt=0,
+        lt=1,
+        default=0.85,
+    )
     lug_radius: base.Length = quantity("m", "radius of the lugs", (0.005, 0.3))
     lugs: tuple[base.Two, ...] = quantity(
         "m", "x and z of the lugs in a shoe; none: about its rear pins, which front ones turn in", default=()
@@ -36,22 +103,36 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
 
     def radius(self, pitch: float) -> float:
         """Radius (m) of the circle of the pins, of a chain that has this pitch (m) when it is new."""
-        return self.pitch_radius or pitch / (2.0 * math.sin(math.pi / self.teeth))
+        return self.pitch_radius or pitch / (2.0 * math.sin(math.pi / self.shoes_per_turn))
+
+    @property
+    def shoes_per_turn(self) -> float:
+        """Shoes that a whole turn moves: half of the teeth of a half-pitch sprocket, such as 10.5."""
+        return self.teeth / self.gaps_per_shoe
+
+    def tip_radius(self, pitch: float) -> float:
+        """Radius (m) of the teeth's tips, for a chain of a pitch (m)."""
+        return self.radius(pitch) + (TIPS * pitch if self.reach is None else self.reach)
+
+    @property
+    def free_angle(self) -> float:
+        """Angle (rad) beside a gap's middle, about its arc's centre, beyond which leaving lugs hook."""
+        return 0.5 * math.pi - math.pi / self.shoes_per_turn
 
     @property
     def pitch(self) -> float | None:
         """Pitch (m) of the chain that its pins' circle is of; None: of that which is on it."""
-        return self.pitch_radius and 2.0 * self.pitch_radius * math.sin(math.pi / self.teeth)
+        return self.pitch_radius and 2.0 * self.pitch_radius * math.sin(math.pi / self.shoes_per_turn)
 
-    def profile(self, chain: track.Track) -> tuple[float, float, float, float, float]:
-        """Number of gaps; radii of the arcs' centres, arcs, addendum circle and lugs, m.
+    def profile(self, chain: track.Track) -> ToothProfile:
+        """Gaps between the teeth, for a chain.
 
         A seated shoe is a side of the polygon of the tumbler, whose gaps are at its corners. Without backlash
         the arcs leave no play to the one of its lugs that is farthest from the arc's centre next to it.
         """
         pitch = chain.pitch
         radius = self.radius(chain.pitch)
-        center = radius + self.depth
+        center = radius + (self.depth or 0.0)
         middle = chain.pin_ahead - 0.5 * pitch
         height = math.sqrt(max(0.0, radius**2 - 0.25 * pitch**2))
         farthest = 0.0
@@ -59,55 +140,56 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
         for x, z in [(x - middle, z - chain.pin_height) for x, z in self.lugs] or [(-0.5 * pitch, 0.0)]:
             far = math.hypot(x, height - z)
             angle = math.atan2(x, height - z)
-            off = angle - math.copysign(math.pi / self.teeth, x)
+            off = angle - math.copysign(math.pi / self.shoes_per_turn, x)
             farthest = max(farthest, math.hypot(far * math.cos(off) - center, far * math.sin(off)))
         arc = farthest + self.lug_radius + self.backlash
-        return float(self.teeth), center, arc, radius + self.reach, self.lug_radius
+        tips = self.tip_radius(pitch)
+        profile = ToothProfile(float(self.teeth), center, arc, tips, self.lug_radius, tips, 0.0)
+        return profile if self.depth is not None else profile.with_flanks(self.flank * self.free_angle)
 
     def tooth_errors(self, chain: track.Track) -> Errors:
         """Teeth of which leaving lugs could not get free, or none at all; with the values that would do."""
-        teeth, center, arc, addendum, _ = self.profile(chain)
-        if not abs(center - arc) < addendum < center + arc:
+        profile = self.profile(chain)
+        center, arc, addendum = profile.center, profile.arc, profile.addendum
+        if not abs(center - arc) < profile.rim < center + arc:
             arcs = f"the arcs of {arc:.4g} m about {center:.4g} m, got {self.reach}"
             remedies = self._remedies(chain)
             yield f"tumbler.reach must let the addendum circle of {addendum:.4g} m meet {arcs}; {remedies}"
             return
         if not self._frees_lugs(chain):
-            flank = math.degrees(self._flank(chain))
-            free = 90.0 - 180.0 / teeth
+            flank = math.degrees(profile.flank_angle)
+            free = math.degrees(self.free_angle)
+            per_shoe = "180" if self.gaps_per_shoe == 1 else f"{180 * self.gaps_per_shoe}"
             ends = f"the flank of a tooth ends {flank:.1f} degrees beside its gap's middle"
-            less = f"it must be less than 90 - 180 / teeth = {free:.1f}: leaving lugs hook under it"
+            less = f"it must be less than 90 - {per_shoe} / teeth = {free:.1f}: leaving lugs hook under it"
             yield f"tumbler: {ends}, {less}; {self._remedies(chain)}"
         if not self._has_teeth(chain):
             remedies = self._remedies(chain)
             yield f"tumbler: neighbouring gaps overlap, so that no tooth is between them; {remedies}"
 
-    def _flank(self, chain: track.Track) -> float:
-        """Angle (rad) beside a gap's middle, about its arc's centre, where the flank ends; NaN: nowhere."""
-        _, center, arc, addendum, _ = self.profile(chain)
-        cosine = (center**2 + arc**2 - addendum**2) / (2.0 * center * arc)
-        return math.acos(cosine) if -1.0 < cosine < 1.0 else math.nan
-
     def _frees_lugs(self, chain: track.Track) -> bool:
         """True where leaving lugs do not hook under the teeth."""
-        return self._flank(chain) < 0.5 * math.pi - math.pi / self.teeth
+        return self.profile(chain).flank_angle < self.free_angle
 
     def _has_teeth(self, chain: track.Track) -> bool:
         """True where a tooth is left between neighbouring gaps."""
-        _, _, arc, addendum, _ = self.profile(chain)
-        return arc * math.sin(self._flank(chain)) <= addendum * math.sin(math.pi / self.teeth)
+        profile = self.profile(chain)
+        return profile.half_width <= profile.addendum * math.sin(math.pi / self.teeth)
 
     def _remedies(self, chain: track.Track) -> str:
         """Nearest values of one parameter each with which the teeth would do, for reading."""
         words = []
-        for name, far in (
-            ("reach", 0.0),
-            ("depth", DEEPER * self.depth),
-            ("backlash", self.backlash + self.lug_radius),
-            ("backlash", 0.0),
-            ("lug_radius", 0.0),
+        reach = self.tip_radius(chain.pitch) - self.radius(chain.pitch)
+        deepest = None if self.depth is None else DEEPER * self.depth
+        for name, here, far in (
+            ("reach", reach, 0.0),
+            ("depth", self.depth, deepest),
+            ("backlash", self.backlash, self.backlash + self.lug_radius),
+            ("backlash", self.backlash, 0.0),
+            ("lug_radius", self.lug_radius, 0.0),
         ):
-            here = getattr(self, name)
+            if here is None or far is None:
+                continue
             for value in np.linspace(here, far, TRIED)[1:].tolist():
                 tried = self.model_copy(update={name: float(f"{value:.4g}")})
                 if tried._frees_lugs(chain) and tried._has_teeth(chain):
@@ -116,17 +198,34 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
         return f"{' or '.join(words)} would do" if words else "it needs other teeth or lugs"
 
 
-class Tensioner(Parameters):
-    """Spring-damper between side frame and idler, which slides along the frame and does not spin."""
+class Slide(Parameters):
+    """Idler that slides along its side frame, pushed by a spring with a damper, and does not spin."""
 
     mass: float = quantity("kg", "of the idler with its slide", (5.0, 2e4), ge=0.1, le=1e8)
     stiffness: base.Stiffness = quantity("N/m", "of the spring", (1e5, 1e9))
-    preload: float = quantity("N", "its push on the idler without take-up", (1e3, 1e7), ge=0, le=1e10)
     damping: base.Damping = quantity("N s/m", "of the damper", (0.0, 1e7), default=0.0)
 
     def inertia_tensor(self, radius: float) -> np.ndarray:
         """Of the idler as a disc of this radius (m), about its centre: array (3, 3), kg m2."""
         return self.mass * radius**2 * np.diag([0.25, 0.5, 0.25])
+
+
+class Tensioner(Slide):
+    """Spring-damper that always pushes the idler forward: its force gives the chain its tension."""
+
+    preload: float = quantity("N", "its push on the idler without take-up", (1e3, 1e7), ge=0, le=1e10)
+
+
+class Recoil(Slide):
+    """Recoil spring behind a grease cylinder: the idler gives way where the chain pushes it with more.
+
+    The cylinder holds the idler at its take-up, which gives the tension. Beyond the preload of the spring the
+    idler moves back by the excess over the stiffness, as far as the stroke; it never moves forward of its
+    place. The damper acts while the spring moves.
+    """
+
+    preload: float = quantity("N", "of the spring as it is installed", (1e4, 1e7), ge=0, le=1e10)
+    stroke: base.Length = quantity("m", "to the stop behind it", (0.01, 0.5))
 
 
 class Idler(base.PH4100C, values=ph4100c.IDLER):
@@ -156,10 +255,13 @@ class Idler(base.PH4100C, values=ph4100c.IDLER):
     )
     range: base.Two = quantity("m", "least and greatest take-up", (-1.0, 1.0))
     tensioner: Tensioner | None = option("spring-damper that pushes it forward; none: shims hold it", None)
+    recoil: Recoil | None = option("spring that gives way beyond its preload; none: it stands still", None)
 
     def _errors(self) -> Errors:
         if self.range[0] >= self.range[1]:
             yield f"range must be least and greatest take-up in this order, got {self.range}"
+        if self.tensioner is not None and self.recoil is not None:
+            yield "tensioner and recoil must not be given together: each is the spring of the idler"
         tension = {name: getattr(self, name) for name in ("sag", "pretension")}
         named = [name for name, value in tension.items() if value is not None]
         if self.tensioner is not None and named:
@@ -168,6 +270,11 @@ class Idler(base.PH4100C, values=ph4100c.IDLER):
         named += [name for name, value in places.items() if value is not None]
         if len(named) > 1:
             yield f"{' and '.join(named)} must not be given together: each says where the idler is"
+
+    @property
+    def slide(self) -> Tensioner | Recoil | None:
+        """Spring on which it slides; None where it is a wheel of the frame."""
+        return self.tensioner or self.recoil
 
     @property
     def is_set_by_tension(self) -> bool:

@@ -1,10 +1,12 @@
 """Contact of the lugs of shoes with the teeth of a drive tumbler, and what guides shoes sideways there.
 
-A gap between two teeth is a concave arc about a centre on a circle of the tumbler, in its x-z plane; at the
-addendum circle the arc ends in a corner. A lug is a circle about a marker of its shoe. It meets the arc of
-the gap that is nearest to it by its angle, or beyond the arc's end the corner: penetration is continuous and
-so is the force, which acts along the line from the arc's centre, or from the corner, to the lug's centre, so
-that it turns neither. A flexible shoe takes it where the marker is, at a bore.
+A gap between two teeth is a concave arc about a centre on a circle of the tumbler, in its x-z plane, on which
+straight flanks may follow; at the addendum circle it ends in a corner. A lug is a circle about a marker of
+its shoe. It meets the arc of the gap that is nearest to it by its angle, beyond the arc's end the flank, or
+beyond that the corner: penetration is continuous and so is the force, which acts along the line from the
+arc's centre, across the flank, or from the corner to the lug's centre, so that it turns neither. The chain on
+a half-pitch sprocket uses every second gap, which the nearest one is, too. A flexible shoe takes the force
+where the marker is, at a bore.
 
 Across the tumbler a lug has play between flanges, as far as it is between the teeth.
 """
@@ -35,8 +37,10 @@ class Profile(NamedTuple):
     gaps: float
     center: float  # radius of the circle of the arcs' centres
     arc: float  # radius of the arcs
-    addendum: float  # radius where they end
+    addendum: float  # radius of the teeth's tips
     lug: float
+    rim: float  # radius where the arcs end
+    flank: float  # length of the straight flanks that follow
 
 
 class Teeth(NamedTuple):
@@ -89,13 +93,21 @@ def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, fl
     if distance < 1e-12:
         return profile.lug - profile.arc, 1.0, 0.0, 0.0
     inward = (-cx / profile.center, -cz / profile.center)
-    limit = (profile.center**2 + profile.arc**2 - profile.addendum**2) / (2.0 * profile.center * profile.arc)
+    limit = (profile.center**2 + profile.arc**2 - profile.rim**2) / (2.0 * profile.center * profile.arc)
     if dx * inward[0] + dz * inward[1] >= limit * distance:
         return distance - (profile.arc - profile.lug), -dx / distance, -dz / distance, 1.0 / distance
     side = 1.0 if dz * inward[0] - dx * inward[1] > 0.0 else -1.0
     end = side * math.sqrt(max(0.0, 1.0 - limit * limit))
+    # out of the gap, along the flank
+    tx = -abs(end) * inward[0] - side * limit * inward[1]
+    tz = -abs(end) * inward[1] + side * limit * inward[0]
     ex = x - cx - profile.arc * (limit * inward[0] - end * inward[1])
     ez = z - cz - profile.arc * (limit * inward[1] + end * inward[0])
+    if profile.flank > 0.0 and ex * tx + ez * tz < profile.flank:
+        nx, nz = -(limit * inward[0] - end * inward[1]), -(limit * inward[1] + end * inward[0])
+        return profile.lug - (ex * nx + ez * nz), nx, nz, 0.0
+    ex -= profile.flank * tx
+    ez -= profile.flank * tz
     distance = math.sqrt(ex * ex + ez * ez)
     return profile.lug - distance, ex / distance, ez / distance, -1.0 / distance
 

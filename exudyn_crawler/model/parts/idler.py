@@ -1,4 +1,4 @@
-"""Idlers that tensioners push: bodies that slide in the frame and carry its wheel in front."""
+"""Idlers on springs: bodies that slide in the frame and carry its wheel in front."""
 
 import numpy as np
 
@@ -10,34 +10,37 @@ from exudyn_crawler.model.parts.frame import carry
 from exudyn_crawler.model.state import BEARING, MOTOR
 
 ALONG = np.eye(ROWS)[0]
-"""Equation of a bearing that the tensioner's spring takes the place of."""
+"""Equation of a bearing that the spring takes the place of."""
 
 
 def add(assembler: Assembler) -> None:
-    """Add the idler of each track, if a tensioner pushes it; others are wheels of the frame."""
+    """Add the idler of each track that slides on a spring; others are wheels of the frame."""
     case = assembler.case
     gear = case.gear
     assert isinstance(gear, Closed)
-    tensioner = gear.idler.tensioner
-    if tensioner is None:
+    spring = gear.idler.slide
+    if spring is None:
         return
+    recoil = gear.idler.recoil
     frame = assembler.body_named(SIDE_FRAME)
-    # where the tensioner does not push it
-    beyond = tensioner.preload / tensioner.stiffness - case.assembled.take_up
-    inertia = tensioner.inertia_tensor(gear.idler.radius)
+    # where its spring would not push it: a recoil spring is installed where the idler stands
+    beyond = spring.preload / spring.stiffness - (case.assembled.take_up if recoil is None else 0.0)
+    inertia = spring.inertia_tensor(gear.idler.radius)
     wheels = [k for k, label in enumerate(gear.wheel_labels) if label.kind == "idler"]
     rows = zip(gear.sliding_idlers, case.idler_reference, wheels, strict=True)
     for name, reference, wheel in rows:
-        idler = assembler.add_body(Body.rigid(name, tensioner.mass, inertia, reference))
+        idler = assembler.add_body(Body.rigid(name, spring.mass, inertia, reference))
         unpushed = reference[:3] + np.array([beyond, 0.0, 0.0])
         axis = assembler.add_marker(frame, unpushed - case.frame_start)
         assembler.add_pin(
             axis,
             assembler.add_marker(idler, np.zeros(3)),
             BEARING.format(name),
-            compliance=ALONG / tensioner.stiffness,
-            relaxation=ALONG * tensioner.damping / tensioner.stiffness,
+            compliance=ALONG / spring.stiffness,
+            relaxation=ALONG * spring.damping / spring.stiffness,
         )
+        if recoil is not None:
+            assembler.add_recoil(recoil.preload, 1.0 / recoil.stiffness, recoil.stroke)
         # keeps it from spinning
         assembler.add_motor(frame, idler, MOTOR.format(name), np.inf, gear.torque_speed)
         carry(assembler, wheel, idler, (0.0, 0.0))

@@ -223,18 +223,20 @@ def _side_frame(states: _States) -> tuple[Arrays, "GearForces"]:
     """Motion of the side frame, and forces of its wheels."""
     gear_forces = states.system.gear_forces(states.part("time"), *map(states.part, COORDINATES))
     motion = _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_")
-    return motion | _bogies(states, motion), gear_forces
+    return motion | _swinging(states, motion), gear_forces
 
 
-def _bogies(states: _States, of_frame: Arrays) -> Arrays:
-    """Angles of the bogies about the frame's y, if there are any."""
-    names = states.system.case.running_gear().bogie_names
-    if not names:
-        return {}
+def _swinging(states: _States, of_frame: Arrays) -> Arrays:
+    """Angles of bogies and arms about the frame's y, if there are any."""
+    gear = states.system.case.running_gear()
     frame = rotations.rotation_matrices(of_frame["side_frame_angles"])
-    turns = rotations.rotation_matrices(states.parts(names)[..., 3:])
-    forward = np.einsum("tki,tbk->tbi", frame, turns[..., 0])
-    return {"bogie_angle": np.arctan2(-forward[..., 2], forward[..., 0])}
+    angles = {}
+    for quantity, names in (("bogie_angle", gear.bogie_names), ("arm_angle", gear.arm_names)):
+        if names:
+            turns = rotations.rotation_matrices(states.parts(names)[..., 3:])
+            forward = np.einsum("tki,tbk->tbi", frame, turns[..., 0])
+            angles[quantity] = np.arctan2(-forward[..., 2], forward[..., 0])
+    return angles
 
 
 def _rolled(states: _States, motion: Arrays) -> Arrays:
@@ -354,10 +356,11 @@ def _tread_coordinates(system: "TrackSystem") -> dict[str, object]:
     }
 
 
-def _bogie_coordinates(system: "TrackSystem") -> dict[str, object]:
-    """Names of the bogies, if there are any."""
-    names = system.case.running_gear().bogie_names
-    return {"bogie": list(names)} if names else {}
+def _swinging_coordinates(system: "TrackSystem") -> dict[str, object]:
+    """Names of bogies and arms, if there are any."""
+    gear = system.case.running_gear()
+    named = {"bogie": gear.bogie_names, "arm": gear.arm_names}
+    return {dimension: list(names) for dimension, names in named.items() if names}
 
 
 def _roller_coordinates(system: "TrackSystem") -> dict[str, object]:
@@ -366,7 +369,7 @@ def _roller_coordinates(system: "TrackSystem") -> dict[str, object]:
     under = "shoe under a roller's axis, or the next"
     return (
         _tread_coordinates(system)
-        | _bogie_coordinates(system)
+        | _swinging_coordinates(system)
         | {
             "roller": ("roller", rollers, {"long_name": "from rear to front"}),
             "neighbour": ("neighbour", list(NEIGHBOURS), {"long_name": under}),
@@ -376,7 +379,7 @@ def _roller_coordinates(system: "TrackSystem") -> dict[str, object]:
 
 def _wheel_coordinates(system: "TrackSystem") -> dict[str, object]:
     """Coordinates of the dimensions of wheels, and of their treads, which flexible shoes alone have."""
-    named = {"wheel": system.case.gear.wheel_names} | _bogie_coordinates(system)
+    named = {"wheel": system.case.gear.wheel_names} | _swinging_coordinates(system)
     return named if system.frequencies is None else named | _tread_coordinates(system)
 
 

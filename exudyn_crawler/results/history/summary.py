@@ -254,7 +254,7 @@ def tension_along_chain(history: History) -> xr.Dataset:
     track = case.track
     tension = history.over_time(["link_tension"])["link_tension"].transpose("time", "joint").values
     count = tension.shape[1]
-    turned = data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)
+    turned = data.tumbler_angle.values * closed.tumbler.shoes_per_turn / (2.0 * np.pi)
     place = np.rint(np.arange(count) - turned[:, None]).astype(int) % count
     there = [tension[place == one] for one in range(count)]
     start = data.isel(time=0)

@@ -104,7 +104,9 @@ class ChainWatch:
 
     def __init__(self, case: Case, layout: state.StateLayout) -> None:
         self.case, self.layout, self.closed = case, layout, case.closed_gear()
-        self._teeth, _, _, self._addendum, _ = self.closed.tumbler.profile(case.track)
+        profile = self.closed.tumbler.profile(case.track)
+        self._teeth = profile.gaps
+        self._addendum = profile.addendum
         _, self._lug = self.closed.lugs(case.track)[0]
         self._gaps = np.full(case.track.shoe_count, -1)
         self._ahead = case.links[:, 1] - 1
@@ -184,7 +186,9 @@ class ChainWatch:
         gaps = np.where(inside, np.rint(angle * self._teeth / (2.0 * np.pi)) % self._teeth, -1.0).astype(int)
         after = gaps[self._ahead]
         other = inside & (self._gaps >= 0) & (gaps != self._gaps)
-        other |= inside & (after >= 0) & ((after - gaps) % int(self._teeth) != 1)
+        other |= (
+            inside & (after >= 0) & ((after - gaps) % int(self._teeth) != self.closed.tumbler.gaps_per_shoe)
+        )
         self._gaps = gaps
         on = inside.reshape(self.case.tracks, -1).any(axis=1)
         if on.all() and not other.any():

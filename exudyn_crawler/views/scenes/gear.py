@@ -1,10 +1,11 @@
-"""Side frame, bogies, wheels and drive tumbler as solids, under a rolled track and in a closed one.
+"""Side frame, bogies, arms, wheels and drive tumbler as solids, under a rolled track and in a closed one.
 
 `history` holds some instants, as of `track.instants`. How high and wide a side frame is, and how wide the
 teeth are, no parameter says: their drawn size means nothing.
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -24,7 +25,7 @@ TEETH, SLIDE, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.12, 0.3, 16, 7
 """m, width of drawn teeth and lugs, height of drawn slides; radius of the tumbler's shaft over that of its
 pins' circle; sides of a drawn lug; points along a gap between two teeth."""
 EYE = 0.1
-"""m, half width of a drawn bogie about its pivot and the axes of its rollers."""
+"""m, half width of a drawn bogie or arm about its pivot and the axes of its rollers."""
 TURNING = {"roller": "rollers", "idler": "idler", "carrier": "carriers"}
 """Titles of the kinds of wheels that turn; slides do not."""
 
@@ -57,7 +58,7 @@ def gear_solids(history: History) -> list[Solid]:
         return []
     solids = [] if history.case.tracks == 1 else [car_body(history)]
     for name, track in each_track(history).items():
-        on_frame = [beam(track), *bogie_solids(track), *wheel_solids(track)]
+        on_frame = [beam(track), *swinging_solids(track), *wheel_solids(track)]
         of_track = [*on_frame, *slide_solids(track), *tumbler_solids(track)]
         solids += [replace(solid, name=f"{name}{solid.name}") for solid in of_track]
     return solids
@@ -95,42 +96,55 @@ def beam(history: History) -> Solid:
     return Solid("side frame", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
 
 
-def bogie_solids(history: History) -> list[Solid]:
-    """Bodies of the bogies, each round its pivot and the axes of its rollers."""
+class _Swinging(NamedTuple):
+    """Bogie or arm: what swings about a pivot of the frame and carries rollers."""
+
+    name: str
+    pivot: tuple[float, float]  # x and z in the frame, m
+    rollers: tuple[int, ...]  # their numbers
+    turn: np.ndarray  # (times, 1, 3, 3)
+
+
+def swinging_solids(history: History) -> list[Solid]:
+    """Bodies of bogies and arms, each round its pivot and the axes of its rollers."""
     frame, rails = frame_on_rails(history.case)
     # arms on both sides of the rollers, which are seen below them
     width = float(np.ptp(rails.middles)) + frame.tread_width + 2.0 * GAP
-    names = frame.bogie_names
     solids = []
-    for name, bogie, turn in zip(names, frame.bogies, _bogie_turns(history), strict=True):
-        pivot = np.array([bogie.pivot[0], 0.0, bogie.pivot[1]])
-        joints = np.array([(frame.rollers[number - 1], 0.0) for number in bogie.rollers] + [bogie.pivot])
-        around = (joints - bogie.pivot)[:, None] + EYE * np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]])
+    for name, (x, z), rollers, turn in _swinging(history):
+        joints = np.array([*((frame.rollers[number - 1], 0.0) for number in rollers), (x, z)])
+        around = (joints - (x, z))[:, None] + EYE * np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]])
         corners = around.reshape(-1, 2)
         outline = corners[ConvexHull(corners).vertices[::-1]]
-        placed = carried(*frame_poses(history), pivot[None], turn)
+        placed = carried(*frame_poses(history), np.array([[x, 0.0, z]]), turn)
         solids.append(Solid(name, *star(outline, width), style.BEAM, *placed, edges=style.ROLLER_EDGE))
     return solids
 
 
-def _bogie_turns(history: History) -> list[np.ndarray]:
-    """Turns (times, 1, 3, 3) of all bogies."""
-    if not history.has("bogie_angle"):
-        return []
+def _swinging(history: History) -> list[_Swinging]:
+    """Bogies and arms of one track."""
+    frame, _ = frame_on_rails(history.case)
     _, turn = frame_poses(history)
-    angles = history.bogie_angle.transpose("bogie", "time").values
-    return [turn @ rotation_matrices(angle[:, None, None] * np.eye(3)[1]) for angle in angles]
+    carriers: list[tuple[tuple[float, float], tuple[int, ...]]]
+    carriers = [(bogie.pivot, bogie.rollers) for bogie in frame.bogies]
+    carriers += [(arm.pivot, (arm.roller,)) for arm in frame.arms]
+    swung = []
+    for dimension in ("bogie", "arm"):
+        if history.has(f"{dimension}_angle"):
+            swung += list(history.dataset[f"{dimension}_angle"].transpose(dimension, "time").values)
+    names = (*frame.bogie_names, *frame.arm_names)
+    turns = [turn @ rotation_matrices(angle[:, None, None] * np.eye(3)[1]) for angle in swung]
+    return [_Swinging(name, *of, turned) for name, of, turned in zip(names, carriers, turns, strict=True)]
 
 
 def _swung(history: History) -> np.ndarray:
-    """Ways by which bogies have moved the axes of the rollers: array (times, rollers, 3), m, global."""
+    """Ways by which bogies and arms have moved rollers' axes: array (times, rollers, 3), m, global."""
     frame, _ = frame_on_rails(history.case)
     _, turn = frame_poses(history)
     ways = np.zeros((len(turn), len(frame.rollers), 3))
-    for bogie, swung in zip(frame.bogies, _bogie_turns(history), strict=True):
-        for number in bogie.rollers:
-            arm = np.array([frame.rollers[number - 1] - bogie.pivot[0], 0.0, -bogie.pivot[1]])
-            ways[:, number - 1] = (swung - turn)[:, 0] @ arm
+    for _, (x, z), rollers, swung in _swinging(history):
+        for number in rollers:
+            ways[:, number - 1] = (swung - turn)[:, 0] @ np.array([frame.rollers[number - 1] - x, 0.0, -z])
     return ways
 
 
@@ -178,7 +192,7 @@ def wheel_solids(history: History) -> list[Solid]:
         places = np.array([(x, y, z) for x, z, _ in wheels for y in rails.middles])
         radius = wheels[0, 2]
         hub = origin
-        if name == "idler":  # a tensioner moves it from where it was assembled
+        if name == "idler":  # a spring moves it from where it was assembled
             hub = origin + (history.take_up.values - case.assembled.take_up)[:, None, None] * turn[..., 0]
         placed = carried(hub, turn, places, level @ rotation_matrices(way[..., None] / radius * np.eye(3)[1]))
         if name == TURNING["roller"]:
@@ -194,15 +208,22 @@ def wheel_solids(history: History) -> list[Solid]:
 
 
 def tooth_outline(case: Case) -> np.ndarray:
-    """Outline of the tumbler's teeth, arcs of the gaps: (n, 2), x and z in m, clockwise from the right."""
-    teeth, center, arc, addendum, _ = case.closed_gear().tumbler.profile(case.track)
-    end = np.arccos((center**2 + arc**2 - addendum**2) / (2.0 * center * arc))
-    gap = -2.0 * np.pi * np.arange(round(teeth)) / teeth
+    """Outline of the tumbler's teeth, arcs and flanks of the gaps: (n, 2), x and z in m, clockwise."""
+    profile = case.closed_gear().tumbler.profile(case.track)
+    end = profile.flank_angle
+    gap = -2.0 * np.pi * np.arange(round(profile.gaps)) / profile.gaps
     inward = np.stack((-np.cos(gap), -np.sin(gap)), axis=-1)
     aside = np.stack((-np.sin(gap), np.cos(gap)), axis=-1)
     along = np.linspace(end, -end, ARC_POINTS)
-    ways = np.cos(along)[:, None] * inward[:, None] + np.sin(along)[:, None] * aside[:, None]
-    return (-center * inward[:, None] + arc * ways).reshape(-1, 2)
+    # of the arcs, and between two flanks' ends
+    deep = profile.arc * np.cos(along)
+    wide = profile.arc * np.sin(along)
+    if profile.flank > 0.0:
+        way = profile.flank * np.array([-np.sin(end), np.cos(end)])
+        deep = np.concatenate(([deep[0] + way[0]], deep, [deep[-1] + way[0]]))
+        wide = np.concatenate(([wide[0] + way[1]], wide, [wide[-1] - way[1]]))
+    ways = deep[:, None] * inward[:, None] + wide[:, None] * aside[:, None]
+    return (-profile.center * inward[:, None] + ways).reshape(-1, 2)
 
 
 def tumbler_solids(history: History) -> list[Solid]:

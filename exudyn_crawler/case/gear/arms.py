@@ -1,0 +1,52 @@
+"""Arms that carry road wheels on springs, as of the M113 and the Marder."""
+
+from collections.abc import Sequence
+
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity
+
+
+class Arm(Parameters):
+    """Arm on a pivot of the side frame that carries a roller: a road wheel on a torsion bar.
+
+    Where the roller is at its place in the frame the spring presses it down with `torque`; the wheel is
+    behind its pivot (a trailing arm) or in front of it.
+    """
+
+    roller: int = quantity("1", "number of its roller, from the rear", ge=1)
+    pivot: base.Two = quantity("m", "x and z of its pivot's axis in the frame")
+    mass: base.Mass = quantity("kg", "with its roller, which is no part of the frame's mass", (10.0, 2e3))
+    com: base.Two = quantity("m", "x and z of its COM from the pivot", default=(0.0, 0.0))
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
+    torque: float = quantity(
+        "N m", "of the spring where the roller is at its place", (100.0, 1e6), ge=0, le=1e9
+    )
+    stiffness: base.Stiffness = quantity("N m/rad", "of the spring", (1e3, 1e7))
+    damping: base.Damping = quantity("N m s/rad", "of the damper", (0.0, 1e6), default=0.0)
+    stop: float | None = quantity(
+        "rad",
+        "by which it turns up from there before it meets the bump stop; none: no stop",
+        (0.05, 1.0),
+        gt=0,
+        le=1.5,
+        default=None,
+    )
+    stop_stiffness: base.Stiffness = quantity(
+        "N m/rad", "of the bump stop, beside that of the spring", (1e4, 1e8), default=1e6
+    )
+
+
+def arm_errors(arms: Sequence[Arm], rollers: Sequence[float], carried: set[int]) -> Errors:
+    """Arms whose rollers are not there, right at the pivot, or another's; bogies have those `carried`."""
+    taken = dict.fromkeys(carried, "a bogie")
+    for number, arm in enumerate(arms):
+        name = f"gear.arms[{number}]"
+        if arm.roller > len(rollers):
+            yield f"{name}.roller must be in 1..{len(rollers)}, got {arm.roller}"
+            return
+        if arm.roller in taken:
+            yield f"{name}.roller must not be another's, {taken[arm.roller]} has roller {arm.roller}"
+        taken[arm.roller] = name
+        if arm.pivot[0] == rollers[arm.roller - 1]:
+            beside = f"behind or ahead of its roller at x = {rollers[arm.roller - 1]:g} m"
+            yield f"{name}.pivot must be {beside}, got {list(arm.pivot)}"

@@ -1,0 +1,126 @@
+"""Idler on a recoil spring: it stands still below the preload and gives way beyond it, up to its stroke."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case
+from exudyn_crawler.case.parameters.closed_track import Recoil, Tensioner
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.equations import STIFFNESS
+from exudyn_crawler.results.history.states import system_history
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from tests.model.both import residual_of
+from tests.states import row_of
+
+pytestmark = pytest.mark.simulation
+
+STIFF = 2e8
+"""N/m: millimetres under the pull of the chain."""
+
+
+def taut():
+    """A chain on posts that pulls hard on its idler, on shims 2 mm back from where it just closes."""
+    case = Case.closed().with_({"gear.support": "posts"})
+    return case.with_({"gear.idler.take_up": case.assembled.take_up - 2e-3})
+
+
+def rest_of(case):
+    system = compiled_system(case)
+    return system_history(system, row_of(system.layout, {"coordinates": static_equilibrium(case)})[None])
+
+
+def push_of(history):
+    """Push of the chain on the idler, back along the frame, N."""
+    return -history.wheel_force.sel(wheel="idler", axis="x").item()
+
+
+def sprung(preload, stroke=0.1, stiffness=STIFF):
+    recoil = Recoil(mass=8e3, stiffness=stiffness, preload=preload, stroke=stroke)
+    return taut().with_({"gear.idler.recoil": recoil})
+
+
+@pytest.fixture(scope="module")
+def shims():
+    return rest_of(taut())
+
+
+@pytest.mark.slow
+def test_idler_stands_still_below_the_preload_as_on_shims(shims):
+    rest = rest_of(sprung(1.2 * push_of(shims)))
+    assert rest.take_up.item() == pytest.approx(shims.take_up.item(), abs=1e-12)
+    # what still creeps at rest is some ten N
+    np.testing.assert_allclose(rest.joint_force, shims.joint_force, rtol=0.0, atol=1e-4 * push_of(shims))
+
+
+@pytest.mark.slow
+def test_idler_gives_way_by_what_exceeds_the_preload_over_the_stiffness(shims):
+    preload = 0.6 * push_of(shims)
+    rest = rest_of(sprung(preload))
+    back = shims.take_up.item() - rest.take_up.item()
+    assert back > 1e-4
+    assert back == pytest.approx((push_of(rest) - preload) / STIFF, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_idler_stands_at_the_end_of_its_stroke_where_the_chain_pushes_harder(shims):
+    preload = 0.3 * push_of(shims)
+    rest = rest_of(sprung(preload, stroke=1e-3, stiffness=1e7))
+    assert shims.take_up.item() - rest.take_up.item() == pytest.approx(1e-3, abs=1e-9)
+    assert push_of(rest) > preload + 1e7 * 1e-3
+
+
+@pytest.mark.parametrize(
+    ("push", "stands", "springs"),
+    [(0.9, 0.0, False), (1.5, -1.0, True), (2.5, -1.0, False)],
+    ids=["below the preload", "on the spring", "at the stop"],
+)
+def test_row_of_a_recoil_spring_is_that_of_its_spring_or_stop(push, stands, springs):
+    """Its residual vanishes where the idler belongs, and what the matrix is made of is its derivative."""
+    preload = 1e6
+    recoil = Recoil(mass=8e3, stiffness=1e8, preload=preload, stroke=0.01, damping=1e5)
+    case = Case.closed().with_({"gear.support": "posts", "gear.idler.recoil": recoil})
+    system = compiled_system(case)
+    count = system.layout.coordinate_count
+    row = count + system.layout.first_multiplier("bearing of the idler")
+    multipliers = np.zeros(system.tables.multipliers)
+    multipliers[row - count] = -push * preload  # the spring pushes the idler forward
+    q = np.zeros(count)
+    still = np.zeros(count)
+    along = count - 6
+    q[along] = stands * min((push - 1.0) * preload / recoil.stiffness, recoil.stroke)
+
+    def value(place=0.0, more=0.0, speed=0.0):
+        moved = q.copy()
+        moved[along] += place
+        rates = still.copy()
+        rates[along] = speed
+        pushed = multipliers.copy()
+        pushed[row - count] += more
+        return residual_of(system, moved, rates, None, pushed)[row]
+
+    assert value() == pytest.approx(0.0, abs=1e-6 * STIFFNESS * recoil.stroke)
+    by_place = (value(1e-6) - value(-1e-6)) / 2e-6
+    by_rate = (value(speed=1e-4) - value(speed=-1e-4)) / 2e-4
+    by_force = (value(more=10.0) - value(more=-10.0)) / 20.0
+    assert by_place == pytest.approx(STIFFNESS)
+    assert by_force == pytest.approx(-STIFFNESS / recoil.stiffness if springs else 0.0, abs=1e-9)
+    assert by_rate == pytest.approx(STIFFNESS * 1e-3 if springs else 0.0, rel=1e-5)
+    # of the same state, whose rows a residual leaves for the matrix
+    value()
+    assert system.work.joints.share[row - count] == pytest.approx(by_force)
+    assert system.work.joints.relaxation[row - count] == pytest.approx(1e-3 if springs else 0.0)
+    assert system.work.joints.slope[row - count] == pytest.approx(by_place)
+
+
+def test_an_idler_has_one_spring():
+    tensioner = Tensioner(mass=8e3, stiffness=2e8, preload=3e7)
+    recoil = Recoil(mass=8e3, stiffness=2e8, preload=1e6, stroke=0.1)
+    with pytest.raises(ParameterError, match="tensioner and recoil must not be given together"):
+        Case.closed().with_({"gear.idler.tensioner": tensioner, "gear.idler.recoil": recoil})
+
+
+def test_tension_is_still_given_as_sag_or_force_with_a_recoil_spring():
+    case = sprung(1e6).with_({"gear.idler.take_up": None, "gear.idler.sag": 0.06})
+    assert case.gear.is_set_by_tension
+    assert case.gear.sliding_idlers == ("idler",)
