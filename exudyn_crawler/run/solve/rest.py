@@ -52,6 +52,10 @@ CREEPS = {
 MOST_DRAG = 1e9
 """1/s, beyond which steps become shorter where Newton's method fails."""
 
+PATIENCE = 100
+"""Failures of Newton's method that more drag answers before a shorter step does: a shoe that just touches a
+wheel may come and go from one iteration to the next whatever the drag."""
+
 LONGEST_STEP = 0.2
 """s, of creeping."""
 LEAST_STEP = 1e-7
@@ -179,6 +183,7 @@ def creep(
     """
     least, drag, step, *_ = CREEPS[system.case.gear.kind]
     time = 0.0
+    failures = 0
     multipliers = np.zeros(system.tables.multipliers)
     while time < duration:
         state, after, iterations = _creeping_step(system, q, multipliers, drag, step, residual)
@@ -191,7 +196,9 @@ def creep(
             else:
                 time += step
                 step = min(1.5 * step, LONGEST_STEP) if iterations < EASY else step
-        elif least < drag < MOST_DRAG:
+            continue
+        failures += 1
+        if least < drag < MOST_DRAG and failures % PATIENCE:
             drag *= 4.0
         else:
             step *= 0.25
