@@ -257,7 +257,7 @@ def grounds(
         out = out / "powers"
         table = power_study(out, duration=duration, overwrite=overwrite, say=typer.echo)
         keys = ("ground", "pull beyond rolling in kN", "taken by pressure in kN", "taken by shear in kN")
-        _show_tables(out, {"powers": (table, "Where the pull goes, over the way of the machine", keys)})
+        _show_tables(out, {"powers": (table, "Where the pull goes, over the distance travelled", keys)})
         return
     _, table, regions, lives = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
     keys = ("ground", "mean pull in kN", "greatest tilt of a shoe in mrad", "highest stress in MPa")

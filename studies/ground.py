@@ -122,7 +122,7 @@ def kept_work(
 def work_balance(history: History) -> dict[str, float]:
     """Work that the ground keeps beside what drive and sinking machine give beyond the rolling resistance.
 
-    Mean forces over the way of the machine, in kN; the first is unknown on units.
+    Mean forces over the distance travelled, in kN; the first is unknown on units.
     """
     case = history.case
     frame = history.case.rolled_gear()
@@ -138,7 +138,7 @@ def work_balance(history: History) -> dict[str, float]:
         end = kept_work(history, history.cell_sinkage, history.cell_pressure, share)
         start = kept_work(history, begin.cell_sinkage_then, begin.cell_pressure_then, share)
         works["kept by the ground"] = end - start
-    return {f"{name}, kN over the way": work / (x[-1] - x[0]) / KILO for name, work in works.items()}
+    return {f"{name}, kN over the distance": work / (x[-1] - x[0]) / KILO for name, work in works.items()}
 
 
 def row(run: CaseRun) -> dict[str, float]:
@@ -193,7 +193,7 @@ def power_cases(duration: float | None = None, out: Path | None = None) -> dict[
 
 
 def powers_over_way(history: History) -> dict[str, float]:
-    """Works of `energy_balance` as mean forces over the way of the machine, kN: the first four give the rest.
+    """Works of `energy_balance` as mean forces over the distance travelled, kN: the first four give the rest.
 
     The drive's pull counts less the rolling resistance of the frame's weight, treads by what they take less
     than this, the chain by what drive and tension give as they move it.
@@ -238,7 +238,7 @@ def _power_row(history: History) -> dict[str, float]:
         "distance travelled in m": x[-1] - x[0],
         **powers_over_way(history),
         "greatest tilt of a shoe in mrad": KILO * float(tilt.max()),
-        "greatest way of a shoe in mm": KILO * float(np.abs(moved - moved.isel(time=0)).max()),
+        "greatest displacement of a shoe in mm": KILO * float(np.abs(moved - moved.isel(time=0)).max()),
     }
 
 

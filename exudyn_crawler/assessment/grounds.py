@@ -16,7 +16,7 @@ class NamedGround(NamedTuple):
     friction: float
     """Of steel tracks, traction over load."""
     rolling: float
-    """Resistance of a straight way over the load."""
+    """Resistance to straight travel over the load."""
     source: str
     mark: str
 

@@ -1,4 +1,4 @@
-"""Travel on two tracks: what a straight way, a grade and a turn ask for, and what ground and drive give.
+"""Travel on two tracks: what straight travel, a grade and a turn ask for, and what ground and drive give.
 
 Two tracks at the distance B, each on a rectangle of the length L and the shoes' width; the names of parts of
 the resistance are those of the Caterpillar Performance Handbook (rolling and grade resistance).
@@ -21,7 +21,7 @@ BALANCED = 1e-6
 
 
 def resistance(weight: float, slope: float, rolling: float, other: float = 0.0) -> float:
-    """Pull (N) that a straight way takes: V (sin a + f cos a) + other resistance.
+    """Pull (N) that straight travel takes: V (sin a + f cos a) + other resistance.
 
     Parameters
     ----------

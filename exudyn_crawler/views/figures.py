@@ -261,7 +261,7 @@ def run_figures(
         loaded = items if case.flexible is None else [f"shoe {shoe}" for shoe in case.flexible.shoes]
         panels[on_shoes] = _panels(found, [on_shoes], loaded)
         # the way along x is an input
-        rising = _panels(found, [LABEL["side_frame_way"]], axis="z")
+        rising = _panels(found, [LABEL["side_frame_displacement"]], axis="z")
         pull, turning = (_panels(found, [LABEL[name]]) for name in ("drive_pull", "side_frame_angles"))
         panels["side frame"] = [*pull, *rising, *turning]
     figures = {}

@@ -28,24 +28,24 @@ def draw_soil_fit(fit: SoilFit, figure: Figure) -> None:
 
 
 def _draw_plates(fit: SoilFit, plates: PlateTests, axes: Axes) -> None:
-    """Draw pressure over sinkage of every test, and the law along the way of one test a plate size."""
+    """Draw pressure over sinkage of every test, and the law along the sinkage of one test a plate size."""
     for number, width in enumerate(plates.widths):
         here = plates.of(plates.width == width)
         colour = f"C{number}"
         label = f"{1e3 * width:.4g} mm"
         axes.plot(1e3 * here.sinkage, 1e-3 * here.pressure, color=colour, alpha=0.5, **DOTS)
         longest = max(here.each(), key=lambda points: float(here.sinkage[points].max()))
-        way = _finer(np.maximum(here.sinkage[longest], 0.0))
-        pressure, _ = fit.law.drive(way, np.zeros_like(way), float(width))
-        axes.plot(1e3 * way, 1e-3 * pressure, color=colour, label=label)
+        path = _finer(np.maximum(here.sinkage[longest], 0.0))
+        pressure, _ = fit.law.drive(path, np.zeros_like(path), float(width))
+        axes.plot(1e3 * path, 1e-3 * pressure, color=colour, label=label)
     axes.set(xlabel="sinkage, mm", ylabel="pressure, kPa", ylim=(0.0, None))
     axes.legend(title="plate", **BESIDE)
 
 
-def _finer(way: np.ndarray) -> np.ndarray:
-    """Way with more points between those at which it turns, so that the law is drawn as a curve."""
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(way))) != 0) + 1
-    corners = way[np.unique([0, *turns, len(way) - 1])]
+def _finer(sinkage: np.ndarray) -> np.ndarray:
+    """Sinkage with more points between those at which it turns, so that the law is drawn as a curve."""
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(sinkage))) != 0) + 1
+    corners = sinkage[np.unique([0, *turns, len(sinkage) - 1])]
     count = max(2, DRAWN // max(1, len(corners) - 1))
     return np.concatenate(
         [np.zeros(1), *(np.linspace(begin, end, count) for begin, end in pairwise(corners))]
@@ -75,7 +75,7 @@ def draw_compared(series: list[Compared], figure: Figure) -> None:
         axes.plot(beside.place, beside.measured, color="C1", label="measured", **DOTS)
         axes.set(ylabel=f"{beside.head}\n{beside.unit}")
     panels[0].legend(**BESIDE)
-    panels[-1].set(xlabel="time, s" if series[0].over == "time" else "way, m")
+    panels[-1].set(xlabel="time, s" if series[0].over == "time" else "distance, m")
 
 
 def draw_drawbar(table: pd.DataFrame, track: EvenTrack, figure: Figure) -> None:
@@ -103,14 +103,14 @@ def draw_drawbar(table: pd.DataFrame, track: EvenTrack, figure: Figure) -> None:
 
 
 def draw_soil_stress(table: pd.DataFrame, passages: pd.DataFrame, figure: Figure) -> None:
-    """Draw pressure at sensors over the way, and the mean while the track is over them as dashes."""
+    """Draw pressure at sensors over the distance travelled, and the mean while the track is over them as dashes."""
     axes = figure.subplots()
-    way = table["way in m"].to_numpy()
+    travelled = table["distance in m"].to_numpy()
     heads = [*table.columns][2:]
     for number, (head, label) in enumerate(zip(heads, passages["sensor"], strict=True)):
-        axes.plot(way, 1e-3 * table[head].to_numpy(), color=f"C{number % 10}", label=f"{label} m")
+        axes.plot(travelled, 1e-3 * table[head].to_numpy(), color=f"C{number % 10}", label=f"{label} m")
     if "mean in Pa" in passages:
         for number, mean in enumerate(passages["mean in Pa"]):
             axes.axhline(1e-3 * mean, color=f"C{number % 10}", linestyle="--", linewidth=0.8)
-    axes.set(xlabel="way of the machine, m", ylabel="normal pressure, kPa", ylim=(0.0, None))
+    axes.set(xlabel="distance travelled, m", ylabel="normal pressure, kPa", ylim=(0.0, None))
     axes.legend(title="sensor; dashed: mean", **BESIDE)

@@ -10,9 +10,9 @@ FACTOR, OFFSET, SHIFT = 1.25, 3.0, 0.02
 
 @pytest.fixture(scope="module")
 def pull(rolled):
-    """Times (s), way (m) and pull (kN) of the run."""
-    way = rolled.side_frame_position.sel(axis="x").values
-    return rolled.time.values, way - way[0], 1e-3 * rolled.drive_pull.values
+    """Times (s), distance (m) and pull (kN) of the run."""
+    distance = rolled.side_frame_position.sel(axis="x").values
+    return rolled.time.values, distance - distance[0], 1e-3 * rolled.drive_pull.values
 
 
 def write(path, head, *columns):
@@ -32,16 +32,16 @@ def test_shift_bias_and_peaks_come_back(rolled, pull, tmp_path):
     assert beside.peak_ratio(True) == pytest.approx(force[5:-5].max() / wanted.max(), rel=1e-6)
 
 
-def test_series_over_the_way(rolled, pull, tmp_path):
-    _, way, force = pull
-    path = write(tmp_path / "a.csv", "way [mm],drive_pull [N]", 1e3 * way[10:], 1e3 * force[10:])
+def test_series_over_the_distance(rolled, pull, tmp_path):
+    _, distance, force = pull
+    path = write(tmp_path / "a.csv", "distance [mm],drive_pull [N]", 1e3 * distance[10:], 1e3 * force[10:])
     (beside,) = series.compare(rolled, path)
     assert beside.rms < 1e-3 * np.abs(force).max()
     assert beside.bias == pytest.approx(0.0, abs=1e-3 * np.abs(force).max())
 
 
 def test_columns_say_which_axis_link_or_wheel(rolled):
-    assert series.chosen(rolled, "side_frame_way x").dims == ("time",)
+    assert series.chosen(rolled, "side_frame_displacement x").dims == ("time",)
     force = series.chosen(rolled, "joint_force 3 z")
     assert force.values.tolist() == rolled.joint_force.sel(joint=3, axis="z").values.tolist()
     on_rail = series.chosen(rolled, "roller_force 2 right y")
@@ -53,7 +53,7 @@ def test_columns_say_which_axis_link_or_wheel(rolled):
 @pytest.mark.parametrize(
     ("head", "words"),
     [
-        ("side_frame_way in m", "must say of which axis it is: x, y, z"),
+        ("side_frame_displacement in m", "must say of which axis it is: x, y, z"),
         ("drive_pul in N", "the nearest is 'drive_pull'"),
         ("drive_pull in m", r"column 'drive_pull': unit must be one of N, got 'm'"),
         ("drive_pull x in N", "drive_pull has no 'x'"),
@@ -71,7 +71,7 @@ def test_series_beyond_the_run_are_refused(rolled, tmp_path):
     with pytest.raises(ValueError, match="0 points are within the run, at least 3 must be: time is 7 to 9 s"):
         series.compare(rolled, path)
     path = write(tmp_path / "a.csv", "drive_pull in N,time in s", np.ones(5), np.ones(5))
-    with pytest.raises(ValueError, match="first column 'time in s' or 'way in m'"):
+    with pytest.raises(ValueError, match="first column 'time in s' or 'distance in m'"):
         series.compare(rolled, path)
 
 
@@ -79,7 +79,13 @@ def test_the_command_compares_a_run_with_a_table(rolled, pull, told, refused, tm
     time, _, force = pull
     (tmp_path / "run").mkdir()
     rolled.save(tmp_path / "run" / "history.nc")
-    write(tmp_path / "lab.csv", "time in s,drive_pull in kN,side_frame_way x in mm", time, force, 0.0 * force)
+    write(
+        tmp_path / "lab.csv",
+        "time in s,drive_pull in kN,side_frame_displacement x in mm",
+        time,
+        force,
+        0.0 * force,
+    )
     out = told("compare", "run", "lab.csv", "--shift", "0.01")
     assert "lab.csv, shifted by 0.01 s, beside run" in out
     assert "rms difference" in (tmp_path / "run_lab.csv").read_text()

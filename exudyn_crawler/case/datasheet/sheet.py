@@ -172,7 +172,7 @@ class Datasheet(Parameters):
         free = self.sprocket_to_idler is not None
         needed = ("shoes", "pitch", "idler_diameter", "sprocket_gaps", "length_on_ground", "first_roller")
         if free and (missing := [name for name in needed if getattr(self, name) is None]):
-            yield f"{', '.join(missing)} must be given with sprocket_to_idler: all make the chain's way"
+            yield f"{', '.join(missing)} must be given with sprocket_to_idler: all set the chain's path"
         if self.suspension != "arms" and self.kind != "vehicle":
             arm = [
                 name

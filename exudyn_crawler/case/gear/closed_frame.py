@@ -55,7 +55,7 @@ class ClosedFrame(RunningGear):
     slide_friction: base.Coefficient = quantity(
         "1", "of rails on slides, 0 at rest as rolling is", (0.05, 0.8), default=ph4100c.SLIDE_FRICTION
     )
-    guide_play: base.Extent = quantity("m", "a shoe's way to each side of a flange", (0.0, 0.1))
+    guide_play: base.Extent = quantity("m", "clearance of a shoe to each side of a flange", (0.0, 0.1))
     guide_height: base.Depth = quantity("m", "of the flanges above a tread", (0.005, 0.3))
     guide_stiffness: base.Stiffness = quantity(
         "N/m", "of the flanges of a wheel, of the tumbler", (1e5, 1e10)

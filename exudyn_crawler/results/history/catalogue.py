@@ -249,7 +249,7 @@ DERIVED: dict[str, Callable[[Case, xr.Dataset, xr.Dataset], xr.DataArray]] = {
     "axes": axes,
     "contact_force": lambda _, data, _begin: data.normal_force + data.friction_force,
     "terrain_deformation": terrain_deformation,
-    "side_frame_way": lambda _, data, begin: (
+    "side_frame_displacement": lambda _, data, begin: (
         data.side_frame_position - begin.side_frame_position.isel(time=0)
     ),
     "rail_force": rail_force,

@@ -55,10 +55,10 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
         rows.append((label, one.value * factor, unit, one.of, one.at))
     rows += [*driven.rows(), *_hanging(history)]
     # of the front shoe, or of the side frame that rolls over the shoes
-    framed = history.has("side_frame_way")
-    way = part.side_frame_way if framed else part.displacement.isel(shoe=-1)
+    framed = history.has("side_frame_displacement")
+    moved = part.side_frame_displacement if framed else part.displacement.isel(shoe=-1)
     of = "side frame" if framed else f"shoe {int(history.shoe[-1])}"
-    rows.append(("distance travelled", float(_size(way.isel(time=-1))), "m", of, history.duration))
+    rows.append(("distance travelled", float(_size(moved.isel(time=-1))), "m", of, history.duration))
     of, force = unbalanced(history)
     rows.append(("residual force at the start", 1e-3 * force, "kN", of, float(history.time[0])))
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])

@@ -12,7 +12,7 @@ from exudyn_crawler.case.parameters import columns
 from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.results.history.history import History
 
-OVER = {"time": "s", "way": "m"}
+OVER = {"time": "s", "distance": "m"}
 """First column of a measured table, which the others are over, and its unit."""
 LEAST_POINTS = 3  # that the run and the measurement have in common
 LEAST_PEAK = 0.05  # share of the greatest size, below which a peak says nothing. Chosen here
@@ -23,7 +23,7 @@ class Compared:
     """Measured series beside what the run has at the same places."""
 
     head: str  # of the column
-    over: str  # "time" or "way"
+    over: str  # "time" or "distance"
     unit: str  # for reading
     place: np.ndarray  # (points,), s or m of the run, shifted
     measured: np.ndarray  # (points,), in the unit
@@ -50,18 +50,18 @@ class Compared:
         return float(peak(self.run)) / measured
 
 
-def way_of(history: History) -> np.ndarray:
-    """Way along x of the side frame, or without one of the middle of the shoes: array (times,), m."""
-    name = "side_frame_way" if history.has("side_frame_way") else "displacement"
-    way = history.quantity(name).sel(axis="x")
-    others = [dimension for dimension in way.dims if dimension != "time"]
-    return way.mean(others).values
+def distance_of(history: History) -> np.ndarray:
+    """Distance along x of the side frame, or without one of the middle of the shoes: array (times,), m."""
+    name = "side_frame_displacement" if history.has("side_frame_displacement") else "displacement"
+    distance = history.quantity(name).sel(axis="x")
+    others = [dimension for dimension in distance.dims if dimension != "time"]
+    return distance.mean(others).values
 
 
 def chosen(history: History, head: str) -> xr.DataArray:
     """Quantity over time that a column's name says: its name, then the numbers or names that it is of.
 
-    As ``side_frame_way x``, ``link_tension 12`` or ``wheel_force roller 3 z``. ValueError if a run has no
+    As ``side_frame_displacement x``, ``link_tension 12`` or ``wheel_force roller 3 z``. ValueError if a run has no
     such quantity, or the name leaves open which one.
     """
     name, _, rest = head.partition(" ")
@@ -87,7 +87,7 @@ def chosen(history: History, head: str) -> xr.DataArray:
 
 
 def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
-    """Series of a measured table beside a run, of which the first column is `time` or `way`.
+    """Series of a measured table beside a run, of which the first column is `time` or `distance`.
 
     The `shift` (s or m) is added to it. ValueError, with the file and the column, if a series is not in the
     run, has another unit, or has fewer than three points within the run.
@@ -97,15 +97,15 @@ def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
     over, unit = names[0]
     if over not in OVER or len(names) < 2:
         raise ValueError(
-            f"{path} must have a first column 'time in s' or 'way in m' and others, got {heads[0]!r}"
+            f"{path} must have a first column 'time in s' or 'distance in m' and others, got {heads[0]!r}"
         )
     numbers = [
         columns.numbers([row[place] for row in rows], f"{path}: {head}") for place, head in enumerate(heads)
     ]
     place = _factor(path, over, unit, OVER[over]) * numbers[0] + shift
-    run_place = history.time.values if over == "time" else way_of(history)
+    run_place = history.time.values if over == "time" else distance_of(history)
     if np.any(np.diff(run_place) < -1e-6 * np.ptp(run_place)):
-        raise ValueError(f"{path} must be over time: the run goes back on its way")
+        raise ValueError(f"{path} must be over time: the run goes back and forth")
     within = (place >= run_place[0]) & (place <= run_place[-1])
     if within.sum() < LEAST_POINTS:
         raise ValueError(
