@@ -61,8 +61,8 @@ def distance_of(history: History) -> np.ndarray:
 def chosen(history: History, head: str) -> xr.DataArray:
     """Quantity over time that a column's name says: its name, then the numbers or names that it is of.
 
-    As ``side_frame_displacement x``, ``link_tension 12`` or ``wheel_force roller 3 z``. ValueError if a run has no
-    such quantity, or the name leaves open which one.
+    As ``side_frame_displacement x``, ``link_tension 12`` or ``wheel_force roller 3 z``. ValueError
+    if a run has no such quantity, or the name leaves open which one.
     """
     name, _, rest = head.partition(" ")
     values = history.over_time([name])[name]
