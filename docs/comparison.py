@@ -1,6 +1,6 @@
 """The page `comparison.md`: the `comparison.csv` of the studies as tables.
 
-``python -m docs.comparison results`` writes it anew from the folder that holds the studies' folders.
+``python -m docs.comparison results`` writes it again from the folder that holds the studies' folders.
 """
 
 import sys

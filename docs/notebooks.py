@@ -1,4 +1,4 @@
-"""Execute the handbook's notebooks anew: ``python -m docs.notebooks [FOLDER]``, in their places by default.
+"""Execute the handbook's notebooks again: ``python -m docs.notebooks [FOLDER]``, in their places by default.
 
 What they show is kept, so that they are read without running; `tests/docs/test_notebooks.py` executes them
 and compares what they print.

@@ -1,6 +1,6 @@
 """The rooms of the code, read from its imports, and the picture of them that the handbook shows.
 
-``python -m docs.rooms`` draws `docs/images/rooms.svg` anew; the tests hold the picture, and what each room
+``python -m docs.rooms`` draws `docs/images/rooms.svg` again; the tests hold the picture, and what each room
 may import, against the code.
 """
 

@@ -215,7 +215,7 @@ def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable
         if strict:
             raise
         if not isinstance(error, FileNotFoundError):
-            say(f"{case_file.case.name}: running anew, since {error}")
+            say(f"{case_file.case.name}: running again, since {error}")
         return None
     return reuse
 

@@ -193,7 +193,7 @@ class Solver(Parameters):
         "s", "between stored states; at least a step", ge=1e-9, le=1e9, default=2.0e-3
     )
     checkpoint_interval: float = quantity(
-        "s", "between states from which a run, or a killed one, starts anew", ge=1e-3, le=1e9, default=1.0
+        "s", "between states from which a run, or a killed one, starts again", ge=1e-3, le=1e9, default=1.0
     )
 
     def _errors(self) -> Errors:

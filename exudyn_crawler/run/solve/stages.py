@@ -1,4 +1,4 @@
-"""Stages of a run, each of which the solver starts anew: times, stored states, history."""
+"""Stages of a run, each of which the solver starts again: times, stored states, history."""
 
 import math
 from bisect import bisect_left
@@ -21,7 +21,7 @@ SETTLING = 1.0
 def stage_times(case: Case, duration: float) -> list[float]:
     """Ends of the stages of a run, from 0 to its duration, s.
 
-    The integration starts anew from its state at every multiple of the solver's checkpoint interval and
+    The integration starts again from its state at every multiple of the solver's checkpoint interval and
     where the drive goes on or off.
     """
     interval = case.solver.checkpoint_interval

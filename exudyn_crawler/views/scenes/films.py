@@ -69,7 +69,7 @@ class TrackPicture:
             self._drawn: pictures.Drawn = []
             self.show(0.0)
             figures.draw_phases([curves], common_phases(history))
-            # the layout is solved once; solving it anew would take most of the time of a picture
+            # the layout is solved once; solving it again would take most of the time of a picture
             self.figure.draw_without_rendering()
             self.figure.set_layout_engine("none")
 
