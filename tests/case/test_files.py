@@ -263,6 +263,12 @@ def test_what_is_no_toml_is_refused(refused, content):
     assert fault.startswith("not TOML: ")
 
 
+@pytest.mark.parametrize(("value", "point"), [("9,81", "9.81"), ("-0,5 # m/s2", "-0.5")])
+def test_a_decimal_comma_is_told_in_a_line_that_is_no_toml(refused, value, point):
+    (fault,) = refused(f'base = "turning"\ngravity = {value}\n')
+    assert fault.endswith(f"); numbers have a point: {point}")
+
+
 def test_marks_of_windows_editors_are_no_fault_and_none_takes_a_value_away(read):
     assert read(b'\xef\xbb\xbfbase = "turning"\r\n').case == Case.turning()
     assert read('base = "turning"\n[drive]\nturn_rate = "none"\n').case.drive == Case.translation().drive

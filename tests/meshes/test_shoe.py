@@ -213,7 +213,7 @@ def test_a_shoe_of_netgen_has_surfaces_bores_and_underside_where_the_ready_one_h
 def test_the_command_writes_a_mesh_that_a_case_takes_and_refuses_what_makes_no_shoe(tmp_path, capsys):
     pytest.importorskip("netgen")
     main([str(tmp_path / "wide.msh.gz"), "--size", "coarse", "--rail-width", "0.24"])
-    assert Shoe.from_mesh(str(tmp_path / "wide.msh.gz")).rails.width == pytest.approx(0.24)
+    assert Shoe.from_mesh(tmp_path / "wide.msh.gz").rails.width == pytest.approx(0.24)
     # rails level with the flange
     with pytest.raises(SystemExit):
         main([str(tmp_path / "no.msh"), "--rail-height", str(ShoeDimensions.beam_height)])

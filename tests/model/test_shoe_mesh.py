@@ -6,7 +6,7 @@ import pytest
 from exudyn_crawler import Case, CaseFile, Shoe, run_case
 from exudyn_crawler.model.flexible_shoes import check_shoe
 from fem import Mesh, write_mesh
-from meshes import shoe_mesh
+from meshes import shoe_mesh, shoe_path
 
 CASE = Case.stress("coarse")
 MESH = shoe_mesh("coarse")
@@ -59,7 +59,7 @@ def test_a_mesh_that_does_not_do_is_refused_before_anything_is_written(tmp_path,
 @pytest.mark.simulation
 def test_a_shoe_as_its_mesh_has_it():
     shoe, paper = Shoe.from_mesh(MESH), CASE.shoe
-    assert shoe == Shoe.from_mesh("coarse")
+    assert shoe == Shoe.from_mesh("coarse") == Shoe.from_mesh(shoe_path("coarse"))
     assert shoe.mass == pytest.approx(MESH.volume * 7847.25, rel=1e-9)
     assert shoe.mass == pytest.approx(paper.mass, rel=5e-3)
     assert shoe.inertia_tensor == pytest.approx(paper.inertia_tensor, rel=0.02, abs=20.0)

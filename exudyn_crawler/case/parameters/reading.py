@@ -24,6 +24,10 @@ from exudyn_crawler.errors import CaseFileError
 
 Model = TypeVar("Model", bound=BaseModel)
 Content = dict[str, Any]
+LINE = re.compile(r"\(at line (\d+),")
+"""Place that the reader of TOML names."""
+COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
+"""Number with a decimal comma in a line of TOML."""
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
 NAME = r"[a-zµ°%_]+(?:\^?-?\d(?:\.\d+)?)?"
 UNIT = rf"(?:1/)?{NAME}(?:\s*[*/ ]\s*{NAME})*"
@@ -80,12 +84,21 @@ def toml_content(path: Path, name: str) -> Content:
     """Content of a TOML file; raises `FileNotFoundError` or, without the path, `ValueError` if it is none."""
     if not path.is_file():
         raise FileNotFoundError(f"{path} is a folder, no {name}" if path.is_dir() else f"no {name} {path}")
+    text = ""
     try:
         # some editors put a mark before the text
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+        text = path.read_bytes().decode("utf-8-sig")
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        text = str(error).replace("Cannot overwrite a value", "this key or table stands twice")
-        raise ValueError(f"not TOML: {text}") from error
+        told = str(error).replace("Cannot overwrite a value", "this key or table stands twice")
+        raise ValueError(f"not TOML: {told}{_decimal_comma(text, told)}") from error
+
+
+def _decimal_comma(text: str, told: str) -> str:
+    """Hint at a decimal comma in the line of a text that an error of its reader names; empty if none is."""
+    line = LINE.search(told)
+    comma = COMMA.search(text.splitlines()[int(line[1]) - 1]) if line else None
+    return f"; numbers have a point: {comma[1]}.{comma[2]}" if comma else ""
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
@@ -94,11 +95,11 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
 
     @classmethod
     def from_mesh(
-        cls, mesh: "str | fem.Mesh", density: float = STEEL_DENSITY, load_surface: str = "whole top"
+        cls, mesh: "str | Path | fem.Mesh", density: float = STEEL_DENSITY, load_surface: str = "whole top"
     ) -> Self:
         """Shoe as its mesh has it: mass, inertia, underside and load point; density in kg/m3.
 
-        The mesh, in shoe axes and m, is coarse, study or fine, the path of a file, or a mesh. It needs the
+        The mesh, in shoe axes and m, is coarse, study or fine, a path, or a mesh. It needs the
         surfaces "underside" and `load_surface`, as of `FlexibleShoes`. A FileNotFoundError or MeshError if
         there is none or a surface is cut; a ValueError if it is larger than any shoe, lacks a surface, or its
         origin is not its COM.
@@ -106,9 +107,9 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
         # a case without a mesh need not wait for finite elements
         from meshes import STEEL, checks, mesh_named, with_load_surfaces
 
-        name = mesh if isinstance(mesh, str) else ""
-        if isinstance(mesh, str):
-            shoe_mesh = mesh_named(mesh)
+        name = str(mesh) if isinstance(mesh, str | Path) else ""
+        if isinstance(mesh, str | Path):
+            shoe_mesh = mesh_named(name)
         else:
             shoe_mesh = with_load_surfaces(mesh)
             checks.check_whole(shoe_mesh)
