@@ -37,7 +37,7 @@ Segment = tuple[int, list[Floats], Floats]
 class StressHistory(NamedTuple):
     """Stress of n nodes over a history as shapes times coordinates, of r directions.
 
-    `shapes` gives those of a block of nodes (k, c, r), `segments` the history once more. Errors are those of the
+    `shapes` gives those of a block of nodes (k, c, r), `segments` the history again. Errors are those of the
     components at each node, as a length.
     """
 

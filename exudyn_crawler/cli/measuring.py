@@ -117,4 +117,4 @@ def soil_stress(
     with style.titled_figure(f"{run.name}: pressure in the ground", 7.0, 3.6) as figure:
         measured.draw_soil_stress(table, passages, figure)
     style.save_figure(figure, figure_path, overwrite)
-    typer.echo(f"{path}: over time and way; {figure_path}")
+    typer.echo(f"{path}: over time and distance; {figure_path}")

@@ -103,7 +103,7 @@ def draw_drawbar(table: pd.DataFrame, track: EvenTrack, figure: Figure) -> None:
 
 
 def draw_soil_stress(table: pd.DataFrame, passages: pd.DataFrame, figure: Figure) -> None:
-    """Draw pressure at sensors over the distance travelled, and the mean while the track is over them as dashes."""
+    """Draw pressure at sensors over the distance, and the mean while the track is over them as dashes."""
     axes = figure.subplots()
     travelled = table["distance in m"].to_numpy()
     heads = [*table.columns][2:]

@@ -111,7 +111,9 @@ def test_peaks_and_mean_are_of_the_passage():
     over = (way > 2.0) & (way < 8.0)
     wave = np.where(over, 200e3 - 100e3 * np.cos(np.pi * way), 0.0)
     name = Sensor(5.0, 0.0).name
-    row = soil_stress.passage_table(pd.DataFrame({"time in s": way, "way in m": way, name: wave})).iloc[0]
+    row = soil_stress.passage_table(pd.DataFrame({"time in s": way, "distance in m": way, name: wave})).iloc[
+        0
+    ]
     assert row["sensor"] == "x 5 y 0 depth 0"
     assert row["mean in Pa"] == pytest.approx(200e3, rel=0.01)
     assert (row["peaks"], row["peaks over mean"]) == (3, pytest.approx(1.5, rel=0.01))

@@ -51,7 +51,7 @@ def read_slips(text: str) -> tuple[float, ...]:
 def pulled_case(case_file: CaseFile, test: DrawbarTest) -> CaseFile:
     """Case of a test: its drive holds the slips, and it lasts until the last one is measured.
 
-    Ground of cells gets as long as the way; a measured map stays as it is.
+    Ground of cells gets as long as the travel; a measured map stays as it is.
 
     Raises
     ------
@@ -87,8 +87,8 @@ def pulled_case(case_file: CaseFile, test: DrawbarTest) -> CaseFile:
 def drawbar_table(history: History) -> pd.DataFrame:
     """Table of a test: columns of `HEADS` in SI units, a row for each slip that was held, zero first.
 
-    Slip is that of the way: ``1 - way of the machine / way of the chain``. Efficiency is the pull's work over
-    that of the drive, motion resistance the drive's work by the way of the chain less the pull, so that it
+    Slip is that of the travel: ``1 - travel of the machine / travel of the chain``. Efficiency is the pull's
+    work over that of the drive, motion resistance the drive's work by the travel of the chain less the pull, so that it
     has the ground's and that of wheels and chain. ValueError if the history is of no drawbar test.
     """
     case = history.case
@@ -101,9 +101,9 @@ def drawbar_table(history: History) -> pd.DataFrame:
     torque = _by_track(history, "drive_moment", gear.tracks)
     pull = history.quantity("drawbar_pull").values
     chain = gear.travel_per_angle(case.track) * (turn - turn[0]).mean(axis=1)
-    way = history.side_frame_position.sel(axis="x").values
+    travel = history.side_frame_position.sel(axis="x").values
     work = _summed(np.sum(0.5 * (torque[1:] + torque[:-1]) * np.diff(turn, axis=0), axis=1))
-    pulling = _summed(0.5 * (pull[1:] + pull[:-1]) * np.diff(way))
+    pulling = _summed(0.5 * (pull[1:] + pull[:-1]) * np.diff(travel))
     # whole shoes before the end of each hold
     shoes = max(1, round(COUNTED * track.length / gear.chain_pitch(case.track)))
     held = case.drive.slip.times[::2]
@@ -117,7 +117,7 @@ def drawbar_table(history: History) -> pd.DataFrame:
         integral = _summed(0.5 * (values[1:] + values[:-1]) * np.diff(time))
         return gained(integral) / np.diff(edges)[:, 0]
 
-    slip = 1.0 - gained(way) / gained(chain)
+    slip = 1.0 - gained(travel) / gained(chain)
     rows = {
         "slip": slip,
         "pull": mean(pull),

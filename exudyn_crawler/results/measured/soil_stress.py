@@ -12,7 +12,7 @@ import pandas as pd
 from scipy.signal import find_peaks
 
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.measured.series import way_of
+from exudyn_crawler.results.measured.series import distance_of
 
 CONCENTRATION = 4.0
 """Froehlich's factor: 3 of an elastic body, and by Soehne (Agricultural Engineering 39 (1958), remembered) 4
@@ -162,10 +162,10 @@ def _panels(size: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
 def stress_table(
     history: History, sensors: list[Sensor], concentration: float = CONCENTRATION
 ) -> pd.DataFrame:
-    """Table over the stored times: time, way of the machine, and normal pressure at each sensor, SI."""
+    """Table over the stored times: time, distance travelled, and normal pressure at each sensor, SI."""
     load = pressed(history)
     named = {sensor.name: sensor_pressure(load, sensor, concentration) for sensor in sensors}
-    return pd.DataFrame({"time in s": history.time.values, "way in m": way_of(history), **named})
+    return pd.DataFrame({"time in s": history.time.values, "distance in m": distance_of(history), **named})
 
 
 def passage_table(table: pd.DataFrame) -> pd.DataFrame:
