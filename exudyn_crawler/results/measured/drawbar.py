@@ -88,8 +88,8 @@ def drawbar_table(history: History) -> pd.DataFrame:
     """Table of a test: columns of `HEADS` in SI units, a row for each slip that was held, zero first.
 
     Slip is that of the travel: ``1 - travel of the machine / travel of the chain``. Efficiency is the pull's
-    work over that of the drive, motion resistance the drive's work by the travel of the chain less the pull, so that it
-    has the ground's and that of wheels and chain. ValueError if the history is of no drawbar test.
+    work over that of the drive, motion resistance the drive's work by the travel of the chain less the pull,
+    so that it has the ground's and that of wheels and chain. ValueError if the history is of no drawbar test.
     """
     case = history.case
     track = even_track(case)
