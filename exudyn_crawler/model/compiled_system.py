@@ -85,10 +85,9 @@ class CompiledSystem(track_system.TrackSystem):
         count = self.layout.shoes
         shoes = self.case.gear.shoes_by_strips(self.tables.bodies.modal[:count] >= 0)
         forces = gear.GearForces.allocate(len(times), count, len(shoes), self.work)
-        drags = self.timed_inputs.drags_at(times)
         coordinates = np.ascontiguousarray(q)
         rates = np.ascontiguousarray(q_t)
-        gear.write_gear_forces(self.block, coordinates, rates, drags, shoes, forces)
+        gear.write_gear_forces(self.block, coordinates, rates, shoes, forces)
         return forces
 
     def switch_drive(self, on: bool) -> None:

@@ -53,14 +53,13 @@ def calls_of(system: CompiledSystem) -> dict[str, list[Call]]:
     state[0] = system.first_guess()
     multipliers = np.zeros(system.tables.multipliers)
     forces = gear.GearForces.allocate(1, system.layout.shoes, 0, system.work)
-    no_drags = np.zeros((1, 0))
     no_shoes = np.zeros(0, dtype=np.int64)
     return {
         "residual": [
             (equations.residual, (system.block, state, multipliers, inputs, weights, residual)),
             (
                 gear.write_gear_forces,
-                (system.block, state[:1].copy(), state[1:2].copy(), no_drags, no_shoes, forces),
+                (system.block, state[:1].copy(), state[1:2].copy(), no_shoes, forces),
             ),
         ],
         "matrix": [

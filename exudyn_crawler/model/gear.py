@@ -58,14 +58,13 @@ def write_gear_forces(
     system: IntArray,
     coordinates: FloatArray,
     rates: FloatArray,
-    drags: FloatArray,
     some: IntArray,
     forces: GearForces,
 ) -> None:
     """Write `GearForces` at coordinates and rates (times, coordinates).
 
-    `system` is a block of `tables.System`, `drags` (times, wheels) are as of `wheel_contacts`, `some` (f,)
-    are the numbers of the shoes whose forces are wanted one by one.
+    `system` is a block of `tables.System`, `some` (f,) are the numbers of the shoes whose forces are wanted
+    one by one.
     """
     tables, work = read_system(system)
     bodies = tables.bodies
@@ -80,7 +79,7 @@ def write_gear_forces(
         _copy(rates[t], state[1])
         write_angles(bodies, state[0])
         teeth.write_rows(tables.forces.teeth, bodies, tables.markers, state, weights, of_teeth)
-        wheels.write_rows(tables.forces.wheels, bodies, state, drags[t], weights, of_wheels)
+        wheels.write_rows(tables.forces.wheels, bodies, state, 1.0, weights, of_wheels)
         _copy(of_wheels.on_shoes.reshape(-1), forces.wheel[t].reshape(-1))
         _copy(of_wheels.on_wheels.reshape(-1), forces.on_wheels[t].reshape(-1))
         forces.energy[t, 0] = of_wheels.energy[0]

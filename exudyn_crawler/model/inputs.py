@@ -21,7 +21,7 @@ class Inputs(NamedTuple):
     shift: float  # how far those that shift act to the left of their places, m
     active: FloatArray  # (2,): 1 where drive and turn act, else 0
     speeds: FloatArray  # (2,): of drive and turn, m/s and rad/s
-    drag: FloatArray  # (wheels,): rolling resistance over normal force, with the sign of the speed
+    resists: float = 1.0  # part of their resistance that wheels have; none as a rest is looked for
     motors: FloatArray = np.zeros(0)  # (motors,): speeds of the tumblers against their frames, rad/s
 
 
@@ -40,7 +40,6 @@ class TimedInputs:
         slip = case.drive.slip or NOTHING
         profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, slip, *machine]
         self._profiles = profiles_of(profiles)
-        self._resistance = case.gear.resistance
         self._middles = case.gear.middles
         self._gravity = tuple(case.gravity_vector().tolist())
         self._down = case.terrain.down
@@ -55,18 +54,12 @@ class TimedInputs:
         loads = np.zeros((self._load_count, 6))
         loads[:count, :3] = np.outer(shoes, self._down)
         loads[count:] = case.gear.wrenches(machine)
-        drag = self._resistance.drags(of_tracks)
         drawn = case.drive.slip is not None
         active = case.gear.active(driven, driven and case.drive.turn_rate is not None, drawn)
         motors = case.gear.motors(of_tracks, case.track)
         # a drawbar lets the frame go slower than its tracks
         speeds[0] *= 1.0 - speeds[3]
-        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)
-
-    def drags_at(self, times: np.ndarray) -> np.ndarray:
-        """Rolling resistance over normal force of all wheels at times (s): array (times, wheels)."""
-        speeds = np.array([self._applied(time)[1] for time in times])
-        return self._resistance.drags(self._speeds_of_tracks(speeds))
+        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], 1.0, motors)
 
     def _applied(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Loads of shoes; speed, rate of turning, side shift and slip; wrench on the frame, at a time."""

@@ -118,5 +118,5 @@ def write_forces(
     units.write_rows(forces.units, terrain, bodies, state, weights, work.units)
     cells.write_rows(forces.cells, bodies, state, weights, work.cells)
     teeth.write_rows(forces.teeth, bodies, markers, state, weights, work.teeth)
-    wheels.write_rows(forces.wheels, bodies, state, inputs.drag, weights, work.wheels)
+    wheels.write_rows(forces.wheels, bodies, state, inputs.resists, weights, work.wheels)
     arms.write_rows(forces.arms, bodies, state, weights, work.arms)

@@ -71,9 +71,9 @@ def test_slides_are_lines_that_do_not_turn_at_even_steps():
     lines = wheels[first]
     assert lines[:, 0] == pytest.approx(np.linspace(-2.7, -0.9, 5))
     assert lines[:, 1] + lines[:, 2] == pytest.approx(closed.slides[0][2])
-    assert np.unique(closed.resistance.coefficients[first]) == closed.slide_friction
-    assert set(closed.resistance.coefficients) == {closed.slide_friction, closed.rolling_resistance}
-    assert len(wheels) == len(case.gear.wheel_names) == len(closed.resistance.coefficients)
+    assert np.unique(closed.resistances[first]) == closed.slide_friction
+    assert set(closed.resistances) == {closed.slide_friction, closed.rolling_resistance}
+    assert len(wheels) == len(case.gear.wheel_names) == len(closed.resistances)
 
 
 def test_slides_that_rails_lie_on_three_lines_of_or_that_overlap_are_refused():

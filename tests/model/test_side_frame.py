@@ -36,3 +36,34 @@ def test_pull_acts_on_frame_and_chain_alike():
     assert forces[-6] == pytest.approx(1.0)
     lever = case.frame_start[2] + q[-4] - (case.shoe.com_height + case.track.pin_height)
     assert -forces[-2] == pytest.approx(lever, abs=0.2)
+
+
+@pytest.mark.parametrize("case", [small_case(), small_flexible_case()], ids=["rigid", "flexible"])
+def test_resistance_of_wheels_takes_power_in_any_motion_and_is_none_at_rest(case):
+    """Power of what it adds to the equations, by the rates of all coordinates; the drive is to travel."""
+    resisting = compiled_system(case)
+    free = compiled_system(case.with_({"gear.rolling_resistance": 0.0}))
+    q = static_equilibrium(case)
+    assert case.drive.speed.value(0.1) > 0.0
+    rng = np.random.default_rng(5)
+    powers = []
+    for scale in np.repeat([0.0, 1e-4, 1e-2, 0.3], [1, 8, 8, 8]):
+        rates = scale * rng.normal(size=len(q))
+        state = np.stack((q, rates, np.zeros_like(q)))
+        without, whole = (system.residual(state, system.inputs(0.1)) for system in (free, resisting))
+        resistance = (without - whole)[: len(q)]
+        powers.append(resistance @ rates)
+        if not scale:
+            assert not resistance.any()
+    assert max(powers[1:]) < 0.0
+
+
+def test_newtons_matrix_has_the_resistance_of_wheels_that_begin_to_roll():
+    """Where it rises with the speed, and the frame goes alone."""
+    case = small_case(rolling_resistance=0.1)
+    q = static_equilibrium(case)
+    rates = np.zeros(len(q))
+    rates[-6] = 0.2 * case.gear.resistance_speed
+    off = matrix_errors(compiled_system(case), q, rates)
+    assert off.max() < 0.02
+    assert off[-6:, -6:].max() < 1e-4

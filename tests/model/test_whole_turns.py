@@ -72,7 +72,7 @@ def integrated(tables, start, gravity, h, steps):
     state, multipliers = np.reshape(start, (3, -1)).copy(), np.zeros(tables.multipliers)
     system = System(tables, Workspace.allocate(tables, 1, nothing(ShoePoints)))
     block = pack(system, SYSTEM)
-    inputs = Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2), np.zeros(1))
+    inputs = Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2))
     scratch = np.zeros(state.shape[1] + len(multipliers)), np.zeros(tables.fronts.size)
     # generalized alpha (Arnold and Bruels, Multibody System Dynamics 18, 2007)
     alpha_m, alpha_f = (2.0 * RADIUS - 1.0) / (RADIUS + 1.0), RADIUS / (RADIUS + 1.0)

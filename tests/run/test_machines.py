@@ -6,26 +6,35 @@ import pytest
 from exudyn_crawler import read_case, simulate
 from exudyn_crawler.case.datasheet.library import machines
 
-OPEN = (
-    "rolling resistance has the sign of the commanded speed, not of the rolling: it pushes a machine back as "
-    "it starts (21 mm of the 4100C; none without resistance), and its surge lasts"
-)
+LEAST_WAY = 0.5
+"""m."""
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.simulation,
+    # military ones are faster than others, of which such numbers are more likely in km/h and deg/s
+    pytest.mark.filterwarnings("ignore:drive.speed. -2 m/s is outside"),
+    pytest.mark.filterwarnings("ignore:drive.turn_rate. 1"),
+]
 
 
-@pytest.mark.slow
-@pytest.mark.xfail(reason=OPEN, strict=False)
 @pytest.mark.parametrize("name", machines())
 def test_machines_of_the_library_travel_as_they_are_driven(name):
     case = read_case(machines()[name]).case
-    history = simulate(case, 2.0, progress=False)
-    way = history.side_frame_position.values[-1] - history.side_frame_position.values[0]
+    # slower ones take longer: what the chain takes up at the start, and a surge, are centimetres on any way
+    duration = 2.0 if abs(case.drive.travel(2.0)) > LEAST_WAY else 6.0
+    assert abs(case.drive.travel(duration)) > LEAST_WAY
+    history = simulate(case, duration, progress=False)
+    ways = history.side_frame_position.values - history.side_frame_position.values[0]
+    way = ways[-1]
+    # treads and ground are elastic; nothing pushes a machine back as it starts
+    assert (np.sign(way[0]) * ways[:, 0] > -1e-4).all()
     # what the track slips and takes up is missing
-    assert way[0] == pytest.approx(case.drive.travel(2.0), rel=0.1)
+    assert way[0] == pytest.approx(case.drive.travel(duration), rel=0.1)
     assert abs(way[1]) < 0.01
     assert (history.quantity("link_tension").values > 0.0).all()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", machines())
 def test_machines_of_the_library_turn_on_the_spot(name):
     case = read_case(machines()[name], ["datasheet.travel='on the spot'"]).case

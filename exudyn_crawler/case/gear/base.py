@@ -43,19 +43,6 @@ class WheelLabel(NamedTuple):
         return f"{track}{self.kind}{number}{line}"
 
 
-class Resistance(NamedTuple):
-    """Resistance of the wheels of a track against the travel, over their normal force."""
-
-    coefficients: np.ndarray  # (wheels,)
-    speed: float  # m/s, at which it has 0.7 of its value, 0 at rest
-
-    def drags(self, speeds: np.ndarray) -> np.ndarray:
-        """Resistance over normal force of the wheels of all tracks, (..., wheels), at their speeds, m/s."""
-        faded = np.hypot(speeds, self.speed)
-        drags = speeds[..., None] * self.coefficients / faded[..., None]
-        return drags.reshape(*speeds.shape[:-1], -1)
-
-
 class Whole(Protocol):
     """Case as its gear sees it."""
 
@@ -203,11 +190,6 @@ class Gear(Parameters):
         """Way along x and y of the track's middle by times (s), as the drive wants it: (times, 2), m."""
         travels = drive.travel(times)
         return np.column_stack((travels, np.zeros_like(travels)))
-
-    @property
-    def resistance(self) -> Resistance:
-        """Resistance of the wheels of a track."""
-        return Resistance(np.zeros(0), 1.0)
 
     def words(self, chain: Track) -> str:
         """Say what stands on which shoes, for readers."""

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.gear.base import Resistance, WheelLabel, Whole
+from exudyn_crawler.case.gear.base import WheelLabel, Whole
 from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
 from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, option, quantity
@@ -107,12 +107,11 @@ class ClosedFrame(RunningGear):
         return places
 
     @property
-    def resistance(self) -> Resistance:
-        """Resistance of the wheels of a track: they roll, lines of slides rub."""
+    def resistances(self) -> np.ndarray:
+        """Resistance of the wheels of a track over their normal force: they roll, lines of slides rub."""
         rolling = len(self.rollers) + 1 + len(self.carriers)
         rubbing = len(self.upper) - len(self.carriers)
-        coefficients = np.repeat([self.rolling_resistance, self.slide_friction], [rolling, rubbing])
-        return Resistance(coefficients, self.resistance_speed)
+        return np.repeat([self.rolling_resistance, self.slide_friction], [rolling, rubbing])
 
     @property
     def length(self) -> float:

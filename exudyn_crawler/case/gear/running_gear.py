@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from exudyn_crawler.case.gear.arms import Arm, arm_errors
-from exudyn_crawler.case.gear.base import POSTS, SIDE_FRAME, Gear, Resistance, WheelLabel, Whole
+from exudyn_crawler.case.gear.base import POSTS, SIDE_FRAME, Gear, WheelLabel, Whole
 from exudyn_crawler.case.parameters import base, fields, sizes
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.car_body import Part
@@ -64,7 +64,7 @@ class RunningGear(Gear):
     damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
     damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
     rolling_resistance: base.Coefficient = quantity("1", "of a wheel over its normal force", (0.0, 0.2))
-    resistance_speed: base.Speed = quantity("m/s", "at which it has 0.7 of its value, 0 at rest", (1e-5, 0.1))
+    resistance_speed: base.Speed = quantity("m/s", "over the rail at which it has 0.7 of it", (1e-5, 0.1))
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -129,9 +129,9 @@ class RunningGear(Gear):
         return 0.5 * self.tread_width * points
 
     @property
-    def resistance(self) -> Resistance:
-        """Resistance of the wheels of a track: they roll."""
-        return Resistance(np.full(len(self.rollers), self.rolling_resistance), self.resistance_speed)
+    def resistances(self) -> np.ndarray:
+        """Resistance of the wheels of a track over their normal force: they roll; array (wheels,)."""
+        return np.full(len(self.rollers), self.rolling_resistance)
 
     @property
     def flange(self) -> tuple[float, float, float]:

@@ -31,7 +31,7 @@ class Rails(base.PH4100C, values=ph4100c.RAILS):
     front: Place = quantity("m", "x of the front ends", (0.0, 1.0))
     right: Place = quantity("m", "y of the middle of the right rail", (-1.5, 0.0))
     left: Place = quantity("m", "y of the middle of the left rail", (0.0, 1.5))
-    width: Length = quantity("m", "width of a rail", (0.05, 1.0))
+    width: Length = quantity("m", "width of a rail", (0.02, 1.0))
     height: Place = quantity("m", "z of their tops", (0.0, 1.0))
 
     def _errors(self) -> Errors:
@@ -54,7 +54,7 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
 
     mass: float = quantity("kg", "mass", (5.0, 2e4), ge=0.1, le=1e7)
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor)")
-    com_height: Length = quantity("m", "height of the COM above the underside", (0.02, 1.0))
+    com_height: Length = quantity("m", "height of the COM above the underside", (0.01, 1.0))
     length: Length = quantity("m", "length of the flat underside in x", (0.1, 2.0))
     width: Length = quantity("m", "width of the flat underside in y", (0.2, 6.0))
     underside_center: base.Two = quantity("m", "x and y of the underside's centre in its frame", (-1.0, 1.0))
@@ -180,7 +180,7 @@ class Track(base.PH4100C, values=ph4100c.TRACK):
     an axis kept parallel at the other.
     """
 
-    shoe_count: int = quantity("1", "number of shoes, of all tracks", (2, 120), ge=2, le=MOST_SHOES)
+    shoe_count: int = quantity("1", "number of shoes, of all tracks", (2, 200), ge=2, le=MOST_SHOES)
     first_com: base.Two = quantity("m", "x and y of the COM of shoe 1 at t = 0")
     pitch: Length = quantity("m", "distance of the COMs of neighbours in x", (0.1, 2.0))
     pin_ahead: Length = quantity("m", "x of the front pins ahead of the COM", (0.02, 2.0))

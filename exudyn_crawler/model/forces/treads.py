@@ -1,13 +1,15 @@
 """Law of a strip of a wheel's tread on the rail of a shoe, as functions of numbers.
 
 The force acts at the rail's nearest point on both bodies, so that action equals reaction in moment too: what
-resists rolling is taken to be the friction of the wheel's bearing and seals.
+resists rolling is taken to be the friction of the wheel's bearing and seals. There the body that carries the
+wheel goes over the rail at the speed with which the wheel's rim turns in its bearing. The resistance is
+against that speed and fades with it, so that it never gives energy and a wheel at rest has none.
 
 In the shoe's x-z plane the strip is a disc about the wheel's axis and the rail a segment, which ends where
 the gap to the next shoe begins; a flexible shoe's rail is bent. Depth is the disc's radius less the distance
 of its centre to the segment, ends included, so that a disc over a gap lies on the edges of both shoes. The
 force is the gradient of the depth times the normal law, and what bends the rail feels the same force: the
-elastic part has a potential. Rolling resistance lies along the rail.
+elastic part has a potential. Resistance lies along the rail.
 """
 
 import math
@@ -32,14 +34,26 @@ class Rail(NamedTuple):
     height: float
 
 
+class Disc(NamedTuple):
+    """Strip of a wheel by itself."""
+
+    radius: float  # m
+    resistance: float  # over the normal force; of a wheel that turns in its bearing, or of a line that rubs
+    fading: float  # m/s over the rail, at which it has 0.7 of the resistance
+
+
 class Bending(NamedTuple):
-    """How a rail is bent where a tread is: rise (m), slope and rate of the rise (m/s); aside, m and m/s."""
+    """How a rail is bent where a tread is: rise (m), slope and rate of the rise (m/s); aside, m and m/s.
+
+    The last one is the rate along the rail, m/s.
+    """
 
     rise: float
     slope: float
     rate: float
     aside: float = 0.0
     aside_rate: float = 0.0
+    along_rate: float = 0.0
 
 
 class Tread(NamedTuple):
@@ -56,24 +70,32 @@ class Tread(NamedTuple):
 
 
 class Slopes(NamedTuple):
-    """Normal force (N), its derivatives by depth and by its rate, and rolling resistance over it."""
+    """Normal force (N), its derivatives by depth and by its rate; resistance over it, and by the speed."""
 
     force: float
     by_depth: float
     by_rate: float
     drag: float
+    by_speed: float  # s/m
+
+
+class Sliding(NamedTuple):
+    """Motion over a rail of the body that carries a wheel."""
+
+    x_rate: float  # of the wheel's centre along the rail, m/s
+    z_rate: float  # m/s
+    spin: float  # about y, rad/s
 
 
 @kernel
 def tread_force(
-    law: Impact, rail: Rail, disc: Pair, center: Pair, rates: Pair, bending: Bending, derive: bool
+    law: Impact, rail: Rail, disc: Disc, center: Pair, rates: Triple, bending: Bending, derive: bool
 ) -> Tread:
     """Force of a rail on a strip whose normal law this is; with its derivatives, or with zeros for these.
 
-    `disc` is its radius (m), and rolling resistance over normal force with the sign of the travel; `center`
-    and `rates` are x and z of its centre in the shoe's frame (m) and their rates (m/s).
+    `center` are x and z of its centre in the shoe's frame (m); `rates` are their rates (m/s) and the angular
+    velocity about y, against the shoe, of the body that carries the wheel (rad/s).
     """
-    radius, drag = disc
     x = min(max(center[0], rail.rear), rail.front)
     inside = 1.0 if x == center[0] else 0.0
     outside = 1.0 - inside
@@ -85,15 +107,17 @@ def tread_force(
     # from the rail to the roller; within the rail along its bent normal
     nx = ex - inside * bending.slope
     nz = ez
-    depth = radius - distance
+    depth = disc.radius - distance
     rate = ez * bending.rate - nx * rates[0] - nz * rates[1]
     force, by_depth, by_rate = law_slopes(law, depth, rate)
+    sliding = Sliding(rates[0] - bending.along_rate, rates[1] - bending.rate, rates[2])
+    drag, by_speed = resistance(disc, sliding.x_rate * nz - sliding.z_rate * nx - sliding.spin * distance)
     push = (force * (nx - drag * nz), force * (nz + drag * nx))
     foot = (x, rail.height + bending.rise)
     if not derive:
         none = (0.0, 0.0)
         return Tread(push, foot, depth, inside, (none, none, none, none), (none, none, none))
-    slopes = Slopes(force, by_depth, by_rate, drag)
+    slopes = Slopes(force, by_depth, by_rate, drag, by_speed)
     speeds = (rates[0], rates[1], outside * bending.rate)
     turn = outside / distance
     return Tread(
@@ -102,33 +126,52 @@ def tread_force(
         depth,
         inside,
         (
-            _by_place(slopes, (nx, nz), -nx, (turn * ez * ez, -turn * ex * ez), speeds),
-            _by_place(slopes, (nx, nz), -nz, (-turn * ex * ez, turn * ex * ex), speeds),
-            _by_place(slopes, (nx, nz), ez, (turn * ex * ez, -turn * ex * ex), speeds),
-            _by_place(slopes, (nx, nz), 0.0, (-inside, 0.0), speeds),
+            _by_place(slopes, (nx, nz), -nx, (turn * ez * ez, -turn * ex * ez), speeds, sliding),
+            _by_place(slopes, (nx, nz), -nz, (-turn * ex * ez, turn * ex * ex), speeds, sliding),
+            _by_place(slopes, (nx, nz), ez, (turn * ex * ez, -turn * ex * ex), speeds, sliding),
+            _by_place(slopes, (nx, nz), 0.0, (-inside, 0.0), speeds, sliding),
         ),
-        (_by_rate(slopes, (nx, nz), -nx), _by_rate(slopes, (nx, nz), -nz), _by_rate(slopes, (nx, nz), ez)),
+        (
+            _by_rate(slopes, (nx, nz), -nx, nz),
+            _by_rate(slopes, (nx, nz), -nz, -nx),
+            _by_rate(slopes, (nx, nz), ez, nx),
+        ),
     )
 
 
+@kernel
+def resistance(disc: Disc, speed: float) -> tuple[float, float]:
+    """Resistance of a wheel over its normal force at a speed (m/s) over the rail, and its slope (s/m).
+
+    The sign of the speed, as ``v / sqrt(v**2 + v_r**2)``: at rest it has none.
+    """
+    whole = math.sqrt(speed * speed + disc.fading * disc.fading)
+    return disc.resistance * speed / whole, disc.resistance * disc.fading * disc.fading / whole**3
+
+
 @inner
-def _by_place(found: Slopes, normal: Pair, deeper: float, turned: Pair, speeds: Triple) -> Pair:
+def _by_place(
+    slopes: Slopes, normal: Pair, deeper: float, turned: Pair, speeds: Triple, sliding: Sliding
+) -> Pair:
     """Derivative of both forces by a place that makes the depth grow by `deeper` and turns the normal."""
     nx, nz = normal
     faster = speeds[2] * turned[1] - speeds[0] * turned[0] - speeds[1] * turned[1]
-    more = found.by_depth * deeper + found.by_rate * faster
+    more = slopes.by_depth * deeper + slopes.by_rate * faster
+    over = sliding.x_rate * turned[1] - sliding.z_rate * turned[0] + sliding.spin * deeper
+    drawn = slopes.force * slopes.by_speed * over
     return (
-        more * (nx - found.drag * nz) + found.force * (turned[0] - found.drag * turned[1]),
-        more * (nz + found.drag * nx) + found.force * (turned[1] + found.drag * turned[0]),
+        more * (nx - slopes.drag * nz) + slopes.force * (turned[0] - slopes.drag * turned[1]) - drawn * nz,
+        more * (nz + slopes.drag * nx) + slopes.force * (turned[1] + slopes.drag * turned[0]) + drawn * nx,
     )
 
 
 @inner
-def _by_rate(found: Slopes, normal: Pair, faster: float) -> Pair:
-    """Derivative of both forces by a rate that makes the depth's grow by `faster`."""
+def _by_rate(slopes: Slopes, normal: Pair, deeper: float, over: float) -> Pair:
+    """Derivative of both forces by a rate, by how much it adds to the depth's rate and to the speed."""
     nx, nz = normal
-    more = found.by_rate * faster
-    return more * (nx - found.drag * nz), more * (nz + found.drag * nx)
+    more = slopes.by_rate * deeper
+    drawn = slopes.force * slopes.by_speed * over
+    return more * (nx - slopes.drag * nz) - drawn * nz, more * (nz + slopes.drag * nx) + drawn * nx
 
 
 @inner(merged=True)

@@ -34,11 +34,13 @@ class Wheels(NamedTuple):
     places: Floats3  # (wheels, strips, 3): middle of every strip's axis in the frame's axes, m
     middles: Floats1  # (wheels,): y of the middle of its track in the frame's axes, m
     radii: Floats1  # (wheels,): m
+    resistances: Floats1  # (wheels,): over the normal force
+    fading: float  # m/s over the rail, at which a wheel has 0.7 of its resistance
     law: Impact  # of a strip
     flange: Flange  # of a strip
     height: float  # of the flanges above the treads, m; zero for none
     rail: treads.Rail
-    rows: Floats4  # (strips, stations + 2, 3, m): as of `shoe_mesh.RailRows`
+    rows: Floats4  # (strips, stations + 2, 3, m): see `shoe_mesh.RailRows`
     spacing: float  # of the stations, m
     slots: int  # wheels that may be on one shoe at once
 
@@ -54,7 +56,7 @@ class WheelWorkspace(NamedTuple):
     on_shoes: Floats2  # (shoes, 6): force (N) and moment about the COM (N m) of all wheels, global
     on_wheels: Floats2  # (wheels, 3): force of all shoes, N, global
     energy: Floats1  # (1,): in the treads, J
-    modes: Floats2  # (4, m): scratch, as of `_bending`
+    modes: Floats2  # (4, m): scratch, see `_bending`
 
     @classmethod
     def allocate(cls, wheels: Wheels, modes: int) -> "WheelWorkspace":
@@ -90,14 +92,11 @@ def write_rows(
     wheels: Wheels,
     bodies: Bodies,
     state: FloatArray,
-    drag: FloatArray,
+    resists: float,
     weights: Weights,
     work: WheelWorkspace,
 ) -> None:
-    """Write the rows of the strips that touch at a state.
-
-    `drag` (wheels,) is rolling resistance over normal force with the sign of the travel.
-    """
+    """Write the rows of the strips that touch at a state, with a part `resists` of their resistance."""
     count = 0
     strips = wheels.places.shape[1]
     values = np.zeros((2, 6 + work.modes.shape[1]))
@@ -141,7 +140,7 @@ def write_rows(
                 read_body(bodies, s, state[0], values[0])
                 read_body(bodies, s, state[1], values[1])
             for k in range(strips):
-                strip = _touch(wheels, (w, k), frame, shoe, drag[w], (flexible, derive), values, work.modes)
+                strip = _touch(wheels, (w, k), frame, shoe, resists, (flexible, derive), values, work.modes)
                 if strip.tread.depth <= 0.0 and strip.side == 0.0:
                     continue
                 work.wheel[s, slot] = w
@@ -153,8 +152,10 @@ def write_rows(
 
 
 @inner
-def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: FloatArray) -> treads.Bending:
-    """How modes, of coordinates and rates (2, 6 + m), bend a rail at a place.
+def _bending(
+    wheels: Wheels, strip: int, place: float, coordinates: FloatArray, out: FloatArray
+) -> treads.Bending:
+    """Bending of a rail at a place by modes of `coordinates`, with their rates (2, 6 + m).
 
     Writes displacement along x, y and z of the rail by the modes, and the slope of the last: (4, m). Between
     stations by the cubic through the two nearest on either side with the slopes that their neighbours give
@@ -176,7 +177,7 @@ def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: Flo
         0.5 * u * (3.0 * u - 2.0) / wheels.spacing,
     )
     table = wheels.rows[strip]
-    rise = slope = rate = aside = aside_rate = 0.0
+    rise = slope = rate = aside = aside_rate = along_rate = 0.0
     for row in range(4):
         (a, b, c, d) = values if row < 3 else slopes
         r = min(row, 2)
@@ -185,15 +186,17 @@ def _bending(wheels: Wheels, strip: int, place: float, own: FloatArray, out: Flo
             ahead = c * table[i + 2, r, k]
             out[row, k] = behind + ahead + d * table[i + 3, r, k]
     for k in range(out.shape[1]):
+        x = out[0, k]
         y = out[1, k]
         z = out[2, k]
         tilt = out[3, k]
-        rise += z * own[0, 6 + k]
-        slope += tilt * own[0, 6 + k]
-        rate += z * own[1, 6 + k]
-        aside += y * own[0, 6 + k]
-        aside_rate += y * own[1, 6 + k]
-    return treads.Bending(rise, slope, rate, aside, aside_rate)
+        rise += z * coordinates[0, 6 + k]
+        slope += tilt * coordinates[0, 6 + k]
+        rate += z * coordinates[1, 6 + k]
+        aside += y * coordinates[0, 6 + k]
+        aside_rate += y * coordinates[1, 6 + k]
+        along_rate += x * coordinates[1, 6 + k]
+    return treads.Bending(rise, slope, rate, aside, aside_rate, along_rate)
 
 
 @inner(merged=True)
@@ -202,7 +205,7 @@ def _touch(
     numbers: tuple[int, int],
     frame: Frame,
     shoe: Frame,
-    drag: float,
+    resists: float,
     flags: tuple[bool, bool],
     values: FloatArray,
     modes: FloatArray,
@@ -222,19 +225,19 @@ def _touch(
     rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
     center = turned_back(shoe.R, apart)
     rail = wheels.rail
-    bent = treads.Bending(0.0, 0.0, 0.0, 0.0, 0.0)
+    bent = treads.Bending(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if flexible:
         bent = _bending(wheels, k, min(max(center[0], rail.rear), rail.front), values, modes)
-    disc: treads.Pair = (wheels.radii[w], drag)
+    disc = treads.Disc(wheels.radii[w], resists * wheels.resistances[w], wheels.fading)
     middle = (center[0], center[2])
-    speeds = (rates[0], rates[2])
+    turning = turned_back(shoe.R, along(frame.omega, -1.0, shoe.omega))
+    speeds = (rates[0], rates[2], turning[1])
     tread = treads.tread_force(wheels.law, rail, disc, middle, speeds, bent, derive)
     engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0) if wheels.height > 0.0 else 0.0
     side = stiffness = damping = 0.0
     if engaged > 0.0:
         # of the wheel's plane where it meets the rail, not at its axis: a shoe may lean
         across = turned_back(shoe.R, turned(frame.R, basis(1)))
-        turning = turned_back(shoe.R, along(frame.omega, -1.0, shoe.omega))
         dx = tread.foot[0] - center[0]
         dz = tread.foot[1] - center[2]
         leaning = (across[0] * dx + across[2] * dz) / across[1]

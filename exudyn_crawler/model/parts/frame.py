@@ -61,6 +61,8 @@ def _wheels(assembler: Assembler, frame: int) -> Wheels:
         places=np.array([[(x, y + m, z) for y in lines] for m in middles for x, z, _ in wheels]),
         middles=np.repeat(middles, len(wheels)),
         radii=np.tile(wheels[:, 2], len(middles)),
+        resistances=np.tile(gear.resistances, len(middles)),
+        fading=gear.resistance_speed,
         law=Impact(gear.stiffness / strips, gear.exponent, gear.damping / strips, gear.damping_depth),
         flange=Flange(play, stiffness / len(lines), damping / len(lines)),
         height=gear.flange_height,

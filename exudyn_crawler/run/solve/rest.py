@@ -11,6 +11,7 @@ from exudyn_crawler.model.compiled_system import CompiledSystem
 from exudyn_crawler.model.diagnostics import NewtonError, in_units
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.forces.loads import static_friction
+from exudyn_crawler.model.inputs import Inputs
 
 RESIDUAL = 1e-3
 """N, root mean square, of a rest: 1e-9 of a shoe's load."""
@@ -185,8 +186,10 @@ def creep(
     time = 0.0
     failures = 0
     multipliers = np.zeros(system.tables.multipliers)
+    # wheels resist motion alone: against them creeping would last longer, to the same rest
+    inputs = _still(system)._replace(resists=0.0)
     while time < duration:
-        state, after, iterations = _creeping_step(system, q, multipliers, drag, step, residual)
+        state, after, iterations = _creeping_step(system, q, multipliers, inputs, drag, step, residual)
         if state is not None:
             accepted()
             q = state[0]
@@ -207,10 +210,17 @@ def creep(
     return q
 
 
+def _still(system: CompiledSystem) -> Inputs:
+    """Loads at t = 0 and a drive that stands still."""
+    inputs = system.inputs(0.0)
+    return inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
+
+
 def _creeping_step(
     system: CompiledSystem,
     q: np.ndarray,
     multipliers: np.ndarray,
+    inputs: Inputs,
     drag: float,
     step: float,
     residual: float,
@@ -219,8 +229,6 @@ def _creeping_step(
     state = np.zeros((3, len(q)))
     state[0] = q
     after = multipliers.copy()
-    inputs = system.inputs(0.0)
-    inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
     weights = Weights(1.0, 1.0 / step, drag / step, False, step)
     converged, iterations = system.step(state, after, inputs, weights, (residual, MOST, False))
     return (state if converged and np.isfinite(state).all() else None), after, iterations
@@ -252,8 +260,11 @@ def _steadied(
     """Motion and multipliers `STEADY_TIME` later; None where steps are too many or too small."""
     time = 0.0
     step = STEADY_STEP
+    inputs = _still(system)
     for _ in range(STEADY_STEPS):
-        state, after, iterations = _creeping_step(system, motion[0], multipliers, drag, step, STEADY_RESIDUAL)
+        state, after, iterations = _creeping_step(
+            system, motion[0], multipliers, inputs, drag, step, STEADY_RESIDUAL
+        )
         if state is None:
             step *= 0.25
             if step < LEAST_STEP:
