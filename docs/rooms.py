@@ -16,6 +16,7 @@ PACKAGE = "exudyn_crawler"
 FLOORS = (
     ("studies",),
     ("cli",),
+    ("app",),
     ("sweep", "spread_run"),
     ("case_run", "life_run", "assess_run", "co_simulation", "shoe_file"),
     ("run", "views"),
@@ -95,7 +96,7 @@ def allowed(room: str) -> set[str]:
     if room in SHARED:
         return set(FLOORS[-1]) | set(SHARED)
     if room == FACE:
-        return {one for floor in FLOORS for one in floor} - {"studies", "cli"} | set(SHARED)
+        return {one for floor in FLOORS for one in floor} - {"studies", "cli", "app"} | set(SHARED)
     floor = next(k for k, rooms in enumerate(FLOORS) if room in rooms)
     below = {one for rooms in FLOORS[floor + 1 :] for one in rooms}
     if room in ("fem", "meshes"):
@@ -124,7 +125,7 @@ def _boxes() -> dict[str, tuple[float, float, float]]:
         for k, room in enumerate(rooms):
             boxes[room] = (180 + k * (width + 20), 20 + floor * STEP, width)
     for k, room in enumerate(SHARED):
-        boxes[room] = (820, 20 + (7 + k) * STEP, 140)
+        boxes[room] = (820, 20 + (8 + k) * STEP, 140)
     return boxes
 
 

@@ -88,7 +88,7 @@ def run_case(
             work = _Work(record.RunFolder(report=say), case_file, progress)
             history = folders.matching_history(path, case_file)
             return CaseRun(history, _stresses(history, work), path)
-        with folders.run_in(path, case_file, overwrite, say) as folder:
+        with folders.run_in(path, case_file, overwrite, say) as folder, parts.noted_in(path):
             times = parts.rule_of_thumb(case_file)
             if reused is not None or folder.holds is record.Holds.HISTORY:
                 times = {part: time for part, time in times.items() if part not in parts.SIMULATION}

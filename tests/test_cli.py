@@ -59,6 +59,7 @@ COMMANDS = {
         "machine",
         "machines",
         "assess",
+        "app",
     ),
 }
 

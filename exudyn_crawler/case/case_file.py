@@ -164,6 +164,16 @@ def _bases(*kinds: type[BaseModel]) -> list[str]:
     return [f"{fields.BASE} = {' or '.join(names)} gives all that is left out"] if names else []
 
 
+def typed_text(entry: fields.Entry) -> str:
+    """Value as it is typed, so that it can be read again: with its unit where it is a number."""
+    value = entry.value
+    if value is None or isinstance(value, str | bool | Path):
+        return "" if value is None else fields.value_text(value)
+    if fields.is_number(value):
+        return fields.value_text(value, "" if "exponent" in entry.unit else entry.unit)
+    return _toml(value, entry.unit, by_hand=True)
+
+
 def _toml(value: object, unit: str, by_hand: bool) -> str:
     """Value as TOML; `by_hand` in kN, MPa and MN/m, and without digits that are rounding."""
     if isinstance(value, tuple):

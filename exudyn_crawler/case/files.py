@@ -81,12 +81,25 @@ def _change(text: str) -> tuple[str, fields.KeyPath, Any]:
     if not equals:
         like = "terrain.spring_stiffness=1e7 or loads.phases[0].end=15"
         raise ValueError(f"a change must be like {like}, got {text!r}")
+    return key, _whole_path(key, path), typed_value(value)
+
+
+def typed_value(text: str) -> Any:
+    """Value that is typed: as TOML has it, and a text, such as one with a unit, where it is none."""
     try:
-        content = tomllib.loads(f"value = {value}")
+        content = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         content = {}
     # a line break could hide more
-    return key, _whole_path(key, path), content["value"] if len(content) == 1 else value
+    return content["value"] if len(content) == 1 else text
+
+
+def case_of_text(text: str, folder: Path, name: str = "case") -> CaseFile:
+    """Case of the text of a case file of a name in a folder; raises as `read_case`."""
+    path = folder / f"{name}.toml"
+    with reading.errors_named(path, CaseFile):
+        content = reading.content_of(text)
+    return case_of(content, path)
 
 
 def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:

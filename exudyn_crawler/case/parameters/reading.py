@@ -84,10 +84,15 @@ def toml_content(path: Path, name: str) -> Content:
     """Content of a TOML file; raises `FileNotFoundError` or, without the path, `ValueError` if it is none."""
     if not path.is_file():
         raise FileNotFoundError(f"{path} is a folder, no {name}" if path.is_dir() else f"no {name} {path}")
-    text = ""
+    # some editors put a mark before the text
+    return content_of(path.read_bytes(), "utf-8-sig")
+
+
+def content_of(source: str | bytes, coding: str = "utf-8") -> Content:
+    """Content of TOML, a text or bytes in a coding; ValueError if it is none."""
+    text = source if isinstance(source, str) else ""
     try:
-        # some editors put a mark before the text
-        text = path.read_bytes().decode("utf-8-sig")
+        text = source if isinstance(source, str) else source.decode(coding)
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         told = str(error).replace("Cannot overwrite a value", "this key or table stands twice")

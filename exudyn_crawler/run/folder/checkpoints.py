@@ -16,11 +16,14 @@ import xarray as xr
 from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, differences, saved_case
 from exudyn_crawler.results.history.files import Chunk, reading_history, save_joined
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.record import CHECKPOINTS, END, HISTORY, quiet
 
 # what the names of the history's arrays and of the ground's memory begin with in a file
 VARIABLE = "history "
 MEMORY = "memory "
+STAGES = "stage_[0-9]*[0-9].npz"
+"""Names of the stages' files."""
 
 
 class StageEnd(NamedTuple):
@@ -117,13 +120,24 @@ class Checkpoints:
 
     def remove(self) -> None:
         """Remove all stages and, if nothing else is in it, their folder."""
-        for path in (*self.folder.glob("stage_[0-9]*[0-9].npz"), self._assembled):
+        for path in (*self.folder.glob(STAGES), self._assembled):
             path.unlink(missing_ok=True)
         if self.folder.is_dir() and not any(self.folder.iterdir()):
             self.folder.rmdir()
 
     def _file(self, number: int) -> Path:
         return self.folder / f"stage_{number:04d}.npz"
+
+
+def stage_files(run: Path) -> list[Path]:
+    """Files of the stages that a run at work has ended so far, in their order."""
+    return sorted((run / CHECKPOINTS).glob(STAGES))
+
+
+def stage_history(path: Path) -> History:
+    """Part of the history that a stage gave; ValueError if its file cannot be read, or is there no more."""
+    stage = _read(path)
+    return History(saved_case(stage.case), stage.history)
 
 
 def _write(path: Path, content: StageEnd) -> None:

@@ -5,12 +5,14 @@ takes longer, and its progress says what is left by how fast it has been. Progre
 elsewhere a line now and then; a run's log has the lines, too.
 """
 
+import json
 import logging
 import sys
 import threading
 import time as clock
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich import progress as bars
@@ -43,7 +45,12 @@ COMPILING = 50.0  # s of the equations
 WRITING = {"tables": 0.5, "figures": 5.0, "pictures": 1.0, "page": 4.0}  # s, pictures of each flexible shoe
 TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
 
+PROGRESS = "progress.json"
+"""File of a run's folder that says, while the run is at work, how far its part has come."""
+NOTE_EVERY = 1.0  # s of wall time between writes of it
+
 logger = logging.getLogger("exudyn_crawler")
+_noting: list[Path] = []  # files of the blocks of `noted_in` that have not ended
 
 
 def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
@@ -88,12 +95,38 @@ def times_line(times: Mapping[str, float]) -> str:
 
 
 @contextmanager
+def noted_in(folder: Path | None) -> Iterator[None]:
+    """Keep the progress of what goes on within the block in a file of a folder, for other programs."""
+    if folder is None:
+        yield
+        return
+    path = folder / PROGRESS
+    _noting.append(path)
+    try:
+        yield
+    finally:
+        _noting.remove(path)
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
+
+
+def _note(title: str, done: float, total: float | None) -> None:
+    """Write how far something has come, where it is asked for; a full disk stops no run."""
+    for path in _noting:
+        temporary = path.with_name(f".{path.name}")
+        with suppress(OSError):
+            temporary.write_text(json.dumps({"title": title, "done": done, "total": total}), encoding="utf-8")
+            temporary.replace(path)
+
+
+@contextmanager
 def _shown(
     title: str, total: float | None, show: bool | None, *columns: bars.ProgressColumn, transient: bool = False
 ) -> Iterator[Callable[..., None]]:
     """Bar or lines as of `progress_bar`, also in a log; gives a function of what is done and the line."""
     console = Console(stderr=True)
     told = clock.perf_counter()
+    noted = told - NOTE_EVERY
     on_terminal = show or (show is None and console.is_terminal)
     described = bars.TextColumn("{task.description}"), bars.BarColumn()
     with bars.Progress(
@@ -106,8 +139,11 @@ def _shown(
         task = bar.add_task(title, total=total, speed="", about="")
 
         def tell(done: float, now: float, line: str, **fields: Any) -> None:
-            nonlocal told
+            nonlocal told, noted
             bar.update(task, completed=done, **fields)
+            if now - noted >= NOTE_EVERY:
+                noted = now
+                _note(title, done, total)
             if now - told >= LINE_EVERY and line:
                 told = now
                 logger.info("%s: %s", title, line)

@@ -34,7 +34,7 @@ def instants(history: History, times: np.typing.ArrayLike) -> History:
     now = history.dataset.isel(time=rows).load()
     terrain = history.case.terrain
     if isinstance(terrain, CellTerrain):
-        x, y, height = cell_grid(terrain, *_around(history, BESIDE))
+        x, y, height = cell_grid(terrain, *around(history, BESIDE))
         depth = ground_map.pressed_depths(history, rows, x, y, height)
         now = now.assign_coords(ground_x=x, ground_y=y).assign(
             ground_height=(("ground_x", "ground_y"), height),
@@ -236,7 +236,7 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
     """Least and greatest x, y and z of what a run is shown in, with a margin: beyond, beside, below; m."""
     shoe = history.case.shoe
     terrain = history.case.terrain
-    length, beside = _around(history, margin)
+    length, beside = around(history, margin)
     if isinstance(terrain, CellTerrain):
         tops = cell_grid(terrain, length, beside)[2]
     else:
@@ -250,7 +250,7 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
 
 
-def _around(history: History, margin: tuple[float, ...]) -> tuple[tuple[float, float], tuple[float, float]]:
+def around(history: History, margin: tuple[float, ...]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Least and greatest x and y of all shoes in a run, with m beyond both ends and beside them, m."""
     shoe = history.case.shoe
     (x, y) = (history.position.sel(axis=axis) for axis in "xy")

@@ -1,0 +1,150 @@
+"""Serving of the page on this computer alone: an address with a token, and a guard before it."""
+
+import hmac
+import secrets
+import socket
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+
+import uvicorn
+from fastapi import FastAPI, HTTPException
+from fastapi.responses import FileResponse
+from nicegui import app as pages, ui
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+HOST = "127.0.0.1"
+NAMES = (HOST, "localhost")
+"""Names by which a browser on this computer asks; any other name would be another site's."""
+TITLE = "exudyn-crawler"
+OPTIONAL = "'unsafe-inline' 'unsafe-eval'"
+POLICY = (
+    f"default-src 'self' {OPTIONAL} data: blob:; frame-ancestors 'self'; form-action 'self'; "
+    "base-uri 'self'; object-src 'none'"
+)
+"""What a browser may load for the page: nothing from another host."""
+OF_FILES = (
+    f"sandbox allow-scripts allow-downloads; default-src data: blob: {OPTIONAL}; frame-ancestors 'self'"
+)
+"""Same for files of the folder, which get none of the page's rights and load nothing at all."""
+REFERRER = {b"referrer-policy": b"no-referrer", b"x-content-type-options": b"nosniff"}
+FOREIGN = 1008  # code with which a websocket is refused
+
+
+class Guard:
+    """Application that hands on what this computer's browser asks for with the token, and refuses all else.
+
+    `app` is what is guarded; the token is the first part of every path, also of websockets. A foreign `Host`
+    is how a name that leads to this computer would reach it, a foreign `Origin` a page of another site.
+    """
+
+    def __init__(self, app: ASGIApp, port: int, token: str) -> None:
+        self.app = app
+        self.hosts = {f"{name}:{port}" for name in NAMES}
+        self.start = f"/{token}/"
+
+    def refusal(self, scope: Scope) -> str:
+        """Why a request is refused; empty for one that is not."""
+        headers = scope["headers"]
+        hosts = [value.decode("latin-1") for name, value in headers if name == b"host"]
+        origins = [value.decode("latin-1") for name, value in headers if name == b"origin"]
+        if len(hosts) != 1 or hosts[0] not in self.hosts:
+            return "this page answers to this computer alone"
+        if any(origin != f"http://{hosts[0]}" for origin in origins):
+            return "this page answers no other site"
+        begin = scope["path"][: len(self.start)]
+        if not hmac.compare_digest(begin.encode("utf-8"), self.start.encode("utf-8")):
+            return "the address must be that which exudyn-crawler app has shown, with its token"
+        return ""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request of a browser, or refuse it."""
+
+        async def send_guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                named = {name.lower() for name, _ in message["headers"]}
+                more = REFERRER | {b"content-security-policy": POLICY.encode()}
+                message["headers"] = [
+                    *message["headers"],
+                    *(pair for pair in more.items() if pair[0] not in named),
+                ]
+            await send(message)
+
+        reason = self.refusal(scope) if scope["type"] != "lifespan" else ""
+        if not reason:
+            await self.app(scope, receive, send_guarded)
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": FOREIGN, "reason": reason})
+        else:
+            await PlainTextResponse(reason, 403)(scope, receive, send_guarded)
+
+
+def path_inside(folder: Path, name: str) -> Path | None:
+    """File of a name in a folder, links resolved; None where there is none, or it is outside or hidden."""
+    parts = Path(name).parts
+    try:
+        path = (folder / name).resolve()
+    except (OSError, ValueError):
+        return None
+    is_hidden = any(part.startswith(".") for part in parts)
+    if is_hidden or not path.is_relative_to(folder.resolve()) or not path.is_file():
+        return None
+    return path
+
+
+def serve(
+    folder: Path,
+    build: Callable[[str], None],
+    port: int | None = None,
+    show: bool = True,
+    say: Callable[[str], None] = print,
+) -> None:
+    """Serve the page of a folder until the process is interrupted.
+
+    `build` fills a page; it gets the start of the addresses of the folder's files. `port` None takes a free
+    one; OSError if another program has it. `show` opens the browser; `say` gets the address.
+    """
+    listening = socket.socket()
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listening.bind((HOST, port or 0))
+    port = listening.getsockname()[1]
+    token = secrets.token_urlsafe(24)
+
+    @pages.get("/files/{name:path}")
+    def file(name: str) -> FileResponse:
+        path = path_inside(folder, name)
+        if path is None:
+            raise HTTPException(404, "there is no such file in the folder")
+        return FileResponse(path, headers={"content-security-policy": OF_FILES, "cache-control": "no-store"})
+
+    @ui.page("/")
+    def page() -> None:
+        build(f"/{token}/files/")
+
+    outer = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    ui.run_with(
+        outer,
+        title=TITLE,
+        mount_path=f"/{token}",
+        tailwind=False,
+        reconnect_timeout=30.0,
+        show_welcome_message=False,
+    )
+    address = f"http://{HOST}:{port}/{token}/"
+
+    @pages.on_startup
+    def opened() -> None:
+        say(address)
+        if show:
+            webbrowser.open(address)
+
+    config = uvicorn.Config(
+        Guard(outer, port, token),
+        log_level="warning",
+        ws="wsproto",
+        timeout_graceful_shutdown=1,
+        server_header=False,
+    )
+    uvicorn.Server(config).run(sockets=[listening])

@@ -1,0 +1,35 @@
+"""The command of the page to work in."""
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from exudyn_crawler.cli.commands import command
+
+
+@command("exudyn-crawler app machines")
+def app(
+    folder: Annotated[Path, typer.Argument(help="folder of case files and results")] = Path(),
+    port: Annotated[
+        int | None, typer.Option(help="of the address; a free one, if not given", min=1024, max=65535)
+    ] = None,
+    show: Annotated[bool, typer.Option("--browser/--no-browser", help="open the browser")] = True,
+) -> None:
+    """Open a page to work in: put a machine together, run it, see what it does; on this computer alone."""
+    if find_spec("nicegui") is None:
+        raise ValueError("the page to work in needs NiceGUI: pip install 'exudyn-crawler[app]'")
+    from exudyn_crawler.files import writable_folder
+
+    writable_folder(folder)
+    from exudyn_crawler.app.page import build
+    from exudyn_crawler.app.serving import serve
+
+    def say(address: str) -> None:
+        typer.echo(f"{address}\nopen it in a browser on this computer; Ctrl-C ends the page, runs go on")
+
+    try:
+        serve(folder.resolve(), build(folder.resolve()), port, show, say)
+    except KeyboardInterrupt:
+        typer.echo("the page has ended; runs that had begun go on")

@@ -1,0 +1,91 @@
+"""Who is answered: this computer's browser with the token, about files of the folder, and nobody else."""
+
+import asyncio
+
+import pytest
+
+pytest.importorskip("nicegui", reason="the extra `app` is not installed")
+
+from exudyn_crawler.app.serving import Guard, path_inside
+
+HOST = "127.0.0.1:5000"
+PATH = "/secret/files/mine.toml"
+
+
+async def inner(scope, receive, send):
+    if scope["type"] == "websocket":
+        await send({"type": "websocket.accept"})
+    else:
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+        await send({"type": "http.response.body", "body": b"answered"})
+
+
+def asked(path=PATH, host=HOST, origin=None, kind="http", more=()):
+    """Messages that the guard sends to a request."""
+    headers = [(b"host", host.encode())] if host else []
+    headers += [(b"origin", origin.encode())] if origin else []
+    scope = {"type": kind, "path": path, "headers": [*headers, *more], "method": "GET"}
+    sent = []
+
+    async def receive():
+        return {"type": f"{kind}.connect"}
+
+    async def send(message):
+        sent.append(message)
+
+    asyncio.run(Guard(inner, 5000, "secret")(scope, receive, send))
+    return sent
+
+
+@pytest.mark.parametrize("host", [HOST, "localhost:5000"])
+def test_the_own_page_is_answered_and_may_load_nothing_from_elsewhere(host):
+    first, body = asked(host=host, origin=f"http://{host}")
+    assert first["status"] == 200
+    assert body["body"] == b"answered"
+    headers = dict(first["headers"])
+    assert headers[b"referrer-policy"] == b"no-referrer"
+    assert b"default-src 'self'" in headers[b"content-security-policy"]
+    assert b"http" not in headers[b"content-security-policy"]
+    assert asked(kind="websocket", origin=f"http://{HOST}") == [{"type": "websocket.accept"}]
+
+
+REFUSED = {
+    "another name": {"host": "attacker.example:5000"},
+    "another port": {"host": "127.0.0.1:5001"},
+    "no name": {"host": ""},
+    "two names": {"more": [(b"host", b"attacker.example")]},
+    "another site": {"origin": "http://attacker.example"},
+    "another program of this computer": {"origin": "http://127.0.0.1:8000"},
+    "a page without a site": {"origin": "null"},
+    "no token": {"path": "/files/mine.toml"},
+    "a wrong token": {"path": "/secre7/files/mine.toml"},
+    "a part of the token": {"path": "/secre"},
+    "more than the token": {"path": "/secret2/files/mine.toml"},
+}
+
+
+@pytest.mark.parametrize("kind", ["http", "websocket"])
+@pytest.mark.parametrize("request_of", REFUSED.values(), ids=REFUSED)
+def test_others_are_refused(request_of, kind):
+    first, *_ = asked(kind=kind, **request_of)
+    if kind == "http":
+        assert first["status"] == 403
+    else:
+        assert first["type"] == "websocket.close"
+
+
+def test_files_are_those_of_the_folder_alone(tmp_path):
+    folder = tmp_path / "work"
+    (folder / "results" / "mine").mkdir(parents=True)
+    page = folder / "results" / "mine" / "report.html"
+    page.touch()
+    outside = tmp_path / "other.toml"
+    outside.touch()
+    (folder / ".hidden.toml").touch()
+    (folder / "link.toml").symlink_to(outside)
+    (folder / "out").symlink_to(tmp_path)
+    (folder / "same.html").symlink_to(page)
+    assert path_inside(folder, "results/mine/report.html") == page
+    assert path_inside(folder, "same.html") == page
+    outsiders = ["../other.toml", "link.toml", "out/other.toml", str(outside), ".hidden.toml", "results", ""]
+    assert [path_inside(folder, name) for name in (*outsiders, "none.toml", "a\0b")] == [None] * 9
