@@ -304,3 +304,17 @@ def verify() -> None:
     side_by_side, table = study()
     print_table(side_by_side, "Two-body problem at t = 0.5 s")
     print_table(table, "Paper against computed")
+
+
+@command("python -m studies measurements --runs")
+def measurements(
+    runs: Annotated[bool, typer.Option("--runs", help="trends that need runs, too: some minutes")] = False,
+    out: Out = RESULTS / "measurements",
+) -> None:
+    """Hold the program against public measurements: numbers, and trends where only those are published."""
+    from studies.measurements import study
+
+    rows, trends = study(out, runs, typer.echo)
+    _show_comparison(rows, "Measured", out)
+    print_table(trends, "Trends", trends.columns, out / "trends.csv")
+    typer.echo(f"comparison.csv and trends.csv are in {out}")

@@ -28,7 +28,7 @@ from tests.test_release import read
 
 STUDIES = {
     *("kinematics", "forces", "stress", "uneven", "rollers", "closed", "grounds", "shovel-life"),
-    *("plate-sweep", "sliding-modes", "verify"),
+    *("plate-sweep", "sliding-modes", "verify", "measurements"),
 }
 COMMANDS = {
     *(

@@ -5,12 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 
-def tension_of_sag(weight: float, span: float, sag: float) -> float:
+def tension_of_sag(weight: float, span: float, sag: float, lying: float = 0.0) -> float:
     """Pull (N) of a chain that hangs in a span with a sag: H = w l^2 / (8 f), a parabola.
 
-    `weight` of the chain in N/m, `span` and `sag` in m.
+    `weight` of the chain in N/m, `span` and `sag` in m. At either end half of a rail lies on its support, so
+    that the length l that hangs is less than the span by a rail, `lying` (m; derived).
     """
-    return weight * span**2 / (8.0 * sag)
+    return weight * (span - lying) ** 2 / (8.0 * sag)
 
 
 class ChainTension(NamedTuple):

@@ -430,6 +430,8 @@ def _chain(
     case: Case, gear: Machine, settings: AssessmentSettings, shoe: ShoeNumbers, pitch: float, notes: _Notes
 ) -> ChainNumbers:
     """Chain with its tension at rest, by sag or pretension, and what breaks it."""
+    rails = case.shoe.rails
+    assert rails is not None  # of a closed track
     weight = shoe.mass * case.gravity / pitch
     notes.note("weight of the chain", weight, "N/m", "derived", "mass of a shoe by the pitch")
     idler = gear.idler
@@ -442,9 +444,9 @@ def _chain(
         how = "half of the tensioner's preload"
     else:
         span = float(gear.upper_spans[-1])
-        rest = chain.tension_of_sag(weight, span, gear.wanted_sag)
+        rest = chain.tension_of_sag(weight, span, gear.wanted_sag, rails.front - rails.rear)
         origin = "derived"
-        how = f"w l2 / (8 f), span {span:.4g} m, sag {1e3 * gear.wanted_sag:.4g} mm"
+        how = f"w l2 / (8 f), span {span:.4g} m less a rail, sag {1e3 * gear.wanted_sag:.4g} mm"
     rest = notes.either(
         "tension at rest", settings.drive.rest_tension, "N", "drive.rest_tension", rest, origin, how
     )
@@ -462,8 +464,6 @@ def _chain(
     )
     speed = max(abs(value) for value in case.drive.speed.values)
     drag = 2.0 * gear.rolling_resistance * rest
-    rails = case.shoe.rails
-    assert rails is not None  # of a closed track
     rise = rails.height - case.track.pin_height
     lowest = -(gear.roller_radius + rise)
     _, on_idler = gear.idler_circle(0.0, rise, pitch)

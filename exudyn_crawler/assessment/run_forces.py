@@ -1,6 +1,6 @@
 """Forces of a run in place of those of a formula, and both beside each other."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,10 @@ REASONS = {
     "greatest pressure": "a run's is that of a shoe: those under rollers bear more than those between",
     "track load": "statics in both; pins beside the middle of their shoes move some of it",
     "greatest roller load": "rollers of a run stand now on a shoe's middle, now where two of them give way",
-    "chain tension": "a run has the polygon of the tumbler, swing, and shoes that ground and rollers hold",
+    "chain tension at the tumbler": "mean of a run at the end of its taut run; ground takes and gives some "
+    "of the pull between the rollers",
+    "greatest chain tension": "a run swings by the polygon of the tumbler and strikes of the teeth, and a "
+    "shoe that tips below an outer roller pulls at its neighbours: twice the mean and more",
     "torque of a tumbler": "a run on soft ground loses work there; with a contact law of units friction "
     "against yaw adds to that along and across; the chain of a run has no loss in its pins",
     "force across a shoe": "the formula has all friction of the most loaded shoe across the track",
@@ -43,6 +46,8 @@ class RunForces(NamedTuple):
     """Mean over rollers and time, N."""
     tension: float
     """Greatest of a link, N."""
+    taut: float
+    """Mean where the taut run meets its tumbler, N; greatest over the tracks."""
     torque: float
     """Greatest over the tracks of the mean torque of a tumbler, N m."""
     side_force: float
@@ -94,9 +99,32 @@ def forces_of_run(history: History, name: str, begin: float | None = None) -> Ru
         roller=float(on_rollers.max()),
         mean_roller=float(on_rollers.mean()),
         tension=float(history.link_tension.transpose("time", "joint").values[late].max()),
+        taut=float(_at_tumblers(history, late).max()),
         torque=float(np.abs(torque.mean(axis=0)).max()) if moves else 0.0,
         side_force=side,
     )
+
+
+def _at_tumblers(history: History, late: np.ndarray) -> np.ndarray:
+    """Mean tension of the link nearest to where a run meets a tumbler: array (tracks, 2), lower, upper; N."""
+    case = history.case
+    gear: Any = case.gear
+    tension = history.link_tension.transpose("time", "joint").values[late]
+    axes = history.quantity("axes").transpose("time", "shoe", "axis", "body_axis").values[late]
+    ahead = axes @ np.array([case.track.pin_ahead, 0.0, case.track.pin_height])
+    pins = history.position.transpose("time", "shoe", "axis").values[late] + ahead
+    frame = history.side_frame_position.transpose("time", "axis").values[late]
+    x, z = (pins[..., c] - frame[:, None, c] for c in (0, 2))
+    radius = gear.tumbler.radius(case.track.pitch)
+    means = np.zeros((case.tracks, 2))
+    each = tension.shape[1] // case.tracks
+    for track, end in np.ndindex(*means.shape):
+        links = slice(track * each, (track + 1) * each)
+        height = gear.tumbler.place[1] + (2 * end - 1) * radius
+        away = np.hypot(x[:, links] - gear.tumbler.place[0], z[:, links] - height)
+        nearest = away.argmin(axis=1)[:, None]
+        means[track, end] = np.take_along_axis(tension[:, links], nearest, axis=1).mean()
+    return means
 
 
 def with_run(
@@ -143,7 +171,8 @@ def comparison(
         "greatest pressure": (row.greatest_pressure / 1e3, run.pressure / 1e3, "kPa"),
         "track load": (row.track_load / 1e3, run.track_load / 1e3, "kN"),
         "greatest roller load": (row.roller / 1e3, run.roller / 1e3, "kN"),
-        "chain tension": (row.tension / 1e3, run.tension / 1e3, "kN"),
+        "chain tension at the tumbler": (row.tension / 1e3, run.taut / 1e3, "kN"),
+        "greatest chain tension": (row.tension / 1e3, run.tension / 1e3, "kN"),
     }
     if run.drive != "none":
         pairs["torque of a tumbler"] = (torque / 1e3, run.torque / 1e3, "kN m")

@@ -88,6 +88,7 @@ def test_tension():
     weight = 70e3
     tension = chain.tension_of_sag(weight, 1.8, 0.045)
     assert tension == pytest.approx(70e3 * 3.24 / 0.36)
+    assert chain.tension_of_sag(weight, 1.8, 0.045, 0.6) == pytest.approx(4.0 / 9.0 * tension)
     found = chain.travel_tension(1e6, -2e6, weight=9810.0, speed=2.0)
     assert found == (1e6, pytest.approx(3.004e6), pytest.approx(1.004e6))
     assert chain.end_roller_push(1e6, 0.3, 0.4) == pytest.approx(0.6e6)

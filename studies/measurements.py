@@ -1,0 +1,184 @@
+"""Public measurements beside the program: numbers of `reported.csv`, and trends where those alone are public.
+
+No number of the program is fitted to a row but in those of the class "fit". `docs/measured.md` has the
+sources, and what of each was seen.
+"""
+
+from collections.abc import Callable
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler import Case, CaseFile, History, StepProfile, simulate
+from exudyn_crawler.case import Drive
+from exudyn_crawler.files import writable_folder
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.results.measured import drawbar
+from exudyn_crawler.results.measured.soil_fit import fit_plates
+from exudyn_crawler.results.measured.soil_stress import CONCENTRATION
+from exudyn_crawler.results.measured.soil_tests import PlateTests, read_plates
+from studies.comparison import comparison_table, reported_values
+from studies.running import save
+
+SINKAGE = 0.02  # m, at which pressures of plates are compared
+LOADS, PRESSURES = (11e3, 15e3, 33e3), (70e3, 100e3, 150e3)
+"""N and Pa: wheel loads and inflation pressures of Arvidsson and Keller (2007)."""
+TOPSOIL, SUBSOIL = 0.1, 0.7  # m, least and greatest depth of their sensors
+TENSIONS = (90e3, 300e3, 681e3)
+"""N, pretension of the 4100C's chain: near the least that its weight allows, at 2.5 % and at 1.1 % of sag."""
+LOADED = 0.02  # of the force on the most loaded shoe, from which on a shoe counts as loaded
+SPEED = 0.5  # m/s, of the chain in drawbar tests
+SLIP = 0.2  # of Turnage's pulls
+
+
+class Trend(NamedTuple):
+    """Trend that was measured, and what the program gives."""
+
+    measurement: str
+    measured: str
+    here: str
+    agrees: bool
+
+
+def plates(box: str) -> PlateTests:
+    """First loading of the plates in the "large" or the "small" box of sand."""
+    with as_file(files("studies").joinpath(f"measured/plates_{box}_box.csv")) as path:
+        return read_plates(path).split()[0]
+
+
+def measured_pressure(tests: PlateTests) -> float:
+    """Pressure at `SINKAGE`, Pa: mean over the tests of one plate, between their points."""
+    each = [np.interp(SINKAGE, tests.sinkage[points], tests.pressure[points]) for points in tests.each()]
+    return float(np.mean(each))
+
+
+def _by_law(tests: PlateTests, width: float) -> float:
+    """Pressure (Pa) at `SINKAGE` below a plate (m) by the law of tests."""
+    fit, _ = fit_plates(tests)
+    modulus = (fit.number("k_c") / width if "k_c" in fit.names else 0.0) + fit.number("k_phi")
+    return float(modulus * SINKAGE ** fit.number("exponent"))
+
+
+def compare_plates() -> pd.DataFrame:
+    """Rows of plates in sand: laws of the large box beside pressures in the small one."""
+    large = plates("large")
+    reported = reported_values("measured")
+    computed = []
+    for row in reported.itertuples():
+        width = 1e-3 * float(str(row.quantity).split()[3])
+        tests = plates("small") if row.case == "law of the same tests" else large
+        alone = tests if row.case == "law of all plates" else tests.of(tests.width == width)
+        computed.append(1e-3 * _by_law(alone, width))
+    return comparison_table(reported, computed)
+
+
+def below_wheel(load: float, pressure: float, depth: float, concentration: float = CONCENTRATION) -> float:
+    """Vertical stress (Pa) in the ground below a wheel that presses evenly on a circle, by Froehlich."""
+    radius = np.sqrt(load / (np.pi * pressure))
+    return float(pressure * (1.0 - (1.0 + (radius / depth) ** 2) ** (-0.5 * concentration)))
+
+
+def wheel_trend() -> Trend:
+    """Stress below wheels: the inflation pressure decides in the topsoil, the load in the subsoil."""
+    soft, _, hard = PRESSURES
+    light, _, heavy = LOADS
+    by_pressure = [below_wheel(heavy, hard, z) / below_wheel(heavy, soft, z) for z in (TOPSOIL, SUBSOIL)]
+    by_load = [below_wheel(heavy, soft, z) / below_wheel(light, soft, z) for z in (TOPSOIL, SUBSOIL)]
+    return Trend(
+        "stress in soil below wheels of 11 to 33 kN at 70 to 150 kPa",
+        "inflation pressure has a large influence 0.1 m deep and very little in the subsoil, where load has",
+        f"150 over 70 kPa: {by_pressure[0]:.2f} times as much 0.1 m deep, {by_pressure[1]:.2f} 0.7 m deep; "
+        f"33 over 11 kN: {by_load[0]:.2f} and {by_load[1]:.2f}",
+        by_pressure[0] > 1.5 and by_pressure[1] < 1.3 and by_load[1] > 2.0,
+    )
+
+
+def _closed(drive: Drive, pretension: float | None = None, load: float = 1.0) -> Case:
+    """Half of the 4100C on LETE sand without rolling resistance, its load in the middle."""
+    case = Case.closed()
+    gear: Any = case.gear
+    idler = gear.idler
+    if pretension is not None:
+        idler = idler.with_(pretension=pretension, slack=None)
+    gear = gear.with_(rolling_resistance=0.0, com=(0.0, 0.0, gear.com[2]), idler=idler, mass=load * gear.mass)
+    solver = case.solver.with_(step=5e-3, output_interval=0.05)
+    return case.with_(gear=gear, drive=drive, solver=solver).on_cells(BekkerSoil.lete_sand(), cell=0.2)
+
+
+def evenness(history: History) -> float:
+    """Greatest over mean pressure of the loaded shoes as a run ends."""
+    force = history.contacts_by_shoe().normal_force.sel(axis="z").isel(time=-1).values
+    loaded = force[force > LOADED * force.max()]
+    return float(loaded.max() / loaded.mean())
+
+
+def tension_trend(say: Callable[[str], None]) -> Trend:
+    """Evenness of the pressure below a track that stands, by its tension."""
+    found = []
+    for tension in TENSIONS:
+        case = _closed(Drive(speed=StepProfile.constant(0.0)), tension)
+        found.append(evenness(simulate(case, 0.01, progress=False)))
+        say(f"pretension {tension:.3g} N: greatest over mean pressure {found[-1]:.3f}")
+    numbers = ", ".join(f"{value:.2f}" for value in found)
+    tensions = ", ".join(f"{1e-3 * value:g}" for value in TENSIONS)
+    return Trend(
+        "ground pressure of a crawler harvester by track tension",
+        "with weak tension the pressure is no longer even along the track",
+        f"greatest over mean pressure {numbers} at {tensions} kN",
+        found == sorted(found, reverse=True),
+    )
+
+
+def pull_at_slip(case: Case) -> tuple[float, float]:
+    """Pull at `SLIP` of a case in a drawbar test, N, and over the weight."""
+    test = drawbar.pulled_case(CaseFile(case=case, duration=1.0), drawbar.DrawbarTest((SLIP,)))
+    result = drawbar.drawbar_result(simulate(test.case, test.duration, progress=False), SLIP)
+    return result.pull_at_slip, result.pull_at_slip / result.track.weight
+
+
+def pull_trends(say: Callable[[str], None]) -> list[Trend]:
+    """Pull at 20 % slip by load and by tension."""
+    drive = Drive(speed=StepProfile(times=(0.0, 2.0), values=(0.0, SPEED)))
+    cases = {
+        "as it is": _closed(drive),
+        "half load": _closed(drive, load=0.5),
+        "tight": _closed(drive, TENSIONS[-1]),
+    }
+    pulls = {}
+    for name, case in cases.items():
+        pulls[name] = pull_at_slip(case)
+        say(f"{name}: pull at 20 % slip {pulls[name][0]:.4g} N, {pulls[name][1]:.4f} of the weight")
+    usual, half, tight = (pulls[name] for name in cases)
+    return [
+        Trend(
+            "pull of a model track in sand at 20 % slip by load",
+            "load is among the variables that govern it",
+            f"half load pulls {half[0] / usual[0]:.3f} of the whole, {half[1]:.3f} of the weight in place of "
+            f"{usual[1]:.3f}",
+            half[0] < 0.6 * usual[0],
+        ),
+        Trend(
+            "pull of a model track in sand at 20 % slip by tension",
+            "high tension in the belt raises it slightly",
+            f"681 kN of pretension in place of 261: {100.0 * (tight[0] / usual[0] - 1.0):+.1f} %",
+            1.0 < tight[0] / usual[0] < 1.1,
+        ),
+    ]
+
+
+def study(
+    out: Path | None, runs: bool = False, say: Callable[[str], None] = print
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Rows with numbers, and trends; those that need runs (two minutes of processor time) where asked for."""
+    if out is not None:
+        writable_folder(out)
+    rows = compare_plates()
+    trends = [wheel_trend()]
+    if runs:
+        trends += [tension_trend(say), *pull_trends(say)]
+    table = pd.DataFrame(trends)
+    save(out, comparison=rows, trends=table)
+    return rows, table
