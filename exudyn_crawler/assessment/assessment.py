@@ -14,7 +14,7 @@ from exudyn_crawler.assessment.inputs import AssessmentNumbers, Origin, numbers_
 from exudyn_crawler.assessment.items import AssessedItem, all_items, governing
 from exudyn_crawler.assessment.load_cases import LoadCases, read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings
-from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress, shoe_stresses
+from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress, check_of, shoe_stresses
 from exudyn_crawler.assessment.states import SLEW, CaseLoads, loads_of
 from exudyn_crawler.case import Case
 
@@ -210,14 +210,16 @@ def assessment_of(
     left_out = []
     stresses: list[ShoeStress] = []
     fatigue: ShoeFatigue | None = None
+    check = check_of(case, settings, numbers.shoe.ready)
     if settings.mesh is None:
         left_out.append("left out: the shoe's stress, since mesh is none")
-    elif not numbers.shoe.ready:
+    elif check is None:
         left_out.append(
-            "left out: the shoe's stress, since check cases have the ready shoe of the 4100C alone"
+            "left out: the shoe's stress: the machine's shoe is not the ready one of the 4100C, and the case "
+            "has no mesh of its own, which [flexible] names"
         )
     else:
-        say(f"check cases of the shoe, mesh {settings.mesh}")
-        stresses, fatigue = shoe_stresses(loads, settings.material, settings.mesh, say)
+        say(f"check cases of the shoe, mesh {check.mesh}")
+        stresses, fatigue = shoe_stresses(loads, check, say)
     found = all_items(numbers, settings, loads, stresses, fatigue)
     return Assessment(name or settings.name, settings, numbers, load_cases, loads, found, left_out, compared)

@@ -1,24 +1,18 @@
 """Shoe of an assessment by check cases: stress under its rollers' loads and chain, static and fatigue."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.states import CaseLoads
+from exudyn_crawler.case import Case
 from exudyn_crawler.results.checks import cases as ready, solve
-from exudyn_crawler.results.life.duty import UNLOADED, FatigueMaterial
+from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES
 from fem.stress import von_mises
 
-BELOW = {
-    "even": ("even, sand", "both ends 0.2 m"),
-    "two": ("both ends 0.2 m", "diagonal corners 0.3 m"),
-    "outer": ("both ends 0.2 m", "diagonal corners 0.3 m"),
-    "one": ("ridge 0.4 m",),
-    "corner": ("ridge 0.4 m",),
-}
-"""Check cases of the ground below a shoe, by what the rollers stand on."""
 TURNED = "turn 70/30, side force at rails"
 DRIVEN = "drive push forward"
 FATIGUE = "even, sand"
@@ -45,19 +39,53 @@ class ShoeFatigue(NamedTuple):
     """That 97.5 % survive."""
 
 
+def check_of(case: Case, settings: AssessmentSettings, ready_shoe: bool) -> ready.ShoeCheck | None:
+    """Check of a machine's shoe: of the ready one, or by the mesh of the case's flexible shoes.
+
+    None if the machine's shoe is another than the ready one and the case has no mesh of it.
+    """
+    if not ready_shoe and case.flexible is None:
+        return None
+    gear: Any = case.gear
+    mesh = settings.mesh if ready_shoe or case.flexible is None else case.flexible.mesh
+    return ready.ShoeCheck(
+        name="shoe of the assessment",
+        mesh=str(mesh),
+        material=settings.material,
+        track=None if ready_shoe else case.loop,
+        roller_radius=gear.roller_radius,
+        tread_width=gear.tread_width,
+        levels=(),
+    )
+
+
+def _below(beside: float) -> dict[str, tuple[str, ...]]:
+    """Check cases of the ground below a shoe by what the rollers stand on; `beside` as of `ShoeOutline`."""
+    ends = f"both ends {0.2 * beside:.3g} m"
+    corners = f"diagonal corners {0.3 * beside:.3g} m"
+    ridge = f"ridge {0.4 * beside:.3g} m"
+    return {
+        "even": (FATIGUE, ends),
+        "two": (ends, corners),
+        "outer": (ends, corners),
+        "one": (ridge,),
+        "corner": (ridge,),
+    }
+
+
 def shoe_stresses(
-    loads: list[CaseLoads], material: FatigueMaterial, mesh: str, say: Callable[[str], None]
+    loads: list[CaseLoads], check: ready.ShoeCheck, say: Callable[[str], None]
 ) -> tuple[list[ShoeStress], ShoeFatigue | None]:
-    """Greatest stress of the ready shoe in each load case, and its fatigue under normal passes.
+    """Greatest stress of a shoe in each load case, and its fatigue under normal passes.
 
     Check cases are solved once; ground without steps answers in proportion to forces, so that a load case
     scales them (`docs/check-cases.md`). Bores are left out: pins hold them by spiders.
     """
     normal = [row for row in loads if row.group == loads[0].group]
     force = 0.5 * max(row.roller for row in normal)
-    check = ready.ShoeCheck(name="shoe of the assessment", mesh=mesh, material=material, levels=())
     shoe = solve.CheckedShoe(check)
-    wanted = {name for names in BELOW.values() for name in names} | {TURNED, DRIVEN}
+    below = _below(shoe.outline.beside)
+    wanted = {name for names in below.values() for name in names} | {TURNED, DRIVEN}
     cases = tuple(case for case in ready.ready_cases(shoe.outline, force) if case.name in wanted)
     found = solve.solve_cases(check.with_(cases=cases), shoe, say)
     greatest = {}
@@ -68,7 +96,7 @@ def shoe_stresses(
         greatest[case.name] = float(mises[node]), str(shoe.regions[outside[node]])
     rows = []
     for row in loads:
-        scales = dict.fromkeys(BELOW[row.support], 0.5 * row.roller / force)
+        scales = dict.fromkeys(below[row.support], 0.5 * row.roller / force)
         if row.drive == "turn":
             scales[TURNED] = row.needed / ready.PULL
         if row.drive in ("stall", "blocked"):
@@ -76,6 +104,7 @@ def shoe_stresses(
         rows += [
             ShoeStress(row.name, name, greatest[name][1], scale * greatest[name][0])
             for name, scale in scales.items()
+            if name in greatest  # a mesh without a roller path has no drive that pushes at it
         ]
     cycles = found.cycle(UNLOADED, FATIGUE)
     cycles = cycles[cycles["region"] != BORES]

@@ -9,8 +9,12 @@ from exudyn_crawler.assessment import forces, pressure, run_forces, travel
 from exudyn_crawler.assessment.assessment import assessment_of
 from exudyn_crawler.assessment.inputs import numbers_of
 from exudyn_crawler.assessment.settings import AssessmentSettings
-from exudyn_crawler.case import Drive, Heights, Ridge
+from exudyn_crawler.assessment.shoe import check_of, shoe_stresses
+from exudyn_crawler.case import Drive, Heights, Ridge, Track
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.results.checks.cases import ShoeCheck
+from fem import Mesh, write_mesh
+from meshes import mesh_named
 
 STILL = Drive(speed=StepProfile.constant(0.0))
 FLOOR = RockFloor.hard_floor().with_(stiffness=1e8, friction=0.3)
@@ -147,3 +151,38 @@ def test_the_command_leaves_tables_drawings_and_a_page(told, refused, tmp_path):
     assert "exists" in refused("assess", "mine.toml", "--out", "assessed")
     assert "no file" in refused("assess", "nowhere.toml")
     assert "no history" in refused("assess", "mine.toml", "--out", "other", "--run", "assessed")
+
+
+@pytest.mark.slow
+def test_an_own_shoe_is_checked_by_the_mesh_of_its_case(tmp_path):
+    """Ready shoe at three quarters of its size: the same forces make 16/9 of its stress."""
+    size = 0.75
+    mesh = mesh_named("coarse")
+    path = tmp_path / "own.msh"
+    write_mesh(path, Mesh(size * mesh.nodes, mesh.elements, mesh.surfaces))
+    check = ShoeCheck(name="own", mesh="coarse", levels=())
+    chain = Track.ph4100c()
+    small = chain.with_(
+        pitch=size * chain.pitch,
+        pin_ahead=size * chain.pin_ahead,
+        pin_height=size * chain.pin_height,
+        spherical_y=size * chain.spherical_y,
+        parallel_y=size * chain.parallel_y,
+    )
+    loads = assessment_of(Case.shovel(), BARE).loads
+    ready, _ = shoe_stresses(loads, check, lambda _: None)
+    own, _ = shoe_stresses(loads, check.with_(mesh=str(path), track=small), lambda _: None)
+    even = [next(row for row in rows if row.check_case.startswith("ridge")) for rows in (ready, own)]
+    assert even[1].check_case == "ridge 0.3 m"
+    assert even[1].stress == pytest.approx(even[0].stress / size**2, rel=0.05)
+
+
+def test_a_shoe_is_checked_by_its_mesh_or_not_at_all():
+    case = Case.shovel()
+    settings = AssessmentSettings()
+    assert check_of(case, settings, ready_shoe=True).mesh == "coarse"
+    assert check_of(case, settings, ready_shoe=False) is None
+    own = case.with_(flexible=Case.stress("study").flexible_shoes().with_(shoes=(3,)))
+    check = check_of(own, settings, ready_shoe=False)
+    assert (check.mesh, check.track) == ("study", case.loop)
+    assert check.roller_radius == case.gear.roller_radius
