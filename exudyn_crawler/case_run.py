@@ -15,6 +15,7 @@ from exudyn_crawler.results.stress import basis, recovery
 from exudyn_crawler.run.folder import checkpoints, folder as folders, progress as parts, record
 from exudyn_crawler.run.solve.simulation import compiled, simulate, solved_for_tension
 from exudyn_crawler.views.outputs import write_outputs
+from fem.memory import give_back_memory
 
 
 @dataclass(frozen=True)
@@ -124,6 +125,7 @@ class _Work(NamedTuple):
         expected = parts.rule_of_thumb(self.case_file).get(name)
         with self.folder.timed(name), parts.heartbeat(title, expected, self.progress):
             yield
+        give_back_memory()
 
 
 def _reduce_shoe(work: _Work) -> None:

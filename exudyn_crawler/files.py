@@ -155,7 +155,7 @@ def write_netcdf_along(
     """
     import h5netcdf
 
-    from fem.hdf5 import VERSIONS
+    from fem.hdf5 import VERSIONS, Disk
 
     remaining = iter(parts)
     first = next(remaining)
@@ -163,7 +163,7 @@ def write_netcdf_along(
     with (
         whole_file(path, overwrite) as temporary,
         interrupts_wait() as waiting,
-        _Disk(temporary, "r+") as disk,
+        Disk(temporary, "r+") as disk,
     ):
         disk.write(_netcdf_bytes(first.drop_vars(along)))
         disk.check()
@@ -196,32 +196,3 @@ def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
     options = {"chunks": (rows, *variable.shape[1:])} | COMPRESSION if variable.size else {}
     made = file.create_variable(name, variable.dims, variable.dtype, **options)
     made.attrs.update(_in_headers(variable.attrs))
-
-
-class _Disk(io.FileIO):
-    """File for HDF5, which does not survive a write that fails: it is told of none, and `check` is."""
-
-    failure: OSError | None = None
-
-    def write(self, content: Any) -> int:
-        """Write all of the content; after a failure, nothing."""
-        try:
-            rest = memoryview(content)
-            while self.failure is None and len(rest):
-                rest = rest[super().write(rest) :]
-        except OSError as error:
-            self.failure = error
-        return len(content)
-
-    def truncate(self, size: int | None = None) -> int:
-        """Set the file's size, as `write`."""
-        try:
-            return super().truncate(size)
-        except OSError as error:
-            self.failure = self.failure or error
-            return size or 0
-
-    def check(self) -> None:
-        """Raise the first failure."""
-        if self.failure is not None:
-            raise self.failure

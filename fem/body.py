@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 
 from fem.eigen import lowest_modes
 from fem.elasticity import Material, mass_matrix, stiffness_matrix
+from fem.memory import give_back_memory
 from fem.mesh import Floats, Integers, Mesh
 from fem.solver import factorized
 from fem.stress import nodal_gradient_operator, nodal_stress
@@ -44,12 +45,17 @@ class ElasticBody:
     @cached_property
     def stiffness(self) -> csr_array:
         """Stiffness matrix (3n, 3n) in N/m."""
-        return stiffness_matrix(self.mesh, self.material)
+        matrix = stiffness_matrix(self.mesh, self.material)
+        # those of the elements were six times as large
+        give_back_memory()
+        return matrix
 
     @cached_property
     def mass_matrix(self) -> csr_array:
         """Consistent mass matrix (3n, 3n) in kg."""
-        return mass_matrix(self.mesh, self.material.density)
+        matrix = mass_matrix(self.mesh, self.material.density)
+        give_back_memory()
+        return matrix
 
     @cached_property
     def _rigid_mass(self) -> Floats:

@@ -23,11 +23,14 @@ SEED = 6_2016
 
 
 def _orthonormal_in_mass(
-    block: Floats, mass: csr_array, basis: Floats, mass_basis: Floats
+    block: Floats, moved: Floats, mass: csr_array, basis: Floats
 ) -> tuple[Floats, Floats]:
-    """Make a block orthonormal in mass, also to a basis; dependent columns are dropped."""
+    """Make a block orthonormal in mass, also to a basis; dependent columns are dropped.
+
+    `moved` is the mass times the block, of the result, too.
+    """
     for _ in range(2):
-        block = block - basis @ (mass_basis.T @ block)
+        block = block - basis @ (basis.T @ moved)
         moved = mass @ block
         gram = block.T @ moved
         size = np.sqrt(np.maximum(np.diag(gram), np.finfo(float).tiny))
@@ -89,9 +92,9 @@ def lowest_modes(
     block = np.random.default_rng(SEED).standard_normal((n, BLOCK))
     capacity = 4 * count + 12 * BLOCK
     basis = np.empty((n, capacity), order="F")
-    mass_basis = np.empty((n, capacity), order="F")
     projected = np.zeros((capacity, capacity))
-    block, moved = _orthonormal_in_mass(solve(mass @ block), mass, basis[:, :0], basis[:, :0])
+    image = solve(mass @ block)
+    block, moved = _orthonormal_in_mass(image, mass @ image, mass, basis[:, :0])
     size = 0
     while True:
         width = block.shape[1]
@@ -99,13 +102,13 @@ def lowest_modes(
             raise RuntimeError(f"{count} modes did not converge within a basis of {size} vectors")
         new = slice(size, size + width)
         basis[:, new] = block
-        mass_basis[:, new] = moved
         size += width
         image = solve(moved)
-        overlap = mass_basis[:, :size].T @ image
+        heavy = mass @ image
+        overlap = basis[:, :size].T @ heavy
         projected[:size, new] = overlap
         projected[new, :size] = overlap.T
-        block, moved = _orthonormal_in_mass(image, mass, basis[:, :size], mass_basis[:, :size])
+        block, moved = _orthonormal_in_mass(image, heavy, mass, basis[:, :size])
         if size < count + BLOCK:
             continue
         inverse, coefficients = np.linalg.eigh(projected[:size, :size])

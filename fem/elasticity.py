@@ -111,8 +111,9 @@ def _blocks_to_csr(mesh: Mesh, blocks: Floats) -> csr_array:
     for i in range(k):
         for j in range(k):
             data[:, i, j] = np.bincount(place, weights=flat[:, i, j], minlength=len(pairs))
-    indptr = np.searchsorted(pairs, np.arange(n + 1) * n)
-    matrix = csr_array(bsr_array((data, pairs % n, indptr), shape=(k * n, k * n)))
+    indptr = np.searchsorted(pairs, np.arange(n + 1) * n).astype(np.int32)
+    columns = (pairs % n).astype(np.int32)
+    matrix = csr_array(bsr_array((data, columns, indptr), shape=(k * n, k * n)))
     matrix.sort_indices()
     return matrix
 

@@ -15,14 +15,17 @@ from scipy.sparse import csr_array, hstack, kron
 
 from fem.body import ElasticBody
 from fem.interfaces import Interface
+from fem.memory import give_back_memory
 from fem.mesh import Floats
 from fem.reduced import ReducedBody
 from fem.reduction import Partition
 from fem.shapes import Shapes, SideBySide
 from fem.stress import DEVIATOR, stress_at_node
 
-AT_ONCE = 32
+AT_ONCE = 16
 """Fields that are solved for, or whose stress is recovered, at once."""
+NODES_AT_ONCE = 2**12
+"""Nodes whose bounds are summed at once."""
 NOISE = 1e-12
 """Strain energy, over that of the greatest direction, below which a direction is rounding."""
 
@@ -145,6 +148,7 @@ def static_fields(
                 f"loads of {name!r} must be on {size} displacements and {centers} motions of centres, "
                 f"got {family.nodal.shape[0]} and {family.centers.shape[0]}"
             )
+    give_back_memory()
     forces = hstack([family.forces(partition.body) for family in families.values()], format="csc")
     at_centers = np.concatenate([family.centers for family in families.values()], axis=1)
     modes = reduced.modes.reshape(size, -1)
@@ -155,6 +159,8 @@ def static_fields(
         columns = slice(first, first + AT_ONCE)
         whole = partition.static_response(forces[:, columns].toarray(), at_centers[:, columns])
         rest[:, columns] = whole - modes @ answered[columns].T
+        # beside factors and fields, what each block leaves would make the greatest memory of a study
+        give_back_memory()
     energy = np.empty((rest.shape[1], rest.shape[1]))
     for first in range(0, rest.shape[1], AT_ONCE):
         columns = slice(first, first + AT_ONCE)
@@ -256,7 +262,7 @@ def field_columns(
         wanted = max(fewest - first, 0)
         modes[:, :, columns] = shapes[:, :, :wanted]
         stress[:, :, columns] = of_shapes[:, :, :wanted]
-    bounds = np.append(np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1].max(axis=0, initial=0.0), 0.0)
+    bounds = np.append(_greatest_tails(lengths), 0.0)
     rank = min(int(np.flatnonzero(bounds <= tolerance)[0]), fewest)
     return FieldColumns(
         turn[:, :rank],
@@ -264,6 +270,15 @@ def field_columns(
         np.ascontiguousarray(stress[:, :, :rank]),
         float(bounds[rank]),
     )
+
+
+def _greatest_tails(lengths: Floats) -> Floats:
+    """Greatest sums (k,) over the rows of lengths (n, k) from each column to the last."""
+    greatest = np.zeros(lengths.shape[1])
+    for first in range(0, len(lengths), NODES_AT_ONCE):
+        rows = lengths[first : first + NODES_AT_ONCE]
+        greatest = np.maximum(greatest, np.cumsum(rows[:, ::-1], axis=1)[:, ::-1].max(axis=0))
+    return greatest
 
 
 def _energy_root(energy: Floats) -> tuple[Floats, Floats]:

@@ -5,7 +5,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import h5py
 
@@ -26,18 +26,45 @@ CHUNK_BYTES = 2**16
 Read = TypeVar("Read")
 
 
+class Disk(io.FileIO):
+    """File for HDF5, which does not survive a write that fails: it is told of none, and `check` is."""
+
+    failure: OSError | None = None
+
+    def write(self, content: Any) -> int:
+        """Write all of the content; after a failure, nothing."""
+        try:
+            rest = memoryview(content)
+            while self.failure is None and len(rest):
+                rest = rest[super().write(rest) :]
+        except OSError as error:
+            self.failure = error
+        return len(content)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the file's size, as `write`."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.failure = self.failure or error
+            return size or 0
+
+    def check(self) -> None:
+        """Raise the first failure."""
+        if self.failure is not None:
+            raise self.failure
+
+
 @interrupts_wait()
 def write_whole(path: Path, kind: str, fill: Callable[[h5py.File], None]) -> None:
     """Write an HDF5 file of a kind, which `fill` fills, whole or not at all."""
-    # made in memory first: where a disk is full, HDF5 does not fail but ends the process
-    content = io.BytesIO()
-    with h5py.File(content, "w", libver=VERSIONS) as file:
-        file.attrs[KIND] = kind
-        fill(file)
     handle, part = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
     try:
-        with open(handle, "wb") as stream:
-            stream.write(content.getbuffer())
+        with Disk(handle, "r+") as disk:
+            with h5py.File(disk, "w", libver=VERSIONS) as file:
+                file.attrs[KIND] = kind
+                fill(file)
+            disk.check()
         os.replace(part, path)
     except BaseException:
         os.unlink(part)

@@ -22,6 +22,7 @@ from fem.interfaces import (
     rigid_motion_of_centers,
     spider_transformation,
 )
+from fem.memory import give_back_memory
 from fem.mesh import Floats
 from fem.reduced import ReducedBody
 from fem.solver import Backend, factorized
@@ -74,14 +75,14 @@ class Partition:
         """Displacements (3n, r) by free motions with the joint centres held."""
         return self._spiders[1]
 
-    @cached_property
+    @property
     def stiffness(self) -> csr_array:
-        """Stiffness (r, r) in N/m with the joint centres held."""
+        """Stiffness (r, r) in N/m with the joint centres held; not kept beside its factors."""
         matrix = csr_array(self.of_rest.T @ self.body.stiffness @ self.of_rest)
         matrix.sort_indices()
         return matrix
 
-    @cached_property
+    @property
     def mass(self) -> csr_array:
         """Mass (r, r) in kg with the joint centres held."""
         return csr_array(self.of_rest.T @ self.body.mass_matrix @ self.of_rest)
@@ -214,10 +215,13 @@ def craig_bampton(
     if loads:
         columns.append(partition.held_response(_balanced(body, loads)))
     basis = np.column_stack(columns)
+    columns.clear()
     centers = np.zeros((6 * len(partition.interfaces), basis.shape[1]))
     centers[:, : len(centers)] = np.eye(len(centers))
     turn, eigenvalues, ritz = _elastic_combinations(body, basis, partition.interfaces)
     modes = basis @ turn
+    del basis
+    give_back_memory()
     return ReducedBody.from_modes(
         body,
         partition.interfaces,

@@ -17,6 +17,8 @@ SYMMETRIC_POSITIVE_DEFINITE = 2
 ANALYSE_AND_FACTORIZE = 12
 SOLVE = 33
 RELEASE = -1
+CHOSEN, NESTED_DISSECTION = 1, 2
+"""Values of the first two of PARDISO's parameters: not its defaults, but METIS orders the unknowns, too."""
 
 
 @cache
@@ -71,6 +73,9 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
     upper = csr_matrix(triu(matrix, format="csr"))
     upper.sort_indices()
     solver = pypardiso.PyPardisoSolver(mtype=SYMMETRIC_POSITIVE_DEFINITE)
+    # by default it refines each answer twice, for six times the time and a residual as large
+    solver.set_iparm(1, CHOSEN)
+    solver.set_iparm(2, NESTED_DISSECTION)
     empty = np.zeros((upper.shape[0], 1))
     solver.set_phase(ANALYSE_AND_FACTORIZE)
     solver._call_pardiso(upper, empty)

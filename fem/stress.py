@@ -33,6 +33,9 @@ CRITERIA: tuple[Criterion, ...] = (
     "greatest shear",
 )
 
+AT_ONCE = 32
+"""Fields of displacement whose stress is recovered at once."""
+
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """Tensor indices of the six components."""
 
@@ -80,8 +83,9 @@ def nodal_gradient_operator(mesh: Mesh) -> csr_array:
     n = len(mesh.nodes)
     count = np.bincount(mesh.elements.ravel(), minlength=n)
     values = local / count[mesh.elements][:, :, None, None]
-    rows = 3 * mesh.elements[:, :, None, None] + np.arange(3)[None, None, :, None]
-    columns = mesh.elements[:, None, None, :]
+    elements = mesh.elements.astype(np.int32)
+    rows = 3 * elements[:, :, None, None] + np.arange(3, dtype=np.int32)[None, None, :, None]
+    columns = elements[:, None, None, :]
     shape = (e, a, 3, b)
     return csr_array(
         (
@@ -128,8 +132,15 @@ def nodal_stress(
     if nodes is not None:
         rows = (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
         operator = operator[rows]
-    gradient = (operator @ displacements.reshape(n, 3 * m)).reshape(-1, 3, 3, m)
-    return np.moveaxis(stress_of_gradient(np.moveaxis(gradient, 3, 1), material), 1, 2)
+    stress = np.empty((operator.shape[0] // 3, 6, m))
+    # gradients take more memory than what becomes of them
+    for first in range(0, m, AT_ONCE):
+        columns = slice(first, first + AT_ONCE)
+        fields = displacements[:, :, columns]
+        gradient = (operator @ fields.reshape(n, -1)).reshape(-1, 3, 3, fields.shape[2])
+        part = stress_of_gradient(np.moveaxis(gradient, 3, 1), material)
+        stress[:, :, columns] = np.moveaxis(part, 1, 2)
+    return stress
 
 
 def stress_at_node(

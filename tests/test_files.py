@@ -12,13 +12,13 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler.files import (
-    _Disk,
     clear_partial_files,
     whole_file,
     writable_folder,
     write_netcdf,
     write_netcdf_along,
 )
+from fem.hdf5 import Disk
 
 FULL = OSError(errno.ENOSPC, "No space left on device")
 
@@ -190,13 +190,13 @@ def test_netcdf_in_parts_that_finds_no_room_is_named_and_leaves_nothing(tmp_path
     part = xr.Dataset({"stress": ("time", np.random.default_rng(1).random(100_000))})
     written = []
 
-    def full(self, content, write=_Disk.write):
+    def full(self, content, write=Disk.write):
         written.append(len(content))
         if len(written) == 10:
             self.failure = FULL
         return write(self, content)
 
-    monkeypatch.setattr(_Disk, "write", full)
+    monkeypatch.setattr(Disk, "write", full)
     with pytest.raises(OSError, match=r"stress\.nc could not be written: No space left"):
         write_netcdf_along("time", 1_000_000, [part] * 10, tmp_path / "stress.nc")
     assert len(written) >= 10

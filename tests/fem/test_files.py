@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import fem
+from fem.hdf5 import Disk
 from fem.interfaces import rigid_motion_of_centers
 from meshes import STEEL
 from tests.fem.bodies import beam_interfaces, static_stress
@@ -57,6 +58,27 @@ def test_a_file_that_finds_no_room_leaves_the_old_one(tmp_path, small, monkeypat
     whole = path.read_bytes()
     monkeypatch.setattr("os.replace", Mock(side_effect=OSError(28, "No space left on device")))
     refused("No space left", fem.save_reduced, path, small.with_modes([0]), error=OSError)
+    assert path.read_bytes() == whole
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_disk_that_fills_while_a_file_is_written_is_named_and_the_old_file_stays(
+    tmp_path, small, monkeypatch
+):
+    path = tmp_path / "beam.h5"
+    fem.save_reduced(path, small)
+    whole = path.read_bytes()
+    written = []
+
+    def full(self, content, write=Disk.write):
+        written.append(len(content))
+        if len(written) == 5:
+            self.failure = OSError(28, "No space left on device")
+        return write(self, content)
+
+    monkeypatch.setattr(Disk, "write", full)
+    refused("No space left", fem.save_reduced, path, small.with_modes([0]), error=OSError)
+    assert len(written) >= 5
     assert path.read_bytes() == whole
     assert list(tmp_path.iterdir()) == [path]
 
