@@ -162,12 +162,13 @@ def test_an_own_shoe_is_checked_by_the_mesh_of_its_case(tmp_path):
     write_mesh(path, Mesh(size * mesh.nodes, mesh.elements, mesh.surfaces))
     check = ShoeCheck(name="own", mesh="coarse", levels=())
     chain = Track.ph4100c()
+    middle = chain.first_com[1]
     small = chain.with_(
         pitch=size * chain.pitch,
         pin_ahead=size * chain.pin_ahead,
         pin_height=size * chain.pin_height,
-        spherical_y=size * chain.spherical_y,
-        parallel_y=size * chain.parallel_y,
+        spherical_y=middle + size * (chain.spherical_y - middle),
+        parallel_y=middle + size * (chain.parallel_y - middle),
     )
     loads = assessment_of(Case.shovel(), BARE).loads
     ready, _ = shoe_stresses(loads, check, lambda _: None)

@@ -21,7 +21,7 @@ LEAST_DEPTH = 0.05  # m, below which a sensor's panels would be too many
 PANEL_POINTS = 4  # Gauss points along a side of a panel, which is at most as long as the sensor is deep
 BESIDE_MIDDLE = 0.49  # of the underside's side, to which a centre of pressure is kept
 LOADED = 0.1  # of a sensor's greatest pressure, from which on a track is over it
-RIPPLE = 0.05  # of the greatest pressure, by which a peak stands out
+RIPPLE = 0.2  # of the greatest pressure, by which a peak stands out; shoes that rock make less
 
 
 @dataclass(frozen=True)
