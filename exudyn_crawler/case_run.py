@@ -134,7 +134,7 @@ def _reduce_shoe(work: _Work) -> None:
     with flexible_shoes.factors_held(case):
         with work.part(parts.REDUCE):
             stored = flexible_shoes.whole_reduction(case)
-        if stored.found:
+        if stored.existed:
             work.folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
         if case.flexible_shoes().static_fields:
             with work.part(parts.FIELDS):

@@ -157,7 +157,7 @@ def _refusals(case: Case, mesh: fem.Mesh) -> Iterator[str]:
 def _table(
     recognized: RecognizedShoe, mesh: fem.Mesh, body: fem.ElasticBody, frequencies: np.ndarray
 ) -> pd.DataFrame:
-    """What a shoe is, a row a quantity."""
+    """Figures of a shoe, a row a quantity."""
     inertia = body.inertia
     size = np.ptp(mesh.nodes, axis=0)
     rear, front = recognized.axes.pins.lines

@@ -47,12 +47,12 @@ class CachedReduction(NamedTuple):
     path : Path
         Its file.
     found : bool
-        Whether the file existed before.
+        True where the file existed before.
     """
 
     body: ReducedBody
     path: Path
-    found: bool
+    existed: bool
 
 
 class CachedFields(NamedTuple):
@@ -64,12 +64,12 @@ class CachedFields(NamedTuple):
     path : Path
         Their file.
     found : bool
-        Whether the file existed before.
+        True where the file existed before.
     """
 
     fields: StaticFields
     path: Path
-    found: bool
+    existed: bool
 
 
 def reduction_digest(

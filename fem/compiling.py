@@ -39,9 +39,8 @@ def compiler(*parts: Any, **options: Any) -> Callable[[Callable], Any]:
     options :
         Those of `numba.njit`.
     """
-    # the C address of a function, which few need, would take a fifth of the time to compile; a function that
-    # says nothing about counts of references would take what its first caller says
-    options = {"no_cfunc_wrapper": True, "_nrt": True} | options
+    # a function that says nothing about counts of references would take what its first caller says
+    options = {"_nrt": True} | options
 
     def compiled(function: Callable) -> Any:
         dispatcher = njit(cache=True, **options)(function)

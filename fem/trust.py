@@ -52,7 +52,7 @@ class Resolution:
 
     Parameters
     ----------
-    off, own : array (n,)
+    off, stress : array (n,)
         Integrals over the elements of a node: of averaged stress minus the elements' stress, and of the
         latter, both taken as linear in an element.
     jump, size : array (n,)
@@ -61,20 +61,20 @@ class Resolution:
     """
 
     off: Floats
-    own: Floats
+    stress: Floats
     jump: Floats
     size: Floats
 
     def __add__(self, other: "Resolution") -> "Resolution":
         """That of the fields of both."""
         return Resolution(
-            self.off + other.off, self.own + other.own, self.jump + other.jump, self.size + other.size
+            self.off + other.off, self.stress + other.stress, self.jump + other.jump, self.size + other.size
         )
 
     @property
     def error(self) -> Floats:
         """Estimated error of the nodal von Mises stress over itself, (n,)."""
-        return SAFETY * _root_ratio(self.off, self.off + self.own)
+        return SAFETY * _root_ratio(self.off, self.off + self.stress)
 
     @property
     def relative_jump(self) -> Floats:
@@ -111,7 +111,7 @@ def resolution_at(body: Shapes, q: Floats, nodes: Integers) -> Resolution:
     places = [_resolution_at_node(body, row, node) for row, node in zip(q, nodes.tolist(), strict=True)]
     return Resolution(
         np.array([place.off for place in places]),
-        np.array([place.own for place in places]),
+        np.array([place.stress for place in places]),
         np.array([place.jump for place in places]),
         np.array([place.size for place in places]),
     )
@@ -128,24 +128,24 @@ def _resolution_at_node(body: Shapes, q: Floats, node: int) -> Resolution:
     used, local = np.unique(mesh.elements[elements], return_inverse=True)
     displacement = np.zeros_like(mesh.nodes)
     displacement[used] = combined(body.modes, q, used)[0]
-    own = element_deviator(mesh, body.material, displacement, elements)
-    near = _resolution(mesh.nodes[used], local.reshape(len(elements), -1), own)
+    stress = element_deviator(mesh, body.material, displacement, elements)
+    near = _resolution(mesh.nodes[used], local.reshape(len(elements), -1), stress)
     place = int(np.searchsorted(used, node))
-    return Resolution(near.off[place], near.own[place], near.jump[place], near.size[place])
+    return Resolution(near.off[place], near.stress[place], near.jump[place], near.size[place])
 
 
-def _resolution(nodes: Floats, elements: Integers, own: Floats) -> Resolution:
+def _resolution(nodes: Floats, elements: Integers, stress: Floats) -> Resolution:
     """How far elements (e, a) between nodes (n, 3) resolve their stress (e, a, 5), see `element_deviator`."""
     flat = elements.ravel()
     n = len(nodes)
     count = np.bincount(flat, minlength=n)
-    sums = [np.bincount(flat, own[..., k].ravel(), n) for k in range(own.shape[-1])]
+    sums = [np.bincount(flat, stress[..., k].ravel(), n) for k in range(stress.shape[-1])]
     averaged = np.stack(sums, axis=1) / count[:, None]
-    off = averaged[elements] - own
+    off = averaged[elements] - stress
     a, b, c, d = np.moveaxis(nodes[elements[:, :4]], 1, 0)
     volume = np.einsum("ei,ei->e", np.cross(b - a, c - a), d - a) / 6.0
     squares: list[Floats] = []
-    for field in (off[:, :4], own[:, :4]):
+    for field in (off[:, :4], stress[:, :4]):
         total = field.sum(axis=1)
         of_element = volume * (np.einsum("ack,ack->a", field, field) + np.einsum("ak,ak->a", total, total))
         squares.append(np.asarray(np.bincount(flat, np.repeat(of_element, elements.shape[1]), n)))

@@ -137,20 +137,20 @@ def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes
     return _from_netgen(mesh)
 
 
-def _from_netgen(found: Any) -> Mesh:
+def _from_netgen(netgen_mesh: Any) -> Mesh:
     """Mesh of a netgen mesh of second order, its surfaces by the names of faces."""
-    elements = found.Elements3D().NumPy()["nodes"][:, FROM_NETGEN].astype(np.int64) - 1
-    sides = found.Elements2D().NumPy()
+    elements = netgen_mesh.Elements3D().NumPy()["nodes"][:, FROM_NETGEN].astype(np.int64) - 1
+    sides = netgen_mesh.Elements2D().NumPy()
     triangles = sides["nodes"][:, FROM_NETGEN_TRIANGLE].astype(np.int64) - 1
-    names = np.array(["", *(face.bcname for face in found.FaceDescriptors())])[sides["index"]]
+    names = np.array(["", *(face.bcname for face in netgen_mesh.FaceDescriptors())])[sides["index"]]
     surfaces = {name: triangles[names == name] for name in ("underside", "roller path")}
     surfaces["top"] = triangles[np.isin(names, ("roller path", FLANGE))]
     surfaces |= {f"bore {name}": triangles[names == f"bore {name}"] for name in JOINT_CENTERS}
-    nodes, _ = straighten_distorted(np.array(found.Coordinates()), elements)
+    nodes, _ = straighten_distorted(np.array(netgen_mesh.Coordinates()), elements)
     return Mesh(nodes, elements, surfaces)
 
 
-def main(given: Sequence[str] | None = None) -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Mesh a shoe into a file."""
     parser = argparse.ArgumentParser(prog="python -m meshes.build_shoe", description=(main.__doc__ or ""))
     parser.add_argument("file", type=Path, help="mesh to write, .msh or .msh.gz")
@@ -160,7 +160,7 @@ def main(given: Sequence[str] | None = None) -> None:
         parser.add_argument(
             option, type=float, metavar="M", default=field.default, help=f"m; {field.default}"
         )
-    options = vars(parser.parse_args(given))
+    options = vars(parser.parse_args(arguments))
     path = options.pop("file")
     size = options.pop("size")
     try:

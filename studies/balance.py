@@ -297,7 +297,7 @@ def energies(history: History) -> xr.Dataset:
         side = _side_frame(history)
         by_body = [motion.energies(gravity) for motion in (side, *_others(history, side))]
         stored["frame_kinetic"], stored["frame_gravitational"] = (
-            sum(one) for one in zip(*by_body, strict=True)
+            sum(of_kind) for of_kind in zip(*by_body, strict=True)
         )
     if history.has("tread_force"):
         stored["treads"], _, _ = _treads(history, case.rolled_gear(), side, _shoes(history))

@@ -148,8 +148,8 @@ def loads_across(history: History) -> dict[str, float]:
     late = History(history.case, data)
     left = rotation_matrices(data.side_frame_angles.transpose("time", "axis").values)[..., 1]
 
-    def across(one: xr.DataArray) -> np.ndarray:
-        return np.einsum("tnc,tc->tn", one.transpose("time", ..., "axis").values, left)
+    def across(vectors: xr.DataArray) -> np.ndarray:
+        return np.einsum("tnc,tc->tn", vectors.transpose("time", ..., "axis").values, left)
 
     tension = late.quantity("link_tension").values
     ground = late.contacts_by_shoe()

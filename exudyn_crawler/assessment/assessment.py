@@ -221,5 +221,5 @@ def assessment_of(
     else:
         say(f"check cases of the shoe, mesh {check.mesh}")
         stresses, fatigue = shoe_stresses(loads, check, say)
-    found = all_items(numbers, settings, loads, stresses, fatigue)
-    return Assessment(name or settings.name, settings, numbers, load_cases, loads, found, left_out, compared)
+    items = all_items(numbers, settings, loads, stresses, fatigue)
+    return Assessment(name or settings.name, settings, numbers, load_cases, loads, items, left_out, compared)

@@ -31,7 +31,7 @@ class MachineWeights(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What the upper structure does."""
+    """Work of the upper structure."""
 
     payload: float = 0.0
     """Mass in the dipper or on the hook, kg."""

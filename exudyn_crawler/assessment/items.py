@@ -69,16 +69,16 @@ def all_items(
     fatigue: ShoeFatigue | None,
 ) -> list[AssessedItem]:
     """Items of all load cases."""
-    found = [
+    items = [
         item
         for row in loads
         for kind in (_pressure, _tipping, _pull, _chain, _pins, _rollers)
         for item in kind(numbers, row, settings)
     ]
-    found += _shoe(loads, stresses, settings)
+    items += _shoe(loads, stresses, settings)
     if fatigue is not None:
-        found.append(_fatigue(numbers, settings, loads[0], fatigue))
-    return [*found, *_machine(numbers, settings)]
+        items.append(_fatigue(numbers, settings, loads[0], fatigue))
+    return [*items, *_machine(numbers, settings)]
 
 
 def _item(row: CaseLoads, name: str, number: float, limit: float, unit: str, **how: object) -> AssessedItem:

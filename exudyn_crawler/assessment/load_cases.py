@@ -64,5 +64,5 @@ def read_load_cases(path: str | Path | None = None) -> LoadCases:
     """Load cases of a file (TOML), or the program's own; raises as `read_parameters`."""
     if path is not None:
         return read_parameters(path, LoadCases, "file of load cases", lambda content: content)
-    with as_file(files("exudyn_crawler.assessment").joinpath("load_cases.toml")) as own:
-        return read_parameters(own, LoadCases, "file of load cases", lambda content: content)
+    with as_file(files("exudyn_crawler.assessment").joinpath("load_cases.toml")) as packaged:
+        return read_parameters(packaged, LoadCases, "file of load cases", lambda content: content)

@@ -15,7 +15,7 @@ Part = float | None
 
 
 class WorkSettings(Parameters):
-    """What the upper structure does."""
+    """Work of the upper structure."""
 
     payload: float = quantity("kg", "in the dipper or on the hook", (0.0, 2e5), ge=0, le=1e7, default=0.0)
     reach: base.Extent = quantity("m", "of the payload ahead of the swing axis", (0.0, 60.0), default=0.0)
@@ -58,7 +58,7 @@ class GroundSettings(Parameters):
 
 
 class DriveSettings(Parameters):
-    """What drives the tracks, and their chains."""
+    """Drive of the tracks, and their chains."""
 
     torque: Part = quantity("N m", "greatest of each tumbler", (1e3, 5e6), gt=0, le=1e9, default=None)
     efficiency: float = quantity("1", "of the chain on its tumbler", (0.8, 1.0), gt=0, le=1, default=0.9)

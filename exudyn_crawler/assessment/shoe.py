@@ -87,10 +87,10 @@ def shoe_stresses(
     below = _below(shoe.outline.beside)
     wanted = {name for names in below.values() for name in names} | {TURNED, DRIVEN}
     cases = tuple(case for case in ready.ready_cases(shoe.outline, force) if case.name in wanted)
-    found = solve.solve_cases(check.with_(cases=cases), shoe, say)
+    answers = solve.solve_cases(check.with_(cases=cases), shoe, say)
     greatest = {}
     outside = np.flatnonzero(shoe.regions != BORES)
-    for case, stress in zip(found.cases, found.stress, strict=True):
+    for case, stress in zip(answers.cases, answers.stress, strict=True):
         mises = von_mises(stress[outside])
         node = int(mises.argmax())
         greatest[case.name] = float(mises[node]), str(shoe.regions[outside[node]])
@@ -106,7 +106,7 @@ def shoe_stresses(
             for name, scale in scales.items()
             if name in greatest  # a mesh without a roller path has no drive that pushes at it
         ]
-    cycles = found.cycle(UNLOADED, FATIGUE)
+    cycles = answers.cycle(UNLOADED, FATIGUE)
     cycles = cycles[cycles["region"] != BORES]
     if cycles.empty:
         return rows, None

@@ -96,7 +96,7 @@ def tipping_load(
     slew = np.atleast_1d(slew)
     place = np.stack((swing_axis + reach * np.cos(slew), reach * np.sin(slew), np.zeros_like(slew)), axis=-1)
     arm = place @ OUTWARD.T - np.array(edges)
-    found = tipping(forces, edges)
-    held = found.stabilising - found.overturning
+    balance = tipping(forces, edges)
+    held = balance.stabilising - balance.overturning
     loads = np.divide(held, arm, out=np.full_like(held, np.inf), where=arm > 0.0)
     return np.maximum(loads.min(axis=1), 0.0)

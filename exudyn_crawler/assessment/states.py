@@ -21,7 +21,7 @@ FORMULA = "formula"
 
 
 class CaseLoads(NamedTuple):
-    """What a machine bears in a load case; the worst of each over the angles of slewing."""
+    """Loads that a machine bears in a load case; the worst of each over the angles of slewing."""
 
     name: str
     group: str
@@ -84,13 +84,13 @@ def loads_of(numbers: AssessmentNumbers, cases: LoadCases) -> list[CaseLoads]:
 def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> CaseLoads:
     """Loads of one load case."""
     group = cases.group_of(case)
-    found = _envelope(numbers, case)
-    worst = int(np.argmax(found.greatest))
-    tips = int(np.argmin(found.margin))
-    needed, available, ends, pull = _travel(numbers, case, found)
+    envelope = _envelope(numbers, case)
+    worst = int(np.argmax(envelope.greatest))
+    tips = int(np.argmin(envelope.margin))
+    needed, available, ends, pull = _travel(numbers, case, envelope)
     speed = 0.0 if case.drive == "none" else numbers.chain.speed
     tension = chain.travel_tension(numbers.chain.rest, pull, numbers.chain.weight, speed).taut
-    loads = _rollers(numbers, case, found, tension)
+    loads = _rollers(numbers, case, envelope, tension)
     friction = numbers.ground.friction if case.drive == "turn" else 0.0
     part = numbers.chain.pitch * numbers.footprints.width
     return CaseLoads(
@@ -101,20 +101,20 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
         drive=case.drive,
         support=case.support,
         basis=FORMULA,
-        greatest_pressure=float(found.greatest[worst]),
-        even_pressure=float(found.even.max()),
-        slew=float(found.slew[worst]),
-        track_load=float(found.heavier.max()),
-        margin=float(found.margin[tips]),
-        edge=stability.EDGES[int(found.edge[tips])],
-        tilt=float(found.tilt.min()),
+        greatest_pressure=float(envelope.greatest[worst]),
+        even_pressure=float(envelope.even.max()),
+        slew=float(envelope.slew[worst]),
+        track_load=float(envelope.heavier.max()),
+        margin=float(envelope.margin[tips]),
+        edge=stability.EDGES[int(envelope.edge[tips])],
+        tilt=float(envelope.tilt.min()),
         roller=float(loads.max()),
         roller_loads=loads,
         needed=needed,
         available=available,
         ends=ends,
         tension=tension,
-        side_force=friction * float(found.greatest[worst]) * part,
+        side_force=friction * float(envelope.greatest[worst]) * part,
     )
 
 
@@ -168,15 +168,15 @@ def _envelope(numbers: AssessmentNumbers, case: LoadCase) -> _Envelope:
     return _Envelope(angles, stands, *others)
 
 
-def _rollers(numbers: AssessmentNumbers, case: LoadCase, found: _Envelope, tension: float) -> Floats:
+def _rollers(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope, tension: float) -> Floats:
     """Loads (rollers,) of the track with the most loaded roller of the load case, N."""
     places = numbers.rollers.supports
-    chosen = {int(np.argmax(np.abs(found.stands.ahead))), int(np.argmax(found.heavier))}
-    chosen.add(int(np.argmax(found.greatest)))
+    chosen = {int(np.argmax(np.abs(envelope.stands.ahead))), int(np.argmax(envelope.heavier))}
+    chosen.add(int(np.argmax(envelope.greatest)))
     best = np.zeros(len(numbers.rollers.places))
     for number in chosen:
-        load = max(float(found.heavier[number]) - numbers.rollers.above_ground, 0.0)
-        centre = float(np.clip(found.stands.ahead[number], places[0], places[-1]))
+        load = max(float(envelope.heavier[number]) - numbers.rollers.above_ground, 0.0)
+        centre = float(np.clip(envelope.stands.ahead[number], places[0], places[-1]))
         if case.support == "even":
             loads = numbers.rollers.shared(
                 rollers.even_loads(load, centre, places, numbers.rollers.stiffness)
@@ -184,7 +184,7 @@ def _rollers(numbers: AssessmentNumbers, case: LoadCase, found: _Envelope, tensi
             for end, rise in zip((0, -1), numbers.chain.rises, strict=True):
                 loads[end] += chain.end_roller_push(tension, rise, 1.0)
         elif case.support == "corner":
-            loads = numbers.rollers.shared(_corner(numbers, found, number))
+            loads = numbers.rollers.shared(_corner(numbers, envelope, number))
         else:
             loads = numbers.rollers.shared(_uneven(case.support, load, centre, places))
         best = loads if loads.max() > best.max() else best
@@ -200,12 +200,12 @@ def _uneven(support: str, load: float, centre: float, places: Floats) -> Floats:
     return rollers.one_load(load, centre, places)
 
 
-def _corner(numbers: AssessmentNumbers, found: _Envelope, number: int) -> Floats:
+def _corner(numbers: AssessmentNumbers, envelope: _Envelope, number: int) -> Floats:
     """Loads of one track whose corner stands on a stone, N: that of the corner alone."""
     places = numbers.rollers.supports
-    weight = float(found.stands.weight[number]) - 2.0 * numbers.rollers.above_ground
-    ahead = float(found.stands.ahead[number])
-    aside = float(found.stands.aside[number])
+    weight = float(envelope.stands.weight[number]) - 2.0 * numbers.rollers.above_ground
+    ahead = float(envelope.stands.ahead[number])
+    aside = float(envelope.stands.aside[number])
     length = float(places[-1] - places[0])
     loads = np.zeros(len(places))
     corner = rollers.corner_load(weight, ahead, aside, length, numbers.footprints.gauge)
@@ -213,11 +213,13 @@ def _corner(numbers: AssessmentNumbers, found: _Envelope, number: int) -> Floats
     return loads
 
 
-def _travel(numbers: AssessmentNumbers, case: LoadCase, found: _Envelope) -> tuple[float, float, str, float]:
+def _travel(
+    numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope
+) -> tuple[float, float, str, float]:
     """Pull of a track that is needed, available, what it ends by, and the pull that its chain bears, N."""
     if case.drive == "none":
         return 0.0, np.inf, "", 0.0
-    weight = float(found.stands.weight.max())
+    weight = float(envelope.stands.weight.max())
     ground = numbers.ground
     part = numbers.footprints.length * numbers.footprints.width
     held = float(travel.traction(0.5 * weight, ground.friction, ground.cohesion, part))
@@ -233,13 +235,13 @@ def _travel(numbers: AssessmentNumbers, case: LoadCase, found: _Envelope) -> tup
         needed += 0.5 * travel.sinkage_resistance(mean, ground.compaction, sides)
     if case.drive == "straight":
         return needed, min(pull, held), travel.ends_by(needed, pull, held), needed
-    worst = int(np.argmin(np.abs(found.stands.ahead)))
-    place = float(found.stands.ahead[worst]), float(found.stands.aside[worst])
+    worst = int(np.argmin(np.abs(envelope.stands.ahead)))
+    place = float(envelope.stands.ahead[worst]), float(envelope.stands.aside[worst])
     try:
         turn = travel.turn_of_footprints(weight, numbers.footprints, ground.friction, *place)
     except ValueError:
         # the lighter track slips, and the machine stands
-        lighter = ground.friction * (weight - float(found.heavier.max()))
+        lighter = ground.friction * (weight - float(envelope.heavier.max()))
         lines = travel.turn_of_lines(weight, *numbers.footprints[1::-1], ground.friction)
         return lines.pull, min(pull, lighter), "slips", min(pull, lighter)
     needed += turn.pull

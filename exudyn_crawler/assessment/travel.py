@@ -167,14 +167,14 @@ def turn_of_footprints(
         return np.array([along.sum(), across.sum(), moment]) / weight
 
     slip = np.arcsinh(turn_of_lines(weight, length, gauge, friction).slip)
-    found = root(out_of_balance, np.array([slip, slip, ahead / length]), method="hybr", tol=1e-10)
-    if not found.success and np.abs(found.fun).max() > BALANCED:
+    solution = root(out_of_balance, np.array([slip, slip, ahead / length]), method="hybr", tol=1e-10)
+    if not solution.success and np.abs(solution.fun).max() > BALANCED:
         lighter = friction * min(track_loads(weight, aside, gauge))
         raise ValueError(f"the lighter track slips at {lighter:.4g} N before the machine turns")
-    along, _ = forces(found.x)
+    along, _ = forces(solution.x)
     pull = friction * float(along[0].sum())
-    right, left = np.sinh(found.x[:2])
-    return Turn(0.5 * float(right + left), pull * gauge, pull, 0.5 * length * float(found.x[2]))
+    right, left = np.sinh(solution.x[:2])
+    return Turn(0.5 * float(right + left), pull * gauge, pull, 0.5 * length * float(solution.x[2]))
 
 
 def _pressed(
@@ -196,7 +196,7 @@ def _pressed(
 
 
 class TrackDrive(NamedTuple):
-    """What drives one track."""
+    """Drive of one track."""
 
     torque: float
     """Greatest of its tumbler or sprocket, N m."""

@@ -260,8 +260,8 @@ def _texts(*entries: fields.Entry | None) -> tuple[str, str]:
 def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
     """Named case from which the fewest values of a case differ, but for its name, and its values of these."""
 
-    def texts(one: Case) -> dict[str, str]:
-        return {row.key: row.value for row in fields.case_rows(one.with_(name="case"))}
+    def texts(values: Case) -> dict[str, str]:
+        return {row.key: row.value for row in fields.case_rows(values.with_(name="case"))}
 
     case_texts = texts(case)
     from_bases = {}

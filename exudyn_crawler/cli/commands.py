@@ -121,14 +121,14 @@ def info(
     from exudyn_crawler.case.parameters import checks, fields
 
     studies = application.study_names(cases=True)
-    kept = list[str]()
+    of_the_base = list[str]()
     if case in studies:
         if changes:
             raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")
         case_file = application.study_case(case)
     elif Path(case).suffix or Path(case).exists():
         case_file = crawler.read_case(case, changes or ())
-        kept = kept_lines(case, changes or ())
+        of_the_base = kept_lines(case, changes or ())
     else:
         raise ValueError(f"case must be a case file or a study of {studies}, got {case!r}")
     if case_file.datasheet is not None:
@@ -141,7 +141,7 @@ def info(
     columns = ("key", "value", "in the base", "meaning")
     title = f"{case}: {sum(row[2] != '' for row in rows)} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
-    typer.echo("\n".join([*kept, *run_lines(case_file), times_line(rule_of_thumb(case_file))]))
+    typer.echo("\n".join([*of_the_base, *run_lines(case_file), times_line(rule_of_thumb(case_file))]))
     checks.warn_implausible(case_file.case, case_file.duration)
     show_standing(case_file.case)
     if case_file.case.flexible is not None:
@@ -193,10 +193,10 @@ def show_standing(case: "Case") -> None:
     from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.run.solve.standing import standing
 
-    found = standing(case)
-    assert found is not None
-    typer.echo("\n".join(found.lines))
-    checks.warn_of(found.warnings)
+    rest = standing(case)
+    assert rest is not None
+    typer.echo("\n".join(rest.lines))
+    checks.warn_of(rest.warnings)
 
 
 def show_answers(run: "CaseRun") -> None:

@@ -284,10 +284,10 @@ def shoe(
     for path in paths_of(name, out).values():
         refuse_existing(path, overwrite)
     with heartbeat(f"shoe of {file}"):
-        found = shoe_of(file, Choices(unit, flip_front, flip_up, footprint, body, pins), size)
-        paths = write_shoe(found, out, overwrite)
-    print_table(found.table, f"{name}: shoe of {file}")
-    typer.echo("\n".join(found.lines()))
+        recognised = shoe_of(file, Choices(unit, flip_front, flip_up, footprint, body, pins), size)
+        paths = write_shoe(recognised, out, overwrite)
+    print_table(recognised.table, f"{name}: shoe of {file}")
+    typer.echo("\n".join(recognised.lines()))
     typer.echo(f"{paths['picture']}: look whether every surface has its colour")
     typer.echo(f"{paths['case']}: what cracks it: exudyn-crawler check {paths['case']}")
 

@@ -64,6 +64,6 @@ def inner(
         options |= {"forceinline": True} if merged else {}
         if cached:
             return CompiledOnly(compiler(**options)(function))
-        return CompiledOnly(njit(no_cfunc_wrapper=True, **options)(function))
+        return CompiledOnly(njit(**options)(function))
 
     return compile_inner if function is None else compile_inner(function)

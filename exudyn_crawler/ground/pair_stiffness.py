@@ -46,7 +46,7 @@ def _write_jacobian(
     contact: pairs.Contact,
     normal: Vector,
     frames: tuple[Frame, Frame],
-    at: Attitude,
+    attitude: Attitude,
     tilt_axis: int,
     jacobian: FloatArray,
     by_unit: FloatArray,
@@ -56,11 +56,11 @@ def _write_jacobian(
     arm = along(contact.point, -1.0, shoe.r)
     unit_arm = along(contact.point, -1.0, unit.r)
     for c in range(3):
-        by_angle = cross(at.axes[c], arm)
+        by_angle = cross(attitude.axes[c], arm)
         for r in range(3):
             jacobian[r, c] = 1.0 if r == c else 0.0
             jacobian[r, 3 + c] = by_angle[r]
-        jacobian[3, c], jacobian[3, 3 + c] = 0.0, dot(at.axes[c], normal)
+        jacobian[3, c], jacobian[3, 3 + c] = 0.0, dot(attitude.axes[c], normal)
         by_unit[c, 0] = -1.0 if c == 2 else 0.0
     by_tilt = cross(unit_arm, basis(tilt_axis))
     for r in range(3):

@@ -96,7 +96,7 @@ def search_of(case: Case) -> Search:
     rolls = bool(case.gear.bodies)
     slower = 10.0 if rolls else 1.0
     return Search(
-        kept=0.15 if on_cells and not rolls else 0.0,
+        least=0.15 if on_cells and not rolls else 0.0,
         slower=slower if on_cells else 0.0,
         ahead=3 if case.gear.loops else 0,
     )

@@ -85,11 +85,13 @@ class Motion(NamedTuple):
 
 
 @inner
-def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
+def _motion(attitude: Attitude, state: FloatArray, gravity: Vector) -> Motion:
     """Motion of the frame of a body at its coordinates, rates and accelerations (3, 6 + m)."""
     rates = (state[1, 3], state[1, 4], state[1, 5])
-    w = turned_back(at.R, rotations.spin(at, rates))
-    al = turned_back(at.R, rotations.spin_rate(at, rates, (state[2, 3], state[2, 4], state[2, 5])))
+    w = turned_back(attitude.R, rotations.spin(attitude, rates))
+    al = turned_back(
+        attitude.R, rotations.spin_rate(attitude, rates, (state[2, 3], state[2, 4], state[2, 5]))
+    )
     w2 = dot(w, w)
     turning = (
         (w[0] * w[0] - w2, w[0] * w[1] - al[2], w[0] * w[2] + al[1]),
@@ -97,7 +99,7 @@ def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
         (w[2] * w[0] - al[1], w[2] * w[1] + al[0], w[2] * w[2] - w2),
     )
     upward = along((state[2, 0], state[2, 1], state[2, 2]), -1.0, gravity)
-    return Motion(w, turning, turned_back(at.R, upward))
+    return Motion(w, turning, turned_back(attitude.R, upward))
 
 
 @inner(merged=True)
@@ -176,7 +178,7 @@ def add_body_matrix(
     bodies: Bodies,
     b: int,
     modes: Modes,
-    at: Attitude,
+    attitude: Attitude,
     inertia: Inertia,
     weights: Weights,
     first_row: int,
@@ -187,19 +189,19 @@ def add_body_matrix(
     factor = weights.acceleration
     mass = bodies.mass[b]
     trace = inertia.second[0, 0] + inertia.second[1, 1] + inertia.second[2, 2]
-    first = turned(at.R, (inertia.first[0], inertia.first[1], inertia.first[2]))
+    first = turned(attitude.R, (inertia.first[0], inertia.first[1], inertia.first[2]))
     for j in range(3):
         matrix[x + j, x + j] += factor * mass
-        axis = at.axes[j]
+        axis = attitude.axes[j]
         lever = cross(axis, first)
-        local = turned_back(at.R, axis)
+        local = turned_back(attitude.R, axis)
         row = inertia.second
         moment = (
             trace * local[0] - row[0, 0] * local[0] - row[0, 1] * local[1] - row[0, 2] * local[2],
             trace * local[1] - row[1, 0] * local[0] - row[1, 1] * local[1] - row[1, 2] * local[2],
             trace * local[2] - row[2, 0] * local[0] - row[2, 1] * local[1] - row[2, 2] * local[2],
         )
-        turning = turned(at.axes, turned(at.R, moment))
+        turning = turned(attitude.axes, turned(attitude.R, moment))
         for i in range(3):
             matrix[x + i, x + 3 + j] += factor * lever[i]
             matrix[x + 3 + j, x + i] += factor * lever[i]
@@ -207,9 +209,9 @@ def add_body_matrix(
     if bodies.modal[b] < 0:
         return
     for k in range(modes.stiffness.shape[0]):
-        shape = turned(at.R, (modes.shapes[0, k], modes.shapes[1, k], modes.shapes[2, k]))
+        shape = turned(attitude.R, (modes.shapes[0, k], modes.shapes[1, k], modes.shapes[2, k]))
         moment = (inertia.turning[0, k], inertia.turning[1, k], inertia.turning[2, k])
-        turning = turned(at.axes, turned(at.R, moment))
+        turning = turned(attitude.axes, turned(attitude.R, moment))
         for i in range(3):
             matrix[x + i, x + 6 + k] += factor * shape[i]
             matrix[x + 6 + k, x + i] += factor * shape[i]
@@ -260,15 +262,15 @@ def attitude_of(bodies: Bodies, b: int) -> Attitude:
 
 
 @inner(merged=True)
-def frame_of(bodies: Bodies, b: int, state: FloatArray, at: Attitude) -> Frame:
+def frame_of(bodies: Bodies, b: int, state: FloatArray, attitude: Attitude) -> Frame:
     """Place and motion of a body at all coordinates and rates (2 or more, coordinates)."""
     k = bodies.coordinate[b]
     reference = bodies.reference[b]
     q = state[0]
     q_t = state[1]
     place = (q[k] + reference[0], q[k + 1] + reference[1], q[k + 2] + reference[2])
-    omega = rotations.spin(at, (q_t[k + 3], q_t[k + 4], q_t[k + 5]))
-    return Frame(place, at.R, (q_t[k], q_t[k + 1], q_t[k + 2]), omega)
+    omega = rotations.spin(attitude, (q_t[k + 3], q_t[k + 4], q_t[k + 5]))
+    return Frame(place, attitude.R, (q_t[k], q_t[k + 1], q_t[k + 2]), omega)
 
 
 @inner

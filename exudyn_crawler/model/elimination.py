@@ -20,7 +20,7 @@ class Fronts(NamedTuple):
 
     unknowns: Ints1  # (entries,): unknowns of every front, its own group's first
     first: Ints1  # (fronts + 1,): where a front's unknowns start
-    own: Ints1  # (fronts,): how many of them it eliminates
+    pivots: Ints1  # (fronts,): how many of them it eliminates
     place: Ints1  # (fronts + 1,): where a front's square matrix starts among all values, row by row
     parent: Ints1  # (fronts,): front that takes what is left, -1 where nothing is
     into: Ints1  # (entries,): row in the parent's matrix of every unknown that is left
@@ -88,10 +88,10 @@ def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
 
 
 @inner(merged=True)
-def _met(met: FloatArray, own: int, rows: IntArray) -> int:
+def _met(met: FloatArray, pivots: int, rows: IntArray) -> int:
     """Write which rows behind a front's own are marked; give how many."""
     count = 0
-    for r in range(own, met.shape[0]):
+    for r in range(pivots, met.shape[0]):
         if met[r] != 0.0:
             rows[count] = r
             count += 1
@@ -102,9 +102,9 @@ def _met(met: FloatArray, own: int, rows: IntArray) -> int:
 def clear(places: Fronts, values: FloatArray) -> None:
     """Take the terms or what `eliminate` left out of all fronts."""
     rows = np.empty(places.unknowns.shape[0], dtype=np.int64)
-    for k in range(places.own.shape[0]):
+    for k in range(places.pivots.shape[0]):
         met = marks(places, values, k)
-        pivots = places.own[k]
+        pivots = places.pivots[k]
         start = places.place[k]
         size = pivots * (pivots + 2 * _met(met, pivots, rows))
         values[start : start + size if met[0] > 1.0 else places.place[k + 1]] = 0.0
@@ -129,14 +129,14 @@ def _pivot(matrix: FloatArray, left: int, k: int, exchanged: FloatArray) -> None
 
 
 @inner
-def _factor(matrix: FloatArray, own: int, exchanged: FloatArray) -> None:
-    """Factor the last `own` rows and columns in place, from the last one up (Gauss).
+def _factor(matrix: FloatArray, pivots: int, exchanged: FloatArray) -> None:
+    """Factor the last `pivots` rows and columns in place, from the last one up (Gauss).
 
     What is left of the others stands in their place, reciprocal pivots on the diagonal. Two rows at a time
     are taken off those above, which are read and written half as often.
     """
     k = matrix.shape[0] - 1
-    left = k + 1 - own
+    left = k + 1 - pivots
     while k > left:
         lower = matrix[k]
         upper = matrix[k - 1]
@@ -172,7 +172,7 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
     matrix = front(places, values, k)
     met = marks(places, values, k)
     parent = places.parent[k]
-    pivots = places.own[k]
+    pivots = places.pivots[k]
     start = places.place[k]
     left = _met(met, pivots, rows)
     n = left + pivots
@@ -220,7 +220,7 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
     n = np.max(fronts.first[1:] - fronts.first[:-1])
     rows = np.empty(n, dtype=np.int64)
     scratch = np.empty(n * n)
-    for k in range(fronts.own.shape[0]):
+    for k in range(fronts.pivots.shape[0]):
         _eliminate(fronts, values, k, rows, scratch)
 
 
@@ -228,7 +228,7 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
 def _gather(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> int:
     """Write the unknowns of a front, those that are left first, and their values; give how many are left."""
     met = marks(fronts, values, k)
-    pivots = fronts.own[k]
+    pivots = fronts.pivots[k]
     left = 0
     while pivots + left < met.shape[0] and met[pivots + left] > 0.0:
         at[left] = int(met[pivots + left]) - 1
@@ -246,7 +246,7 @@ def _forward(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntA
     left = _gather(fronts, values, k, x, at, y)
     met = marks(fronts, values, k)
     start = fronts.place[k]
-    n = left + fronts.own[k]
+    n = left + fronts.pivots[k]
     for r in range(n - 1, left - 1, -1):
         p = int(met[r - left]) - 2
         y[r], y[p] = y[p], y[r]
@@ -271,7 +271,7 @@ def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArra
     Three sums grow at once: each has to wait for its last term.
     """
     left = _gather(fronts, values, k, x, at, y)
-    pivots = fronts.own[k]
+    pivots = fronts.pivots[k]
     start = fronts.place[k]
     width = pivots + 2 * left
     end = left + pivots
@@ -304,7 +304,7 @@ def solve(fronts: Fronts, values: FloatArray, x: FloatArray) -> None:
     n = np.max(fronts.first[1:] - fronts.first[:-1])
     y = np.empty(n)
     numbers = np.empty(n, dtype=np.int64)
-    for k in range(fronts.own.shape[0]):
+    for k in range(fronts.pivots.shape[0]):
         _forward(fronts, values, k, x, numbers, y)
-    for k in range(fronts.own.shape[0] - 1, -1, -1):
+    for k in range(fronts.pivots.shape[0] - 1, -1, -1):
         _back(fronts, values, k, x, numbers, y)

@@ -230,7 +230,7 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
     fronts = tables.fronts
     modal = tables.bodies.modal
     rows = work.joints
-    last = tables.fronts.own.shape[0] - 1
+    last = tables.fronts.pivots.shape[0] - 1
     m = rows.jacobian.shape[2]
     for side in range(2):
         held = -1
@@ -310,7 +310,7 @@ def _add_masses(system: IntArray, weights: Weights, values: FloatArray) -> None:
     tables, work = read_system(system)
     places = tables.rows
     fronts = tables.fronts
-    last = tables.fronts.own.shape[0] - 1
+    last = tables.fronts.pivots.shape[0] - 1
     for b in range(tables.bodies.mass.shape[0]):
         inertia = bodies.Inertia(work.first[b], work.second[b], work.turning[b])
         f = places.front[b]

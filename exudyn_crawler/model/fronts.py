@@ -69,8 +69,8 @@ def _front_rows(
     multipliers: Unknowns,
 ) -> FrontRows:
     """Rows in the fronts of bodies, terrain and multipliers."""
-    places = [{unknown: row for row, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.own))]
-    front_of = {u: f for f, place in enumerate(places) for u in list(place)[: fronts.own[f]]}
+    places = [{unknown: row for row, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.pivots))]
+    front_of = {u: f for f, place in enumerate(places) for u in list(place)[: fronts.pivots[f]]}
     return FrontRows(
         np.array([[place.get(body[0], -1) for body in coordinates] for place in places]),
         np.array([front_of[body[0]] for body in coordinates]),

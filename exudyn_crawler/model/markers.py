@@ -57,23 +57,23 @@ def _factors(angle: float) -> tuple[float, float, float]:
 
 
 @inner(merged=True)
-def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
+def end_of(markers: Markers, k: int, attitude: Attitude, row: FloatArray) -> End:
     """Marker k at the coordinates of its body and its modes (6 + m,)."""
     position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
     if markers.modes[k] == 0:
-        return End(turned(at.R, position), NOTHING, UNTURNED)
+        return End(turned(attitude.R, position), NOTHING, UNTURNED)
     rotation = moved(NOTHING, markers.rotation[k], row)
-    lever = turned(at.R, moved(position, markers.displacement[k], row))
+    lever = turned(attitude.R, moved(position, markers.displacement[k], row))
     return End(lever, rotation, _factors(norm(rotation)))
 
 
 @inner(merged=True)
-def axis_of(end: End, at: Attitude, k: int) -> Vector:
+def axis_of(end: End, attitude: Attitude, k: int) -> Vector:
     """Axis k of an end, global: ``R exp(rotation) e_k``."""
     t = end.rotation
     s, c, _ = end.factors
     once = cross(t, basis(k))
-    return turned(at.R, along(along(basis(k), s, once), c, cross(t, once)))
+    return turned(attitude.R, along(along(basis(k), s, once), c, cross(t, once)))
 
 
 @inner
@@ -100,7 +100,7 @@ def direction(
     markers: Markers,
     k: int,
     end: End,
-    at: Attitude,
+    attitude: Attitude,
     force: Vector,
     moment: Vector,
     sign: float,
@@ -110,26 +110,26 @@ def direction(
 
     Of a rigid body the latter m stay as they are.
     """
-    turning = turned(at.axes, along(moment, 1.0, cross(end.lever, force)))
+    turning = turned(attitude.axes, along(moment, 1.0, cross(end.lever, force)))
     for c in range(3):
         out[c] = sign * force[c]
         out[3 + c] = sign * turning[c]
     if markers.modes[k] == 0:
         return
     shapes = markers.displacement[k]
-    local = turned_back(at.R, force)
+    local = turned_back(attitude.R, force)
     for m in range(shapes.shape[1]):
         out[6 + m] = sign * _work(shapes, local, m)
     if dot(moment, moment) != 0.0:
         rotations = markers.rotation[k]
-        local = _by_rotation(end, turned_back(at.R, moment))
+        local = _by_rotation(end, turned_back(attitude.R, moment))
         for m in range(rotations.shape[1]):
             out[6 + m] += sign * _work(rotations, local, m)
 
 
 @inner(merged=True)
 def write_point(
-    at: Attitude, arm: Vector, shapes: FloatArray, modes: int, sign: float, jacobian: FloatArray
+    attitude: Attitude, arm: Vector, shapes: FloatArray, modes: int, sign: float, jacobian: FloatArray
 ) -> None:
     """Write how a point of a body moves by its coordinates and modes (3, 6 + m), times a sign.
 
@@ -137,9 +137,9 @@ def write_point(
     `shapes` are in its axes, move the point.
     """
     for c in range(3):
-        by_angle = cross(at.axes[c], arm)
+        by_angle = cross(attitude.axes[c], arm)
         for r in range(3):
             jacobian[r, c] = sign if r == c else 0.0
             jacobian[r, 3 + c] = sign * by_angle[r]
     if modes > 0:
-        write_turned_rows(at.R, shapes, modes, sign, jacobian)
+        write_turned_rows(attitude.R, shapes, modes, sign, jacobian)

@@ -91,7 +91,7 @@ def step(
             break
         needed = (old > 2 and norm > CONTRACTION * last) or old > OLD_STEPS
         if matrices < TANGENTS:
-            left = max(search.kept, search.slower * norm / last)
+            left = max(search.least, search.slower * norm / last)
             needed = needed or left * norm > limit
             if search.ahead > 0 and (old > 1 or matrices == 0):
                 needed = needed or norm * (norm / last) ** search.ahead > limit

@@ -32,7 +32,7 @@ class FrontRows(NamedTuple):
 class Search(NamedTuple):
     """When Newton's method takes a new matrix before the old one fails, by what that one is taken to do."""
 
-    kept: float  # least share of a residual that it leaves
+    least: float  # least share of a residual that it leaves
     slower: float  # what it leaves over what it left last; zero with the first for no such judgement
     ahead: int  # iterations that it may still take at its last rate, zero for any number
 

@@ -175,7 +175,7 @@ class Sweep(Variation):
     def _varied(self) -> Varied:
         """Subject that varies: a case file and, where paths ask for it, the first answer of life, for all."""
         life = None
-        if any(path.startswith("life.") for one in self.vary for path in one.keys):
+        if any(path.startswith("life.") for varied in self.vary for path in varied.keys):
             life = next((answer for answer in self.answers if isinstance(answer, Life)), None)
             if life is None:
                 raise ValueError("vary: paths of life need an answer of model 'life'")
@@ -311,7 +311,7 @@ def read_sweep(path: str | Path) -> Sweep:
 
 
 def _assumed(case_file: CaseFile) -> list[reading.Content]:
-    """What varies where a file draws all that is assumed of a datasheet's machine, each over its range."""
+    """Variables where a file draws all that is assumed of a datasheet's machine, each over its range."""
     if case_file.datasheet is None:
         raise ValueError(f"{ASSUMED} needs a case with a datasheet, of which values are assumed")
     return datasheets.assumed_ranges(case_file.datasheet)

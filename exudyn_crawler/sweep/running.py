@@ -105,13 +105,21 @@ def folder_state(sweep: Sweep, out: Path, *, workers: int | None, retry: bool) -
 
 def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], list[PlannedRun], str]:
     """Outcomes there are, by digest, runs that have to be done (again), each once, and both in a line."""
-    different = {one.digest: one for one in sweep.planned}
+    different = {case.digest: case for case in sweep.planned}
     read = {digest: read_outcome(runs, digest) for digest in different}
     stored = {digest: outcome for digest, outcome in read.items() if outcome is not None}
     failed = {digest for digest, outcome in stored.items() if outcome["status"] == FAILED}
-    asked = {digest: answers.ANSWERS.dump_python(one.asked, mode="json") for digest, one in different.items()}
-    answered = {digest for digest, one in stored.items() if one.get("asked") == asked[digest]} - failed
-    missing = [different[one] for one in different if one not in answered and (retry or one not in failed)]
+    asked = {
+        digest: answers.ANSWERS.dump_python(case.asked, mode="json") for digest, case in different.items()
+    }
+    answered = {
+        digest for digest, stored_case in stored.items() if stored_case.get("asked") == asked[digest]
+    } - failed
+    missing = [
+        case
+        for digest, case in different.items()
+        if digest not in answered and (retry or digest not in failed)
+    ]
     count = len(sweep.planned)
     there = len(different) - len(missing)
     same = f", {count - len(different)} of them the same as others" if len(different) < count else ""

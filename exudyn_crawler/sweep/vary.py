@@ -22,7 +22,7 @@ Key = Annotated[str, Field(min_length=1, max_length=200)]
 
 
 class Varied(CaseFile):
-    """What the paths of a sweep lead into: a case file, and under `life` what its answers of life have."""
+    """Values that paths of a sweep lead to: a case file, and under `life` what its answers of life have."""
 
     life: Life | None = None
 

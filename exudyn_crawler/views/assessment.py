@@ -55,12 +55,12 @@ def pressure_figure(found: Assessment) -> Figure:
         allowed = found.numbers.ground.allowed / 1e3
         for state, rows in found.over_slew.groupby("state", sort=False):
             angle = np.radians(rows["slew in deg"].to_numpy())
-            both = np.fmax(
+            greater = np.fmax(
                 rows["left track, greatest in kPa"], rows["right track, greatest in kPa"]
             ).to_numpy()
-            both = np.where(np.isfinite(both), both, np.nan)
+            greater = np.where(np.isfinite(greater), greater, np.nan)
             mean = np.fmax(rows["left track, mean in kPa"], rows["right track, mean in kPa"]).to_numpy()
-            (line,) = ax.plot(*_closed(angle, both), label=f"{state}, greatest", lw=1.5)
+            (line,) = ax.plot(*_closed(angle, greater), label=f"{state}, greatest", lw=1.5)
             mean = np.where(np.isfinite(mean), mean, np.nan)
             ax.plot(*_closed(angle, mean), "--", color=line.get_color(), label=f"{state}, mean of that track")
         ax.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.full(181, allowed), color=EXCEEDS, label="allowed")
@@ -90,9 +90,9 @@ def tracks_figure(found: Assessment) -> Figure:
     """Pressure along both tracks at the angle of the greatest, of beams, with the rollers."""
     over = found.over_slew
     last = over[over["state"] == over["state"].iloc[-1]].reset_index(drop=True)
-    both = np.fmax(last["left track, greatest in kPa"], last["right track, greatest in kPa"])
-    both = both.where(np.isfinite(both), -1.0)
-    row = last.iloc[int(both.argmax())]
+    greater = np.fmax(last["left track, greatest in kPa"], last["right track, greatest in kPa"])
+    greater = greater.where(np.isfinite(greater), -1.0)
+    row = last.iloc[int(greater.argmax())]
     numbers = found.numbers
     work = numbers.work._replace(digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
     if row["state"] == "without payload":

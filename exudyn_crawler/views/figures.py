@@ -173,16 +173,16 @@ def history_series(history: History, stress: xr.Dataset | None = None) -> dict[s
     return by_label
 
 
-def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
+def overlay(by_label: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
     """Panel for each axis of one quantity of runs by name, with a curve an item, named by what differs."""
-    first = next(iter(found.values()))
-    is_named = len(items) > 1 or len(found) == 1
+    first = next(iter(by_label.values()))
+    is_named = len(items) > 1 or len(by_label) == 1
 
     def curves(axis: str) -> dict[str, xr.DataArray]:
         return {
             ", ".join(filter(None, (item if is_named else "", run))): series.values.sel(item=item, axis=axis)
             for item in items
-            for run, series in found.items()
+            for run, series in by_label.items()
         }
 
     axes = first.values.axis.values
@@ -247,31 +247,33 @@ def run_figures(
     `series` are those of `history_series`, where they are known already.
     """
     case = history.case
-    found = history_series(history) if series is None else series
+    by_label = history_series(history) if series is None else series
     links = sorted({min(shoe, case.track.shoe_count - 1) for shoe in shoes})
     of_shoes = [f"shoe {shoe}" for shoe in shoes]
     of_links = [f"link {link}-{link + 1}" for link in links]
     items = [*of_shoes, *of_links]
-    panels = {name: _panels(found, labels, items) for name, labels in OF_RUNS.items() if labels[0] in found}
-    if LABEL["roller_force"] in found:
+    panels = {
+        name: _panels(by_label, labels, items) for name, labels in OF_RUNS.items() if labels[0] in by_label
+    }
+    if LABEL["roller_force"] in by_label:
         force = LABEL["roller_force"]
         on_shoes = LABEL["rail_force"]
         sides = [ON_RAILS.format(side) for side in history.rail.values]
-        panels[force] = _panels(found, [force, *sides], axis="z")
+        panels[force] = _panels(by_label, [force, *sides], axis="z")
         loaded = items if case.flexible is None else [f"shoe {shoe}" for shoe in case.flexible.shoes]
-        panels[on_shoes] = _panels(found, [on_shoes], loaded)
+        panels[on_shoes] = _panels(by_label, [on_shoes], loaded)
         # the way along x is an input
-        rising = _panels(found, [LABEL["side_frame_displacement"]], axis="z")
-        pull, turning = (_panels(found, [LABEL[name]]) for name in ("drive_pull", "side_frame_angles"))
+        rising = _panels(by_label, [LABEL["side_frame_displacement"]], axis="z")
+        pull, turning = (_panels(by_label, [LABEL[name]]) for name in ("drive_pull", "side_frame_angles"))
         panels["side frame"] = [*pull, *rising, *turning]
     figures = {}
-    if LABEL["wheel_force"] in found:
-        wheels = found[LABEL["wheel_force"]]
+    if LABEL["wheel_force"] in by_label:
+        wheels = by_label[LABEL["wheel_force"]]
         others = [item for item in wheels.items if "roller" not in item]
         panels["force on the rollers"] = wheels.panels([item for item in wheels.items if item not in others])
         panels["force on idler and carriers"] = wheels.panels(others)
         tracks = each_track(history).items()
-        figures = {f"tension along the {name}chain": chain_figure(one) for name, one in tracks}
+        figures = {f"tension along the {name}chain": chain_figure(line) for name, line in tracks}
     return _figures(case.name, panels, history) | figures
 
 
@@ -317,27 +319,27 @@ def stress_figures(
     `series` are those of `history_series`, where they are known already.
     """
     shoes = history.flexible_shoe.values
-    found = history_series(history, stress) if series is None else series
+    by_label = history_series(history, stress) if series is None else series
     items = [f"shoe {shoe}" for shoe in shoes]
     drawn = {name: [KINEMATICS.get(name, name)] for name in OF_FLEXIBLE_SHOES}
-    panels = {name: _panels(found, labels, items) for name, labels in drawn.items()}
+    panels = {name: _panels(by_label, labels, items) for name, labels in drawn.items()}
     for name, label in OF_PINS.items():
         for side in history.pin.values:
             # the figure says which side it is, the curves only whose links
-            pins = [item for item in found[label].items if item.endswith(f" {side}")]
+            pins = [item for item in by_label[label].items if item.endswith(f" {side}")]
             links = [item.removesuffix(f" {side}") for item in pins]
-            values = found[label].values.sel(item=pins).assign_coords(item=links)
-            panels[f"{side} {name}"] = replace(found[label], values=values).panels()
-    if (deformation := LABEL["terrain_deformation"]) in found:
-        panels["terrain deformation"] = _panels(found, [deformation])
+            values = by_label[label].values.sel(item=pins).assign_coords(item=links)
+            panels[f"{side} {name}"] = replace(by_label[label], values=values).panels()
+    if (deformation := LABEL["terrain_deformation"]) in by_label:
+        panels["terrain deformation"] = _panels(by_label, [deformation])
     panels["modal coordinates"] = []
     for shoe in shoes:
         modes = history.modal_coordinate.sel(flexible_shoe=shoe).isel(mode=slice(MODES_DRAWN))
-        named = {f"{float(one.frequency):.0f} Hz": one for one in modes.transpose("mode", "time")}
+        named = {f"{float(line.frequency):.0f} Hz": line for line in modes.transpose("mode", "time")}
         panels["modal coordinates"].append(Panel(f"shoe {shoe}", "kg0.5 m", named))
-    highest = found[LABEL["highest_von_mises"]]
+    highest = by_label[LABEL["highest_von_mises"]]
     each = {item: highest.values.sel(item=item, axis="") for item in highest.items}
-    panels[highest.label] = [Panel(item, highest.unit, {item: one}) for item, one in each.items()]
+    panels[highest.label] = [Panel(item, highest.unit, {item: line}) for item, line in each.items()]
     return _figures(f"{history.case.name}, flexible shoes", panels, history)
 
 
@@ -369,11 +371,11 @@ def _figures(title: str, panels: Mapping[str, Sequence[Panel]], history: History
 
 
 def _panels(
-    found: Mapping[str, Series], labels: Sequence[str], items: Sequence[str] = (), axis: str = ""
+    by_label: Mapping[str, Series], labels: Sequence[str], items: Sequence[str] = (), axis: str = ""
 ) -> list[Panel]:
     """Panels of some quantities one below the other: of the items that are theirs, or of all of theirs."""
     panels = []
-    for series in (found[label] for label in labels):
+    for series in (by_label[label] for label in labels):
         values = series.values.sel(axis=[axis]) if axis else series.values
         chosen = [item for item in items if item in series.items]
         panels += replace(series, label=SHORT.get(series.label, series.label), values=values).panels(

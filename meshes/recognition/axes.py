@@ -61,7 +61,7 @@ class Question(NamedTuple):
 
 
 class Choices(NamedTuple):
-    """What a user decides of what geometry leaves open; None is left to the geometry."""
+    """Decisions of a user where geometry leaves them open; None is left to the geometry."""
 
     unit: Unit | None = None
     flip_front: bool = False

@@ -174,7 +174,7 @@ def test_fields_are_kept_by_all_that_they_depend_on(tmp_path, beam):
     weights = np.eye(len(beam.mesh.nodes), 2, -7)
     push, other = ({"push": UnitLoads.spread(size * weights, ends)} for size in (1.0, 2.0))
     first, again = (fem.cached_static_fields(tmp_path, tied, kept, push) for _ in range(2))
-    assert (first.found, again.found, again.path) == (False, True, first.path)
+    assert (first.existed, again.existed, again.path) == (False, True, first.path)
     np.testing.assert_array_equal(first.fields.displacements, again.fields.displacements)
     assert again.fields.families == {"push": 6}
     for body, loads in ((more, push), (kept, other)):

@@ -92,7 +92,7 @@ body = fem.ElasticBody(fem.load_reduced(sys.argv[2]).mesh, STEEL)
 print("ready", flush=True)
 sys.stdin.readline()
 kept = fem.cached_craig_bampton(sys.argv[1], body, beam_interfaces(body), 20)
-print(kept.found, len(kept.body.frequencies))
+print(kept.existed, len(kept.body.frequencies))
 """
 
 
@@ -100,7 +100,7 @@ print(kept.found, len(kept.body.frequencies))
 def test_a_reduction_is_taken_only_if_all_matches(tmp_path, beam):
     ends, averaging = beam_interfaces(beam), beam_interfaces(beam, "averaging")
     first, again = (fem.cached_craig_bampton(tmp_path, beam, ends, 4) for _ in range(2))
-    assert (first.found, again.found, again.path) == (False, True, first.path)
+    assert (first.existed, again.existed, again.path) == (False, True, first.path)
     np.testing.assert_array_equal(first.body.modes, again.body.modes)
     softer = fem.ElasticBody(beam.mesh, fem.Material(1e9, 0.3, 7800.0))
     moved = fem.ElasticBody(replace(beam.mesh, nodes=1.01 * beam.mesh.nodes), STEEL)
@@ -108,7 +108,7 @@ def test_a_reduction_is_taken_only_if_all_matches(tmp_path, beam):
     asked = [(beam, ends, 5), (beam, ends, 4, {"push": beam.mesh.nodes}), (beam, averaging, 4)]
     asked += [(body, ends, 4) for body in (softer, moved, renamed)]
     others = [fem.cached_craig_bampton(tmp_path, *one) for one in asked]
-    assert not any(other.found for other in others)
+    assert not any(other.existed for other in others)
     assert len({first.path, *(other.path for other in others)}) == 7
     assert fem.cached_files(tmp_path)[-1].parent == tmp_path
     assert len(fem.cached_files(tmp_path)) == 7
@@ -138,10 +138,10 @@ def test_a_broken_file_is_computed_again_with_a_warning(tmp_path, beam):
     kept.path.write_bytes(kept.path.read_bytes()[:5000])
     lines: list[str] = []
     again = fem.cached_craig_bampton(tmp_path, beam, ends, 4, warn=lines.append)
-    assert not again.found
+    assert not again.existed
     (line,) = lines
     assert line.startswith(f"the reduction is computed again: {kept.path} must be")
-    assert fem.cached_craig_bampton(tmp_path, beam, ends, 4).found
+    assert fem.cached_craig_bampton(tmp_path, beam, ends, 4).existed
 
 
 def test_a_folder_that_cannot_be_written_to_costs_the_cache_only(tmp_path, beam, monkeypatch):

@@ -79,7 +79,7 @@ def test_a_stress_is_judged_by_the_elements_near_it():
     near = resolution_at(shapes, q, nodes)
     for row, (field, node) in enumerate(zip(shapes.displacement(q), nodes, strict=True)):
         whole = resolution(mesh, STEEL, field)
-        for name in ("off", "own", "jump", "size"):
+        for name in ("off", "stress", "jump", "size"):
             assert getattr(near, name)[row] == pytest.approx(getattr(whole, name)[node], rel=1e-12)
 
 
@@ -97,7 +97,7 @@ def test_a_history_is_judged_as_its_fields_are():
     both = np.random.default_rng(1).normal(size=(40, 2))
     fields = [resolution(mesh, STEEL, one) for one in shapes.displacement(both)]
     found = resolution_over(shapes, both)
-    for name in ("off", "own", "size"):
+    for name in ("off", "stress", "size"):
         mean = np.mean([getattr(one, name) for one in fields], axis=0)
         assert getattr(found, name) == pytest.approx(mean, rel=1e-6)
     assert found.relative_jump.min() >= 0.0

@@ -158,7 +158,7 @@ def compiled_matrix(system, q, q_t, weights):
     fronts, values = system.tables.fronts, np.zeros_like(system.scratch[1])
     matrix(system.block, Weights(*weights), values)
     dense = np.zeros((size, size))
-    for k in range(len(fronts.own)):
+    for k in range(len(fronts.pivots)):
         rows = fronts.rows(k)
         dense[np.ix_(rows, rows)] += values[fronts.place[k] : fronts.place[k + 1]].reshape(len(rows), -1)
     return dense

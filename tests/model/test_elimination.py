@@ -64,7 +64,7 @@ def test_what_is_coupled_without_a_term_is_left_out():
 def test_a_front_of_a_chain_meets_its_neighbour_the_ground_and_where_it_closes_the_last_link():
     _, fronts, _ = equations(*chain(7))
     assert [len(fronts.rows(k)) for k in range(8, 14)] == [5 + 5 + 7] * 6
-    assert fronts.own[-1] == 7
+    assert fronts.pivots[-1] == 7
     assert fronts.parent[-1] == -1
     # what is left of a link meets the last one too, until it is its turn
     _, fronts, _ = equations(*chain(8))

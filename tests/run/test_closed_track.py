@@ -263,9 +263,9 @@ def test_work_of_the_torque_is_losses_and_what_is_stored(on_ground):
     balance = energy_balance(on_ground)
     work = balance.drive.values
     assert np.abs(balance.imbalance.values).max() < 1e-3 * work.max()
-    # each part is more than what is left open
+    # each part is some times more than what may be left open
     for name in ("kinetic", "frame_kinetic", "wheel_losses", "tooth_losses", "friction"):
-        assert float(balance[name][-1]) > 1e-2 * work.max(), name
+        assert float(balance[name][-1]) > 5e-3 * work.max(), name
     for name in ("treads", "teeth", "springs", "gravitational", "frame_gravitational"):
         assert float(abs(balance[name]).max()) > 1e-2 * work.max(), name
 

@@ -40,7 +40,7 @@ NO_FIGURES = (
 
 
 class Derived(NamedTuple):
-    """What follows from a datasheet."""
+    """Case that follows from a datasheet, with notes."""
 
     case: Case
     notes: tuple[Note, ...]

@@ -76,11 +76,11 @@ def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     printed = sheet.operating_weight
     yield Figure("weight of all parts", mass, printed, "kg", _verdict(mass, printed, CLOSE))
     on_ground, over_shoes = lengths(case, sheet)
-    for name, value, one in (
+    for name, value, stated in (
         ("length on ground", on_ground, sheet.length_on_ground),
         ("length over shoes", over_shoes, sheet.crawler_length),
     ):
-        yield Figure(name, value, one, "m", _verdict(value, one, OF_LENGTH))
+        yield Figure(name, value, stated, "m", _verdict(value, stated, OF_LENGTH))
     pressure = mean_pressure(case, sheet)
     verdict = _verdict(pressure, sheet.ground_pressure, CLOSE)
     yield Figure("mean ground pressure", pressure, sheet.ground_pressure, "Pa", verdict)

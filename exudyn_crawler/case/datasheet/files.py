@@ -50,7 +50,7 @@ def followed(content: reading.Content, before: reading.Content) -> reading.Conte
     """
     if content.get(KEY) is None or content[KEY] == before[KEY]:
         return content
-    old, new = (case_values(datasheet_of(one[KEY])) for one in (before, content))
+    old, new = (case_values(datasheet_of(file[KEY])) for file in (before, content))
     return content | {"case": _replaced(content["case"], old, new)}
 
 

@@ -27,11 +27,11 @@ def provenance(case: Case, sheet: Datasheet) -> list[Provenance]:
     """Origin of every value of a case: the file gives what differs from what follows of its datasheet."""
     notes = {note.path: note for note in derived(sheet).notes}
     follows = {entry.path: entry.value for entry in fields.values_of(derived(sheet).case)}
-    found = []
+    rows = []
     for entry in fields.values_of(case):
         origin, how = _origin(entry, notes, follows)
-        found.append(Provenance(entry.path, fields.value_text(entry.value, entry.unit), origin, how))
-    return found
+        rows.append(Provenance(entry.path, fields.value_text(entry.value, entry.unit), origin, how))
+    return rows
 
 
 def _origin(entry: fields.Entry, notes: dict[str, Note], follows: dict[str, object]) -> tuple[Origin, str]:

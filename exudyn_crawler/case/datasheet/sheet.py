@@ -38,7 +38,7 @@ class LiftChart(Parameters):
 
 
 class Datasheet(Parameters):
-    """What a maker prints of a machine on two tracks; all that is left out follows or is typical.
+    """Figures that a maker prints of a machine on two tracks; all that is left out follows or is typical.
 
     Places are measured from the middle of the length on ground, x to the front of the machine, z from the
     ground.

@@ -149,15 +149,16 @@ class MachineCycle(loads.Cycle):
         for phase in self.phases:
             force = np.array(phase.force) + weight
             moment = np.array(phase.moment) + turned
-            at = f"machine: at the end of {phase.name!r} it"
+            pose_end = f"machine: at the end of {phase.name!r} it"
             if force[2] >= 0.0:
-                yield f"{at} lifts the side frame"
+                yield f"{pose_end} lifts the side frame"
             x, y = moment[1] / -force[2], -moment[0] / -force[2]
             if not rear <= x <= front:
-                yield f"{at} tips: its weight acts at x = {x:.3g} m, rollers are from {rear:g} to {front:g} m"
+                span = f"rollers are from {rear:g} to {front:g} m"
+                yield f"{pose_end} tips: its weight acts at x = {x:.3g} m, {span}"
             if abs(y) > aside:
                 beside = f"{y:.3g} m beside the middle of the track, more than {aside:.4g} m"
-                yield f"{at}s weight acts {beside}: the side frame tips"
+                yield f"{pose_end}s weight acts {beside}: the side frame tips"
 
 
 def _loads(shovel: Mapping[str, Any], pose: Pose, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -95,13 +95,13 @@ def content_of(source: str | bytes, coding: str = "utf-8") -> Content:
         text = source if isinstance(source, str) else source.decode(coding)
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        told = str(error).replace("Cannot overwrite a value", "this key or table stands twice")
-        raise ValueError(f"not TOML: {told}{_decimal_comma(text, told)}") from error
+        message = str(error).replace("Cannot overwrite a value", "this key or table stands twice")
+        raise ValueError(f"not TOML: {message}{_decimal_comma(text, message)}") from error
 
 
-def _decimal_comma(text: str, told: str) -> str:
+def _decimal_comma(text: str, message: str) -> str:
     """Hint at a decimal comma in the line of a text that an error of its reader names; empty if none is."""
-    line = LINE.search(told)
+    line = LINE.search(message)
     comma = COMMA.search(text.splitlines()[int(line[1]) - 1]) if line else None
     return f"; numbers have a point: {comma[1]}.{comma[2]}" if comma else ""
 
@@ -212,9 +212,9 @@ def _registry() -> Any:
 
 
 @cache
-def _size(unit: str, own: str) -> Fraction:
+def _size(unit: str, unit_here: str) -> Fraction:
     """Size of a unit in a field's own; ValueError if there is no such unit, or it is of something else."""
-    there, here = (_registry().parse_units(POWER.sub(r"^\1", text)) for text in (unit, own))
+    there, here = (_registry().parse_units(POWER.sub(r"^\1", text)) for text in (unit, unit_here))
     return Fraction((Fraction(1) * there).to(here).magnitude)
 
 

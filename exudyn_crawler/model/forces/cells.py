@@ -198,10 +198,10 @@ def write_rows(
     derive = by[0] != 0.0 or by[1] != 0.0
     count = 0
     for s in range(table.flexible.shape[0]):
-        at = attitude_of(bodies, s)
+        attitude = attitude_of(bodies, s)
         f = table.flexible[s]
         if f >= 0:
-            _write_nodal(table, shoes, s, at, (work.bent[f, 0], work.hats[f]), derive, flexible, f)
+            _write_nodal(table, shoes, s, attitude, (work.bent[f, 0], work.hats[f]), derive, flexible, f)
             continue
         for r in range(WRENCH):
             rigid.wrench[count, r] = shoes.wrench[s, r]
@@ -211,7 +211,7 @@ def write_rows(
                     rigid.tangent[count, r, c] = shoes.tangent[s, r, c]
         for c in range(3):
             for r in range(3):
-                rigid.jacobian[count, 0, 3 + r, 3 + c] = at.axes[c][r]
+                rigid.jacobian[count, 0, 3 + r, 3 + c] = attitude.axes[c][r]
         count += 1
 
 
@@ -259,7 +259,7 @@ def _write_nodal(
     table: CellTable,
     shoes: pressing.ShoePoints,
     s: int,
-    at: Attitude,
+    attitude: Attitude,
     grid: tuple[FloatArray, FloatArray],
     derive: bool,
     rows: ForceRows,
@@ -289,11 +289,11 @@ def _write_nodal(
             node = nodes[i, j]
             by = bent[i, j]
             place = (node[0] + by[0], node[1] + by[1], node[2] + by[2])
-            arm = turned(at.R, place)
+            arm = turned(attitude.R, place)
             first = 3 * (i * across + j)
             rows = table.rows[i, j]
             modes = table.rows.shape[3]
-            write_point(at, arm, rows, modes, 1.0, jacobian[first : first + 3])
+            write_point(attitude, arm, rows, modes, 1.0, jacobian[first : first + 3])
 
 
 class TrackOnCells:

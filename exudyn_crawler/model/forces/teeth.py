@@ -143,12 +143,12 @@ def write_rows(
         lever = math.sqrt(markers.position[marker, 0] ** 2 + markers.position[marker, 2] ** 2) + SLACK
         if math.sqrt(dx * dx + dy * dy + dz * dz) > profile.addendum + profile.lug + lever + ASIDE:
             continue
-        at, own = attitude_of(bodies, t), attitude_of(bodies, b)
-        tumbler, shoe = frame_of(bodies, t, state, at), frame_of(bodies, b, state, own)
+        attitude, of_shoe = attitude_of(bodies, t), attitude_of(bodies, b)
+        tumbler, shoe = frame_of(bodies, t, state, attitude), frame_of(bodies, b, state, of_shoe)
         if markers.modes[marker] > 0:
             read_body(bodies, b, state[0], values[0])
             read_body(bodies, b, state[1], values[1])
-        arm = end_of(markers, marker, own, values[0]).lever
+        arm = end_of(markers, marker, of_shoe, values[0]).lever
         from_axis = along(along(shoe.r, 1.0, arm), -1.0, tumbler.r)
         local = turned_back(tumbler.R, from_axis)
         inside = profile.addendum + profile.lug - math.sqrt(local[0] ** 2 + local[2] ** 2)
@@ -160,7 +160,7 @@ def write_rows(
             bent = moved(NOTHING, markers.displacement[marker], values[1])
             velocity = along(velocity, 1.0, turned(shoe.R, bent))
         velocity = along(along(velocity, -1.0, tumbler.v), -1.0, cross(tumbler.omega, from_axis))
-        normal, across = turned(tumbler.R, (nx, 0.0, nz)), at.axes[1]
+        normal, across = turned(tumbler.R, (nx, 0.0, nz)), attitude.axes[1]
         force, by_depth, by_rate = law_slopes(teeth.law, depth, -dot(normal, velocity))
         engaged, off = step(inside, 0.0, 0.0, profile.lug, 1.0), local[1] - teeth.side[k]
         sideways, stiff, damped = flange_force(teeth.flange, off, dot(across, velocity))
@@ -173,8 +173,8 @@ def write_rows(
         work.energy[0] += stored_energy(teeth.law, depth)
         rows.bodies[count, 0], rows.bodies[count, 1], rows.unit[count] = b, t, -1
         shapes = markers.displacement[marker]
-        write_point(own, arm, shapes, markers.modes[marker], 1.0, rows.jacobian[count, 0])
-        write_point(at, from_axis, shapes, np.int64(0), -1.0, rows.jacobian[count, 1])
+        write_point(of_shoe, arm, shapes, markers.modes[marker], 1.0, rows.jacobian[count, 0])
+        write_point(attitude, from_axis, shapes, np.int64(0), -1.0, rows.jacobian[count, 1])
         moment = cross(arm, whole)
         for r in range(3):
             rows.wrench[count, r] = work.force[k, r] = whole[r]

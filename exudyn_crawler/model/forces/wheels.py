@@ -109,8 +109,8 @@ def write_rows(
     work.energy[0] = 0.0
     derive = weights.position != 0.0 or weights.velocity != 0.0
     for w in range(wheels.frames.shape[0]):
-        at = attitude_of(bodies, wheels.frames[w])
-        frame = frame_of(bodies, wheels.frames[w], state, at)
+        attitude = attitude_of(bodies, wheels.frames[w])
+        frame = frame_of(bodies, wheels.frames[w], state, attitude)
         place = wheels.places[w]
         axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], wheels.middles[w], place[0, 2])))
         rail = wheels.rail
@@ -146,7 +146,7 @@ def write_rows(
                 work.wheel[s, slot] = w
                 work.energy[0] += stored_energy(wheels.law, strip.tread.depth)
                 numbers = w, s, slot, k, count
-                _keep(wheels, strip, (frame, shoe), (at, shoe_at), numbers, weights, work, flexible)
+                _keep(wheels, strip, (frame, shoe), (attitude, shoe_at), numbers, weights, work, flexible)
                 count += 1
     work.rows.acting[0] = count
 

@@ -61,13 +61,13 @@ def write_rows(
         body = markers.body[drive.marker] if k == 0 else drive.turning
         read_body(bodies, body, state[0], rows.scratch[0])
         read_body(bodies, body, state[1], rows.scratch[1])
-        at = attitude_of(bodies, body)
+        attitude = attitude_of(bodies, body)
         jacobian = rows.jacobian[row, 0]
         if k == 0:
-            end = end_of(markers, drive.marker, at, rows.scratch[0])
-            direction(markers, drive.marker, end, at, (1.0, 0.0, 0.0), NOTHING, 1.0, jacobian)
+            end = end_of(markers, drive.marker, attitude, rows.scratch[0])
+            direction(markers, drive.marker, end, attitude, (1.0, 0.0, 0.0), NOTHING, 1.0, jacobian)
         else:
-            about = turned(at.axes, upward(at.R))
+            about = turned(attitude.axes, upward(attitude.R))
             for c in range(3):
                 jacobian[3 + c] = about[c]
         write_speed(row, inputs.speeds[k], inputs.active[k] > 0.0, body, weights, rows)

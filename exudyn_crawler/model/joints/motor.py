@@ -54,18 +54,18 @@ def write_rows(
         for side in range(2):
             b = motors.bodies[k, side]
             sign = 2.0 * side - 1.0
-            at = attitude_of(bodies, b)
+            attitude = attitude_of(bodies, b)
             rows.bodies[row, side] = b
             for c in range(3):
-                by_angle = sign * dot(at.axes[c], axis)
+                by_angle = sign * dot(attitude.axes[c], axis)
                 rows.jacobian[row, side, 3 + c] = by_angle
                 speed += by_angle * state[1, bodies.coordinate[b] + 3 + c]
         lag = inputs.motors[k] - speed
         rows.relaxation[row] = 0.0
         rows.directed[row] = ALONG_JACOBIAN
         if motors.limit[k] < np.inf:
-            given, slope = torque(motors.limit[k], motors.lag[k], lag)
-            rows.gap[row] = given
+            moment, slope = torque(motors.limit[k], motors.lag[k], lag)
+            rows.gap[row] = moment
             rows.scale[row] = 1.0
             rows.slope[row] = -weights.velocity * slope
             rows.share[row] = 1.0

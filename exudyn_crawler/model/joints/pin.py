@@ -35,11 +35,11 @@ class Pins(NamedTuple):
 
 
 @inner(merged=True)
-def _plane_axis(at: Attitude, k: int) -> Vector:
+def _plane_axis(attitude: Attitude, k: int) -> Vector:
     """Axis k of a chain's plane, global: along the ground, across the chain, and normal to both."""
     if k == 2:
-        return cross(at.axes[0], at.axes[1])
-    return at.axes[k]
+        return cross(attitude.axes[0], attitude.axes[1])
+    return attitude.axes[k]
 
 
 @inner(merged=True)
@@ -62,16 +62,16 @@ def _write_rigid(
     gap[3] = dot(across, x)
     gap[4] = dot(across, z)
     for side in range(2):
-        at = attitudes[side]
+        attitude = attitudes[side]
         sign = 2.0 * side - 1.0
         for c in range(3):
-            swept = cross(at.axes[c], levers[side])
+            swept = cross(attitude.axes[c], levers[side])
             for r in range(3):
                 jacobian[r, side, c] = sign * axes[r][c]
                 jacobian[r, side, 3 + c] = sign * dot(swept, axes[r])
             for r in range(2):
                 jacobian[3 + r, side, c] = 0.0
-                jacobian[3 + r, side, 3 + c] = sign * dot(at.axes[c], moments[r])
+                jacobian[3 + r, side, 3 + c] = sign * dot(attitude.axes[c], moments[r])
 
 
 @inner
@@ -163,12 +163,12 @@ def _write_turning(
             b = markers.body[marker]
             rows.turned[p, side] = b
             read_body(bodies, b, state[0], row)
-            at = attitude_of(bodies, b)
-            lever = end_of(markers, marker, at, row).lever
+            attitude = attitude_of(bodies, b)
+            lever = end_of(markers, marker, attitude, row).lever
             for j in range(3):
-                moment = cross(cross(at.axes[j], lever), force)
+                moment = cross(cross(attitude.axes[j], lever), force)
                 for i in range(3):
-                    rows.turning[p, side, i, j] = (2.0 * side - 1.0) * dot(at.axes[i], moment)
+                    rows.turning[p, side, i, j] = (2.0 * side - 1.0) * dot(attitude.axes[i], moment)
 
 
 @inner

@@ -48,8 +48,8 @@ def write_rows(
     rows.directed[pull.row] = 0
     acted_on = rows.acted_on[0]
     directions = rows.directions[0]
-    at = attitude_of(bodies, pull.frame)
-    frame = frame_of(bodies, pull.frame, state, at)
+    attitude = attitude_of(bodies, pull.frame)
+    frame = frame_of(bodies, pull.frame, state, attitude)
     first = bodies.reference[0, 0] + state[0, bodies.coordinate[0]]
     behind = (frame.r[0] + pull.tumbler - first - pull.ahead) / pull.pitch
     link = min(max(math.floor(behind), 0), pull.markers.shape[0] - 3)
@@ -67,7 +67,7 @@ def write_rows(
         end = end_of(markers, marker, shoe_at, row)
         origin = frame_of(bodies, shoe, state, shoe_at).r
         arm = along(along(origin, 1.0, end.lever), -1.0, frame.r)
-        turning = turned(at.axes, cross(arm, FORWARD))
+        turning = turned(attitude.axes, cross(arm, FORWARD))
         for c in range(3):
             directions[0, 3 + c] += share * turning[c]
         direction(markers, marker, end, shoe_at, FORWARD, NOTHING, -share, row)

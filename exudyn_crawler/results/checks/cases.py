@@ -195,7 +195,7 @@ def read_check(path: str | Path) -> ShoeCheck:
 
 
 class ShoeOutline(NamedTuple):
-    """What ready cases are made of: rails, if there are any, and extents of a shoe, m."""
+    """Outline of which ready cases are made: rails, if there are any, and extents of a shoe, m."""
 
     rails: RailOutline | None
     low: np.ndarray  # (3,) of the underside

@@ -136,14 +136,14 @@ class CheckedShoe:
             forces += hold.ravel()
         joints = [interface.name for interface in self.partition.interfaces]
         known = {f"{name} {axis}": 6 * k + i for k, name in enumerate(joints) for i, axis in enumerate("xyz")}
-        if unknown := [one for one in case.held_by if one not in known]:
+        if unknown := [place for place in case.held_by if place not in known]:
             raise ValueError(f"held_by must be of {list(known)}, got {unknown}")
         for pin in case.pins:
             centers[[known[f"{pin.pin} {axis}"] for axis in "xyz"]] += pin.force
         size = np.abs(forces).sum() + np.abs(centers).sum()
         # the ground carries forces upward and moments about x and y
         rows = [0, 1, 5] if case.ground is not None else list(range(6))
-        if held := [known[one] for one in case.held_by]:
+        if held := [known[place] for place in case.held_by]:
             left = self.resultant(loads)[rows]
             centers[held] += np.linalg.lstsq(self.of_centers[held][:, rows].T, -left, rcond=None)[0]
         left = self.resultant(loads)
@@ -269,7 +269,7 @@ def _possible(
 ) -> tuple[ready.CheckCase, ...]:
     """Cases without ready ones that a shoe cannot have: what they press on is not there, or it tips over."""
     chosen = {case.name for case in check.cases}
-    kept = []
+    possible = []
     unbent = np.zeros_like(shoe.mesh.nodes)
     for case in cases:
         try:
@@ -281,8 +281,8 @@ def _possible(
                 raise
             say(f"left out: case {case.name!r}: {error}")
         else:
-            kept.append(case)
-    return tuple(kept)
+            possible.append(case)
+    return tuple(possible)
 
 
 def case_shapes(

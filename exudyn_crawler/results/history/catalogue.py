@@ -102,7 +102,7 @@ class Quantity:
 
 
 def _lacking(need: str, case: Case) -> str:
-    """What a word of a quantity's needs asks for and a case does not have; empty if it has it."""
+    """Say what a word of a quantity's needs asks for and a case does not have; empty if it has it."""
     if need in NEEDS:
         has, why = NEEDS[need]
         return "" if has(case) else why

@@ -26,7 +26,7 @@ class Extreme(NamedTuple):
 
     value: float
     of: str  # what has it: shoe, link, roller
-    at: float  # s
+    time: float  # s
 
 
 _value = attrgetter("value")
@@ -38,21 +38,21 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by their
     length, forces by their magnitude.
     """
-    ranked = sorted(catalogue.select(key_result=True).values(), key=lambda one: one.key_result)
-    named = {one.name: one for one in ranked if history.has(one.name, stress)}
+    ranked = sorted(catalogue.select(key_result=True).values(), key=lambda quantity: quantity.key_result)
+    named = {quantity.name: quantity for quantity in ranked if history.has(quantity.name, stress)}
     greatest: dict[tuple[str, str], Extreme] = {}
     driven = _Driven()
-    for part, own in history.parts(stress):
-        for name, values in part.over_time(named, own).items():
+    for part, stresses in history.parts(stress):
+        for name, values in part.over_time(named, stresses).items():
             for label, some in _apart(part.case, name, values):
                 extreme = _extreme(_size(some))
                 greatest[name, label] = max(greatest.get((name, label), extreme), extreme, key=_value)
         driven.add(part)
     rows = []
-    for (name, label), one in greatest.items():
+    for (name, label), extreme in greatest.items():
         drawn, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
         unit, factor = catalogue.OF_GROUND.get(name, (drawn, factor))
-        rows.append((label, one.value * factor, unit, one.of, one.at))
+        rows.append((label, extreme.value * factor, unit, extreme.of, extreme.time))
     rows += [*driven.rows(), *_hanging(history)]
     # of the front shoe, or of the side frame that rolls over the shoes
     framed = history.has("side_frame_displacement")

@@ -150,7 +150,7 @@ def _by_track(history: History, name: str, tracks: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class DrawbarResult:
-    """What a drawbar test says in numbers."""
+    """Numbers that a drawbar test gives."""
 
     greatest_pull: float  # N
     slip_there: float

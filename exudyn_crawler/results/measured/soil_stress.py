@@ -78,7 +78,7 @@ def line_density(place: np.ndarray, size: float, offset: np.ndarray) -> np.ndarr
 
 @dataclass(frozen=True)
 class Pressed:
-    """What shoes press on the ground: their undersides as rectangles, with forces and centres of pressure."""
+    """Loads of shoes on the ground: their undersides as rectangles, with forces and centres of pressure."""
 
     force: np.ndarray  # (times, shoes): down, N
     middle: np.ndarray  # (times, shoes, 2): of the underside, global x and y, m
@@ -98,7 +98,7 @@ def _turned(vectors: np.ndarray, along: np.ndarray) -> np.ndarray:
 
 
 def pressed(history: History) -> Pressed:
-    """What the shoes of a run press on the ground at its stored times."""
+    """Loads of the shoes of a run on the ground at its stored times."""
     data = history.dataset
     shoe = history.case.shoe
     normal = data.normal_force.transpose("time", "contact", "axis").values[..., 2].astype(float)
@@ -169,7 +169,7 @@ def stress_table(
 
 
 def passage_table(table: pd.DataFrame) -> pd.DataFrame:
-    """What sensors of a `stress_table` feel while the track is over them, a row each.
+    """Stresses that sensors of a `stress_table` feel while the track is over them, a row each.
 
     Mean while it is over them, greatest pressure, number and mean of the peaks, which pressing rollers make
     (their mean is Wong's mean maximum pressure), and both over the mean; NaN where nothing passed.

@@ -192,10 +192,10 @@ def peak_spots(by_shoe: Mapping[int, pd.DataFrame]) -> dict[str, tuple[int, pd.D
     def value(one: tuple[int, pd.DataFrame]) -> float:
         return float(one[1]["value"].iloc[0])
 
-    found = {"peak stress": max(free, key=value)} if free else {}
-    if held and (not free or value(max(held, key=value)) > value(found["peak stress"])):
-        found["higher beside a rigid pin, not to be used"] = max(held, key=value)
-    return found
+    peaks = {"peak stress": max(free, key=value)} if free else {}
+    if held and (not free or value(max(held, key=value)) > value(peaks["peak stress"])):
+        peaks["higher beside a rigid pin, not to be used"] = max(held, key=value)
+    return peaks
 
 
 def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:

@@ -84,14 +84,14 @@ def times_line(times: Mapping[str, float]) -> str:
     """Processor time of the parts of a run (s) by the rule, for reading; apart what stays for other runs."""
     from exudyn_crawler.case.parameters.fields import in_units
 
-    def told(parts: Mapping[str, float]) -> str:
+    def sum_of(parts: Mapping[str, float]) -> str:
         words = ", ".join(f"{part} {in_units(time, TIMES, 2)}" for part, time in parts.items())
         return f"about {in_units(sum(parts.values()), TIMES, 2)} of processor time ({words})"
 
     once = {part: time for part, time in times.items() if part in ONCE}
     every = {part: time for part, time in times.items() if part not in ONCE}
-    more = f", at the first start on a computer {told(once)} more" if once else ""
-    return f"time: {told(every)}{more}, by a rule of thumb"
+    more = f", at the first start on a computer {sum_of(once)} more" if once else ""
+    return f"time: {sum_of(every)}{more}, by a rule of thumb"
 
 
 @contextmanager
@@ -125,8 +125,8 @@ def _shown(
 ) -> Iterator[Callable[..., None]]:
     """Bar or lines as of `progress_bar`, also in a log; gives a function of what is done and the line."""
     console = Console(stderr=True)
-    told = clock.perf_counter()
-    noted = told - NOTE_EVERY
+    last_line = clock.perf_counter()
+    noted = last_line - NOTE_EVERY
     on_terminal = show or (show is None and console.is_terminal)
     described = bars.TextColumn("{task.description}"), bars.BarColumn()
     with bars.Progress(
@@ -139,13 +139,13 @@ def _shown(
         task = bar.add_task(title, total=total, speed="", about="")
 
         def tell(done: float, now: float, line: str, **fields: Any) -> None:
-            nonlocal told, noted
+            nonlocal last_line, noted
             bar.update(task, completed=done, **fields)
             if now - noted >= NOTE_EVERY:
                 noted = now
                 _note(title, done, total)
-            if now - told >= LINE_EVERY and line:
-                told = now
+            if now - last_line >= LINE_EVERY and line:
+                last_line = now
                 logger.info("%s: %s", title, line)
                 if show is None and not on_terminal:
                     print(f"{title}: {line}", file=sys.stderr, flush=True)
@@ -168,7 +168,7 @@ def progress_bar(
     columns = done, bars.TextColumn("{task.fields[speed]}"), bars.TimeRemainingColumn()
     with _shown(title, duration, show, *columns) as tell:
 
-        def at(time: float) -> None:
+        def advance(time: float) -> None:
             nonlocal shown
             now = clock.perf_counter()
             # the first step, which loads or compiles, does not count
@@ -184,7 +184,7 @@ def progress_bar(
             line = f"{time:.4g} of {duration:g} {unit}{left}" if time < duration else ""
             tell(time, now, line, speed=speed)
 
-        yield at
+        yield advance
 
 
 @contextmanager

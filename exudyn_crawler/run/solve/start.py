@@ -93,9 +93,9 @@ def warn_unbalanced(system: TrackSystem, start: np.ndarray) -> None:
     case = system.case
     weight = system.mass * case.gravity + case.loads.loads(0.0)[0].sum()
     if force > UNBALANCED * weight:
-        told = (
+        line = (
             f"residual force at the start: {1e-3 * force:.4g} kN on {body}, {100.0 * force / weight:.3g} % "
             f"of the weight of {1e-3 * weight:.4g} kN; see what cannot rest there (a slope beyond friction, "
             "a machine in the air), or leave out the first instants"
         )
-        warn_of([told], UnbalancedWarning)
+        warn_of([line], UnbalancedWarning)

@@ -70,8 +70,8 @@ def _standing(case: Case) -> Case:
     level: dict[str, Any] = {"relief": Heights(), "grade": 0.0, "side_slope": 0.0}
     if case.terrain.model == "cells":
         level["ruts"] = None
-    one = case if case.tracks == 1 else case.of_track(SIDES[0])
-    alone = one.with_(name="machine that stands", machine=None, flexible=None)
+    single = case if case.tracks == 1 else case.of_track(SIDES[0])
+    alone = single.with_(name="machine that stands", machine=None, flexible=None)
     changes = {f"terrain.{name}": value for name, value in level.items()}
     half = {"mass": whole / case.tracks, "com": (float(along), 0.0, float(up)), "support": "ground"}
     return alone.with_(changes | {f"gear.{name}": value for name, value in half.items()})

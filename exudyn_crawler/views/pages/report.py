@@ -118,8 +118,8 @@ def _ground(histories: Mapping[str, History]) -> Markup:
     drawn = {
         name: history for name, history in histories.items() if isinstance(history.case.terrain, CellTerrain)
     }
-    maps = {name: pictures.map_figure(one, ground_map.ground_map(one)) for name, one in drawn.items()}
-    return together(*(page.figure_picture(f"greatest sinkage, {name}", one) for name, one in maps.items()))
+    maps = {name: pictures.map_figure(each, ground_map.ground_map(each)) for name, each in drawn.items()}
+    return together(*(page.figure_picture(f"greatest sinkage, {name}", each) for name, each in maps.items()))
 
 
 def _roller_paths(homes: Mapping[str, Path]) -> Markup:
@@ -213,9 +213,11 @@ def _cases(folder: Path, histories: Mapping[str, History]) -> Markup:
     if histories:
         rows = {name: pd.DataFrame(case_rows(history.case)) for name, history in histories.items()}
         shown = {name: table(row.rename(columns={"key": "parameter"})) for name, row in rows.items()}
-        resolved = [part("folded", name, one, not number) for number, (name, one) in enumerate(shown.items())]
+        resolved = [
+            part("folded", name, each, not number) for number, (name, each) in enumerate(shown.items())
+        ]
     there = [path for path in (folder / "case.toml", folder / RECORD) if path.is_file()]
-    texts = {path.name: runs.contents(path, lambda one: one.read_text(encoding="utf-8")) for path in there}
+    texts = {path.name: runs.contents(path, lambda each: each.read_text(encoding="utf-8")) for path in there}
     as_they_are = (part("folded", name, part("preformatted", text)) for name, text in texts.items())
     return together(*resolved, *as_they_are)
 

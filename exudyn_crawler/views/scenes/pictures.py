@@ -204,12 +204,12 @@ def side_scene(now: History, scale: float = 1.0, force_scale: float = 0.0) -> Sc
 
     scene = track.track_scene(now, force_scale)
     solids = [moved]
-    for one in (*scene.solids, link_pins(now)):
-        if one.name.endswith("shoes"):
-            shoes = one.at()
+    for solid in (*scene.solids, link_pins(now)):
+        if solid.name.endswith("shoes"):
+            shoes = solid.at()
             solids.append(replace(shoes, points=shoes.points + upward(beneath(shoes.points))))
-        elif one.name != "ground":
-            solids.append(replace(one, lift=beneath(one.origin)).at())
+        elif solid.name != "ground":
+            solids.append(replace(solid, lift=beneath(solid.origin)).at())
     arrows = [replace(arrow, heads=arrow.heads + upward(beneath(arrow.heads))) for arrow in scene.arrows]
     return Scene(scene.titles, tuple(solids), tuple(arrows))
 
