@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case
+from exudyn_crawler import Case, StepProfile, simulate
+from exudyn_crawler.case import Drive
 from exudyn_crawler.case.parameters.closed_track import Recoil, Tensioner
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
+from exudyn_crawler.model.joints.recoil import SETTLING
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies.balance import energy_balance, frame_imbalance
 from tests.model.both import residual_of
 from tests.states import row_of
 
@@ -70,6 +73,24 @@ def test_idler_stands_at_the_end_of_its_stroke_where_the_chain_pushes_harder(shi
     assert push_of(rest) > preload + 1e7 * 1e-3
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("preload", "stiffness"), [(1.0e6, 1e8), (1.2e6, 2e7)])
+def test_work_of_the_drive_is_what_spring_and_damper_store_and_take(preload, stiffness):
+    """On the ground, up to 0.3 m/s: the chain pushes the idler back, the spring returns it."""
+    recoil = Recoil(mass=8e3, stiffness=stiffness, preload=preload, stroke=0.1, damping=0.01 * stiffness)
+    speed = Drive(speed=StepProfile(times=(0.0, 0.3), values=(0.0, 0.3)))
+    history = simulate(
+        Case.closed().with_({"gear.idler.recoil": recoil}).with_(drive=speed), 0.6, progress=False
+    )
+    back = history.take_up.values[0] - history.take_up.values
+    assert 5e-3 < back.max() < 0.1
+    assert back.min() > -1e-4
+    balance = energy_balance(history)
+    assert np.abs(balance.imbalance.values).max() < 2e-3 * balance.drive.values.max()
+    assert balance.tensioners.values.max() > 0.05 * balance.drive.values.max()
+    assert np.abs(frame_imbalance(history).heave.values[10:]).max() < 1e-3 * 9.81 * history.case.gear.mass
+
+
 @pytest.mark.parametrize(
     ("push", "stands", "springs"),
     [(0.9, 0.0, False), (1.5, -1.0, True), (2.5, -1.0, False)],
@@ -105,11 +126,11 @@ def test_row_of_a_recoil_spring_is_that_of_its_spring_or_stop(push, stands, spri
     by_force = (value(more=10.0) - value(more=-10.0)) / 20.0
     assert by_place == pytest.approx(STIFFNESS)
     assert by_force == pytest.approx(-STIFFNESS / recoil.stiffness if springs else 0.0, abs=1e-9)
-    assert by_rate == pytest.approx(STIFFNESS * 1e-3 if springs else 0.0, rel=1e-5)
+    assert by_rate == pytest.approx(STIFFNESS * (1e-3 if springs else SETTLING), rel=1e-5)
     # of the same state, whose rows a residual leaves for the matrix
     value()
     assert system.work.joints.share[row - count] == pytest.approx(by_force)
-    assert system.work.joints.relaxation[row - count] == pytest.approx(1e-3 if springs else 0.0)
+    assert system.work.joints.relaxation[row - count] == pytest.approx(1e-3 if springs else SETTLING)
     assert system.work.joints.slope[row - count] == pytest.approx(by_place)
 
 

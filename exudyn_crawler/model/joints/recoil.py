@@ -10,14 +10,18 @@ from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.rows import JointRows, gap_rate
 
+SETTLING = 2e-3
+"""s in which an idler comes to rest at a stop that it meets: its row keeps its speed there, too. A row of its
+place alone would throw it back and forth by forces that grow as steps become shorter."""
+
 
 class Recoils(NamedTuple):
     """Recoil springs, each on the row of a bearing along the frame; k of them.
 
     A row of a bearing with compliance is that of a spring without stops: its gap counts from where the spring
     is free. How far the spring gives way, ``s = c (F - F0) - c d ds/dt`` with the push F of the chain, the
-    compliance c and the damping d, is at least nothing and at most the stroke. Where it is neither the row
-    stays; else a stop holds the idler there.
+    compliance c and the damping d, is at least nothing and at most the stroke. Where it is between these the
+    row stays; else a stop holds the idler, at which ``s + SETTLING ds/dt`` is nothing, or the stroke.
     """
 
     rows: Ints1  # (k,): written by the pins
@@ -49,4 +53,4 @@ def write_rows(
         if back > 0.0:
             rows.gap[row] += recoils.stroke[k]
         rows.share[row] = 0.0
-        rows.relaxation[row] = 0.0
+        rows.relaxation[row] = SETTLING

@@ -24,8 +24,8 @@ GAP, MARK = 0.03, 0.012
 TEETH, SLIDE, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.12, 0.3, 16, 7
 """m, width of drawn teeth and lugs, height of drawn slides; radius of the tumbler's shaft over that of its
 pins' circle; sides of a drawn lug; points along a gap between two teeth."""
-EYE = 0.1
-"""m, half width of a drawn bogie or arm about its pivot and the axes of its rollers."""
+EYE = 0.25
+"""Half width of a drawn bogie or arm about its pivot and the axes of its rollers, of a roller's radius."""
 TURNING = {"roller": "rollers", "idler": "idler", "carrier": "carriers"}
 """Titles of the kinds of wheels that turn; slides do not."""
 
@@ -110,10 +110,11 @@ def swinging_solids(history: History) -> list[Solid]:
     frame, rails = frame_on_rails(history.case)
     # arms on both sides of the rollers, which are seen below them
     width = float(np.ptp(rails.middles)) + frame.tread_width + 2.0 * GAP
+    eye = EYE * frame.first_wheels(history.case.shoe, history.case.track)[0, 2]
     solids = []
     for name, (x, z), rollers, turn in _swinging(history):
         joints = np.array([*((frame.rollers[number - 1], 0.0) for number in rollers), (x, z)])
-        around = (joints - (x, z))[:, None] + EYE * np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]])
+        around = (joints - (x, z))[:, None] + eye * np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]])
         corners = around.reshape(-1, 2)
         outline = corners[ConvexHull(corners).vertices[::-1]]
         placed = carried(*frame_poses(history), np.array([[x, 0.0, z]]), turn)
