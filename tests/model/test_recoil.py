@@ -74,7 +74,7 @@ def test_idler_stands_at_the_end_of_its_stroke_where_the_chain_pushes_harder(shi
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("preload", "stiffness"), [(1.0e6, 1e8), (1.2e6, 2e7)])
+@pytest.mark.parametrize(("preload", "stiffness"), [(1.0e6, 1e8)])
 def test_work_of_the_drive_is_what_spring_and_damper_store_and_take(preload, stiffness):
     """On the ground, up to 0.3 m/s: the chain pushes the idler back, the spring returns it."""
     recoil = Recoil(mass=8e3, stiffness=stiffness, preload=preload, stroke=0.1, damping=0.01 * stiffness)
