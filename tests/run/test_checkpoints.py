@@ -81,9 +81,12 @@ def flexible():
     [
         pytest.param(lambda: Case.translation().with_(contact=SphereContact.oil_sand()), id="spheres"),
         pytest.param(Case.turning, id="turning"),
-        pytest.param(flexible, id="flexible"),
-        pytest.param(lambda: flexible().with_(formulation="engine"), id="engine"),
-        pytest.param(lambda: Case.translation().on_cells(BekkerSoil.lete_sand()), id="cells"),
+        # each has what two others have between them
+        pytest.param(flexible, id="flexible", marks=pytest.mark.slow),
+        pytest.param(lambda: flexible().with_(formulation="engine"), id="engine", marks=pytest.mark.slow),
+        pytest.param(
+            lambda: Case.translation().on_cells(BekkerSoil.lete_sand()), id="cells", marks=pytest.mark.slow
+        ),
         pytest.param(lambda: flexible().on_cells(BekkerSoil.lete_sand()), id="flexible on cells"),
         pytest.param(lambda: small_case().on_cells(BekkerSoil.lete_sand()), id="rolled on cells"),
     ],

@@ -20,7 +20,11 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="module", params=CASES)
+# units of either kind and turns are seen apart from each other
+BOTH = pytest.param("constrained turning", marks=pytest.mark.slow)
+
+
+@pytest.fixture(scope="module", params=[*(name for name in CASES if name != "constrained turning"), BOTH])
 def start(request):
     """First states of a run: at rest, and after a first step too short for the drive to be felt."""
     case = CASES[request.param]

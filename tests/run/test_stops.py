@@ -72,8 +72,9 @@ def not_again(monkeypatch):
         ("run.folder.checkpoints._write", interrupt),
         ("run.folder.checkpoints.save_joined", no_room),
         ("run.folder.checkpoints.Checkpoints.hand_over", interrupt),
-        ("run.folder.checkpoints.Checkpoints.settle", interrupt),
-        ("run.folder.checkpoints.Checkpoints.remove", interrupt),
+        # between the places beside them
+        pytest.param("run.folder.checkpoints.Checkpoints.settle", interrupt, marks=pytest.mark.slow),
+        pytest.param("run.folder.checkpoints.Checkpoints.remove", interrupt, marks=pytest.mark.slow),
         ("views.tables.write_table", no_room),
     ],
 )
@@ -122,7 +123,13 @@ def test_an_interrupted_simulation_keeps_what_it_had_until_it_has_ended(staged, 
     assert_same(tmp_path, staged)
 
 
-@pytest.mark.parametrize("stopped_within", [None, "exudyn_crawler.run.folder.checkpoints.save_joined"])
+@pytest.mark.parametrize(
+    "stopped_within",
+    [
+        pytest.param(None, marks=pytest.mark.slow),  # a part of what the other one does
+        "exudyn_crawler.run.folder.checkpoints.save_joined",
+    ],
+)
 def test_a_finished_run_is_made_longer_and_gives_what_the_longer_one_gives(
     staged, tmp_path, monkeypatch, stopped_within
 ):
