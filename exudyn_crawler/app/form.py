@@ -76,7 +76,9 @@ class Field:
             self.element.on_value_change(self._taken)
         else:
             self.element = ui.input(label)
-            self.element.on("change", self._taken)
+            # a browser's own event of a change fails to come where the value was set meanwhile
+            self.element.on("blur", self._taken)
+            self.element.on("keydown.enter", self._taken)
         hint = "; ".join(filter(None, (entry.meaning, range_words(entry.field))))
         self.element.props["hint"] = hint
         self.element.props(f'dense outlined hide-bottom-space data-path="{self.path}"').classes("field")

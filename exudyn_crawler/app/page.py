@@ -44,8 +44,9 @@ def build(folder: Path) -> Callable[[str], None]:
 
     async def begin() -> None:
         await threads.io_bound(work.load)
-        assert work.runs is not None
-        app.timer(POLL, work.runs.start_next)
+        # nothing is loaded where the program ends meanwhile
+        if work.runs is not None:
+            app.timer(POLL, work.runs.start_next)
 
     app.on_startup(begin)
     return lambda files: Page(work, files).open()

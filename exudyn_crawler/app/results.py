@@ -154,6 +154,8 @@ class ResultsPanel:
             return
         run = self.runs.named(name)
         page = run.folder / REPORT
+        beside = None if self.other.value == name else self.other.value
+        self.other.set_options([other for other in self.names if other != name], value=beside)
         self.life.set_visibility((run.folder / "stress.nc").is_file())
         self.answers.clear()
         rows = await threads.io_bound(answers, run.folder)

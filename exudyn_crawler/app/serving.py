@@ -109,6 +109,8 @@ def serve(
     listening = socket.socket()
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     listening.bind((HOST, port or 0))
+    # who asks before all is loaded waits
+    listening.listen()
     port = listening.getsockname()[1]
     token = secrets.token_urlsafe(24)
 

@@ -10,7 +10,7 @@ from exudyn_crawler.results.history import History, catalogue
 from exudyn_crawler.views.scenes import gear, pictures, track
 from exudyn_crawler.views.scenes.scene import Solid
 
-MARGIN = (1.0, 0.6)
+MARGIN = (2.0, 0.6)
 """M of ground that is drawn beyond the track and beside it."""
 SECTION = "ground, cut"
 
