@@ -5,7 +5,7 @@ It needs netgen (extra `mesh`), which brings its own geometry kernel and needs n
 
 import argparse
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -56,21 +56,22 @@ SIZES = {
 """Resolutions about as fine as the ready meshes of these names."""
 
 
-def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
-    """Name underside, roller path and the flange's flat part; the bores have their names."""
+def name_level_faces(body: Any, heights: Mapping[str, float]) -> None:
+    """Name the level faces of a solid that lie at these heights, m; the first of equal ones counts."""
     for face in body.faces:
         low, high = face.bounding_box
         if high.z - low.z > LEVEL:
             continue
-        height = low.z + COM_HEIGHT
-        for name, face_height in (
-            ("underside", 0.0),
-            ("roller path", shoe.path_height),
-            (FLANGE, shoe.beam_height),
-        ):
-            if abs(height - face_height) < LEVEL:
+        for name, height in heights.items():
+            if abs(low.z - height) < LEVEL:
                 face.name = name
                 break
+
+
+def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
+    """Name underside, roller path and the flange's flat part; the bores have their names."""
+    heights = {"underside": 0.0, "roller path": shoe.path_height, FLANGE: shoe.beam_height}
+    name_level_faces(body, {name: height - COM_HEIGHT for name, height in heights.items()})
     wanted = ["underside", "roller path", FLANGE, *(f"bore {name}" for name in JOINT_CENTERS)]
     empty = set(wanted) - {face.name for face in body.faces}
     if empty:
@@ -89,6 +90,17 @@ def _set_sizes(body: Any, size: ElementSizes, shoe: ShoeDimensions) -> None:
             face.maxh = size.at_bores
         elif is_root and LEVEL < high.x - low.x < 1.5 * shoe.rear_root_fillet:
             face.maxh = size.at_rear_roots
+
+
+def netgen_kernel() -> Any:
+    """Geometry kernel of netgen; a ModuleNotFoundError that says how to get it."""
+    try:
+        from netgen import occ  # wanted only here
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(
+            "meshing a shoe needs netgen: pip install 'exudyn-crawler[mesh]'"
+        ) from error
+    return occ
 
 
 def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes = "study") -> Mesh:
@@ -117,36 +129,35 @@ def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes
     if isinstance(size, str) and size not in SIZES:
         raise ValueError(f"size must be one of {SHOE_SIZES} or ElementSizes, got {size!r}")
     resolution = SIZES[size] if isinstance(size, str) else size
-    try:
-        from netgen import occ  # wanted only here
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(
-            "meshing a shoe needs netgen: pip install 'exudyn-crawler[mesh]'"
-        ) from error
+    occ = netgen_kernel()
     shoe = dimensions or ShoeDimensions()
     body = build_solid(occ, shoe)
     _name_faces(body, shoe)
     _set_sizes(body, resolution, shoe)
+    mesh = netgen_mesh(occ, body, resolution)
+    return mesh_of_netgen(
+        mesh, {"underside": ["underside"], "roller path": ["roller path"], "top": ["roller path", FLANGE]}
+    )
+
+
+def netgen_mesh(occ: Any, body: Any, size: ElementSizes) -> Any:
+    """Mesh a solid with curved elements of second order."""
     mesh = occ.OCCGeometry(body).GenerateMesh(
-        maxh=resolution.elsewhere,
-        grading=resolution.growth,
-        curvaturesafety=resolution.on_curves,
-        segmentsperedge=0.5,
+        maxh=size.elsewhere, grading=size.growth, curvaturesafety=size.on_curves, segmentsperedge=0.5
     )
     mesh.SecondOrder()
-    return _from_netgen(mesh)
+    return mesh
 
 
-def _from_netgen(netgen_mesh: Any) -> Mesh:
-    """Mesh of a netgen mesh of second order, its surfaces by the names of faces."""
-    elements = netgen_mesh.Elements3D().NumPy()["nodes"][:, FROM_NETGEN].astype(np.int64) - 1
-    sides = netgen_mesh.Elements2D().NumPy()
+def mesh_of_netgen(meshed: Any, surfaces_of: Mapping[str, Sequence[str]]) -> Mesh:
+    """Mesh of a netgen mesh of second order: the bores, and surfaces of faces by their names."""
+    elements = meshed.Elements3D().NumPy()["nodes"][:, FROM_NETGEN].astype(np.int64) - 1
+    sides = meshed.Elements2D().NumPy()
     triangles = sides["nodes"][:, FROM_NETGEN_TRIANGLE].astype(np.int64) - 1
-    names = np.array(["", *(face.bcname for face in netgen_mesh.FaceDescriptors())])[sides["index"]]
-    surfaces = {name: triangles[names == name] for name in ("underside", "roller path")}
-    surfaces["top"] = triangles[np.isin(names, ("roller path", FLANGE))]
+    names = np.array(["", *(face.bcname for face in meshed.FaceDescriptors())])[sides["index"]]
+    surfaces = {name: triangles[np.isin(names, faces)] for name, faces in surfaces_of.items()}
     surfaces |= {f"bore {name}": triangles[names == f"bore {name}"] for name in JOINT_CENTERS}
-    nodes, _ = straighten_distorted(np.array(netgen_mesh.Coordinates()), elements)
+    nodes, _ = straighten_distorted(np.array(meshed.Coordinates()), elements)
     return Mesh(nodes, elements, surfaces)
 
 

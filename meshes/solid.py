@@ -11,7 +11,7 @@ Point = tuple[float, float, float]
 Pair = tuple[float, float]
 
 
-def _box(occ: Any, x: Pair, y: Pair, z: Pair) -> Any:
+def box(occ: Any, x: Pair, y: Pair, z: Pair) -> Any:
     return occ.Box(*(occ.Pnt(*corner) for corner in zip(x, y, z, strict=True)))
 
 
@@ -23,7 +23,7 @@ def _outline(occ: Any, segments: list[tuple]) -> Any:
     return occ.Face(occ.Wire(edges))
 
 
-def _polygon(occ: Any, corners: list[Point]) -> Any:
+def polygon(occ: Any, corners: list[Point]) -> Any:
     """Plane face between corners in order."""
     return _outline(occ, [("line", a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)])
 
@@ -37,7 +37,7 @@ def _arc(occ: Any, start: Point, center: Point, end: Point) -> Any:
     return occ.ArcOfCircle(*(occ.Pnt(*point) for point in (start, middle, end)))
 
 
-def _lug(
+def lug(
     occ: Any,
     pin: Point,
     width: float,
@@ -108,7 +108,7 @@ def _lug(
     return plan.Extrude(occ.Vec(0, 0, 2 * tall)) * side_view.Extrude(occ.Vec(0, wide, 0))
 
 
-def _throat_cutter(occ: Any, pin: Point, width: float, radius: float, fillet: float) -> Any:
+def throat_cutter(occ: Any, pin: Point, width: float, radius: float, fillet: float) -> Any:
     """Disc about the pin with rounded rims: the space for the neighbour's rear lug in a fork."""
     x, y, z = pin
     h = width / 2
@@ -163,13 +163,13 @@ def _beam(occ: Any, shoe: ShoeDimensions) -> Any:
         in_plan(-plateau, middle),
         in_plan(-half, tip),
     ]
-    faces = [_polygon(occ, corners) for corners in (front_view, plan)]
+    faces = [polygon(occ, corners) for corners in (front_view, plan)]
     return faces[0].Extrude(occ.Vec(shoe.beam_length, 0, 0)) * faces[1].Extrude(
         occ.Vec(0, 0, shoe.beam_height)
     )
 
 
-def _notch_cutter(occ: Any, y: float, half_width: float, depth_x: float, end_x: float, fillet: float) -> Any:
+def notch_cutter(occ: Any, y: float, half_width: float, depth_x: float, end_x: float, fillet: float) -> Any:
     """Upright slot about a lug with rounded inner corners, from depth_x to end_x."""
     bottom = depth_x
     round_end = depth_x + math.copysign(fillet, end_x)
@@ -206,7 +206,7 @@ def _top_plate(occ: Any, shoe: ShoeDimensions) -> Any:
     ]
     bottom = [(y, height - shoe.top_thickness) for y, height in reversed(top)]
     corners = [(rear, y, height - COM_HEIGHT) for y, height in top + bottom]
-    flange = _polygon(occ, corners).Extrude(occ.Vec(shoe.top_length, 0, 0))
+    flange = polygon(occ, corners).Extrude(occ.Vec(shoe.top_length, 0, 0))
     for name, (x, y, _) in JOINT_CENTERS.items():
         front = name.startswith("front")
         if front:
@@ -215,7 +215,7 @@ def _top_plate(occ: Any, shoe: ShoeDimensions) -> Any:
         else:
             depth = shoe.rear_face
             half_width = shoe.rear_lug_width / 2 + shoe.rear_notch_margin
-        flange -= _notch_cutter(occ, y, half_width, depth, 2 * x, shoe.notch_fillet)
+        flange -= notch_cutter(occ, y, half_width, depth, 2 * x, shoe.notch_fillet)
     return flange
 
 
@@ -227,10 +227,10 @@ def _rail(occ: Any, shoe: ShoeDimensions, side: float) -> Any:
     across = (y - shoe.rail_width / 2, y + shoe.rail_width / 2)
     top = base + shoe.path_height
     over = shoe.rail_overhang
-    block = _box(occ, (rear + over, front - over), across, (base, top))
+    block = box(occ, (rear + over, front - over), across, (base, top))
     if over == 0.0:
         return block
-    return block + _box(occ, (rear, front), across, (base + shoe.rail_height - shoe.rail_depth, top))
+    return block + box(occ, (rear, front), across, (base + shoe.rail_height - shoe.rail_depth, top))
 
 
 def _cores(occ: Any, shoe: ShoeDimensions) -> Iterator[Any]:
@@ -241,7 +241,7 @@ def _cores(occ: Any, shoe: ShoeDimensions) -> Iterator[Any]:
     edges += [0.5 * (edges[1] + shoe.plateau_half_width), shoe.plateau_half_width]
     walls = [*(-y for y in reversed(edges)), *edges]
     for right, left in pairwise(walls):
-        yield _box(
+        yield box(
             occ,
             (shoe.rear_face + wall, shoe.front_face - wall),
             (right + wall / 2, left - wall / 2),
@@ -254,9 +254,9 @@ def _lug_at(occ: Any, shoe: ShoeDimensions, joint: str) -> Any:
     pin = JOINT_CENTERS[joint]
     if joint.startswith("rear"):
         fillets = (shoe.rear_root_fillet, shoe.rear_edge_fillet)
-        return _lug(occ, pin, shoe.rear_lug_width, shoe.rear_lug_radius, shoe.rear_face, *fillets)
+        return lug(occ, pin, shoe.rear_lug_width, shoe.rear_lug_radius, shoe.rear_face, *fillets)
     fillet = shoe.cheek_root_fillet
-    return _lug(occ, pin, shoe.fork_width, shoe.cheek_radius, shoe.front_face, fillet, fillet)
+    return lug(occ, pin, shoe.fork_width, shoe.cheek_radius, shoe.front_face, fillet, fillet)
 
 
 def _pin_cutters(occ: Any, shoe: ShoeDimensions) -> list[Any]:
@@ -269,7 +269,7 @@ def _pin_cutters(occ: Any, shoe: ShoeDimensions) -> list[Any]:
         tools.append(bore)
         if name.startswith("front"):
             radius = shoe.rear_lug_radius + shoe.nose_clearance
-            tools.append(_throat_cutter(occ, (x, y, z), shoe.fork_gap, radius, shoe.throat_fillet))
+            tools.append(throat_cutter(occ, (x, y, z), shoe.fork_gap, radius, shoe.throat_fillet))
     return tools
 
 
@@ -294,7 +294,7 @@ def build_solid(occ: Any, shoe: ShoeDimensions) -> Any:
         If the dimensions make several solids.
     """
     base = -COM_HEIGHT
-    body = _box(
+    body = box(
         occ,
         (-shoe.plate_length / 2, shoe.plate_length / 2),
         (-shoe.width / 2, shoe.width / 2),

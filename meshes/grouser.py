@@ -1,0 +1,202 @@
+"""Shoe of a chain of links: a plate with grousers below, and two links with rails above; built with OpenCASCADE.
+
+Each link ends in a lug behind and in a fork in front, which takes the lug of the next shoe, so that bores, rails
+and underside bear the names of the ready shoe's. Real links are forged in one with bosses side by side: here
+they are a block on the plate, whose rail overhangs fork and lug.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from fem.mesh import Mesh
+from meshes import build_shoe
+from meshes.geometry import PITCH
+from meshes.solid import box, lug, notch_cutter, polygon, throat_cutter
+
+REFERENCE = PITCH
+"""m, pitch at which solids are built, so that lengths of elements and tolerances are those of the ready shoe."""
+PLACES: dict[int, tuple[float, ...]] = {0: (), 1: (0.38,), 2: (-0.3, 0.3), 3: (-0.36, 0.0, 0.36)}
+"""Grousers by their number: pitches ahead of the plate's middle."""
+STOUTNESS = {1: (0.08, 0.16), 2: (0.07, 0.14), 3: (0.07, 0.13)}
+"""Pitches, thickness of a grouser's tip and root by their number: chosen, no source."""
+PLATE = 0.98  # of the pitch: length of the plate and of a rail
+THICKNESSES = 0.03, 0.16
+"""Pitches, of plates: 6 to 34 mm at a pitch of 216 mm, chosen."""
+BLOCK = 0.27  # pitches, half of the length of a link's block
+LUG, LUG_OF_DEPTH = 0.17, 0.62  # radius of lugs in pitches, and at most of the pins' depth
+CHEEK = 0.92  # of a lug's radius: that of a fork's cheeks, which end before the rounded rim of its throat
+BORE = 0.54  # of a lug's radius: radius of the bores
+RAIL_DEPTH = 0.1  # pitches, of a rail's overhang
+PLAY = 0.01  # pitches, between a lug and the plate, and a lug and its fork
+OF_RAIL = {"rear": 0.36, "cheek": 0.19, "beside": 0.03, "fillet": 0.08}
+"""Widths over a rail's: of the rear lug, a cheek, the gap beside the lug, and the radius of their roots."""
+
+
+PLATE_TOP = "plate top"
+"""Name of the plate's upper faces, which belong to the whole top."""
+SURFACES = {
+    "underside": ("underside",),
+    "roller path": ("roller path",),
+    "top": ("roller path",),
+    "whole top": ("roller path", PLATE_TOP),
+}
+"""Named surfaces and the faces that make them. Grousers are sunk in: the plate between them is the underside."""
+
+
+@dataclass(frozen=True)
+class GrouserShoe:
+    """Dimensions of a shoe of links; lengths in pitches, heights above the plate's underside.
+
+    Attributes
+    ----------
+    width : float
+    grousers : int
+        0 to 3.
+    grouser_height : float
+    plate_thickness : float
+    pin_height : float
+    rail_height : float
+    rail_center : float
+        Of a rail beside the middle.
+    rail_width : float
+
+    Raises
+    ------
+    ValueError
+        If links stand beside the plate, which is too thin or too thick, or lugs reach up to the rails.
+    """
+
+    width: float
+    grousers: int
+    grouser_height: float
+    plate_thickness: float
+    pin_height: float
+    rail_height: float
+    rail_center: float
+    rail_width: float
+
+    def __post_init__(self) -> None:
+        reach = 2.0 * self.rail_center + self.rail_width
+        if reach > self.width:
+            raise ValueError(f"a shoe {self.width:.3g} pitches wide has no place for rails over {reach:.3g}")
+        if self.grousers not in PLACES:
+            raise ValueError(f"grousers must be in 0..3, got {self.grousers}")
+        least, most = THICKNESSES
+        if not least <= self.plate_thickness <= min(most, self.pin_height):
+            raise ValueError(
+                f"plate_thickness must be {least:g} to {most:g} pitches and below the pins, got "
+                f"{self.plate_thickness:.3g}"
+            )
+        if self.rail_depth <= 0.0:
+            raise ValueError(f"rail_height must be above the lugs, got {self.rail_height:.3g} pitches")
+
+    @property
+    def lug_radius(self) -> float:
+        """Radius of lugs about the pins."""
+        return min(LUG, LUG_OF_DEPTH * self.pin_height)
+
+    @property
+    def bore_radius(self) -> float:
+        """Radius of the bores."""
+        return BORE * self.lug_radius
+
+    @property
+    def lug_clearance(self) -> float:
+        """Height that is free below the lugs: a thicker plate is notched there."""
+        return self.pin_height - self.lug_radius - PLAY
+
+    @property
+    def rail_depth(self) -> float:
+        """Depth of a rail where it overhangs lugs."""
+        return min(RAIL_DEPTH, self.rail_height - self.pin_height - self.lug_radius - PLAY)
+
+
+def pins_of(shoe: GrouserShoe) -> dict[str, tuple[float, float, float]]:
+    """Joint centres in m at the pitch `REFERENCE`, from the middle of the plate's underside."""
+    return {
+        f"{end} {side}": (x * REFERENCE, y * REFERENCE, shoe.pin_height * REFERENCE)
+        for end, x in (("front", 0.5), ("rear", -0.5))
+        for side, y in (("right", -shoe.rail_center), ("left", shoe.rail_center))
+    }
+
+
+def _grouser(occ: Any, shoe: GrouserShoe, ahead: float) -> Any:
+    """Grouser across the plate, which tapers to its tip; m."""
+    tip, root = (0.5 * thickness * REFERENCE for thickness in STOUTNESS[shoe.grousers])
+    x = ahead * REFERENCE
+    half = 0.5 * shoe.width * REFERENCE
+    low = -shoe.grouser_height * REFERENCE
+    corners = [(x - root, -half, 0.0), (x + root, -half, 0.0), (x + tip, -half, low), (x - tip, -half, low)]
+    return polygon(occ, corners).Extrude(occ.Vec(0, 2.0 * half, 0))
+
+
+def _link(occ: Any, shoe: GrouserShoe, y: float) -> Any:
+    """Block of a link with its rail, from the plate's underside up; m."""
+    across = (y - 0.5 * shoe.rail_width * REFERENCE, y + 0.5 * shoe.rail_width * REFERENCE)
+    top = shoe.rail_height * REFERENCE
+    long = 0.5 * PLATE * REFERENCE
+    block = box(occ, (-BLOCK * REFERENCE, BLOCK * REFERENCE), across, (0.0, top))
+    return block + box(occ, (-long, long), across, (top - shoe.rail_depth * REFERENCE, top))
+
+
+def build_grouser_solid(occ: Any, shoe: GrouserShoe) -> Any:
+    """Make the solid of a shoe of links at the pitch `REFERENCE`, its bores' faces named; m.
+
+    `occ` is `netgen.occ`. Origin in the middle of the plate's underside.
+    """
+    half = 0.5 * shoe.width * REFERENCE
+    long = 0.5 * PLATE * REFERENCE
+    body = box(occ, (-long, long), (-half, half), (0.0, shoe.plate_thickness * REFERENCE))
+    for ahead in PLACES[shoe.grousers] if shoe.grouser_height > 0.0 else ():
+        body += _grouser(occ, shoe, ahead)
+    rear, cheek, beside, fillet = (part * shoe.rail_width * REFERENCE for part in OF_RAIL.values())
+    fork = rear + 2.0 * beside
+    if shoe.plate_thickness > shoe.lug_clearance:
+        for pin in pins_of(shoe).values():
+            half_width = 0.5 * fork + cheek + 2.0 * fillet
+            root = math.copysign((BLOCK - PLAY) * REFERENCE, pin[0])
+            slot = notch_cutter(occ, pin[1], half_width, root, 2.0 * pin[0], fillet)
+            body -= slot.Move(occ.gp_Vec(0, 0, shoe.lug_clearance * REFERENCE))
+    radius = shoe.lug_radius * REFERENCE
+    bore = shoe.bore_radius * REFERENCE
+    tools = []
+    for side in (-1.0, 1.0):
+        body += _link(occ, shoe, side * shoe.rail_center * REFERENCE)
+    for name, pin in pins_of(shoe).items():
+        front = name.startswith("front")
+        width = fork + 2.0 * cheek if front else rear
+        sense = 1.0 if front else -1.0
+        nose = CHEEK * radius if front else radius
+        body += lug(occ, pin, width, nose, sense * BLOCK * REFERENCE, fillet, fillet)
+        x, y, z = pin
+        reach = 0.55 * (fork + 2.0 * cheek)
+        hole = occ.Cylinder(occ.Pnt(x, y - reach, z), occ.Dir(0, 1, 0), r=bore, h=2.0 * reach)
+        hole.faces.name = f"bore {name}"
+        tools.append(hole)
+        if front:
+            tools.append(throat_cutter(occ, pin, fork, radius + PLAY * REFERENCE, 0.5 * fillet))
+    for tool in tools:
+        body -= tool
+    if len(body.solids) != 1 or not math.isfinite(body.mass):
+        raise ValueError(f"dimensions must make one solid, got {len(body.solids)} separate ones with {shoe}")
+    return body
+
+
+def mesh_grouser_shoe(shoe: GrouserShoe, size: build_shoe.ElementSizes) -> Mesh:
+    """Mesh a shoe of links at the pitch `REFERENCE` with quadratic tetrahedra, small ones on bores and lugs' roots.
+
+    Origin in the middle of the plate's underside. A ModuleNotFoundError if netgen is not there.
+    """
+    occ = build_shoe.netgen_kernel()
+    body = build_grouser_solid(occ, shoe)
+    heights = {"underside": 0.0, PLATE_TOP: shoe.plate_thickness, "roller path": shoe.rail_height}
+    build_shoe.name_level_faces(body, {name: REFERENCE * height for name, height in heights.items()})
+    fillet = OF_RAIL["fillet"] * shoe.rail_width
+    for face in body.faces:
+        low, high = (corner.x / REFERENCE for corner in face.bounding_box)
+        if face.name is not None and face.name.startswith("bore"):
+            face.maxh = size.at_bores
+        elif -BLOCK - 1.5 * fillet < low and high < 0.5 * fillet - BLOCK:
+            face.maxh = size.at_rear_roots
+    return build_shoe.mesh_of_netgen(build_shoe.netgen_mesh(occ, body, size), SURFACES)
