@@ -3,14 +3,19 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
+import tomlkit
 
 import fem
 from exudyn_crawler import files
-from exudyn_crawler.case import Case, CaseFile, FlexibleShoes, LoadCycle, Shoe, Track, ph4100c
+from exudyn_crawler.case import Case, CaseFile, FlexibleShoes, LoadCycle, Shoe, Track, ph4100c, read_case
 from exudyn_crawler.case.case_file import case_text
+from exudyn_crawler.case.datasheet import shoe_mesh as datasheet_meshes
+from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.files import passed_shoe
 from exudyn_crawler.case.parameters.track import STEEL_DENSITY
 from exudyn_crawler.model import shoe_mesh
 from exudyn_crawler.results.stress import basis
@@ -219,20 +224,25 @@ def write_shoe(shoe: ShoeFile, folder: str | Path = ".", overwrite: bool = False
     whole = paths_of(shoe.case_file.case.name, files.writable_folder(Path(folder)))
     for path in whole.values():
         files.refuse_existing(path, overwrite)
-    with files.whole_file(whole["mesh"], overwrite) as temporary:
-        # the suffix says how a mesh is written
-        packed = temporary.with_name(f"{temporary.name}.msh.gz")
-        try:
-            fem.write_mesh(packed, shoe.recognized.mesh)
-            packed.replace(temporary)
-        finally:
-            packed.unlink(missing_ok=True)
+    _write_mesh(shoe.recognized.mesh, whole["mesh"], overwrite)
     with files.whole_file(whole["case"], overwrite) as temporary:
         temporary.write_text(shoe_text(shoe), encoding="utf-8")
     with style.titled_figure(shoe.case_file.case.name, 9.0, 6.5) as figure:
         draw_recognized(figure, shoe.recognized.mesh)
     style.save_figure(figure, whole["picture"], overwrite)
     return whole
+
+
+def _write_mesh(mesh: fem.Mesh, path: Path, overwrite: bool) -> None:
+    """Write a mesh whole or not at all."""
+    with files.whole_file(path, overwrite) as temporary:
+        # the suffix says how a mesh is written
+        packed = temporary.with_name(f"{temporary.name}.msh.gz")
+        try:
+            fem.write_mesh(packed, mesh)
+            packed.replace(temporary)
+        finally:
+            packed.unlink(missing_ok=True)
 
 
 def shoe_text(shoe: ShoeFile) -> str:
@@ -252,3 +262,79 @@ def shoe_text(shoe: ShoeFile) -> str:
     heads.append(f"# shoes and their loads (the papers' ground pressure) do not, and are marked {MARK}.")
     heads += [f"# {line}" for line in shoe.lines()]
     return "\n".join([*heads, *lines]) + "\n"
+
+
+def datasheet_shoe(
+    path: Path, size: str, folder: Path, overwrite: bool = False
+) -> tuple[pd.DataFrame, dict[str, Path]]:
+    """Write the ready shoe that fits the machine of a case file with a datasheet: mesh, picture and case.
+
+    The case is that of the file with the mesh and a flexible shoe. Files are called after it: NAME_shoe.
+
+    Parameters
+    ----------
+    path : Path
+        Case file with a datasheet.
+    size : str
+        "coarse", "study" or "fine".
+    folder : Path
+    overwrite : bool
+
+    Returns
+    -------
+    table : DataFrame
+        What the shoe is: quantity, value, unit.
+    paths : dict of str to Path
+        "mesh", "case" and "picture".
+
+    Raises
+    ------
+    ValueError
+        If the file has no datasheet, or no ready shoe fits it.
+    FileExistsError
+        If one of the files exists and `overwrite` is false; then none is written.
+    """
+    case_file = read_case(path, ["datasheet.shoe_mesh='none'"])
+    sheet = case_file.datasheet
+    if sheet is None:
+        raise ValueError(f"{path} must have a table [datasheet], to which a shoe is fitted")
+    name = f"{path.stem}_shoe"
+    whole = paths_of(name, files.writable_folder(folder))
+    for target in whole.values():
+        files.refuse_existing(target, overwrite)
+    follows = derived(sheet)
+    shoe = datasheet_meshes.fitted_shoe(sheet, follows.case.shoe, follows.chain, size)
+    _write_mesh(shoe.mesh, whole["mesh"], overwrite)
+    with files.whole_file(whole["case"], overwrite) as temporary:
+        temporary.write_text(_with_shoe(path, name, whole["mesh"], folder), encoding="utf-8")
+    with style.titled_figure(name, 9.0, 6.5) as figure:
+        draw_recognized(figure, with_load_surfaces(shoe.mesh))
+    style.save_figure(figure, whole["picture"], overwrite)
+    body = fem.ElasticBody(shoe.mesh, STEEL)
+    rows = [
+        ("kind", datasheet_meshes.ready_kind(sheet), ""),
+        ("mass", f"{body.mass:.5g}", "kg"),
+        ("mass of the datasheet's machine", f"{follows.case.shoe.mass:.5g}", "kg"),
+        ("thickness of the plate, which makes the mass", f"{1e3 * shoe.plate_thickness:.3g}", "mm"),
+        ("pitch", f"{1e3 * follows.chain.pitch:.3f}", "mm"),
+        ("length, width, height", " x ".join(f"{side:.4g}" for side in np.ptp(shoe.mesh.nodes, axis=0)), "m"),
+        ("inertia xx, yy, zz", ", ".join(f"{moment:.4g}" for moment in np.diag(body.inertia)), "kg m2"),
+        ("nodes, elements", f"{len(shoe.mesh.nodes)}, {len(shoe.mesh.elements)}", ""),
+        ("shape of elements, least", f"{quality.mesh_quality(shoe.mesh).least:.2f}", "of 1"),
+    ]
+    return pd.DataFrame(rows, columns=["quantity", "value", "unit"]), whole
+
+
+def _with_shoe(path: Path, name: str, mesh: Path, folder: Path) -> str:
+    """Text of a case file with the mesh of its shoes and a flexible one, to stand in a folder."""
+    document = tomlkit.parse(path.read_text(encoding="utf-8"))
+    document["name"] = name
+    table: Any = document["datasheet"]
+    table["shoe_mesh"] = mesh.name
+    if "flexible" not in document:
+        case = read_case(path, [f"datasheet.shoe_mesh={str(mesh.resolve())!r}"]).case
+        flexible = tomlkit.table()
+        flexible["shoes"] = [passed_shoe(case)]
+        flexible["shoes"].comment("below the foremost roller, so that all others pass over it")
+        document["flexible"] = flexible
+    return tomlkit.dumps(document)

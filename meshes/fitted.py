@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple, get_args
 
-from fem.body import ElasticBody
 from fem.mesh import Mesh
 from meshes import build_shoe
 from meshes.geometry import PITCH, ShoeDimensions
 from meshes.grouser import REFERENCE, THICKNESSES, GrouserShoe, build_grouser_solid, mesh_grouser_shoe
+from meshes.recognition.elements import centroid
 from meshes.shoe import STEEL
 from meshes.solid import build_solid
 
@@ -19,9 +19,9 @@ Kind = Literal["single grouser", "double grouser", "triple grouser", "plain", "m
 KINDS: tuple[Kind, ...] = get_args(Kind)
 GROUSERS: dict[Kind, int] = {"plain": 0, "single grouser": 1, "double grouser": 2, "triple grouser": 3}
 STOUTNESS = 0.5, 2.2
-"""Of the papers' shoe's thicknesses of bottom plate and top flange: those that a mining shoe may have, chosen."""
+"""Of the papers' thicknesses of bottom plate and top flange: those that a mining shoe may have, chosen."""
 NARROWEST = 2.1
-"""m, width of a shoe with the papers' pitch on which lugs still stand; narrower ones are pressed together along y."""
+"""m, width at the papers' pitch on which lugs still stand; narrower shoes are pressed together along y."""
 WITHIN = 1e-3  # of the mass: between the solid and what is asked for
 TRIES = 4
 
@@ -159,15 +159,14 @@ def _about_com(mesh: Mesh, stretch: tuple[float, float, float]) -> Mesh:
     y stays: there the middle of the track is zero, of which a shoe that is not quite even has its COM beside.
     """
     nodes = mesh.nodes * stretch
-    body = ElasticBody(Mesh(nodes, mesh.elements, mesh.surfaces), STEEL)
-    x, _, z = body.center_of_mass
+    x, _, z = centroid(nodes, mesh.elements)
     return Mesh(nodes - (x, 0.0, z), mesh.elements, mesh.surfaces)
 
 
 def _fitting(
     mass_of: Callable[[float], float], bounds: tuple[float, float], mass: float, unit: float
 ) -> float:
-    """Size with which a solid has a mass, which grows about evenly with it; `unit` makes a thickness in m of it."""
+    """Size with which a solid has a mass, which grows about evenly with it; `unit` makes m of it."""
     low, high = bounds
     masses = mass_of(low), mass_of(high)
     slope = (masses[1] - masses[0]) / (high - low)

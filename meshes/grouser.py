@@ -1,7 +1,7 @@
-"""Shoe of a chain of links: a plate with grousers below, and two links with rails above; built with OpenCASCADE.
+"""Shoe of a chain of links, built with OpenCASCADE: a plate with grousers below, two links with rails above.
 
-Each link ends in a lug behind and in a fork in front, which takes the lug of the next shoe, so that bores, rails
-and underside bear the names of the ready shoe's. Real links are forged in one with bosses side by side: here
+Each link ends in a lug behind and in a fork in front, which takes the lug of the next shoe, so that bores,
+rails and underside bear the names of the papers' shoe's. Real links are forged with bosses side by side: here
 they are a block on the plate, whose rail overhangs fork and lug.
 """
 
@@ -15,7 +15,7 @@ from meshes.geometry import PITCH
 from meshes.solid import box, lug, notch_cutter, polygon, throat_cutter
 
 REFERENCE = PITCH
-"""m, pitch at which solids are built, so that lengths of elements and tolerances are those of the ready shoe."""
+"""m, pitch at which solids are built, so that elements and tolerances are those of the papers' shoe."""
 PLACES: dict[int, tuple[float, ...]] = {0: (), 1: (0.38,), 2: (-0.3, 0.3), 3: (-0.36, 0.0, 0.36)}
 """Grousers by their number: pitches ahead of the plate's middle."""
 STOUTNESS = {1: (0.08, 0.16), 2: (0.07, 0.14), 3: (0.07, 0.13)}
@@ -41,7 +41,7 @@ SURFACES = {
     "top": ("roller path",),
     "whole top": ("roller path", PLATE_TOP),
 }
-"""Named surfaces and the faces that make them. Grousers are sunk in: the plate between them is the underside."""
+"""Named surfaces and their faces. Grousers are sunk in: the plate between them is the underside."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ def build_grouser_solid(occ: Any, shoe: GrouserShoe) -> Any:
 
 
 def mesh_grouser_shoe(shoe: GrouserShoe, size: build_shoe.ElementSizes) -> Mesh:
-    """Mesh a shoe of links at the pitch `REFERENCE` with quadratic tetrahedra, small ones on bores and lugs' roots.
+    """Mesh a shoe of links at the pitch `REFERENCE` with quadratic tetrahedra, small ones on bores and roots.
 
     Origin in the middle of the plate's underside. A ModuleNotFoundError if netgen is not there.
     """

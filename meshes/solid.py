@@ -12,6 +12,7 @@ Pair = tuple[float, float]
 
 
 def box(occ: Any, x: Pair, y: Pair, z: Pair) -> Any:
+    """Box between two places along each axis."""
     return occ.Box(*(occ.Pnt(*corner) for corner in zip(x, y, z, strict=True)))
 
 

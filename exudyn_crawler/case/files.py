@@ -146,9 +146,9 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
     beside = {name: content.pop(name) for name in BESIDE if name in content}
     below: reading.Content | None = None
     if datasheets.has_datasheet(beside):
-        sheet = datasheets.datasheet_of(beside[datasheets.KEY])
+        sheet = datasheets.datasheet_of(beside[datasheets.KEY], folder)
         beside[datasheets.KEY] = sheet.model_dump(mode="json")
-        below = datasheets.case_values(sheet)
+        below = datasheets.case_values(sheet, content.get("flexible", fields.NONE) != fields.NONE)
     content = _with_law(content, folder)
     case = reading.filled(content, Case, below=below)
     if cycle is not None:

@@ -3,7 +3,10 @@
 import re
 from pathlib import Path
 
+import typer
+
 import exudyn_crawler as crawler
+from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_rows, print_table
 
 COLUMNS = ("key", "value", "origin", "how")
@@ -21,6 +24,18 @@ def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
     text = known[machine].read_text(encoding="utf-8")
     with whole_file(path, overwrite) as temporary:
         temporary.write_text(NAME.sub(f'name = "{path.stem}"', text, count=1), encoding="utf-8")
+
+
+def fit_shoe(file: Path, size: str, out: Path, overwrite: bool) -> None:
+    """Fit the ready shoe to the datasheet of a case file, and write it with a case that has it flexible."""
+    from exudyn_crawler.shoe_file import datasheet_shoe
+
+    with heartbeat(f"shoe of {file}"):
+        table, paths = datasheet_shoe(file, size, out, overwrite)
+    print_table(table, f"{paths['mesh']}: ready shoe of {file}")
+    case = paths["case"]
+    typer.echo(f"{paths['picture']}: its surfaces; its stress: exudyn-crawler run {case}")
+    typer.echo(f"what cracks it, without a run: exudyn-crawler check {case}")
 
 
 def show_values(case_file: "crawler.CaseFile", title: str) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import typer
 
 import exudyn_crawler as crawler
-from exudyn_crawler.cli import application
+from exudyn_crawler.cli import application, datasheets
 from exudyn_crawler.cli.commands import command
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_table, write_table
@@ -264,7 +264,10 @@ Size = Annotated[
 
 @command("exudyn-crawler shoe excavator_shoe.step")
 def shoe(
-    file: Annotated[Path, typer.Argument(help="STEP, STL or a mesh of tetrahedra", metavar="FILE")],
+    file: Annotated[
+        Path,
+        typer.Argument(help="STEP, STL, tetrahedra, or a case file with a datasheet", metavar="FILE"),
+    ],
     unit: Unit = None,
     flip_front: FlipFront = False,
     flip_up: FlipUp = False,
@@ -275,7 +278,10 @@ def shoe(
     out: Annotated[Path, typer.Option(help="folder for mesh, case and picture")] = Path(),
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Make a mesh and a case of a maker's file of a shoe: what is what is found by its shape."""
+    """Make a mesh and a case of a maker's file of a shoe, by its shape, or of a datasheet's ready shoe."""
+    if file.suffix.lower() == ".toml":
+        datasheets.fit_shoe(file, size, out, overwrite)
+        return
     from exudyn_crawler.files import refuse_existing
     from exudyn_crawler.shoe_file import paths_of, shoe_of, write_shoe
     from meshes.recognition.axes import Choices

@@ -46,10 +46,14 @@ class Chain(NamedTuple):
         return self.on_ground + self.diameter + 2.0 * self.tips
 
 
-def chain_of(sheet: Datasheet, notes: Notes, gravity: float) -> Chain:
-    """Dimensions of a datasheet's chain; a DatasheetError where they contradict each other."""
+def chain_of(sheet: Datasheet, notes: Notes, gravity: float, depth: float | None = None) -> Chain:
+    """Dimensions of a datasheet's chain; a DatasheetError where they contradict each other.
+
+    `depth` is that of the plate's underside below the pins (m) where a mesh has it.
+    """
     pitch = _pitch(sheet, notes)
-    depth = pitch * notes.typical("plate_depth")
+    if depth is None:
+        depth = pitch * notes.typical("plate_depth")
     grouser = sheet.grouser_height
     if grouser is None:
         grouser = pitch * notes.typical("grouser_height")

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.datasheet import chain as chains, gear, shoes, travel
+from exudyn_crawler.case.datasheet import chain as chains, gear, shoe_mesh, shoes, travel
 from exudyn_crawler.case.datasheet.notes import Note, Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.case.datasheet.typical import TypicalValue
@@ -26,6 +26,7 @@ PLACES = {
     "recoil_force": "gear.idler.recoil.preload",
 }
 """Where values of a datasheet stand in the case as they are."""
+OF_MESH = ("shoe_width", "pitch", "shoe_weight")
 NO_FIGURES = (
     "source",
     "remembered",
@@ -36,6 +37,7 @@ NO_FIGURES = (
     "travel",
     "suspension",
     "recoil_spring",
+    "shoe_kind",
 )
 
 
@@ -53,9 +55,12 @@ def derived(sheet: Datasheet) -> Derived:
     """Case of a datasheet with the notes on its values; a ParameterError in the datasheet's words."""
     overrides = {name: getattr(sheet.typical, name) for name in type(sheet.typical).model_fields}
     notes = Notes(sheet.kind, overrides)
-    chain = chains.chain_of(sheet, notes, ph4100c.GRAVITY)
-    shoe = shoes.shoe_of(sheet, chain, notes)
-    track = shoes.track_of(sheet, chain, shoe, notes)
+    printed = sheet
+    sheet = shoe_mesh.sheet_of_mesh(printed)
+    of_mesh = None if sheet.shoe_mesh is None else shoe_mesh.shoe_of_mesh(sheet.shoe_mesh)
+    chain = chains.chain_of(sheet, notes, ph4100c.GRAVITY, None if of_mesh is None else of_mesh.depth)
+    shoe = shoes.shoe_of(sheet, chain, notes, of_mesh)
+    track = shoes.track_of(sheet, chain, shoe, notes, of_mesh)
     try:
         case = Case(
             name=sheet.kind,
@@ -73,7 +78,7 @@ def derived(sheet: Datasheet) -> Derived:
     except ParameterError as error:
         lines = str(error).splitlines()
         raise DatasheetError(f"the machine that follows cannot be built: {lines[0]}") from error
-    given = list(_given(sheet))
+    given = list(_given(printed))
     paths = {note.path for note in given}
     return Derived(
         case, (*given, *(note for note in notes if note.path not in paths)), chain, tuple(notes.used.values())
@@ -86,7 +91,9 @@ def _given(sheet: Datasheet) -> Iterator[Note]:
         value = getattr(sheet, name)
         if value is None or name in NO_FIGURES:
             continue
-        path = PLACES.get(name, f"datasheet.{name}")
+        # values of the case are those of its mesh, which the datasheet's agree with
+        of_mesh = sheet.shoe_mesh is not None and name in OF_MESH
+        path = f"datasheet.{name}" if of_mesh else PLACES.get(name, f"datasheet.{name}")
         unit = fields.unit_of(field)
         if name in sheet.remembered:
             yield Note(path, value, unit, "assumed", "remembered: not seen in a source")

@@ -9,6 +9,7 @@ import numpy as np
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.datasheet import rules, typical
 from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.datasheet.shoe_mesh import shoe_of_mesh
 
 CLOSE, OF_LENGTH = 0.03, 0.05
 """Relative differences up to which a figure is that of the datasheet: of weight and pressure, of a length."""
@@ -41,6 +42,8 @@ def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
     gear = case.closed_gear()
     start = gear.assembled(case.shoe, case.track)
     rear, front, _, _, low = case.shoe.footprint
+    if sheet.shoe_mesh is not None:
+        low -= shoe_of_mesh(sheet.shoe_mesh).grouser
     place = start.shoes[:, 0]
     pitch = start.shoes[:, 4]
     ends = [place + x * np.cos(pitch) + low * np.sin(pitch) for x in (rear, 0.5 * (rear + front), front)]
@@ -75,6 +78,10 @@ def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     mass = machine_mass(case)
     printed = sheet.operating_weight
     yield Figure("weight of all parts", mass, printed, "kg", _verdict(mass, printed, CLOSE))
+    if sheet.shoe_weight is not None:
+        shoe = case.shoe.mass
+        verdict = _verdict(shoe, sheet.shoe_weight, CLOSE)
+        yield Figure("weight of a shoe", shoe, sheet.shoe_weight, "kg", verdict)
     on_ground, over_shoes = lengths(case, sheet)
     for name, value, stated in (
         ("length on ground", on_ground, sheet.length_on_ground),

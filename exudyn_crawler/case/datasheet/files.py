@@ -1,12 +1,16 @@
 """Datasheets in case files: the table ``[datasheet]``, of which the rest of the file changes what follows."""
 
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
+from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.datasheet.shoe_mesh import flexible_of
 from exudyn_crawler.case.parameters import faults, fields, reading
 from exudyn_crawler.errors import ParameterError
 
@@ -25,6 +29,8 @@ def with_machine(content: reading.Content) -> reading.Content:
         raise ParameterError(f"{KEY} must be a table with what its maker prints, got {fields.shown(table)}")
     if fields.BASE in content:
         raise ParameterError(f"{fields.BASE} must be left out beside a {KEY}, from which all values follow")
+    content = with_own_mesh(content)
+    table = content[KEY]
     if fields.BASE not in table:
         return content
     below = library.machine_content(table[fields.BASE])
@@ -32,10 +38,10 @@ def with_machine(content: reading.Content) -> reading.Content:
     return library.over(content | {KEY: given}, below)
 
 
-def datasheet_of(table: reading.Content) -> Datasheet:
-    """Datasheet of a table; a ParameterError with a line for each value at fault."""
+def datasheet_of(table: reading.Content, folder: Path | None = None) -> Datasheet:
+    """Datasheet of a table of a file in a folder; a ParameterError with a line for each value at fault."""
     try:
-        return reading.from_content(Datasheet, table)
+        return reading.from_content(Datasheet, table, folder)
     except ValidationError as error:
         lines = faults.error_lines(error, Datasheet)
         raise ParameterError("\n".join(f"{KEY}.{line}" for line in lines)) from None
@@ -69,7 +75,31 @@ def assumed_ranges(sheet: Datasheet) -> list[reading.Content]:
     return [{"key": f"{path}.{row.name}", "low": row.low, "high": row.high} for row in derived(sheet).typical]
 
 
-def case_values(sheet: Datasheet) -> reading.Content:
-    """Values of the case of a datasheet, as a file has them."""
+def case_values(sheet: Datasheet, flexible: bool = False) -> reading.Content:
+    """Values of the case of a datasheet, as a file has them; with flexible shoes if asked for."""
     with fields.errors_at(KEY):
-        return derived(sheet).case.model_dump(mode="json")
+        case = derived(sheet).case
+        values = case.model_dump(mode="json")
+        if flexible:
+            values["flexible"] = flexible_of(sheet, passed_shoe(case)).model_dump(mode="json")
+        return values
+
+
+def passed_shoe(case: Case) -> int:
+    """Number of the shoe below the wheel that is foremost in travel, over which all others pass."""
+    gear = case.closed_gear()
+    start = gear.assembled(case.shoe, case.track)
+    rollers = start.frame[0] + np.array(gear.rollers)
+    foremost = rollers.max() if case.drive.speed.values[-1] >= 0.0 else rollers.min()
+    x = start.shoes[:, 0]
+    z = start.shoes[:, 2]
+    return 1 + int(np.argmin(np.abs(x - foremost) + np.abs(z - z.min())))
+
+
+def with_own_mesh(content: reading.Content) -> reading.Content:
+    """Content whose `[shoe] mesh` stands in the datasheet, as `shoe_mesh`: the machine follows of it."""
+    shoe = content.get("shoe")
+    if not isinstance(shoe, dict) or "mesh" not in shoe:
+        return content
+    rest = {name: value for name, value in shoe.items() if name != "mesh"}
+    return content | {"shoe": rest, KEY: content[KEY] | {"shoe_mesh": shoe["mesh"]}}

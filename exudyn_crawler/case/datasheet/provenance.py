@@ -9,8 +9,10 @@ from exudyn_crawler.case.datasheet.chain import SHOES
 from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.notes import Note, Origin
 from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.datasheet.shoe_mesh import flexible_of
 from exudyn_crawler.case.parameters import fields
 
+FLEXIBLE = "steel, and modes and damping of the papers' flexible shoes"
 GENERAL = "of all machines, chosen: no datasheet says it"
 
 
@@ -27,9 +29,17 @@ def provenance(case: Case, sheet: Datasheet) -> list[Provenance]:
     """Origin of every value of a case: the file gives what differs from what follows of its datasheet."""
     notes = {note.path: note for note in derived(sheet).notes}
     follows = {entry.path: entry.value for entry in fields.values_of(derived(sheet).case)}
+    flexible: dict[str, object] = {}
+    if case.flexible is not None and sheet.shoe_mesh is not None:
+        usual = case.with_(flexible=flexible_of(sheet, case.flexible.shoes[0]))
+        flexible = {
+            of.path: of.value for of in fields.values_of(usual) if of.path.startswith("flexible.")
+        }
     rows = []
     for entry in fields.values_of(case):
         origin, how = _origin(entry, notes, follows)
+        if entry.path in flexible and flexible[entry.path] == entry.value:
+            origin, how = "assumed", FLEXIBLE
         rows.append(Provenance(entry.path, fields.value_text(entry.value, entry.unit), origin, how))
     return rows
 

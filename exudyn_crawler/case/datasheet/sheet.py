@@ -1,13 +1,17 @@
 """Datasheet of a machine on two tracks: what makers print, of which any subset will do that determines it."""
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator
 
 from exudyn_crawler.case.datasheet.typical import Typical
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
+from exudyn_crawler.case.parameters.track import mesh_beside
 from exudyn_crawler.errors import ParameterError
 
 Kind = Literal["excavator", "dozer", "shovel", "crane", "drill", "vehicle"]
+ShoeKind = Literal["single grouser", "double grouser", "triple grouser", "plain", "mining"]
 LEAST_GAPS = 7.0
 GREATEST_GAPS = 30.0
 
@@ -82,6 +86,13 @@ class Datasheet(Parameters):
     pitch: base.Length | None = quantity("m", "of the chain", (0.1, 1.0), default=None)
     shoe_weight: base.Mass | None = quantity(
         "kg", "of a shoe with its link, pin and bush", (5.0, 1e4), default=None
+    )
+    shoe_kind: Literal["single grouser", "double grouser", "triple grouser", "plain", "mining"] | None = (
+        option("of the ready shoe that the command `shoe` fits to it; none: as its kind has", None)
+    )
+    shoe_mesh: Annotated[str, AfterValidator(mesh_beside)] | None = option(
+        "mesh of its shoes, which have its mass, pins and rails; none: plate and links as boxes",
+        None,
     )
     grouser_height: base.Extent | None = quantity("m", "of the grousers", (0.0, 0.15), default=None)
     lower_rollers: int | None = quantity(

@@ -8,16 +8,23 @@ from exudyn_crawler.case.datasheet import rules
 from exudyn_crawler.case.datasheet.chain import Chain
 from exudyn_crawler.case.datasheet.notes import Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.datasheet.shoe_mesh import MeshShoe
 from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
 
+OF_MESH = "shoe_mesh: its volume of steel, its surfaces and bores"
 RAIL_SHARE = 0.98  # of the pitch: length of a rail, so that neighbours do not overlap
 
 
-def shoe_of(sheet: Datasheet, chain: Chain, notes: Notes) -> Shoe:
-    """Shoe: a plate that carries a link, whose masses are those of boxes.
+def shoe_of(sheet: Datasheet, chain: Chain, notes: Notes, of_mesh: MeshShoe | None = None) -> Shoe:
+    """Shoe of a mesh, or a plate that carries a link, whose masses are those of boxes.
 
-    Its underside is at the tips of the grousers. The link lies between the plate and the top of the rails.
+    The underside of these is at the tips of the grousers. The link lies between the plate and the top of the
+    rails.
     """
+    if of_mesh is not None:
+        for name in (*Shoe.model_fields, *(f"rails.{field}" for field in Rails.model_fields)):
+            notes.note(f"shoe.{name}", None, "", "derived", OF_MESH)
+        return of_mesh.shoe
     pitch = chain.pitch
     width = sheet.shoe_width
     link_height = pitch * notes.typical("link_height")
@@ -66,9 +73,23 @@ def shoe_of(sheet: Datasheet, chain: Chain, notes: Notes) -> Shoe:
     )
 
 
-def track_of(sheet: Datasheet, chain: Chain, shoe: Shoe, notes: Notes) -> Track:
-    """Chain of both tracks, whose pins end at the rails' middles."""
+def track_of(
+    sheet: Datasheet, chain: Chain, shoe: Shoe, notes: Notes, of_mesh: MeshShoe | None = None
+) -> Track:
+    """Chain of both tracks, whose pins are those of a mesh or end at the rails' middles."""
     right = -0.5 * sheet.track_gauge
+    if of_mesh is not None:
+        for name in ("pitch", "pin_ahead", "pin_height", "spherical_y", "parallel_y"):
+            notes.note(f"track.{name}", None, "", "derived", OF_MESH)
+        return Track(
+            shoe_count=2 * chain.shoes,
+            first_com=(0.0, right),
+            pitch=chain.pitch,
+            pin_ahead=of_mesh.pin_ahead,
+            pin_height=of_mesh.pin_height,
+            spherical_y=right + of_mesh.joint_y[0],
+            parallel_y=right + of_mesh.joint_y[1],
+        )
     rails = shoe.rails
     assert rails is not None
     values: dict[str, Any] = {

@@ -242,7 +242,7 @@ CONSTRAINT_MODES = 24  # six of each of the four joint centres
 RIGID_MODES = 6
 
 
-def _mesh_beside(name: str, info: ValidationInfo) -> str:
+def mesh_beside(name: str, info: ValidationInfo) -> str:
     """Name of a mesh, or whole path of one beside the case file that names it, while it is read."""
     if info.context is None or name in SHOE_SIZES:
         return name
@@ -256,7 +256,7 @@ class FlexibleShoes(Parameters):
     """Which shoes are flexible, and the finite-element model that all of them share."""
 
     shoes: base.Rising[int] = option("numbers of the flexible shoes", min_length=1)
-    mesh: Annotated[str, AfterValidator(_mesh_beside)] = option(
+    mesh: Annotated[str, AfterValidator(mesh_beside)] = option(
         "coarse, study or fine, or the path of a mesh with the same surfaces"
     )
     youngs_modulus: float = quantity("Pa", "E", (5e10, 5e11), ge=1.0, le=1e15)

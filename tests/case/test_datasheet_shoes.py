@@ -1,0 +1,172 @@
+"""Shoes of datasheets: ready ones that fit, meshes of one's own, flexible ones."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import fem
+from exudyn_crawler.case import Shoe, read_case
+from exudyn_crawler.case.datasheet import figures, library, shoe_mesh
+from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.provenance import provenance
+from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
+from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.model import shoe_mesh as fits
+from meshes import STEEL, checks, fitted, grouser, mesh_named
+from meshes.recognition import quality
+
+pytest.importorskip("netgen")
+
+
+def sheet_of(machine):
+    """Datasheet of a machine of the library."""
+    return read_case(library.machines()[machine]).datasheet
+
+
+@pytest.fixture(scope="module")
+def excavator(tmp_path_factory):
+    """Ready shoe of the Komatsu PC300LC-8 in a file, and its datasheet."""
+    sheet = sheet_of("pc300lc")
+    follows = derived(sheet)
+    path = tmp_path_factory.mktemp("shoe") / "shoe.msh.gz"
+    fem.write_mesh(path, shoe_mesh.fitted_shoe(sheet, follows.case.shoe, follows.chain, "coarse").mesh)
+    return path, sheet
+
+
+@pytest.mark.parametrize(
+    "shoe",
+    [
+        grouser.GrouserShoe(3.7, 3, 0.167, 0.09, 0.275, 0.665, 0.42, 0.28),
+        grouser.GrouserShoe(2.45, 1, 0.35, 0.11, 0.275, 0.665, 0.42, 0.28),
+        grouser.GrouserShoe(4.0, 0, 0.0, 0.14, 0.275, 0.665, 0.42, 0.28),
+    ],
+)
+def test_solids_of_links_are_even_and_have_the_volume_of_plate_and_grousers_beside_their_links(shoe):
+    from netgen import occ
+
+    body = grouser.build_grouser_solid(occ, shoe)
+    wider = grouser.build_grouser_solid(occ, dataclasses.replace(shoe, width=shoe.width + 1.0))
+    tip, root = grouser.STOUTNESS.get(shoe.grousers, (0.0, 0.0))
+    section = grouser.PLATE * shoe.plate_thickness + shoe.grousers * shoe.grouser_height * 0.5 * (tip + root)
+    assert (wider.mass - body.mass) / grouser.REFERENCE**3 == pytest.approx(section, rel=1e-6)
+    assert body.center.y == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("machine", "kind"),
+    [
+        ("pc300lc", "double grouser"),
+        ("d155ax", "single grouser"),
+        ("bg28", "plain"),
+        ("ph4100c", "mining"),
+        ("cat315c", "triple grouser"),
+    ],
+)
+def test_ready_shoes_have_pitch_width_and_weight_of_machines_of_the_library(machine, kind):
+    sheet = sheet_of(machine).with_(shoe_kind=kind)
+    follows = derived(sheet)
+    shoe = follows.case.shoe
+    mesh = shoe_mesh.fitted_shoe(sheet, shoe, follows.chain, "coarse").mesh
+    assert mesh.volume * STEEL.density == pytest.approx(shoe.mass, rel=0.01)
+    assert np.ptp(mesh.nodes[:, 1]) == pytest.approx(sheet.shoe_width, rel=1e-6)
+    assert quality.mesh_quality(mesh).least > 0.05
+    checks.check_whole(fitted.Mesh(mesh.nodes, mesh.elements, mesh.surfaces))
+    front, rear = (mesh.nodes[mesh.nodes_of(f"bore {end} left"), 0] for end in ("front", "rear"))
+    middle = [0.5 * (x.min() + x.max()) for x in (front, rear)]
+    assert middle[0] - middle[1] == pytest.approx(follows.chain.pitch, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_machine_follows_from_the_mesh_of_its_shoes(excavator):
+    path, sheet = excavator
+    case = derived(sheet.with_(shoe_mesh=str(path))).case
+    mesh = mesh_named(str(path))
+    of_mesh = Shoe.from_mesh(mesh, STEEL.density)
+    assert case.shoe == of_mesh
+    assert of_mesh.mass == pytest.approx(derived(sheet).case.shoe.mass, rel=0.01)
+    assert figures.machine_mass(case) == pytest.approx(sheet.operating_weight, rel=1e-9)
+    # the same wheels: pins, rails and plate are where boxes have them
+    assert case.gear.idler.place == pytest.approx(derived(sheet).case.gear.idler.place, abs=2e-3)
+    assert figures.lengths(case, sheet)[1] == pytest.approx(sheet.crawler_length, rel=0.02)
+    assert len(fits.pin_interfaces(mesh, str(path), case.track)) == 4
+    fits.check_fit(mesh, str(path), case.shoe, case.shoe.rails)
+
+
+@pytest.mark.slow
+def test_plate_of_a_ready_shoe_bends_as_a_beam_and_no_part_hangs_loose(excavator):
+    path, sheet = excavator
+    mesh = mesh_named(str(path))
+    body = fem.ElasticBody(mesh, STEEL)
+    modes = body.natural_frequencies(8)
+    assert np.abs(modes[:6]).max() < 1e-3 * modes[6]
+    # wings: cantilevers of plate and three grousers beyond the links, Bernoulli's beam
+    pitch = derived(sheet).chain.pitch
+    under = mesh.nodes[mesh.nodes_of("underside"), 2].min()
+    thickness = np.ptp(mesh.nodes[mesh.nodes_of("underside"), 2]) + (
+        mesh.nodes[mesh.nodes_of("whole top"), 2].min() - under
+    )
+    height = 0.036
+    tip, root = (part * pitch for part in grouser.STOUTNESS[3])
+    # strips along z of plate and grousers
+    z = np.linspace(-height, thickness, 4001)
+    width = np.where(z > 0.0, grouser.PLATE * pitch, 3.0 * (root + (tip - root) * -z / height))
+    area = np.trapezoid(width, z)
+    middle = np.trapezoid(width * z, z) / area
+    second = np.trapezoid(width * (z - middle) ** 2, z)
+    length = sheet.shoe_width
+    # free-free beam of the whole width without links is softer, one that is stiff between them is stiffer
+    slender = (
+        (4.73 / length) ** 2 * np.sqrt(STEEL.youngs_modulus * second / (STEEL.density * area)) / 2 / np.pi
+    )
+    assert 0.6 * slender < modes[6] < 1.1 * slender
+
+
+def test_weights_that_no_plate_makes_are_refused_in_the_datasheets_words():
+    sheet = sheet_of("pc300lc").with_(shoe_weight=20.0)
+    follows = derived(sheet)
+    words = (
+        r"a triple grouser shoe of 216 mm pitch and 800 mm width cannot weigh 20 kg: a plate of 6.4\d mm? ?.*"
+    )
+    with pytest.raises(DatasheetError, match=words.split(":")[0]):
+        shoe_mesh.fitted_shoe(sheet, follows.case.shoe, follows.chain, "coarse")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[flexible]\nshoes = [3]\n", "flexible shoes need shoe_mesh in the datasheet"),
+        ('[shoe]\nmesh = "none.msh"\n', "none.msh"),
+        ('[shoe]\nmesh = "coarse"\n', "shoe_width is 800 mm, shoe_mesh coarse is 3505 mm wide"),
+    ],
+)
+def test_shoes_that_do_not_go_with_a_datasheet_are_refused(tmp_path, text, words):
+    path = tmp_path / "mine.toml"
+    path.write_text('duration = 1.0\n[datasheet]\nbase = "pc300lc"\n' + text)
+    with pytest.raises(CaseFileError, match=words):
+        read_case(path)
+
+
+def test_the_papers_shoe_as_a_mesh_of_ones_own_makes_a_shovel(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'duration = 1.0\n[datasheet]\nbase = "ph4100c"\n[shoe]\nmesh = "coarse"\n[flexible]\nshoes = [5]\n'
+    )
+    case_file = read_case(path)
+    case = case_file.case
+    assert case.shoe.mass == pytest.approx(4503.32, rel=1e-4)
+    assert case.flexible.mesh == "coarse"
+    assert case.flexible.shoes == (5,)
+    assert figures.machine_mass(case) == pytest.approx(1410184.0)
+    fits.check_fit(mesh_named("coarse"), "coarse", case.shoe, case.shoe.rails)
+    rows = {row.key: row for row in provenance(case, case_file.datasheet)}
+    assert (rows["shoe.mass"].origin, rows["shoe.mass"].how) == (
+        "derived",
+        "shoe_mesh: its volume of steel, its surfaces and bores",
+    )
+    assert rows["flexible.youngs_modulus"].origin == "assumed"
+
+
+def test_datasheet_needs_no_netgen_for_boxes():
+    assert derived(Datasheet(operating_weight=35e3, gauge=2.59, shoe_width=0.8, length_on_ground=4.03)).case
