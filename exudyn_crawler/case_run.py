@@ -14,7 +14,7 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress import basis, recovery
 from exudyn_crawler.run.folder import checkpoints, folder as folders, progress as parts, record
 from exudyn_crawler.run.solve.simulation import compiled, simulate, solved_for_tension
-from exudyn_crawler.views.outputs import write_outputs
+from exudyn_crawler.views.outputs import write_origins, write_outputs
 from fem.memory import give_back_memory
 
 
@@ -107,6 +107,7 @@ def run_case(
             stresses = _stresses(history, work)
             if path is not None:
                 with work.part(parts.WRITE):
+                    write_origins(case_file, path)
                     write_outputs(history, stresses, path, outputs)
     return CaseRun(history, stresses, path)
 

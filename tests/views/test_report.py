@@ -283,3 +283,21 @@ def test_sections_without_content_are_left_out():
         assert shown in text
     assert "Second" not in text
     assert "plotly" not in text.lower()
+
+
+def test_page_of_a_machine_from_its_datasheet_says_where_every_value_comes_from(translation, tmp_path):
+    from exudyn_crawler.case import read_case
+    from exudyn_crawler.case.datasheet import library
+    from exudyn_crawler.views.outputs import write_origins
+
+    translation.save(tmp_path / "history.nc")
+    machine = read_case(library.machines()["pc300lc"])
+    write_origins(machine, tmp_path)
+    html = write_report(tmp_path).read_text()
+    assert 'id="origins"' in html
+    assert "track.pitch" in html
+    assert "a chain of so many shoes closes" in html
+    assert "remembered: not seen in a source" in html
+    assert f"{machine.datasheet.source}" in html
+    # it has a section of its own
+    assert "origins.csv" not in html.split("Further tables")[-1]

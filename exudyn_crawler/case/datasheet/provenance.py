@@ -13,6 +13,8 @@ from exudyn_crawler.case.datasheet.shoe_mesh import flexible_of
 from exudyn_crawler.case.parameters import fields
 
 FLEXIBLE = "steel, and modes and damping of the papers' flexible shoes"
+ORIGINS_FILE = "origins.csv"
+"""Name of the table of all origins in a run's folder."""
 GENERAL = "of all machines, chosen: no datasheet says it"
 
 
@@ -60,6 +62,13 @@ def sheet_rows(sheet: Datasheet) -> list[Provenance]:
         for note in notes
         if note.value is not None
     ]
+
+
+def all_rows(case: Case, sheet: Datasheet) -> list[Provenance]:
+    """Origin of every value of a case, then of what stands in none: of the datasheet and typical values."""
+    rows = provenance(case, sheet)
+    keys = {row.key for row in rows}
+    return [*rows, *(row for row in sheet_rows(sheet) if row.key not in keys)]
 
 
 def origins(case_file: BaseModel) -> dict[str, Provenance]:

@@ -1,18 +1,20 @@
 """Meshes of a datasheet's shoes: a ready one that fits it, and what follows from one that it names."""
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 import fem
 from exudyn_crawler.case.datasheet.chain import Chain
-from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError, Kind
+from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError, Kind, ShoeKind
 from exudyn_crawler.case.parameters.track import FlexibleShoes, Shoe
-from meshes import STEEL, fitted, mesh_named
 from meshes.geometry import JOINT_CENTERS
 
-READY: dict[Kind, fitted.Kind] = {
+if TYPE_CHECKING:
+    from meshes import fitted
+
+READY: dict[Kind, ShoeKind] = {
     "excavator": "triple grouser",
     "drill": "triple grouser",
     "dozer": "single grouser",
@@ -46,6 +48,9 @@ class MeshShoe(NamedTuple):
 @lru_cache(maxsize=8)
 def shoe_of_mesh(name: str) -> MeshShoe:
     """Shoe of a mesh by its name or path; a DatasheetError says what it lacks."""
+    # a case without a mesh need not wait for finite elements
+    from meshes import STEEL, mesh_named
+
     try:
         mesh = mesh_named(name)
         surface = "whole top" if "whole top" in mesh.surfaces else "underside"
@@ -122,6 +127,8 @@ def flexible_of(sheet: Datasheet, shoe: int) -> FlexibleShoes:
         raise DatasheetError(
             "flexible shoes need shoe_mesh in the datasheet: exudyn-crawler shoe MACHINE.toml makes one"
         )
+    from meshes import STEEL
+
     of_mesh = shoe_of_mesh(sheet.shoe_mesh)
     return FlexibleShoes.ph4100c(sheet.shoe_mesh).with_(
         shoes=(shoe,),
@@ -131,16 +138,18 @@ def flexible_of(sheet: Datasheet, shoe: int) -> FlexibleShoes:
     )
 
 
-def ready_kind(sheet: Datasheet) -> fitted.Kind:
+def ready_kind(sheet: Datasheet) -> ShoeKind:
     """Kind of the ready shoe that fits a datasheet's machine."""
     return sheet.shoe_kind or READY[sheet.kind]
 
 
-def fitted_shoe(sheet: Datasheet, shoe: Shoe, chain: Chain, fineness: str) -> fitted.FittedShoe:
+def fitted_shoe(sheet: Datasheet, shoe: Shoe, chain: Chain, fineness: str) -> "fitted.FittedShoe":
     """Ready shoe with pitch, width and weight of a datasheet, of which shoe and chain follow.
 
     A DatasheetError in its words where no such shoe has them; a ModuleNotFoundError if netgen is not there.
     """
+    from meshes import fitted
+
     rails = shoe.rails
     assert rails is not None
     kind = ready_kind(sheet)

@@ -11,6 +11,7 @@ import xarray as xr
 from markupsafe import Markup
 
 from exudyn_crawler.case import CellTerrain, Terrain
+from exudyn_crawler.case.datasheet.provenance import GENERAL, ORIGINS_FILE
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.results.history import History, ground_map, summary
@@ -21,6 +22,12 @@ from exudyn_crawler.views.scenes import pictures, shoes, track
 
 REPORT = "report.html"
 RECORD = "run.json"
+ORIGIN_WORDS = {
+    "given": "printed, or in the file",
+    "derived": "by which rule, and its source",
+    "assumed": "typical: range and source, and how it is known",
+}
+"""Origins of values of a machine from its datasheet, and what stands beside each."""
 COMPARISON = "comparison.csv"
 LONGEST_TABLE = 300  # rows of a table on the page; longer ones are series, which plots show
 INSTANTS, MARGIN = 101, (0.6, 0.4, 0.3)
@@ -84,6 +91,7 @@ def report_page(folder: Path) -> str:
         Section("shoes", "Flexible shoes in 3D", part("shoes") if "shoe" in scenes else Markup()),
         Section("pictures", "Stress pictures", shown),
         Section("tables", "Further tables", _further(folder, folders)),
+        Section("origins", "Where the machine's values come from", _origins(homes)),
         Section("case", "Case", _cases(folder, histories)),
     ]
     title = f"Crawler track: {' and '.join(histories) or folder.resolve().name}"
@@ -203,8 +211,31 @@ def _hot_spots(folder: Path) -> Markup:
 def _further(folder: Path, folders: list[Path]) -> Markup:
     """Tables that have no section of their own."""
     paths = [path for home in folders for path in sorted(home.glob("[!.]*.csv"))]
-    further = [path for path in paths if path.name != COMPARISON and not path.name.startswith(SPOTS)]
+    elsewhere = (COMPARISON, ORIGINS_FILE)
+    further = [path for path in paths if path.name not in elsewhere and not path.name.startswith(SPOTS)]
     return together(*_tables("folded", {path.relative_to(folder).as_posix(): path for path in further}))
+
+
+def _origins(homes: Mapping[str, Path]) -> Markup:
+    """What is given, derived and assumed of machines from datasheets, with rule or range and source."""
+    parts = []
+    for name, home in homes.items():
+        path = home / ORIGINS_FILE
+        if not path.is_file():
+            continue
+        rows = runs.contents(path, lambda one: pd.read_csv(one, dtype=str, keep_default_na=False))
+        general = rows["how"] == GENERAL
+        kinds = {origin: rows[(rows["origin"] == origin) & ~general] for origin in ORIGIN_WORDS}
+        kinds["general"] = rows[general]
+        counts = ", ".join(f"{len(kinds[origin])} {origin}" for origin in ORIGIN_WORDS)
+        parts.append(
+            page.paragraph(f"{name}: of {len(rows)} values {counts}; {len(rows[general])} {GENERAL}.")
+        )
+        for origin, words in (ORIGIN_WORDS | {"general": GENERAL}).items():
+            if len(kinds[origin]):
+                shown = kinds[origin].drop(columns="origin").rename(columns={"key": "value of", "how": words})
+                parts.append(part("folded", f"{origin}: {words}", table(shown), origin == "assumed"))
+    return together(*parts)
 
 
 def _cases(folder: Path, histories: Mapping[str, History]) -> Markup:
