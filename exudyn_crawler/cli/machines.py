@@ -46,16 +46,29 @@ def _text(value: float | None, unit: str) -> str:
     return "" if value is None else value_text(float(f"{value:.4g}"), unit if unit != "1" else "")
 
 
-@command("exudyn-crawler machines")
-def machines() -> None:
+@command("exudyn-crawler machines --page machines.html")
+def machines(
+    page: Annotated[
+        Path | None, typer.Option(help="page to write: a drawing, figures and sources of each machine")
+    ] = None,
+    overwrite: application.Overwrite = False,
+) -> None:
     """List the machines of the library, which `init NAME --machine MACHINE` starts from."""
     from exudyn_crawler.case.datasheet import library
+    from exudyn_crawler.files import refuse_existing
 
+    if page is not None:
+        refuse_existing(page, overwrite)
+    case_files = {name: crawler.read_case(path) for name, path in library.machines().items()}
     rows = []
-    for name, path in library.machines().items():
-        case_file = crawler.read_case(path)
+    for name, case_file in case_files.items():
         sheet = case_file.datasheet
         assert sheet is not None
         weight = f"{1e-3 * sheet.operating_weight:.4g} t"
         rows.append((name, case_file.case.name, sheet.kind, weight, sheet.source))
     print_rows(("machine", "name", "kind", "weight", "source"), rows, "Machines")
+    if page is not None:
+        from exudyn_crawler.views.pages.machines import machines_page
+        from exudyn_crawler.views.pages.page import write_page
+
+        typer.echo(f"{write_page(machines_page(case_files), page, overwrite)}: open it in a browser")

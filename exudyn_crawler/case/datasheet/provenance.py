@@ -35,7 +35,7 @@ def provenance(case: Case, sheet: Datasheet) -> list[Provenance]:
     if case.flexible is not None and sheet.shoe_mesh is not None:
         usual = case.with_(flexible=flexible_of(sheet, case.flexible.shoes[0]))
         flexible = {
-            of.path: of.value for of in fields.values_of(usual) if of.path.startswith("flexible.")
+            kept.path: kept.value for kept in fields.values_of(usual) if kept.path.startswith("flexible.")
         }
     rows = []
     for entry in fields.values_of(case):

@@ -43,8 +43,11 @@ def start_of(case: Case) -> History:
         values["tumbler_position"] = case.tumbler_reference[:, :3]
         values["tumbler_angle"] = np.zeros(1)
         values["take_up"] = np.array([case.assembled.take_up])
-    if case.tracks == 1 and case.frame_parts and case.running_gear().bogies:
-        values["bogie_angle"] = np.zeros((1, len(case.running_gear().bogies)))
+    if case.tracks == 1 and case.frame_parts:
+        frame = case.running_gear()
+        for name, bodies in (("bogie_angle", frame.bogies), ("arm_angle", frame.arms)):
+            if bodies:
+                values[name] = np.zeros((1, len(bodies)))
     if isinstance(case.terrain, Terrain):
         values["unit_heave"] = np.zeros((1, len(case.terrain.units)))
     variables = {name: catalogue.variable(name, value) for name, value in values.items()}
