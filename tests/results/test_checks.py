@@ -1,5 +1,6 @@
 """Check cases and roller paths: hand formulas, balance, one-sided ground, CalculiX, every pass of a run."""
 
+import dataclasses
 import shutil
 from types import SimpleNamespace
 
@@ -29,6 +30,7 @@ from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.stress.recovery import node_stress
 from exudyn_crawler.views.figures import roller_path_figure
 from exudyn_crawler.views.outputs import write_tables
+from exudyn_crawler.views.pages.life import write_check_page
 from exudyn_crawler.views.pages.report import report_page
 from fem.defects import Defect, growth
 from fem.stress import von_mises
@@ -194,6 +196,19 @@ def test_stresses_of_a_check_case_are_those_of_calculix(found, stress, shoe, tmp
     expected = von_mises(np.array([stresses[int(node) + 1] for node in nodes]))
     own = von_mises(stress["stone"][np.searchsorted(shoe.mesh.surface_nodes, nodes)])
     np.testing.assert_allclose(own, expected, rtol=1e-3, atol=1e-5 * expected.max())
+
+
+def test_no_name_is_markup_or_script_of_a_checks_page(found, tmp_path):
+    tag = "<img src=x onerror=alert(1)></script><script>alert(2)</script>"
+    cases = tuple(case.model_copy(update={"name": f"{tag} {case.name}"}) for case in found.cases)
+    material = found.check.material.model_copy(update={"name": tag})
+    check = found.check.model_copy(update={"name": tag, "cases": cases, "material": material})
+    tables = {name: getattr(found, name).assign(note=tag) for name in ("table", "moments", "hertz")}
+    named = dataclasses.replace(found, check=check, cases=cases, **tables)
+    text = write_check_page(named, tmp_path / "check.html").read_text()
+    assert "Check of &lt;img src=x" in text
+    assert "<img src=x" not in text
+    assert "<script>alert" not in text
 
 
 @pytest.mark.simulation

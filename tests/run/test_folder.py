@@ -32,6 +32,16 @@ with run_in(Path(sys.argv[1])):
 """
 
 
+HELD = """
+import sys, time
+from pathlib import Path
+from exudyn_crawler.run.folder.record import held
+with held(Path(sys.argv[1]), "run"):
+    print("held", flush=True)
+    time.sleep(60)
+"""
+
+
 def visible(folder):
     return {path.name for path in folder.iterdir() if not path.name.startswith(".")}
 
@@ -146,6 +156,56 @@ def test_nothing_outside_the_folder_is_removed(kept, tmp_path):
         with run_in(out, bare, overwrite=True):
             assert record(out)["status"] == "running"
         assert record(out)["status"] == "done"
+
+
+@pytest.mark.parametrize("name", ["run.log", "checkpoints"])
+def test_a_run_follows_no_link_out_of_its_folder(tmp_path, name):
+    """It would add to the log of somebody else, and remove checkpoints there."""
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "stage_0000.npz").write_text("mine")
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / name).symlink_to(other / "stage_0000.npz" if name == "run.log" else other)
+    for overwrite in (False, True):
+        with pytest.raises(FileExistsError, match=f"{name} must be no link, .* to .*other"):
+            run_case(SHORT, out, overwrite=overwrite)
+    assert contents(other) == {"stage_0000.npz": b"mine"}
+
+
+def test_a_link_in_place_of_a_result_is_replaced_and_its_target_kept(kept, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(kept, out)
+    (tmp_path / "precious.nc").write_text("mine")
+    for name in ("history.nc", "run.json", "case.toml"):
+        (out / name).unlink()
+        (out / name).symlink_to(tmp_path / "precious.nc")
+    run_case(SHORT.with_(duration=0.01), out, overwrite=True)
+    assert (tmp_path / "precious.nc").read_text() == "mine"
+    assert not (out / "history.nc").is_symlink()
+    assert History.load(out / "history.nc").duration == pytest.approx(0.01)
+
+
+def test_a_link_to_a_folder_is_this_folder(kept, tmp_path):
+    """Two runs that reach one folder by different paths are kept apart, and results stay unless asked."""
+    real = tmp_path / "real"
+    shutil.copytree(kept, real)
+    link = tmp_path / "link"
+    link.symlink_to(real)
+    before = contents(real)
+    with pytest.raises(FileExistsError, match="holds results already"):
+        run_case(SHORT, link)
+    assert contents(real) == before
+    with subprocess.Popen(
+        [sys.executable, "-c", HELD, str(real)], stdout=subprocess.PIPE, text=True
+    ) as other:
+        try:
+            assert other.stdout.readline() == "held\n"
+            with pytest.raises(BlockingIOError, match="link is in use by another run"):
+                run_case(SHORT, link, overwrite=True)
+        finally:
+            other.kill()
+    assert contents(real) == before
 
 
 def test_the_case_of_another_run_is_refused_and_the_authors_own_file_kept(tmp_path):

@@ -45,6 +45,7 @@ def run_in(
         yield RunFolder(report=report)
         return
     with record.held(files.writable_folder(out)):
+        _refuse_links(out)
         holds = _held_of_study(out, cases or {}) if case_file is None else held_of(out, case_file)
         goes_on = holds in (Holds.STOPPED, Holds.HISTORY)
         replaced = goes_on and record.earlier_record(out).get("overwrites") is True
@@ -109,6 +110,16 @@ def _end(path: Path) -> float | None:
     with suppress(Exception), h5py.File(path, "r") as file:
         return float(file["time"][-1])
     return None
+
+
+def _refuse_links(out: Path) -> None:
+    """Refuse links in place of what a run adds to and removes from: it would do so outside of its folder."""
+    for path in (out / record.LOG, out / record.CHECKPOINTS):
+        if path.is_symlink():
+            raise FileExistsError(
+                f"{path} must be no link, which a run would follow to {path.readlink()}: remove it, or choose "
+                "another folder"
+            )
 
 
 def _refuse_results(out: Path, below: bool = False) -> None:
