@@ -14,6 +14,7 @@ ARGUMENTS = 8
 """Of a compiled function."""
 DECORATORS = {"kernel", "inner", "inlined"}
 """Of compiled functions, from `ground.compiled`; all take at most `ARGUMENTS`."""
+PICKLES = {"pickle", "cloudpickle", "dill", "joblib", "marshal", "shelve"}
 TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in rooms.modules().items()}
 
 
@@ -23,6 +24,21 @@ def test_rooms_import_only_what_lies_below_them():
         for a, b in rooms.imports()
         if rooms.room_of(a) != rooms.room_of(b) and rooms.room_of(b) not in rooms.allowed(rooms.room_of(a))
     ]
+    assert wrong == []
+
+
+def test_no_module_reads_pickles_or_runs_text():
+    """Files of others, such as checkpoints, meshes and maps, may hold anything."""
+    wrong = []
+    for name, tree in TREES.items():
+        for node in ast.walk(tree):
+            imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            imported += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            wrong += [f"{name} imports {module}" for module in imported if module.split(".")[0] in PICKLES]
+            if isinstance(node, ast.keyword) and node.arg == "allow_pickle":
+                wrong.append(f"{name} has allow_pickle")
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("eval", "exec"):
+                wrong.append(f"{name} calls {node.func.id}")
     assert wrong == []
 
 

@@ -1,6 +1,7 @@
 """Measured heights: files as other programs write them, units, missing heights, and a map below the track."""
 
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -222,6 +223,28 @@ def test_arrays_that_are_no_heights_are_refused(tmp_path, array, message):
     np.save(tmp_path / "a.npy", array)
     with pytest.raises(ParameterError, match=message):
         MeasuredGrid(file=tmp_path / "a.npy", spacing=0.5)
+
+
+class Running:
+    """Object whose pickle runs code as it is read."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return Path.touch, (self.path,)
+
+
+def test_no_code_in_a_file_is_run(tmp_path):
+    array = np.empty((2, 2), dtype=object)
+    array[:] = Running(tmp_path / "ran")
+    np.save(tmp_path / "a.npy", array, allow_pickle=True)
+    np.load(tmp_path / "a.npy", allow_pickle=True)
+    assert (tmp_path / "ran").exists()
+    (tmp_path / "ran").unlink()
+    with pytest.raises(ParameterError, match=r"a\.npy cannot be used: "):
+        MeasuredGrid(file=tmp_path / "a.npy", spacing=0.5)
+    assert not (tmp_path / "ran").exists()
 
 
 def test_a_file_that_is_no_array_takes_no_memory(tmp_path):

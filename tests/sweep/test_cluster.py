@@ -12,6 +12,7 @@ import time
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import dask
 import pytest
@@ -22,7 +23,7 @@ from exudyn_crawler import Case, CaseFile
 from exudyn_crawler.model.reductions import VARIABLE
 from exudyn_crawler.sweep import cluster
 from exudyn_crawler.sweep.answers import Answer, HotSpot
-from exudyn_crawler.sweep.cluster import connected, outcomes
+from exudyn_crawler.sweep.cluster import _scheduler, connected, outcomes
 from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.running import run_sweep
 from exudyn_crawler.sweep.vary import Vary
@@ -262,6 +263,12 @@ def empty_tasks(count: int, folder: Path) -> list[Task]:
 def digest_of(task: Task) -> dict[str, str]:
     """Outcome of a task that does nothing."""
     return {"digest": task.digest}
+
+
+def test_a_sweeps_own_scheduler_is_heard_on_this_machine_alone():
+    with _scheduler() as cluster:
+        served = [cluster.scheduler_address, cluster.dashboard_link]
+    assert [urlsplit(address).hostname for address in served] == ["127.0.0.1", "127.0.0.1"]
 
 
 def test_tasks_are_there_before_an_adaptive_cluster_has_a_worker(tmp_path):

@@ -157,7 +157,9 @@ class ShoeCheck(Parameters):
     tread_width: base.Length = quantity(
         "m", "of a tread that bears on all of it", (0.02, 1.0), default=ph4100c.TREAD_WIDTH
     )
-    hours: float = quantity("h", "machine hours in which no crack shall be", gt=0, le=1e9, default=25_000.0)
+    hours: float = quantity(
+        "h", "machine hours in which no crack shall be", (0.1, 1e6), gt=0, le=1e9, default=25_000.0
+    )
     levels: tuple[RollerForce, ...] = option(
         "at which the ready cases are checked; () for none", default=LEVELS
     )

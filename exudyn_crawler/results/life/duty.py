@@ -230,7 +230,7 @@ class DutyStage(Parameters):
     """Hours in which the shoes are as a check file has them, such as worn by so much."""
 
     name: Name = option("of the stage")
-    hours: float = quantity("h", "machine hours that it lasts; the last goes on", gt=0, le=1e9)
+    hours: float = quantity("h", "machine hours that it lasts; the last goes on", (0.1, 1e6), gt=0, le=1e9)
     check: str | None = option("check file, or mesh, of its shoes; none: that of the duty", None)
 
 

@@ -117,8 +117,8 @@ def _refuse_links(out: Path) -> None:
     for path in (out / record.LOG, out / record.CHECKPOINTS):
         if path.is_symlink():
             raise FileExistsError(
-                f"{path} must be no link, which a run would follow to {path.readlink()}: remove it, or choose "
-                "another folder"
+                f"{path} must be no link, which a run would follow to {path.readlink()}: remove it, or "
+                "choose another folder"
             )
 
 
