@@ -13,9 +13,9 @@ A changed file is at fault where reading it
   no warning names its section. `ANY` lists keys for which such a number is no mistake, with the reason.
 
 How silence was judged: of a thousand changes by `SEED` 772 were refused and 228 taken, none after more than
-0.3 s. Each of the 228 was read beside its warnings. 78 of them change a comment, a head, a name, a set of nodes
-or a bit in such text; the others leave out a line whose default is the same, or are a number of `ANY`, a number
-that a warning names, a height of a map away from the track, or a part of a deck that its notes name.
+0.3 s. Each of the 228 was read beside its warnings. 78 of them change a comment, a head, a name, a set of
+nodes or a bit in such text; the others leave out a line whose default is the same, or are a number of `ANY`,
+a number that a warning names, a height of a map away from the track, or a part of a deck that its notes name.
 """
 
 import contextlib
