@@ -137,6 +137,25 @@ def test_an_answer_of_a_sweep_has_to_lie_among_the_slips():
         Drawbar(result="gradeability").check(CaseFile(case=closed_case(), duration=1.0))
 
 
+@pytest.mark.simulation
+@pytest.mark.slow
+def test_a_drawbar_holds_the_slip():
+    case = Case.closed()
+    drive = Drive(
+        speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.1)),
+        slip=StepProfile(times=(0.1, 0.15), values=(0.0, 0.4)),
+        # at the frame's origin, whose speed a history has, but for the centimetres that it sinks at rest
+        drawbar_height=float(case.frame_start[2]),
+    )
+    held = case.with_(drive=drive, solver=case.solver.with_(step=5e-3, output_interval=0.02))
+    history = simulate(held.on_cells(SPRINGS, cell=0.2), 0.2, progress=False)
+    speed = history.side_frame_velocity.sel(axis="x").values
+    time = history.time.values
+    assert speed[time >= 0.15] == pytest.approx(0.06, rel=0.01)
+    at_ends = speed[(time > 0.09) & (time < 0.11)]
+    assert at_ends == pytest.approx(0.1, rel=0.01)
+
+
 @pytest.fixture(scope="module")
 def springing():
     """Drawbar test on soil that springs back, below many rollers."""
