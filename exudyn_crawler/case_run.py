@@ -140,6 +140,8 @@ def _reduce_shoe(work: _Work) -> None:
         if case.flexible_shoes().static_fields:
             with work.part(parts.FIELDS):
                 basis.static_loads(case)
+    # the factors lie about until then
+    give_back_memory()
 
 
 def _stresses(history: History, work: _Work) -> recovery.StressResults | None:

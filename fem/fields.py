@@ -24,8 +24,6 @@ from fem.stress import DEVIATOR, stress_at_node
 
 AT_ONCE = 16
 """Fields that are solved for, or whose stress is recovered, at once."""
-NODES_AT_ONCE = 2**12
-"""Nodes whose bounds are summed at once."""
 NOISE = 1e-12
 """Strain energy, over that of the greatest direction, below which a direction is rounding."""
 
@@ -252,17 +250,20 @@ def field_columns(
     nodes = len(fields.displacements)
     modes = np.empty((nodes, 3, fewest))
     stress = np.empty((nodes, 6, fewest))
-    lengths = np.empty((nodes, back.shape[1]))
-    # of the directions beyond the most, memory holds some at a time
-    for first in range(0, back.shape[1], AT_ONCE):
-        columns = slice(first, first + AT_ONCE)
+    tail = np.zeros(nodes)
+    bounds = np.zeros(back.shape[1] + 1)
+    # of the directions beyond the most, memory holds some at a time, from the last to the first
+    for first in reversed(range(0, back.shape[1], AT_ONCE)):
+        columns = slice(first, min(first + AT_ONCE, back.shape[1]))
         shapes = fields.displacements @ back[:, columns]
         of_shapes = body.stress(shapes)
-        lengths[:, columns] = np.linalg.norm(DEVIATOR @ of_shapes, axis=1) * greatest[columns]
+        lengths = np.linalg.norm(DEVIATOR @ of_shapes, axis=1) * greatest[columns]
+        tails = tail[:, None] + np.cumsum(lengths[:, ::-1], axis=1)
+        bounds[columns] = tails.max(axis=0)[::-1]
+        tail = tails[:, -1]
         wanted = max(fewest - first, 0)
         modes[:, :, columns] = shapes[:, :, :wanted]
         stress[:, :, columns] = of_shapes[:, :, :wanted]
-    bounds = np.append(_greatest_tails(lengths), 0.0)
     rank = min(int(np.flatnonzero(bounds <= tolerance)[0]), fewest)
     return FieldColumns(
         turn[:, :rank],
@@ -270,15 +271,6 @@ def field_columns(
         np.ascontiguousarray(stress[:, :, :rank]),
         float(bounds[rank]),
     )
-
-
-def _greatest_tails(lengths: Floats) -> Floats:
-    """Greatest sums (k,) over the rows of lengths (n, k) from each column to the last."""
-    greatest = np.zeros(lengths.shape[1])
-    for first in range(0, len(lengths), NODES_AT_ONCE):
-        rows = lengths[first : first + NODES_AT_ONCE]
-        greatest = np.maximum(greatest, np.cumsum(rows[:, ::-1], axis=1)[:, ::-1].max(axis=0))
-    return greatest
 
 
 def _energy_root(energy: Floats) -> tuple[Floats, Floats]:

@@ -1,5 +1,6 @@
 """Writers of what a run leaves beside its history: one for each of the outputs that its case asks for."""
 
+import gc
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree
@@ -91,9 +92,11 @@ def write_figures(history: History, stresses: Stresses, folder: Path, outputs: O
     if (path := folder / f"{figures.ROLLER_PATH}.csv").is_file():
         drawn[figures.ROLLER_PATH] = figures.roller_path_figure(pd.read_csv(path), history.case.name)
     drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count), series)
-    for name, figure in drawn.items():
+    for name in [*drawn]:
         file = f"{name.replace(' ', '_')}.{outputs.figure_format}"
-        style.save_figure(figure, folder / file, overwrite=True)
+        style.save_figure(drawn.pop(name), folder / file, overwrite=True)
+    # figures refer to themselves in circles, with 10 MB of pixels and curves each
+    gc.collect()
 
 
 def write_pictures(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:

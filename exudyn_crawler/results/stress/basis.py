@@ -72,6 +72,11 @@ def static_loads(case: Case) -> StaticLoads | None:
     return _static_loads(load_map.unit_loads(case), flexible_shoes.whole_reduction(case))
 
 
+def forget_static_fields() -> None:
+    """Free static fields, a quarter of a GB of the study's mesh; those asked for again come from the disk."""
+    _static_loads.cache_clear()
+
+
 @lru_cache(maxsize=2)
 def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> StaticLoads:
     mesh = units.body.mesh

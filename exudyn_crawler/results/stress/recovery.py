@@ -12,7 +12,7 @@ from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history import History, as_history, catalogue, files, phases
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress import hot_spots
-from exudyn_crawler.results.stress.basis import stress_basis, unit_stress
+from exudyn_crawler.results.stress.basis import forget_static_fields, stress_basis, unit_stress
 from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes, trust
 from fem.memory import give_back_memory
 from fem.stress import principal, von_mises
@@ -54,6 +54,7 @@ def recover_stresses(
     history = as_history(history)
     names = _frames(history, times)
     basis = stress_basis(history)
+    forget_static_fields()
     give_back_memory()
     whole = basis.shapes
     coordinates = basis.coordinates
