@@ -1,6 +1,5 @@
 """An elastic body: mesh and material with their matrices, rigid properties and loads."""
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +10,7 @@ from fem.eigen import lowest_modes
 from fem.elasticity import Material, mass_matrix, stiffness_matrix
 from fem.memory import give_back_memory
 from fem.mesh import Floats, Integers, Mesh
-from fem.solver import factorized
+from fem.solver import Solve, factorized
 from fem.stress import nodal_gradient_operator, nodal_stress
 from fem.surfaces import surface_weights
 
@@ -40,7 +39,7 @@ class ElasticBody:
     def __init__(self, mesh: Mesh, material: Material) -> None:
         self.mesh = mesh
         self.material = material
-        self._held_solver: Callable[[Floats], Floats] | None = None
+        self._held_solver: Solve | None = None
 
     @cached_property
     def stiffness(self) -> csr_array:

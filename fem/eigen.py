@@ -6,14 +6,12 @@ mass (Golub and Van Loan, Matrix Computations, 10.3). The answer is a Rayleigh-R
 the modes are orthonormal to rounding.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
 
 from fem.mesh import Floats
-from fem.solver import Backend, factorized
+from fem.solver import Backend, Solve, factorized
 
 BLOCK = 12
 DENSE = 1000
@@ -23,14 +21,11 @@ SEED = 6_2016
 
 
 def _orthonormal_in_mass(
-    block: Floats, moved: Floats, mass: csr_array, basis: Floats
+    block: Floats, mass: csr_array, basis: Floats, mass_basis: Floats
 ) -> tuple[Floats, Floats]:
-    """Make a block orthonormal in mass, also to a basis; dependent columns are dropped.
-
-    `moved` is the mass times the block, of the result, too.
-    """
+    """Make a block orthonormal in mass, also to a basis; dependent columns are dropped."""
     for _ in range(2):
-        block = block - basis @ (basis.T @ moved)
+        block = block - basis @ (mass_basis.T @ block)
         moved = mass @ block
         gram = block.T @ moved
         size = np.sqrt(np.maximum(np.diag(gram), np.finfo(float).tiny))
@@ -48,7 +43,7 @@ def lowest_modes(
     count: int,
     shift: float = 0.0,
     backend: Backend | None = None,
-    solve: Callable[[Floats], Floats] | None = None,
+    solve: Solve | None = None,
 ) -> tuple[Floats, Floats]:
     """Lowest eigenvalues and modes of a symmetric pencil.
 
@@ -92,9 +87,9 @@ def lowest_modes(
     block = np.random.default_rng(SEED).standard_normal((n, BLOCK))
     capacity = 4 * count + 12 * BLOCK
     basis = np.empty((n, capacity), order="F")
+    mass_basis = np.empty((n, capacity), order="F")
     projected = np.zeros((capacity, capacity))
-    image = solve(mass @ block)
-    block, moved = _orthonormal_in_mass(image, mass @ image, mass, basis[:, :0])
+    block, moved = _orthonormal_in_mass(solve(mass @ block), mass, basis[:, :0], basis[:, :0])
     size = 0
     while True:
         width = block.shape[1]
@@ -102,13 +97,13 @@ def lowest_modes(
             raise RuntimeError(f"{count} modes did not converge within a basis of {size} vectors")
         new = slice(size, size + width)
         basis[:, new] = block
+        mass_basis[:, new] = moved
         size += width
         image = solve(moved)
-        heavy = mass @ image
-        overlap = basis[:, :size].T @ heavy
+        overlap = mass_basis[:, :size].T @ image
         projected[:size, new] = overlap
         projected[new, :size] = overlap.T
-        block, moved = _orthonormal_in_mass(image, heavy, mass, basis[:, :size])
+        block, moved = _orthonormal_in_mass(image, mass, basis[:, :size], mass_basis[:, :size])
         if size < count + BLOCK:
             continue
         inverse, coefficients = np.linalg.eigh(projected[:size, :size])

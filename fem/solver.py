@@ -2,9 +2,8 @@
 
 import os
 import weakref
-from collections.abc import Callable
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from scipy.sparse import csc_matrix, csr_array, csr_matrix, triu
@@ -17,8 +16,8 @@ SYMMETRIC_POSITIVE_DEFINITE = 2
 ANALYSE_AND_FACTORIZE = 12
 SOLVE = 33
 RELEASE = -1
-CHOSEN, NESTED_DISSECTION = 1, 2
-"""Values of the first two of PARDISO's parameters: not its defaults, but METIS orders the unknowns, too."""
+BY_DEFAULT, CHOSEN = 0, 1
+"""Values of the first of PARDISO's parameters."""
 
 
 @cache
@@ -38,7 +37,14 @@ def default_backend() -> Backend:
     return "superlu" if _pardiso() is None else "pardiso"
 
 
-def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[Floats], Floats]:
+class Solve(Protocol):
+    """Solution of a factorized system."""
+
+    def __call__(self, forces: Floats, refined: bool = True) -> Floats:
+        """Solution for right-hand sides (n,) or (n, k); two steps of refinement take six times as long."""
+
+
+def factorized(matrix: csr_array, backend: Backend | None = None) -> Solve:
     """Factorize a symmetric positive definite matrix.
 
     Parameters
@@ -49,8 +55,8 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
 
     Returns
     -------
-    callable
-        Solution for right-hand sides (n,) or (n, k).
+    Solve
+        SuperLU refines no answer.
 
     Raises
     ------
@@ -65,7 +71,11 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
         )
-        return lambda b: factors.solve(np.ascontiguousarray(b, dtype=np.float64))
+
+        def solve_superlu(forces: Floats, refined: bool = True) -> Floats:
+            return np.asarray(factors.solve(np.ascontiguousarray(forces, dtype=np.float64)))
+
+        return solve_superlu
     pypardiso = _pardiso()
     if backend != "pardiso" or pypardiso is None:
         raise ValueError(f"backend must be 'superlu' or, where installed, 'pardiso', got {backend!r}")
@@ -73,17 +83,16 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
     upper = csr_matrix(triu(matrix, format="csr"))
     upper.sort_indices()
     solver = pypardiso.PyPardisoSolver(mtype=SYMMETRIC_POSITIVE_DEFINITE)
-    # by default it refines each answer twice, for six times the time and a residual as large
-    solver.set_iparm(1, CHOSEN)
-    solver.set_iparm(2, NESTED_DISSECTION)
     empty = np.zeros((upper.shape[0], 1))
     solver.set_phase(ANALYSE_AND_FACTORIZE)
     solver._call_pardiso(upper, empty)
     solver.set_phase(SOLVE)
 
-    def solve(b: Floats) -> Floats:
-        columns = np.asfortranarray(b.reshape(len(b), -1), dtype=np.float64)
-        return np.asarray(solver._call_pardiso(upper, columns)).reshape(b.shape)
+    def solve(forces: Floats, refined: bool = True) -> Floats:
+        # chosen parameters are zeros but for this one, without refinement among them
+        solver.set_iparm(1, BY_DEFAULT if refined else CHOSEN)
+        columns = np.asfortranarray(forces.reshape(len(forces), -1), dtype=np.float64)
+        return np.asarray(solver._call_pardiso(upper, columns)).reshape(forces.shape)
 
     weakref.finalize(solve, _release, solver, upper, empty)
     return solve
