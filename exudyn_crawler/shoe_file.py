@@ -31,8 +31,8 @@ MODES = 6
 """Elastic free-free modes of the table."""
 MECHANISM = 1e-3
 """Of the highest of the table: a frequency below it is that of a mechanism."""
-GROUND_PRESSURE = ph4100c.PROPEL_LOAD / (ph4100c.SHOE["length"] * ph4100c.SHOE["width"])
-"""Pa below the papers' shoes, assumed for the load on others."""
+GROUND_PRESSURE = ph4100c.PROPEL_LOAD / (ph4100c.TRACK["pitch"] * ph4100c.SHOE["width"])
+"""Pa of the papers' load on pitch and width of a shoe, assumed for the load on others."""
 MIDDLE_SHOE = ph4100c.MIDDLE_SHOE
 DURATION = 2.0  # s
 ASSUMED = (
@@ -105,7 +105,7 @@ def shoe_of(
         recognized,
         mesh,
         case_file,
-        _table(recognized, mesh, body, frequencies),
+        _table(recognized, mesh, shoe, body, frequencies),
         tuple(_refusals(case_file.case, mesh)),
     )
 
@@ -121,7 +121,8 @@ def _case_file(recognized: RecognizedShoe, mesh: fem.Mesh, shoe: Shoe, name: str
         spherical_y=y + recognized.joint_y[0],
         parallel_y=y + recognized.joint_y[1],
     )
-    load = GROUND_PRESSURE * shoe.length * shoe.width
+    # the machine is as heavy on tips of grousers as on the plate
+    load = GROUND_PRESSURE * track.pitch * float(np.ptp(mesh.nodes[:, 1]))
     flexible = FlexibleShoes.ph4100c(f"{name}.msh.gz").with_(
         shoes=(MIDDLE_SHOE,), density=STEEL_DENSITY, static_fields=_covers_its_rectangle(mesh)
     )
@@ -160,7 +161,11 @@ def _refusals(case: Case, mesh: fem.Mesh) -> Iterator[str]:
 
 
 def _table(
-    recognized: RecognizedShoe, mesh: fem.Mesh, body: fem.ElasticBody, frequencies: np.ndarray
+    recognized: RecognizedShoe,
+    mesh: fem.Mesh,
+    shoe: Shoe,
+    body: fem.ElasticBody,
+    frequencies: np.ndarray,
 ) -> pd.DataFrame:
     """Figures of a shoe, a row a quantity."""
     inertia = body.inertia
@@ -189,8 +194,8 @@ def _table(
     for end, line in (("front", front), ("rear", rear)):
         fit = f"{len(line.bores)} of radius {1e3 * scale * line.radius:.3f}"
         rows.append((f"{end} bores", f"{fit}, round within {1e3 * scale * line.off_round:.2g}", "mm"))
-    footprint = f"{recognized.surfaces.footprint}, {recognized.surfaces.footprint_area:.4g}"
-    rows.append(("underside", footprint, "m2"))
+    footprint = f"{recognized.surfaces.footprint}, {shoe.ground_area:.4g}"
+    rows.append(("underside that presses", footprint, "m2"))
     rows.append(("rails", "two" if "roller path" in mesh.surfaces else "none", ""))
     rows.append(("nodes, elements", f"{len(mesh.nodes)}, {len(mesh.elements)}", ""))
     rows.append(("shape of elements, least and mean", f"{of_mesh.least:.2f}, {of_mesh.mean:.2f}", "of 1"))

@@ -14,6 +14,8 @@ from fem.mesh import Floats, Integers
 
 CELL = 0.03
 """m, greatest side of a cell of the grid; the underside's elements are several times as large."""
+FEWEST = 16
+"""Cells along each side: a coarser grid of hats over a narrow underside has to be found of them."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,7 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
     """
     low = footprint[[0, 2]]
     high = footprint[[1, 3]]
-    counts = np.maximum(np.ceil((high - low) / CELL).astype(int), 1)
+    counts = np.maximum(np.ceil((high - low) / CELL).astype(int), FEWEST)
     cell = (high - low) / counts
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell[k] for k in range(2))
     shapes = LinearNDInterpolator(positions, modes.reshape(len(positions), -1))

@@ -1,19 +1,23 @@
 """A maker's file becomes a case that runs and checks read without editing."""
 
+import itertools
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import fem
 import meshes
-from exudyn_crawler import Shoe, read_case
+from exudyn_crawler import LoadCycle, Shoe, read_case, simulate
 from exudyn_crawler.cli import looking
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases
 from exudyn_crawler.results.stress.hot_spots import peak_spots
 from exudyn_crawler.shoe_file import MARK, shoe_of, write_shoe
 from meshes import mesh_named
 from meshes.recognition.axes import Choices
+from meshes.undersides import ground_outline
 from tests.meshes.swept import FORK, SweptShoe
 from tests.meshes.test_shoe_files import written
 
@@ -116,15 +120,69 @@ def test_joints_in_gaps_and_parted_bores_are_accepted(tmp_path, own):
     assert all(len(one.nodes) >= 12 for one in interfaces)
 
 
-def test_grousers_turn_static_fields_off_and_ask(tmp_path):
-    nodes, tets = SweptShoe(facets=12, grouser=True).mesh()
-    path = written(tmp_path / "grouser.vtu", nodes, [("tetra", tets)])
-    plate, tips = shoe_of(path), shoe_of(path, Choices(footprint="tips"))
+@pytest.fixture(scope="module")
+def grousers(tmp_path_factory):
+    """Shoe with a grouser, on its plate and on its tips."""
+    nodes, tets = SweptShoe(facets=8, grouser=True).mesh()
+    path = written(tmp_path_factory.mktemp("grouser") / "grouser.vtu", nodes, [("tetra", tets)])
+    return shoe_of(path), shoe_of(path, Choices(footprint="tips"))
+
+
+def test_grousers_turn_static_fields_off_and_ask(grousers):
+    plate, tips = grousers
     assert any("--footprint tips decides" in line for line in plate.lines())
     assert not plate.case_file.case.flexible.static_fields
     assert plate.case_file.case.shoe.length == pytest.approx(0.23)
+    # a grouser that is sunk in presses with the plate
+    assert plate.case_file.case.shoe.ground_area == pytest.approx(0.23 * 0.7)
     assert tips.case_file.case.shoe.length == pytest.approx(0.02)
     assert tips.case_file.case.shoe.com_height - plate.case_file.case.shoe.com_height == pytest.approx(0.04)
+    assert tips.case_file.case.loads == plate.case_file.case.loads
+
+
+@pytest.mark.parametrize("on_cells", [False, True], ids=["units", "cells"])
+def test_a_resting_shoe_presses_with_its_weight_over_tips_or_plate(grousers, on_cells):
+    pressures = []
+    for shoe, area in zip(grousers, (0.23 * 0.7, 0.02 * 0.7), strict=True):
+        case = shoe.case_file.case.with_({"shoe.rails": None, "flexible": None})
+        case = case.with_(track=case.track.with_(shoe_count=2), loads=LoadCycle.constant(3e3, 2))
+        case = case.on_cells(BekkerSoil.lete_sand()) if on_cells else case
+        rest = simulate(case, 0.002, progress=False)
+        weight = case.loads.phases[0].loads[0] + case.shoe.mass * case.gravity
+        pressure = rest.quantity("ground_pressure").isel(time=0).values
+        assert pressure.mean() == pytest.approx(weight / area, rel=1e-3)
+        assert rest.dataset.area.isel(time=0).sum() == pytest.approx(2.0 * area, rel=1e-3)
+        pressures.append(pressure.mean())
+    assert pressures[1] / pressures[0] == pytest.approx(0.23 / 0.02, rel=2e-2)
+
+
+def strips(*ends):
+    """Mesh of a plate of 0.3 x 0.5 m on strips between such x, whose underside are the strips' tips."""
+    x = np.unique([-0.15, 0.15, *np.ravel(ends)])
+    corners = []
+    for low, high in itertools.pairwise(x):
+        corners.append((low, high, 0.0, 0.02))
+        if any(start <= low and high <= end for start, end in ends):
+            corners.append((low, high, -0.03, 0.0))
+    parts = []
+    for low, high, bottom, top in corners:
+        box = np.array(list(itertools.product((low, high), (-0.25, 0.25), (bottom, top))))
+        parts.append(
+            box[[[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]]]
+        )
+    places = np.concatenate(parts).reshape(-1, 3)
+    nodes, numbers = np.unique(places.round(9), axis=0, return_inverse=True)
+    mesh = fem.Mesh(nodes, numbers.reshape(-1, 4)[:, [1, 0, 2, 3]], {})
+    below = (mesh.nodes[mesh.boundary[:, :3]][..., 2] < -0.0299).all(axis=1)
+    return mesh.with_surfaces({"underside": mesh.boundary[below]})
+
+
+def test_strips_of_an_underside_are_measured():
+    of_mesh = ground_outline(strips((-0.14, -0.12), (-0.01, 0.01), (0.1, 0.13)))
+    assert of_mesh.strip_length == pytest.approx(0.07 / 3.0)
+    assert of_mesh.share == pytest.approx(0.07 / 0.27)
+    single = ground_outline(strips((-0.02, 0.02)))
+    assert (single.strip_length, single.share) == (0.0, 1.0)
 
 
 def test_the_ready_shoe_keeps_mass_and_frequencies_in_millimetres():

@@ -208,9 +208,9 @@ class Case(NamedCases):
             return impact_depth(loads, contact.stiffness, contact.exponent)
         if isinstance(contact, SphereContact):
             return loads * self.settled_penetration / self.mean_load
-        sides = self.shoe.length, self.shoe.width
-        pressures = (loads / (sides[0] * sides[1])).tolist()
-        return np.array([contact.law.sinkage(pressure, min(sides)) for pressure in pressures])
+        breadth = self.shoe.ground_breadth
+        pressures = (loads / self.shoe.ground_area).tolist()
+        return np.array([contact.law.sinkage(pressure, breadth) for pressure in pressures])
 
     @property
     def sphere_stiffness(self) -> float:

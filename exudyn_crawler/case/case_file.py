@@ -204,7 +204,7 @@ def run_lines(case_file: CaseFile) -> list[str]:
     track = f"track: {shoes} shoes of {shoe.mass / 1e3:.4g} t"
     if not case.frame_parts:
         loads = shoes * case.mean_load
-        pressure = loads / (shoes * shoe.length * shoe.width)
+        pressure = loads / (shoes * shoe.ground_area)
         track += (
             f"; the ground carries {loads / 1e6:.4g} MN at the start, {pressure / 1e3:.4g} kPa below the "
             f"shoes, which sink by about {1e3 * case.settled_penetration:.3g} mm"

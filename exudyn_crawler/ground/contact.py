@@ -56,6 +56,7 @@ class PairGroundContact:
         self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
         self._terrain = terrain
         self._row = row
+        self._ground_share = shoe.ground_share
         self.geometry = ContactGeometry(
             Outline(grid_of(terrain), pairs.Footprint(*shoe.footprint.tolist()), shoe.finger_length),
             pair_law(law, shoe.length * shoe.width),
@@ -122,7 +123,10 @@ class PairGroundContact:
 
         `wrenches` are not needed: the forces in motion are these.
         """
-        return self._touching(self.bodies_at(q, q_t))[0].copy()
+        rows = self._touching(self.bodies_at(q, q_t))[0].copy()
+        # strips of an underside, and one with holes, have their places in the rectangle that is met
+        rows[:, pairs.RESULT["area"]] *= self._ground_share
+        return rows
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground along the track's middle at places x (m), with the springs free."""

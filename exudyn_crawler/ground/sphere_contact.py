@@ -137,7 +137,7 @@ class SphereGroundContact:
         out[:, RESULT["unit"]] = unit
         out[:, RESULT["penetration"]] = depth
         out[:, RESULT["penetration_rate"]] = rate
-        out[:, RESULT["area"]] = shoe.length * shoe.width / len(self._centers) * count
+        out[:, RESULT["area"]] = shoe.ground_area / len(self._centers) * count
         out[:, RESULT["point"]] = point
         out[:, RESULT["normal_force"]] = pressing
         out[:, RESULT["friction_force"]] = force - pressing

@@ -15,7 +15,9 @@ NEARLY = np.radians(2.0)
 SAME_HEIGHT = 2e-3
 """m, between parts of one surface."""
 LARGE = 0.3
-"""Of the largest level part below: parts of the plate."""
+"""Of what is nearly level: the least part that is level, where that is taken alone."""
+PLATE = 0.01
+"""Of the largest level part below: the least part of the plate, which grousers may cut off."""
 SOLE = 0.005
 """Of the whole surface: the least area below at which something stands."""
 TOP = 0.01
@@ -163,7 +165,7 @@ def _underside(
     stands = (areas > SOLE * local.areas.sum()) | (np.arange(len(parts)) == 0)
     tips = np.abs(heights - heights[stands].min()) < SAME_HEIGHT
     plate = np.abs(heights - heights[0]) < SAME_HEIGHT
-    plate &= (areas > LARGE * areas[0]) | tips
+    plate &= (areas > PLATE * areas[0]) | tips
     drop = float(heights[0] - heights[stands].min())
     asked: list[Question] = []
     has_grousers = drop > SAME_HEIGHT
@@ -186,7 +188,7 @@ def _underside(
     if fill < RAIL_FILL:
         remarks.append(
             f"the underside of {area:.4g} m2 fills {100 * fill:.0f} % of its rectangle of "
-            f"{high[0] - low[0]:.4g} x {high[1] - low[1]:.4g} m, which is the footprint of contact"
+            f"{high[0] - low[0]:.4g} x {high[1] - low[1]:.4g} m: so much of it presses on the ground"
         )
     return sole, area, remarks, asked
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem
-from fem.patches import CELL, Underside, integrate_underside, mean_rows
+from fem.patches import CELL, Underside, hat_grid, integrate_underside, mean_rows
 from fem.places import FlatRectangle, PressureGrid, Stations, flat_parts
 from tests.fem.bodies import box_mesh, tube
 from tests.fem.refusals import refused
@@ -214,3 +214,13 @@ def test_means_over_any_rectangles_are_those_of_the_equations(positions):
         mean_rows(under.corner, under.cell, under.integral, (x0, x1, y0, y1), rows)
     assert (expected == 0.0).all(axis=(1, 2)).any()
     np.testing.assert_allclose(sums(under, low, high), expected, atol=1e-12)
+
+
+def test_hats_over_a_narrow_underside_are_those_of_an_even_motion():
+    """Over the tips of a grouser, which is narrower than a cell is elsewhere."""
+    x, y = (side.ravel() for side in np.meshgrid([-0.01, 0.01], np.linspace(-0.35, 0.35, 8)))
+    modes = np.zeros((len(x), 3, 1))
+    modes[:, 2, 0] = 0.3 + 2.0 * x - 0.7 * y
+    underside = integrate_underside(np.column_stack((x, y)), modes, np.array([-0.01, 0.01, -0.35, 0.35, 0.0]))
+    nodes, rows = hat_grid(underside, (3, 9))
+    np.testing.assert_allclose(rows[..., 2, 0], nodes @ (2.0, -0.7) + 0.3, atol=1e-9)

@@ -55,7 +55,7 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
     mass: float = quantity("kg", "mass", (5.0, 2e4), ge=0.1, le=1e7)
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor)")
     com_height: Length = quantity("m", "height of the COM above the underside", (0.01, 1.0))
-    length: Length = quantity("m", "length of the flat underside in x", (0.1, 2.0))
+    length: Length = quantity("m", "length of the flat underside in x", (0.01, 2.0))
     width: Length = quantity("m", "width of the flat underside in y", (0.2, 6.0))
     underside_center: base.Two = quantity("m", "x and y of the underside's centre in its frame", (-1.0, 1.0))
     finger_length: base.Extent = quantity(
@@ -63,6 +63,17 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
     )
     finger_sides: tuple[Place, ...] = quantity(
         "m", "y of the right and left side of every finger, from right to left", (-3.0, 3.0), default=()
+    )
+    ground_share: float = quantity(
+        "1",
+        "part of the underside's rectangle that presses on the ground",
+        (0.02, 1.0),
+        gt=0,
+        le=1,
+        default=1.0,
+    )
+    strip_length: base.Extent = quantity(
+        "m", "length in x of each strip of it, such as a grouser's tip; 0: no strips", (0.0, 0.5), default=0.0
     )
     load_point: base.Three = quantity("m", "where the load acts: the top face's centroid", (-3.0, 3.0))
     rails: Rails | None = option("rails that rollers roll on", None)
@@ -75,6 +86,8 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
             yield f"finger_length must be positive where finger_sides are given and zero else, got {got}"
         if self.finger_length >= self.length:
             yield f"finger_length must be less than the length {self.length:g} m, got {self.finger_length:g}"
+        if self.strip_length > self.length:
+            yield f"strip_length must not exceed the length {self.length:g} m, got {self.strip_length:g}"
         beyond = sides and (sides[0] < low - 1e-9 or sides[-1] > high + 1e-9)
         if len(sides) % 2 or np.any(np.diff(sides) <= 0.0) or beyond:
             within = f"stay within the underside from {low:g} to {high:g} m, got {list(sides)}"
@@ -105,7 +118,7 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
         origin is not its COM.
         """
         # a case without a mesh need not wait for finite elements
-        from meshes import STEEL, checks, mesh_named, with_load_surfaces
+        from meshes import STEEL, checks, mesh_named, undersides, with_load_surfaces
 
         name = str(mesh) if isinstance(mesh, str | Path) else ""
         if isinstance(mesh, str | Path):
@@ -122,9 +135,7 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
             raise ValueError(
                 f"{checks.the_mesh(name)} must have its origin at its COM within {ORIGIN_TOLERANCE} m, {com}"
             )
-        under = shoe_mesh.nodes[shoe_mesh.nodes_of("underside")]
-        low = under.min(axis=0)
-        high = under.max(axis=0)
+        low, high, share, strip_length = undersides.ground_outline(shoe_mesh)
         weights = body.surface_weights(load_surface)
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia.tolist()
         return cls(
@@ -134,6 +145,8 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
             length=high[0] - low[0],
             width=high[1] - low[1],
             underside_center=tuple((0.5 * (low + high)[:2]).tolist()),
+            ground_share=share,
+            strip_length=strip_length,
             load_point=tuple((weights @ shoe_mesh.nodes / weights.sum()).tolist()),
             rails=_rails_of(shoe_mesh),
         )
@@ -152,6 +165,16 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
     def fingers(self) -> np.ndarray:
         """Right and left side of every finger: array (fingers, 2), m, y in the shoe's frame."""
         return np.array(self.finger_sides, dtype=float).reshape(-1, 2)
+
+    @property
+    def ground_area(self) -> float:
+        """Area that presses on the ground, m2."""
+        return self.length * self.width * self.ground_share
+
+    @property
+    def ground_breadth(self) -> float:
+        """Least side of what presses on the ground, m: by it pressed plates sink otherwise."""
+        return min(self.strip_length or self.length, self.width)
 
     @property
     def footprint(self) -> np.ndarray:

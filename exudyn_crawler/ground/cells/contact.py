@@ -38,7 +38,8 @@ class CellGroundContact:
         self.shoe_reference = coms
         law = cast(CellLaw, case.cell_contact().law)
         bending = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
-        self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms), bending)
+        parts = shoe.ground_share, shoe.ground_breadth
+        self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms), bending, *parts)
         if (earlier := terrain.earlier(law)) and not law.kernel.forgets:
             self.ground.press_in(earlier)
         self._case, self._middle = case, float(coms[0, 1])

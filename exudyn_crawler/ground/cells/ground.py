@@ -20,7 +20,9 @@ class CellGround:
     """Cells of a side (m) with memory under a number of shoes whose underside is a rectangle.
 
     `corners` are as of `ShoePoints`; shoes in the rows `flexible` bend. The equations take the arrays of
-    `shoes`; `tiles` is the map, another one after `cover` where the shoes come to new ground.
+    `shoes`; `tiles` is the map, another one after `cover` where the shoes come to new ground. `share` of the
+    rectangle presses on the cells, evenly spread over it, and sinks as a plate of a `breadth` (m), that of
+    the rectangle if it is not given.
     """
 
     def __init__(
@@ -31,6 +33,8 @@ class CellGround:
         corners: ArrayLike,
         shoes: int,
         flexible: Sequence[int] = (),
+        share: float = 1.0,
+        breadth: float | None = None,
     ) -> None:
         heights.check_cells(cell)
         self.heights = heights
@@ -39,8 +43,9 @@ class CellGround:
         most = int(1.6 * np.prod(sides / cell + 4.0))
         bending = np.zeros(shoes, dtype=np.int64)
         bending[list(flexible)] = np.arange(1, 1 + len(flexible))
-        constants = law.constants(float(sides.min()))
+        constants = law.constants(breadth or float(sides.min()))
         self.shoes = pressing.ShoePoints.allocate(law.kernel, constants, underside, most, bending)
+        self._share = share
         self._held = np.zeros(0, dtype=np.int64)
         self._names = np.zeros((0, 2), dtype=np.int64)
         self.tiles = Tiles(
@@ -70,6 +75,8 @@ class CellGround:
                 f"a shoe left the measured ground: the track is at x = {x.min():.4g} to {x.max():.4g} m, "
                 f"y = {y.min():.4g} to {y.max():.4g} m"
             )
+        if self._share != 1.0:
+            self.shoes.areas[:] *= self._share
 
     def press(self, frames: np.ndarray, weights: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
         """Wrenches (shoes, 6) on the shoes at their frames, N and N m about the frames' origins, global.
@@ -82,7 +89,15 @@ class CellGround:
 
     def commit(self) -> None:
         """Let the cells remember the last `press`: once, where a step is accepted."""
+        if self._share == 1.0:
+            self._held = commit(self.tiles, self.shoes, self._held)
+            return
+        areas = self.shoes.areas
+        pressed = areas.copy()
+        # cells remember how far the rectangle covered them
+        areas[:] /= self._share
         self._held = commit(self.tiles, self.shoes, self._held)
+        areas[:] = pressed
 
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
         """Forces of the last `press` on a grid of each underside: ``(shoes, *COARSE, 3)``, N, shoes' axes."""

@@ -218,7 +218,7 @@ def ground_pressure(case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.D
     row = {shoe: k for k, shoe in enumerate(dataset.shoe.values.tolist())}
     np.add.at(on_shoes, [row[shoe] for shoe in dataset.contact_shoe.values.tolist()], force)
     dims = QUANTITIES["ground_pressure"].dimensions
-    pressure = np.linalg.norm(on_shoes, axis=-1).T / (case.shoe.length * case.shoe.width)
+    pressure = np.linalg.norm(on_shoes, axis=-1).T / case.shoe.ground_area
     return xr.DataArray(pressure, {name: dataset[name] for name in dims}, dims)
 
 

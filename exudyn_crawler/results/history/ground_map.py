@@ -124,7 +124,7 @@ def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:
     law: Any = case.cell_contact().law
     if law.kernel.forgets:
         return np.zeros_like(sinkage)
-    constants = law.constants(min(case.shoe.length, case.shoe.width))
+    constants = law.constants(case.shoe.ground_breadth)
     pairs = zip(sinkage.tolist(), pressure.tolist(), strict=True)
     modulus = np.array([law.kernel.prepare(constants, z, p)[0] for z, p in pairs])
     springs_back = np.divide(pressure, modulus, out=sinkage.copy(), where=modulus > 0.0)

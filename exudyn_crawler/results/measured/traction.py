@@ -75,7 +75,7 @@ def even_track(case: Case) -> EvenTrack:
     law: Any = case.cell_contact().law
     pitch = gear.chain_pitch(case.track)
     length = gear.rollers[-1] - gear.rollers[0] + pitch
-    area = gear.tracks * length / pitch * case.shoe.length * case.shoe.width
+    area = gear.tracks * length / pitch * case.shoe.ground_area
     masses = case.track.shoe_count * case.shoe.mass
     masses += gear.tracks * gear.tumbler.mass + sum(part.mass for part in gear.frame_parts)
     masses += gear.tracks * sum(bogie.mass for bogie in gear.bogies)

@@ -28,11 +28,11 @@ def frame(r, R=None, v=(0, 0, 0), omega=(0, 0, 0)):
     return np.concatenate((r, np.ravel(np.eye(3) if R is None else R), v, omega)).astype(float)[None]
 
 
-def ground(law, heights=None, cell=0.1, sides=(LENGTH, WIDTH), shoes=1):
+def ground(law, heights=None, cell=0.1, sides=(LENGTH, WIDTH), shoes=1, **parts):
     """Cells under shoes whose frames are in the middle of their undersides."""
     a, b = 0.5 * sides[0], 0.5 * sides[1]
     corners = [[-a, -b, 0], [a, -b, 0], [a, b, 0], [-a, b, 0]]
-    return CellGround(law, heights or Heights(), cell, corners, shoes)
+    return CellGround(law, heights or Heights(), cell, corners, shoes, **parts)
 
 
 def step(cells, now, before):

@@ -10,7 +10,19 @@ from exudyn_crawler.case.parameters.heights import Heights, Ridge, Roughness, St
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.tiles import SIDE
 from tests.ground.cells import driving
-from tests.ground.cells.driving import LENGTH, LOAD, ROCK, SAND, WIDTH, Shoe, frame, ground, points_of, turn
+from tests.ground.cells.driving import (
+    DOWN,
+    LENGTH,
+    LOAD,
+    ROCK,
+    SAND,
+    WIDTH,
+    Shoe,
+    frame,
+    ground,
+    points_of,
+    turn,
+)
 
 ROUGH = Heights(roughness=Roughness(spectrum=256e-6, seed=3))
 
@@ -268,3 +280,23 @@ def test_the_benchmark_of_a_steps_parts_presses_16_shoes(monkeypatch):
     for ground_name in benchmark.GROUNDS:
         assert 0.0 < table["ms"][ground_name, "residual"] < 1.0
         assert 0.0 < table["ms"][ground_name, "with tangents"] < 2.0
+
+
+def test_strips_press_with_their_area_and_sink_as_plates_of_their_breadth():
+    breadth = 0.05
+    share = 3.0 * breadth / LENGTH
+    shoe = Shoe(SAND, np.zeros(3), share=share, breadth=breadth)
+    shoe.settle(DOWN)
+    assert shoe.force[:, 2].sum() == pytest.approx(LOAD, rel=1e-6)
+    areas = shoe.ground.shoes.areas[0, : shoe.ground.shoes.counts[0]]
+    assert areas.sum() == pytest.approx(3.0 * breadth * WIDTH, rel=1e-9)
+    pressure = LOAD / (3.0 * breadth * WIDTH)
+    assert_allclose(shoe.traction, pressure, rtol=1e-6)
+    assert -shoe.r[2] == pytest.approx(SAND.sinkage(pressure, breadth), rel=1e-6)
+    # cells that stay covered keep their shear
+    ahead = np.array([0.002, 0.0, 0.0])
+    slid = [shoe.move(shoe.r + ahead)[0] for _ in range(2)]
+    whole = Shoe(SAND, np.zeros(3))
+    whole.settle(DOWN * pressure * LENGTH * WIDTH / LOAD)
+    kept = [whole.move(whole.r + ahead)[0] for _ in range(2)]
+    assert slid[1] / slid[0] == pytest.approx(kept[1] / kept[0], rel=1e-2)
