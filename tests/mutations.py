@@ -12,11 +12,11 @@ A changed file is at fault where reading it
 - is silent: a number of physics is a thousand times larger or smaller, or has the other sign, is taken, and
   no warning names its section. `ANY` lists keys for which such a number is no mistake, with the reason.
 
-How silence was judged: of a thousand changes by `SEED` some three quarters are refused and a quarter taken. The
-list of those taken was read once, with their keys and warnings: about a third change a comment, a head, a name,
-a set of nodes or a bit in such text; the others leave out a line whose default is the same, or are a number of
-`ANY`, a number that a warning names, a height of a map away from the track, or a part of a deck that its notes
-name. A run of what was taken is no part of this.
+How silence was judged: of a thousand changes by `SEED` some three quarters are refused and a quarter taken.
+The list of those taken was read once, with their keys and warnings: about a third change a comment, a head, a
+name, a set of nodes or a bit in such text; the others leave out a line whose default is the same, or are a
+number of `ANY`, a number that a warning names, a height of a map away from the track, or a part of a deck
+that its notes name. A run of what was taken is no part of this.
 """
 
 import contextlib
