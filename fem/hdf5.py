@@ -1,6 +1,7 @@
 """HDF5 files: whole or not at all, readable in part with a checksum of every part."""
 
 import io
+import mmap
 import os
 import tempfile
 from collections.abc import Callable
@@ -23,6 +24,9 @@ VERSIONS = ("v110", "v110")
 CHUNK_BYTES = 2**16
 """Size of the parts of an array that is written for single rows to be read."""
 
+HEAP = b"GCOL\x01\0\0\0"
+"""Begin of a heap of texts and references; its size follows, then objects with heads of `HEAD` bytes."""
+HEAD = 16
 Read = TypeVar("Read")
 
 
@@ -71,6 +75,32 @@ def write_whole(path: Path, kind: str, fill: Callable[[h5py.File], None]) -> Non
         raise
 
 
+def check_heaps(path: Path) -> None:
+    """Refuse a file of which a heap is broken: heaps have no checksums, and HDF5 reads such a one for ever.
+
+    Raises
+    ------
+    OSError
+        If an object is smaller than its head (HDF5 File Format Specification 3.0, III.E).
+    """
+    if path.stat().st_size == 0:
+        return
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        start = content.find(HEAP)
+        while start >= 0:
+            end = start + int.from_bytes(content[start + 8 : start + HEAD], "little")
+            place = start + HEAD
+            while place + HEAD <= min(end, len(content)):
+                number = int.from_bytes(content[place : place + 2], "little")
+                size = int.from_bytes(content[place + 8 : place + HEAD], "little")
+                # free space has the number 0, and its head counts
+                size += 0 if number == 0 else HEAD + -size % 8
+                if size < HEAD:
+                    raise OSError(f"its heap at byte {start} is broken at byte {place}")
+                place += size
+            start = content.find(HEAP, start + HEAD)
+
+
 def write_rows(file: h5py.Group, name: str, array: "Floats | Integers") -> None:
     """Write an array of which single rows may be read, with checksums of these."""
     if array.size == 0:  # no part to have a checksum
@@ -101,6 +131,7 @@ def read_whole(path: Path, kind: str, read: Callable[[h5py.File], Read]) -> Read
     if not path.is_file():
         raise FileNotFoundError(f"no file {path}")
     try:
+        check_heaps(path)
         file = h5py.File(path, "r")
     except OSError as error:
         raise ValueError(f"{path} must be an HDF5 file, got: {error}") from error

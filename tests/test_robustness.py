@@ -17,6 +17,7 @@ from exudyn_crawler import Case, History, LoadCycle, run_case, simulate
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.case_file import Outputs, case_text
 from exudyn_crawler.errors import CaseFileError
+from fem.hdf5 import HEAD, HEAP
 from studies.stress import study as stress_study
 from tests.case.strategies import TOML
 
@@ -186,6 +187,22 @@ def short_file(tmp_path_factory):
     history = simulate(Case.translation(), 0.01)
     path = history.save(tmp_path_factory.mktemp("file") / "history.nc")
     return path.read_bytes(), path
+
+
+@pytest.mark.simulation
+def test_a_history_whose_heap_is_broken_is_refused_and_not_read_for_ever(tmp_path, short_file):
+    """HDF5 goes round an object of no size, which the end of too small a free space looks like."""
+    content = bytearray(short_file[0])
+    heap = content.index(HEAP)
+    place = heap + HEAD
+    while content[place : place + 2] != bytes(2):
+        place += HEAD + -(-int.from_bytes(content[place + 8 : place + HEAD], "little") // 8) * 8
+    size = int.from_bytes(content[place + 8 : place + HEAD], "little")
+    content[place + 8 : place + HEAD] = (size - 39).to_bytes(8, "little")
+    path = tmp_path / "broken.nc"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=f"does not hold a history: its heap at byte {heap} is broken"):
+        History.load(path)
 
 
 @pytest.mark.simulation

@@ -22,6 +22,7 @@ from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, saved_case
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.history.catalogue import CONTACT_KEYS, QUANTITIES, select
+from fem.hdf5 import check_heaps
 from fem.interrupts import interrupts_wait
 
 CASE = "case"  # attribute of a file
@@ -42,6 +43,7 @@ def reading_history(path: Path) -> Iterator[None]:
         folder = f", which is a folder; a run has {path / 'history.nc'}" if path.is_dir() else ""
         raise FileNotFoundError(f"no history at {path}{folder}")
     try:
+        check_heaps(path)
         yield
     # altered bytes make the readers raise all kinds of errors
     except Exception as error:
