@@ -110,3 +110,16 @@ def test_sprockets_without_a_tooth_between_their_gaps_are_refused():
 def test_gaps_from_pin_to_pin_are_one_or_two():
     with pytest.raises(ParameterError, match="gaps_per_shoe"):
         sprocket(21, 3)
+
+
+@pytest.mark.parametrize(("teeth", "gaps_per_shoe"), HALF)
+def test_tooth_is_pointed_where_it_has_its_longest_reach(teeth, gaps_per_shoe):
+    """Farther out gaps would overlap; a reach that leaves a tooth stays."""
+    tumbler = sprocket(teeth, gaps_per_shoe, reach=0.4 * PITCH)
+    longest = tumbler.longest_reach(CHAIN)
+    assert longest < 0.4 * PITCH
+    profile = tumbler.model_copy(update={"reach": longest}).profile(CHAIN)
+    left = math.sin(math.pi / teeth) * profile.addendum - profile.half_width
+    assert 0.0 <= left < 0.01 * PITCH
+    short = tumbler.model_copy(update={"reach": 0.03 * PITCH})
+    assert short.longest_reach(CHAIN) == pytest.approx(0.03 * PITCH)

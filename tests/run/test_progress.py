@@ -116,7 +116,7 @@ def test_parts_that_stay_on_a_machine_are_told_apart():
     for part in (progress.SIMULATE, progress.RECOVER, progress.WRITE):
         assert f"{part} " in every
     assert (
-        "(reduce the flexible shoe 8.3 s, static fields of the shoe 14 s, compile the equations 50 s" in once
+        "(reduce the flexible shoe 8.3 s, static fields of the shoe 4.1 s, compile the equations 50 s" in once
     )
     assert once.endswith(" more, by a rule of thumb")
     rigid = CaseFile(case=Case.translation().with_({"formulation": "engine"}), duration=1.0)

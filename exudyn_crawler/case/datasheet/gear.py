@@ -63,7 +63,7 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
         mass=parts.frame - sum(bogie.mass for bogie in bogies),
         inertia=parts.frame_inertia,
         com=parts.frame_com,
-        tumbler=_tumbler(chain, place, sprocket, contacts, notes),
+        tumbler=_tumbler(chain, track, place, sprocket, contacts, notes),
         idler=_idler(sheet, pitch, place, springs, notes),
         rollers=place.rollers,
         bogies=bogies,
@@ -113,14 +113,14 @@ def _contacts(sheet: Datasheet, chain: Chain, shoe: Shoe, rollers: int, notes: N
 
 
 def _tumbler(
-    chain: Chain, place: wheels.WheelPlaces, mass: float, contacts: Contacts, notes: Notes
+    chain: Chain, track: Track, place: wheels.WheelPlaces, mass: float, contacts: Contacts, notes: Notes
 ) -> Tumbler:
-    """Sprocket."""
+    """Sprocket, whose teeth end where their flanks meet at the latest."""
     inertia = (*rules.ring_inertia(mass, place.pins).tolist(), 0.0, 0.0, 0.0)
     how = "a wheel between disc and ring on the pins' circle"
     notes.note("gear.tumbler.inertia", inertia, "kg m2", "derived", how)
     notes.note("gear.tumbler.place", place.sprocket, "m", "derived", "by length on ground; sprocket_lift")
-    return Tumbler(
+    tumbler = Tumbler(
         place=place.sprocket,
         teeth=chain.teeth,
         gaps_per_shoe=chain.gaps_per_shoe,
@@ -133,6 +133,11 @@ def _tumbler(
         damping=contacts.tread_damping,
         damping_depth=DAMPED_DEPTH * chain.pitch,
     )
+    longest = tumbler.longest_reach(track)
+    if math.isclose(longest, place.reach):
+        return tumbler
+    notes.note("gear.tumbler.reach", longest, "m", "derived", "where the flanks of a tooth meet")
+    return tumbler.with_(reach=longest)
 
 
 def _idler(

@@ -176,6 +176,12 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
         profile = self.profile(chain)
         return profile.half_width <= profile.addendum * math.sin(math.pi / self.teeth)
 
+    def longest_reach(self, chain: track.Track) -> float:
+        """Greatest reach (m), of this one and shorter ones, at which the flanks of a tooth have not met."""
+        here = self.tip_radius(chain.pitch) - self.radius(chain.pitch)
+        reaches = np.linspace(here, 0.0, TRIED).tolist()
+        return next((r for r in reaches if self.model_copy(update={"reach": r})._has_teeth(chain)), here)
+
     def _remedies(self, chain: track.Track) -> str:
         """Nearest values of one parameter each with which the teeth would do, for reading."""
         words = []

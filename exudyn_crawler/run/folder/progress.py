@@ -40,7 +40,7 @@ STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # s more of a flexible one
 SLOWER, MORE_FLEXIBLE = {"rolled": 2.5}, {"rolled": 1.0e-3}
 """Times that of rigid shoes, and s more of a flexible one, by kinds of gear of which it differs."""
 RECOVERY = 1.0e-3  # s a stored time of a flexible shoe, whose stresses are recovered
-PER_NODE = {REDUCE: 0.5e-3, FIELDS: 0.3e-3, SIMULATE: 1.5e-4, RECOVER: 5e-5}  # s; of each shoe, the last
+PER_NODE = {REDUCE: 0.6e-3, FIELDS: 0.3e-3, SIMULATE: 1.5e-4, RECOVER: 5e-5}  # s; of each shoe, the last
 COMPILING = 50.0  # s of the equations
 WRITING = {"tables": 0.5, "figures": 5.0, "pictures": 1.0, "page": 4.0}  # s, pictures of each flexible shoe
 TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
