@@ -1,6 +1,7 @@
 """Who is answered: this computer's browser with the token, about files of the folder, and nobody else."""
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -33,7 +34,9 @@ def asked(path=PATH, host=HOST, origin=None, kind="http", more=()):
     async def send(message):
         sent.append(message)
 
-    asyncio.run(Guard(inner, 5000, "secret")(scope, receive, send))
+    # in a thread: in this one the loop of a browser, which other tests hold open, may be running
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(asyncio.run, Guard(inner, 5000, "secret")(scope, receive, send)).result()
     return sent
 
 
