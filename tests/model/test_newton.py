@@ -138,7 +138,10 @@ TAUT = Case.closed().with_({"gear.idler.slack": 0.0})
     ids=["closed track", "rolled on sand"],
 )
 def test_steps_go_on_with_the_matrix_of_the_last_one(case, duration, share, monkeypatch):
-    """So many make none, and are as near to a tight run with a matrix a step as half the step is."""
+    """Most make none, and are as near to a tight run with a matrix a step as half the step is.
+
+    Half the step of a taut track is within 1e-7; there the residual that is allowed makes more.
+    """
     matrices, solve_step = [], newton.step
 
     def counted(*arguments):
@@ -156,5 +159,6 @@ def test_steps_go_on_with_the_matrix_of_the_last_one(case, duration, share, monk
     monkeypatch.setattr(newton, "step", anew)
     tight = run_from(rest, case.with_({"solver.residual": 1e-4}), duration)
     halved = run_from(rest, case.with_({"solver.residual": 1e-4, "solver.step": 1e-3}), duration)
-    for found, exact, other in zip(kept, tight, halved, strict=True):
-        assert np.abs(found - exact).max() < np.abs(other - exact).max()
+    near = 2e-6, 3e-5 * np.abs(tight[1]).max()
+    for found, exact, other, least in zip(kept, tight, halved, near, strict=True):
+        assert np.abs(found - exact).max() < max(np.abs(other - exact).max(), least)
