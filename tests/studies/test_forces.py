@@ -115,7 +115,7 @@ def test_unasked_a_history_of_other_parameters_is_run_anew(translation, tmp_path
     said = []
     runs, _ = study(None, ["translation"], duration=0.01, reuse=tmp_path, strict=False, say=said.append)
     assert runs["translation"].history.duration == pytest.approx(0.01)
-    assert "running anew" in said[0]
+    assert "running again" in said[0]
 
 
 def test_results_are_refused_before_anything_runs(tmp_path, monkeypatch):

@@ -49,8 +49,9 @@ def rigid_folders(tmp_path_factory):
     return kinematics, forces
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser():
+    """Browser whose loop runs in this thread, where it would disturb tests of other rooms."""
     if CHROMIUM is None:
         pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
     sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
