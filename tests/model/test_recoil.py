@@ -6,7 +6,7 @@ import pytest
 from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.case.parameters.closed_track import Recoil, Tensioner
-from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.errors import ParameterError, SimulationStopped
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.joints.recoil import SETTLING
@@ -74,7 +74,19 @@ def test_idler_stands_at_the_end_of_its_stroke_where_the_chain_pushes_harder(shi
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("preload", "stiffness"), [(1.0e6, 1e8)])
+@pytest.mark.parametrize(
+    ("preload", "stiffness"),
+    [
+        (1.0e6, 1e8),
+        pytest.param(
+            1.2e6,
+            2e7,
+            marks=pytest.mark.xfail(
+                reason="a soft spring stops the run: Newton's method finds no step", raises=SimulationStopped
+            ),
+        ),
+    ],
+)
 def test_work_of_the_drive_is_what_spring_and_damper_store_and_take(preload, stiffness):
     """On the ground, up to 0.3 m/s: the chain pushes the idler back, the spring returns it."""
     recoil = Recoil(mass=8e3, stiffness=stiffness, preload=preload, stroke=0.1, damping=0.01 * stiffness)
