@@ -76,10 +76,6 @@ def even_track(case: Case) -> EvenTrack:
     pitch = gear.chain_pitch(case.track)
     length = gear.rollers[-1] - gear.rollers[0] + pitch
     area = gear.tracks * length / pitch * case.shoe.ground_area
-    masses = case.track.shoe_count * case.shoe.mass
-    masses += gear.tracks * gear.tumbler.mass + sum(part.mass for part in gear.frame_parts)
-    masses += gear.tracks * sum(bogie.mass for bogie in gear.bogies)
-    if gear.idler.tensioner is not None:
-        masses += gear.tracks * gear.idler.tensioner.mass
+    masses = gear.carried_mass + case.track.shoe_count * case.shoe.mass
     weight = float(masses * -case.gravity_vector()[2]) - float(case.machine_wrench(0.0)[0][0, 2])
     return EvenTrack(law, length, case.shoe.width, area, weight, gear.tracks)
