@@ -1,8 +1,13 @@
 """Side frame, or machine on two tracks: a body with wheels that press on the rails of the shoes."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from exudyn_crawler.case.gear.arms import Arm
 from exudyn_crawler.case.gear.base import SIDE_FRAME
+from exudyn_crawler.case.gear.running_gear import Bogie
+from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.ground.laws import Impact
 from exudyn_crawler.model import shoe_mesh
 from exudyn_crawler.model.assembler import DRIVE, Assembler, Body
@@ -10,6 +15,7 @@ from exudyn_crawler.model.bodies import second_moment
 from exudyn_crawler.model.forces.impact import Flange
 from exudyn_crawler.model.forces.treads import Rail
 from exudyn_crawler.model.forces.wheels import ROLLED, Wheels
+from exudyn_crawler.model.state import BEARING
 
 
 def add(assembler: Assembler) -> None:
@@ -71,6 +77,36 @@ def _wheels(assembler: Assembler, frame: int) -> Wheels:
         spacing=shoe_mesh.station_spacing(rails),
         slots=max(2, int(on_a_rail.sum(axis=0).max())),  # of the upper run two
     )
+
+
+def add_pivoted(
+    assembler: Assembler,
+    names: Sequence[str],
+    reference: np.ndarray,
+    parts: Sequence[tuple[Bogie | Arm, tuple[int, ...]]],
+) -> list[int]:
+    """Add bodies on pivots of the frame, which carry rollers of it: their numbers, track by track.
+
+    `parts` are those of one track with the numbers of their rollers, from 1; `reference` (tracks * parts, 6)
+    are their places at t = 0.
+    """
+    case = assembler.case
+    gear = case.running_gear()
+    frame = assembler.body_named(SIDE_FRAME)
+    rollers = [k for k, label in enumerate(gear.wheel_labels) if label.kind == "roller"]
+    of_tracks = np.reshape(rollers, (gear.tracks, -1)).tolist()
+    pivoted = [(wheels, *part) for wheels in of_tracks for part in parts]
+    bodies = []
+    for name, start, (wheels, part, carried) in zip(names, reference, pivoted, strict=True):
+        x, z = part.pivot
+        com = part.com[0], 0.0, part.com[1]
+        body = assembler.add_body(Body.rigid(name, part.mass, inertia_tensor(part.inertia), start, com))
+        axis = assembler.add_marker(frame, start[:3] - case.frame_start)
+        assembler.add_pin(axis, assembler.add_marker(body, np.zeros(3)), BEARING.format(name))
+        for number in carried:
+            carry(assembler, wheels[number - 1], body, (gear.rollers[number - 1] - x, -z))
+        bodies.append(body)
+    return bodies
 
 
 def carry(assembler: Assembler, wheel: int, body: int, place: tuple[float, float]) -> None:
