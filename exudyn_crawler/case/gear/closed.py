@@ -9,11 +9,13 @@ from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.assembled import Assembled, assembled
 from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.case.gear.closed_frame import ClosedFrame
+from exudyn_crawler.case.gear.deflections import PULL, SIDEWAYS, TOOTH, LoadedContact, idler_spring
 from exudyn_crawler.case.gear.running_gear import odd_rails
 from exudyn_crawler.case.parameters import assembly, base, sizes
 from exudyn_crawler.case.parameters.base import Errors, option
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
 from exudyn_crawler.case.parameters.track import MIDWAY, Shoe, Track
+from exudyn_crawler.case.ph4100c import GRAVITY
 
 MISFIT = 0.01  # of a chain's pitch by which that of its tumbler plausibly differs from it, new or worn
 SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
@@ -158,15 +160,39 @@ class Closed(ClosedFrame):
         )
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
-        """Lines that say what no machine is known to have: inertias, and teeth of another pitch."""
+        """Lines that say what no machine is known to have: inertias, contacts, and teeth of another pitch."""
         tumbler = self.tumbler
         radius = tumbler.tip_radius(chain.pitch)
         turning = "gear.tumbler", tumbler.mass, tumbler.inertia
         yield from sizes.wide_inertia(*turning, (radius, 0.5 * shoe.width, radius))
         yield from sizes.thin_inertia(*turning)
         yield from super().implausible(shoe, chain)
+        yield from self.odd_treads(self.roller_radius)
+        yield from self._odd_contacts(shoe, chain)
         yield from self._other_pitch(chain)
         yield from odd_rails(shoe, chain, self.roller_radius)
+
+    def _odd_contacts(self, shoe: Shoe, chain: Track) -> Iterator[str]:
+        """Teeth, flanges and the idler's spring that give way as those of no machine."""
+        tumbler = self.tumbler
+        weight = self.carried_mass * GRAVITY / self.tracks
+        pull = 0.5 * PULL * weight
+        law = tumbler.stiffness, tumbler.exponent, tumbler.damping
+        words = "a tooth"
+        share = "a pull of half the weight on its track, on both sides"
+        tooth = LoadedContact("gear.tumbler.", words, pull, share, *law, tumbler.mass)
+        yield from tooth.implausible(TOOTH * tumbler.lug_radius, f"{TOOTH:g} of a lug's radius")
+        aside = SIDEWAYS * self.roller_load
+        words = "a roller's flange"
+        share = f"{SIDEWAYS:g} of its roller's even share of the weight"
+        law = self.guide_stiffness, 1.0, self.guide_damping
+        flange = LoadedContact("gear.guide_", words, aside, share, *law, shoe.mass)
+        yield from flange.implausible(self.offset_limit, "gear.offset_limit, where shoes come off")
+        spring = self.idler.slide
+        if spring is not None:
+            kind = "tensioner" if self.idler.recoil is None else "recoil"
+            half = 0.5 * shoe.mass * self.loop(chain).shoe_count
+            yield from idler_spring(f"gear.idler.{kind}", spring, chain.pitch, half)
 
     def _other_pitch(self, chain: Track) -> Iterator[str]:
         """Tumbler whose pins' circle is of another pitch than the chain's, new or worn."""

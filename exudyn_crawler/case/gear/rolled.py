@@ -69,8 +69,9 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
         return np.zeros((len(times), 2))
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
-        """Lines that say what no machine is known to have: inertias, and gaps of the rails."""
+        """Lines that say what no machine is known to have: inertias, treads, and gaps of the rails."""
         yield from super().implausible(shoe, chain)
+        yield from self.odd_treads(self.radius)
         yield from odd_rails(shoe, chain, self.radius)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:

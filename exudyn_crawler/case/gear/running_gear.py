@@ -8,11 +8,13 @@ import numpy as np
 
 from exudyn_crawler.case.gear.arms import Arm, arm_errors
 from exudyn_crawler.case.gear.base import POSTS, SIDE_FRAME, Gear, WheelLabel, Whole
+from exudyn_crawler.case.gear.deflections import TYRE, LoadedContact, arm_spring
 from exudyn_crawler.case.parameters import base, fields, sizes
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
+from exudyn_crawler.case.ph4100c import GRAVITY
 
 ACROSS = (1, 5)
 """Coordinates of a side frame across the track: y and yaw."""
@@ -259,6 +261,22 @@ class RunningGear(Gear):
             yield from sizes.far_inertia(*turning, front - rear)
         for number, arm in enumerate(self.arms):
             yield from sizes.thin_inertia(f"gear.arms[{number}]", arm.mass, arm.inertia)
+
+    @property
+    def roller_load(self) -> float:
+        """Even share of a lower roller in the weight on the shoes, N."""
+        return self.carried_mass * GRAVITY / (self.tracks * len(self.rollers))
+
+    def odd_treads(self, radius: float) -> Iterator[str]:
+        """Lines about treads of rollers of a radius (m), and arms, that give way as those of no machine."""
+        load = self.roller_load
+        words = "a roller's tread"
+        share = "half of its even share of the weight"
+        law = self.stiffness, self.exponent, self.damping
+        tread = LoadedContact("gear.", words, 0.5 * load, share, *law, 0.5 * load / GRAVITY)
+        yield from tread.implausible(TYRE * radius, f"{TYRE:g} of its radius")
+        for number, arm in enumerate(self.arms):
+            yield from arm_spring(f"gear.arms[{number}]", arm, self.rollers[arm.roller - 1], load)
 
     def turn_errors(self, drive: Drive) -> Errors:
         """Lines that refuse a turn of a single track."""

@@ -86,7 +86,7 @@ class Drive(Parameters):
     turn rate times their distance.
     """
 
-    speed: StepProfile = quantity("m/s", "velocity along global x", (-1.5, 1.5))
+    speed: StepProfile = quantity("m/s", "velocity along global x", (-2.5, 2.5))
     turn_rate: StepProfile | None = quantity(
         "rad/s", "angular velocity about the shoe's z axis; None leaves it free", (-1.0, 1.0), default=None
     )
