@@ -14,6 +14,7 @@ from typing import Any
 
 from numba import njit, types
 
+from exudyn_crawler.ground.linking import LinkedCompiler
 from fem.compiling import compiler
 
 kernel = compiler(error_model="numpy")
@@ -41,29 +42,17 @@ class CompiledOnly:
         raise TypeError(f"{self.py_func.__name__} is for compiled callers alone; Python calls a kernel")
 
 
-def inner(
-    function: Callable | None = None,
-    *,
-    allocates: bool = False,
-    merged: bool = False,
-    cached: bool = True,
-) -> Any:
-    """Compile a function for compiled callers alone: what Python would need to call it is left out.
+def inner(function: Callable | None = None, *, allocates: bool = False, merged: bool = False) -> Any:
+    """Compile a function for compiled callers alone, as part of each kernel that calls it (`linking`).
 
     Without `allocates` there are no counts of references to arrays, which took a tenth of a step: such a
     function makes no array, gives none back, not even a view, and calls none that gives one back. One that is
-    `merged` is made part of its callers, where handing over tables would take longer than what it does. One
-    that meets a soil law is not `cached`: it would outlive a change of the law, whose file may be anywhere.
-    As part of its entry alone, the compiler also knows how far apart the numbers of points are, and takes
-    several points at once.
+    `merged` is made part of its callers, where handing over tables would take longer than what it does.
     """
 
     def compile_inner(function: Callable) -> CompiledOnly:
-        options: dict[str, Any] = {"error_model": "numpy", "no_cpython_wrapper": True}
-        options |= {} if allocates else {"_nrt": False}
-        options |= {"forceinline": True} if merged else {}
-        if cached:
-            return CompiledOnly(compiler(**options)(function))
-        return CompiledOnly(njit(**options)(function))
+        ways_in = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        options = {"error_model": "numpy", "_nrt": allocates, "forceinline": merged}
+        return CompiledOnly(njit(pipeline_class=LinkedCompiler, **ways_in, **options)(function))
 
     return compile_inner if function is None else compile_inner(function)

@@ -6,6 +6,7 @@ its address and shape. What it holds is what the annotations of named tuples say
 """
 
 import itertools
+import operator
 import struct
 from collections.abc import Callable
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -13,7 +14,9 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 import numpy as np
 from llvmlite import ir
 from numba import typeof, types
-from numba.extending import intrinsic
+from numba.core.imputils import lower_getattr_generic
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, intrinsic, models, overload, register_model
 from numba.np.arrayobj import make_array, populate_array
 from numpy.typing import NDArray
 
@@ -81,42 +84,127 @@ def pack(values: tuple, kind: types.Type) -> IntArray:
     return np.array(words, dtype=np.int64)
 
 
-def reader(kind: types.Type) -> Callable[[IntArray], Any]:
-    """Function for compiled callers alone, of a block; it gives its values, whose arrays nobody counts."""
+class Packed(types.Type):
+    """Tuple in a block, where compiled code reads the fields that it names, each time that it names them."""
+
+    def __init__(self, kind: types.BaseTuple, opened: tuple[type, ...]) -> None:
+        self.kind = kind
+        self.opened = opened
+        super().__init__(f"Packed({kind})")
+
+    def part(self, kind: types.Type) -> types.Type:
+        """Type of a field: another part if it is of the opened ones, or a row of tuples."""
+        is_part = isinstance(kind, types.UniTuple) and isinstance(kind.dtype, types.BaseTuple)
+        is_part = is_part or getattr(kind, "instance_class", None) in self.opened
+        return Packed(kind, self.opened) if is_part else kind
+
+
+@register_model(Packed)
+class _PackedModel(models.PrimitiveModel):
+    """A part is the address of its first word."""
+
+    def __init__(self, manager: Any, kind: Packed) -> None:
+        super().__init__(manager, kind, WORD.as_pointer())
+
+
+@infer_getattr
+class _Fields(AttributeTemplate):
+    key = Packed
+
+    def generic_resolve(self, part: Packed, name: str) -> types.Type | None:
+        fields = getattr(part.kind, "fields", ())
+        return part.part(part.kind.types[fields.index(name)]) if name in fields else None
+
+
+@lower_getattr_generic(Packed)
+def _read_field(context: Any, builder: Any, part: Packed, words: Any, name: str) -> Any:
+    number = part.kind.fields.index(name)
+    first = sum(map(_size, part.kind.types[:number]))
+    place = builder.gep(words, [ir.Constant(WORD, first)])
+    return _value(context, builder, place, part.part(part.kind.types[number]))
+
+
+@overload(len)
+def _count(part):  # numba compares the two signatures
+    if not isinstance(part, Packed) or not isinstance(part.kind, types.UniTuple):
+        return None
+    count = part.kind.count
+    return lambda part: count
+
+
+@overload(operator.getitem)
+def _item(part, number):
+    if not isinstance(part, Packed) or not isinstance(part.kind, types.UniTuple):
+        return None
+    return lambda part, number: _read_item(part, number)
+
+
+@intrinsic
+def _read_item(_typing: Any, part: Any, number: Any) -> Any:
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        words, k = arguments
+        kind = signature.args[0].kind.dtype
+        k = context.cast(builder, k, signature.args[1], types.int64)
+        place = builder.gep(words, [builder.mul(k, ir.Constant(WORD, _size(kind)))])
+        return _value(context, builder, place, signature.return_type)
+
+    return part.part(part.kind.dtype)(part, number), code
+
+
+def _size(kind: types.Type) -> int:
+    """Words of a value."""
+    if isinstance(kind, types.BaseTuple):
+        return sum(map(_size, kind.types))
+    return 1 + kind.ndim if isinstance(kind, types.Array) else 1
+
+
+def _value(context: Any, builder: Any, words: Any, kind: types.Type) -> Any:
+    """Value at the address of its first word."""
+    if isinstance(kind, Packed):
+        return words
+    places = itertools.count()
+
+    def word() -> Any:
+        return builder.load(builder.gep(words, [ir.Constant(WORD, next(places))]))
+
+    def array(of: Any) -> Any:
+        view = make_array(of)(context, builder)
+        size = ir.Constant(WORD, context.get_abi_sizeof(context.get_data_type(of.dtype)))
+        address = word()
+        shape = [word() for _ in range(of.ndim)]
+        strides = [size]
+        for length in shape[:0:-1]:
+            strides.insert(0, builder.mul(strides[0], length))
+        data = builder.inttoptr(address, view.data.type)
+        populate_array(view, data=data, shape=shape, strides=strides, itemsize=size, meminfo=None)
+        return view._getvalue()
+
+    def value(of: Any) -> Any:
+        if isinstance(of, types.BaseTuple):
+            return context.make_tuple(builder, of, [value(part) for part in of.types])
+        if isinstance(of, types.Array):
+            return array(of)
+        bits = word()
+        if of == types.float64:
+            return builder.bitcast(bits, ir.DoubleType())
+        return builder.trunc(bits, ir.IntType(1)) if of == types.boolean else bits
+
+    return value(kind)
+
+
+def reader(kind: types.BaseTuple, *opened: type) -> Callable[[IntArray], Any]:
+    """Function for compiled callers alone, of a block; it gives its tuple, of which fields are read by name.
+
+    Fields of `opened` classes, and rows of tuples, are read in their turn as they are named; others as a
+    whole. Nobody counts references to arrays.
+    """
 
     @intrinsic
     def read(_typing: Any, block: Any) -> Any:
         def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             words = make_array(signature.args[0])(context, builder, arguments[0]).data
-            places = itertools.count()
+            return _value(context, builder, words, signature.return_type)
 
-            def word() -> Any:
-                return builder.load(builder.gep(words, [ir.Constant(WORD, next(places))]))
-
-            def array(of: Any) -> Any:
-                view = make_array(of)(context, builder)
-                size = ir.Constant(WORD, context.get_abi_sizeof(context.get_data_type(of.dtype)))
-                address = word()
-                shape = [word() for _ in range(of.ndim)]
-                strides = [size]
-                for length in shape[:0:-1]:
-                    strides.insert(0, builder.mul(strides[0], length))
-                data = builder.inttoptr(address, view.data.type)
-                populate_array(view, data=data, shape=shape, strides=strides, itemsize=size, meminfo=None)
-                return view._getvalue()
-
-            def value(of: Any) -> Any:
-                if isinstance(of, types.BaseTuple):
-                    return context.make_tuple(builder, of, [value(part) for part in of.types])
-                if isinstance(of, types.Array):
-                    return array(of)
-                bits = word()
-                if of == types.float64:
-                    return builder.bitcast(bits, ir.DoubleType())
-                return builder.trunc(bits, ir.IntType(1)) if of == types.boolean else bits
-
-            return value(kind)
-
-        return kind(block), code
+        return Packed(kind, opened)(block), code
 
     return read

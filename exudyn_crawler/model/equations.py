@@ -82,14 +82,16 @@ def residual(
     `system` is a block of `tables.System`. `state` (3, coordinates) are coordinates, rates and accelerations,
     `multipliers` in N and N m; `out` (coordinates + multipliers,) is overwritten.
     """
-    tables, work = read_system(system)
+    tables = read_system(system).tables
+    work = read_system(system).work
     bodies = tables.bodies
     markers = tables.markers
     # scratch: coordinates of bodies and their modes, rates, accelerations, forces
     rows = np.zeros((4, work.joints.jacobian.shape[2]))
     tensor = np.empty((3, 3))
     out.fill(0.0)
-    work.on_terrain.fill(0.0)
+    on_terrain = work.on_terrain
+    on_terrain.fill(0.0)
     # elements leave those of other weights, which would be taken for masses
     if weights.acceleration != 0.0 and weights.position == weights.velocity == 0.0:
         for kind in range(len(work.forces.rows)):
@@ -97,10 +99,10 @@ def residual(
     write_angles(bodies, state[0])
     kinds.write_forces(tables.forces, tables.terrain, bodies, markers, state, inputs, weights, work.forces)
     for kind in range(len(work.forces.rows)):
-        _add_forces(bodies, work.forces.rows[kind], rows[0], work.on_terrain, out)
+        _add_forces(bodies, work.forces.rows[kind], rows[0], on_terrain, out)
     inertias = work.first, work.second, work.turning
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, rows, tensor, out)
-    terrain.add_terrain(tables.terrain, state, inputs.gravity[2], work.on_terrain, out)
+    terrain.add_terrain(tables.terrain, state, inputs.gravity[2], on_terrain, out)
     loads.add_loads(bodies, markers, tables.loads, inputs.loads, inputs.shift, state, out)
     kinds.write_joints(tables.joints, bodies, markers, state, multipliers, inputs, weights, work.joints)
     _add_joints(bodies, work.joints, state, multipliers, out)
@@ -185,7 +187,8 @@ def _add_block(
 @inner(allocates=True)
 def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
     """Add the tangents of elements, those of the same bodies that follow each other at once: ``J^T K J``."""
-    tables, work = read_system(system)
+    tables = read_system(system).tables
+    work = read_system(system).work
     rows = work.forces.rows[kind]
     count = rows.acting[0]
     if count == 0:
@@ -193,6 +196,7 @@ def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
     places = tables.rows
     modal = tables.bodies.modal
     ground = tables.terrain
+    fronts = tables.fronts
     first = 0
     motions_each, m = rows.jacobian.shape[2:]
     width = 2 * m + ground.heave.shape[1]
@@ -215,7 +219,7 @@ def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
         _write_motions(ground, rows, first, sizes, motions, forces)
         np.dot(motions.T, forces, block)
         f = places.front[a] if b < 0 else min(places.front[a], places.front[b])
-        _add_block(places, tables.fronts, (f, a, b), sizes, block, into, values)
+        _add_block(places, fronts, (f, a, b), sizes, block, into, values)
         first = last
 
 
@@ -225,12 +229,13 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
 
     `velocity` is the weight of the derivatives by rates.
     """
-    tables, work = read_system(system)
+    tables = read_system(system).tables
+    work = read_system(system).work
     places = tables.rows
     fronts = tables.fronts
     modal = tables.bodies.modal
     rows = work.joints
-    last = tables.fronts.pivots.shape[0] - 1
+    last = fronts.pivots.shape[0] - 1
     m = rows.jacobian.shape[2]
     for side in range(2):
         held = -1
@@ -268,7 +273,8 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
 @inner
 def _add_directions(system: IntArray, r: int, values: FloatArray) -> None:
     """Add the directions of a constraint's force that is not along its Jacobian to the fronts."""
-    tables, work = read_system(system)
+    tables = read_system(system).tables
+    work = read_system(system).work
     places = tables.rows
     fronts = tables.fronts
     modal = tables.bodies.modal
@@ -291,13 +297,15 @@ def _add_directions(system: IntArray, r: int, values: FloatArray) -> None:
 @inner
 def _add_turning(system: IntArray, by_place: float, values: FloatArray) -> None:
     """Add how the moments of the pins' forces change as their bodies turn to the fronts."""
-    tables, work = read_system(system)
+    tables = read_system(system).tables
+    work = read_system(system).work
     places = tables.rows
+    fronts = tables.fronts
     rows = work.joints
     for p in range(rows.turned.shape[0]):
         for side in range(2):
             b = rows.turned[p, side]
-            matrix = elimination.front(tables.fronts, values, places.front[b])
+            matrix = elimination.front(fronts, values, places.front[b])
             place = places.body[places.front[b], b] + 3
             for r in range(3):
                 for c in range(3):
@@ -307,17 +315,22 @@ def _add_turning(system: IntArray, by_place: float, values: FloatArray) -> None:
 @inner
 def _add_masses(system: IntArray, weights: Weights, values: FloatArray) -> None:
     """Add masses, stiffness and damping of bodies and terrain to the fronts."""
-    tables, work = read_system(system)
+    tables = read_system(system).tables
+    work = read_system(system).work
     places = tables.rows
     fronts = tables.fronts
-    last = tables.fronts.pivots.shape[0] - 1
-    for b in range(tables.bodies.mass.shape[0]):
-        inertia = bodies.Inertia(work.first[b], work.second[b], work.turning[b])
+    last = fronts.pivots.shape[0] - 1
+    table = tables.bodies
+    modes = tables.modes
+    first = work.first
+    second = work.second
+    turning = work.turning
+    for b in range(table.mass.shape[0]):
+        inertia = bodies.Inertia(first[b], second[b], turning[b])
         f = places.front[b]
-        attitude = attitude_of(tables.bodies, b)
+        attitude = attitude_of(table, b)
         matrix = elimination.front(fronts, values, f)
-        first = places.body[f, b]
-        bodies.add_body_matrix(tables.bodies, b, tables.modes, attitude, inertia, weights, first, matrix)
+        bodies.add_body_matrix(table, b, modes, attitude, inertia, weights, places.body[f, b], matrix)
     whole = elimination.front(fronts, values, last)
     terrain.add_terrain_matrix(tables.terrain, weights, places.terrain[last], whole)
 
@@ -328,7 +341,8 @@ def matrix(system: IntArray, weights: Weights, fronts: FloatArray) -> None:
 
     It is that at the state whose residual was computed last, with the same weights.
     """
-    tables, work = read_system(system)
+    tables = read_system(system).tables
+    work = read_system(system).work
     elimination.clear(tables.fronts, fronts)
     _add_masses(system, weights, fronts)
     for kind in range(len(work.forces.rows)):

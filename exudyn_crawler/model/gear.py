@@ -66,7 +66,8 @@ def write_gear_forces(
     `system` is a block of `tables.System`, `some` (f,) are the numbers of the shoes whose forces are wanted
     one by one.
     """
-    tables, work = read_system(system)
+    tables = read_system(system).tables
+    work = read_system(system).work
     bodies = tables.bodies
     weights = NO_DERIVATIVES
     of_wheels = work.forces.wheels

@@ -89,4 +89,4 @@ class System(NamedTuple):
 
 
 SYSTEM = packed.type_of(System)
-read_system = packed.reader(SYSTEM)
+read_system = packed.reader(SYSTEM, Tables, Workspace, Joints, Forces, ForceWork)

@@ -10,6 +10,7 @@ from numba import njit, types
 from numba.core.errors import NumbaError
 
 from exudyn_crawler.ground.compiled import inner, kernel
+from exudyn_crawler.ground.linking import LinkedCode
 from exudyn_crawler.model import equations
 from fem import compiling
 
@@ -83,22 +84,33 @@ def test_a_compiled_function_is_not_stale_by_a_change_of_files_that_it_does_not_
     assert not {"build.py", "compiled_system.py", "case.py"} & files
 
 
-def test_python_has_no_way_into_what_it_may_not_call():
+def test_there_is_no_way_into_what_python_may_not_call():
     """A later numba that leaves the way in takes 20 s more to compile."""
     assert entries(code_of(once_more, types.float64)) == {"cpython", "cfunc"}
-    assert entries(code_of(_twice, types.float64)) == {"cfunc"}
+    assert entries(code_of(_twice, types.float64)) == set()
+
+
+def test_machine_code_is_made_of_kernels_alone():
+    """A later numba that makes it of the others, too, takes a fifth longer to compile."""
+    once_more(3.0)
+    (linked,) = _twice._dispatcher.overloads.values()
+    assert isinstance(linked.library, LinkedCode)
+    engine = linked.library.codegen._engine
+    assert not engine.is_symbol_defined(linked.fndesc.mangled_name)
+    (kernel_code,) = once_more.overloads.values()
+    assert engine.is_symbol_defined(kernel_code.fndesc.mangled_name)
 
 
 def test_what_makes_no_arrays_counts_no_references():
     """A later numba that counts all the same takes longer for a step, and would let this function pass."""
     with pytest.raises(NumbaError):
-        code_of(inner(new_row, cached=False), types.intp)
-    assert "NRT_" in code_of(inner(new_row, allocates=True, cached=False), types.intp)
+        code_of(inner(new_row), types.intp)
+    assert "NRT_" in code_of(inner(new_row, allocates=True), types.intp)
 
 
 @pytest.mark.parametrize("merged", [True, False])
 def test_what_is_merged_is_part_of_its_callers(merged):
-    callee = inner(long, merged=merged, cached=False)
+    callee = inner(long, merged=merged)
 
     @njit
     def calls(x):

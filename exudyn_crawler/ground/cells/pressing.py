@@ -184,7 +184,7 @@ def arm_of(points: FloatArray, bent: FloatArray, k: int, R: frames.Matrix) -> fr
     return turned(R, along(triple_of(points, POINT.place, k), 1.0, triple_of(bent, BENT.moved, k)))
 
 
-@inner(merged=True, cached=False)
+@inner(merged=True)
 def _move(points, bent, at, size, block):
     """Write how the points of a block move against the ground, the first rows of its workspace."""
     r, R, v, omega = at
@@ -206,7 +206,7 @@ def _move(points, bent, at, size, block):
             block[ROW.arm + c, k] = arm[c]
 
 
-@inner(merged=True, cached=False)
+@inner(merged=True)
 def _probe(points, block, k):
     """`Probe` of a point of a block that moves."""
     shear = triple_of(points, POINT.shear, k)
@@ -220,7 +220,7 @@ def _probe(points, block, k):
     )
 
 
-@inner(merged=True, cached=False)
+@inner(merged=True)
 def _write_answer(law, points, tangents, nearby, block, trial, k):
     """Write what the law answers to a point."""
     answer = respond(law, _probe(points, block, k), tangents, nearby)
@@ -245,7 +245,7 @@ def _write_answer(law, points, tangents, nearby, block, trial, k):
             block[ROW.direction + c, k] = answer.direction[c]
 
 
-@inner(merged=True, cached=False)
+@inner(merged=True)
 def _answer(law, points, tangents, size, block, trial):
     """Write what the law answers to a block that moves, and the memory on trial."""
     for k in range(size):
@@ -259,7 +259,7 @@ def _answer(law, points, tangents, size, block, trial):
         _write_answer(law, points, tangents, False, block, trial, int(block[ROW.again, j]))
 
 
-@inner(merged=True, cached=False)
+@inner(merged=True)
 def _push(points, areas, size, block):
     """Write the forces of a block's points."""
     for k in range(size):
@@ -269,7 +269,7 @@ def _push(points, areas, size, block):
             block[ROW.force + c, k] = areas[k] * (stress - viscous)
 
 
-@inner(merged=True, cached=False)
+@inner(merged=True)
 def _slope(points, areas, by_place, by_velocity, size, block):
     """Write the weighted derivatives of the forces of a block's points by displacements, its last rows.
 
@@ -305,7 +305,7 @@ class PressedShoe(NamedTuple):
     block: packed.Floats2
 
 
-@inner(merged=True, cached=False)
+@inner(merged=True)
 def press_shoe(law, count, frame, weights, shoe):
     """Write the forces of the cells on a `PressedShoe` with `count` points at a frame (FRAME,).
 
@@ -411,7 +411,7 @@ def _congruence(sums, R, z, out):
             )
 
 
-@inner(merged=True, cached=False)
+@inner(merged=True)
 def prepare_points(law, count, points):
     """Write `Probe.prepared` of all points of one shoe."""
     for b in range(points.shape[0]):

@@ -134,7 +134,8 @@ def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
     `frames` (shoes, FRAME) and `bent`, the displacement of the grid's nodes (flexible shoes, along, across,
     3), m, are those of then; `block` is one of `OnCells`.
     """
-    _, table, work = _read(block)
+    table = _read(block).table
+    work = _read(block).work
     shoes = work.shoes
     for s in range(table.flexible.shape[0]):
         f = table.flexible[s]
@@ -176,8 +177,7 @@ def _bend_points(table: CellTable, work: CellWorkspace) -> None:
 @kernel
 def bend_shoes(block: IntArray) -> None:
     """Write how the modes move the points of flexible shoes; of a block of `OnCells`."""
-    _, table, work = _read(block)
-    _bend_points(table, work)
+    _bend_points(_read(block).table, _read(block).work)
 
 
 @inner(allocates=True)

@@ -1,0 +1,56 @@
+"""Compile functions as parts of their callers: types and code are found once, machine code within a kernel.
+
+numba optimizes a function with all that it calls, and makes machine code of it, before its caller takes the
+same code once more: what lies five calls deep it would optimize five times.
+"""
+
+from typing import Any
+
+from numba import _dynfunc
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
+from numba.core.typed_passes import NativeLowering
+
+
+class LinkedCode(JITCodeLibrary):
+    """Code of a function with all that it calls, neither optimized nor made to machine code."""
+
+    def _optimize_final_module(self) -> None:
+        """Leave it to the kernel."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _Offer(LoweringPass):
+    """Let callers find code that has no address: numba's tables know it by an entry that leads nowhere."""
+
+    _name = "offer"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        function = state.cr.fndesc
+        module = function.lookup_module()
+        entry = _dynfunc.make_function(module, function.qualname, "", 0, state.cr.env, (state.library,))
+        state["cr"] = state.cr._replace(cfunc=entry)
+        state.targetctx.insert_user_function(entry, function, [state.library])
+        return False
+
+
+class LinkedCompiler(CompilerBase):
+    """Compiler of such functions, for `numba.njit(pipeline_class=...)`."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Passes of numba, but for what makes machine code."""
+        state = self.state
+        state.flags.no_compile = True
+        state.library = LinkedCode(state.targetctx.codegen(), state.func_id.func_qualname)
+        passes = DefaultPassBuilder.define_nopython_pipeline(state)
+        passes._finalized = False
+        passes.add_pass_after(_Offer, NativeLowering)
+        passes.finalize()
+        return [passes]
