@@ -46,7 +46,7 @@ def life(
 
     Before anything is counted: FileNotFoundError if there is no such file or no history of a run,
     FileExistsError if the folder has results and `overwrite` is false, ValueError if the duty, its runs or a
-    spread beside one do not fit together, as of `read_duty`, `results.life.duty_runs.used_runs` and
+    spread beside one do not fit together, see `read_duty`, `results.life.duty_runs.used_runs` and
     `results.checks.solve.case_shapes`.
     """
     duty = duty if isinstance(duty, Duty) else read_duty(duty)
@@ -106,7 +106,7 @@ def _folder(
 
 
 def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> list[results.LifeResults]:
-    """Life over each stage of a duty alone, or over all of it; arguments and errors as of `life`."""
+    """Life over each stage of a duty alone, or over all of it; arguments and errors as in `life`."""
     inputs = [(stage, _histories(stage)) for stage in duty.by_stage()]
     lives = []
     with progress.heartbeat(f"life of {duty.name}"):
@@ -125,10 +125,10 @@ def _check_of(duty: Duty) -> cases.ShoeCheck:
     return check.with_(material=duty.material)
 
 
-def roller_paths(found: results.LifeResults) -> dict[str, pd.DataFrame]:
+def roller_paths(lives: results.LifeResults) -> dict[str, pd.DataFrame]:
     """Line contact of the treads of rolled runs by their names, and of check cases, in the last stage."""
-    duty = found.duty.by_stage()[-1]
-    histories = {used_run.run.name: used_run.basis.history for used_run in found.runs}
+    duty = lives.duty.by_stage()[-1]
+    histories = {used_run.run.name: used_run.basis.history for used_run in lives.runs}
     paths = {
         name: roller_path.roller_path(history, [duty.material])
         for name, history in histories.items()
@@ -137,7 +137,7 @@ def roller_paths(found: results.LifeResults) -> dict[str, pd.DataFrame]:
     if duty.cases:
         check = _check_of(duty)
         names = set(duty_runs.check_cases_of(duty))
-        there = solve.all_cases(check, cases.ShoeOutline.of(found.whole.mesh))
+        there = solve.all_cases(check, cases.ShoeOutline.of(lives.whole.mesh))
         pressed = [case for case in there if case.name in names]
         paths["check cases"] = roller_path.hertz_table(check, pressed)
     return {name: table for name, table in paths.items() if len(table)}
@@ -172,16 +172,16 @@ def _spread(run: DutyRun, case: Case) -> xr.DataArray | None:
         return results.relative_spread(dataset[["peak_von_mises", "peak_spread", "peak_choice"]].load())
 
 
-def write_life(found: results.LifeResults, folder: Path, overwrite: bool = False) -> None:
+def write_life(lives: results.LifeResults, folder: Path, overwrite: bool = False) -> None:
     """Write all that there is of a life into a folder: dataset, tables, fields and a page with it in 3D."""
-    files.write_netcdf(found.dataset, folder / LIFE, overwrite)
-    tables.write_table(results.in_words(found.table), folder / TABLE, overwrite)
-    tables.write_table(found.causes().map(results.life_words).reset_index(), folder / CAUSES, overwrite)
+    files.write_netcdf(lives.dataset, folder / LIFE, overwrite)
+    tables.write_table(results.in_words(lives.table), folder / TABLE, overwrite)
+    tables.write_table(lives.causes().map(results.life_words).reset_index(), folder / CAUSES, overwrite)
     for name, made in ((MATRICES, NodeLife.rainflow_matrix), (GROWTH, NodeLife.damage_history)):
-        of_nodes = {node: made(node_life) for node, node_life in found.nodes.items()}
+        of_nodes = {node: made(node_life) for node, node_life in lives.nodes.items()}
         joined = pd.concat(of_nodes, names=["node"]).reset_index(level="node")
         tables.write_table(joined, folder / name, overwrite)
-    data = found.dataset
+    data = lives.dataset
     fields = {
         f"life in h, {100 * survival:g} % survive": data.life.sel(survival=survival)
         for survival in data.survival.values
@@ -196,5 +196,5 @@ def write_life(found: results.LifeResults, folder: Path, overwrite: bool = False
     at_last = data.place_damage.isel(survival=-1)
     fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}
     with files.whole_file(folder / FIELDS, overwrite) as temporary:
-        write_vtu(temporary, found.whole.mesh, {name: np.asarray(field) for name, field in fields.items()})
-    pages.write_life_page(found, folder / PAGE, overwrite, roller_paths(found))
+        write_vtu(temporary, lives.whole.mesh, {name: np.asarray(field) for name, field in fields.items()})
+    pages.write_life_page(lives, folder / PAGE, overwrite, roller_paths(lives))

@@ -32,7 +32,7 @@ OPEN_PARTS = ("spread", "choice")  # columns of a stress's uncertainty by starts
 class Spread:
     """Stresses of a run with what others differ from it by.
 
-    `dataset` is what the catalogue has of spread: shoe and node as of `StressResults`, run with that of
+    `dataset` is what the catalogue has of spread: shoe and node as in `StressResults`, run with that of
     `peak_von_mises` first; `peak_verdict` counts spread and choice. `hot_spots` has the tables of the first
     run's shoes with columns spread and choice (Pa) and the verdict that follows.
     """
@@ -72,7 +72,7 @@ def spread(
 
     Before anything runs, a FileNotFoundError or ValueError if the folder has no case or no finished history
     of it, there are no flexible shoes, or nothing is to be repeated; a FileExistsError if the folder has
-    results and `overwrite` is false; else errors as of `run_case`.
+    results and `overwrite` is false; else errors as in `run_case`.
     """
     folder = Path(run)
     case_file = read_case(folder / record.CASE)

@@ -86,7 +86,7 @@ def fold_stresses(
         Numbers of the nodes to look at, in any order; all if left out.
     tolerance : float, optional
         Fold stresses of a reduced rank, in single precision and several times as fast. The error is at most
-        this part of the highest stress, as of `rank.reduced_rank`, and each block has its bound. If left out,
+        this part of the highest stress, see `rank.reduced_rank`, and each block has its bound. If left out,
         at full rank and in double precision.
 
     Returns

@@ -104,7 +104,7 @@ def damage_on_planes(
     normals : array (n of the mesh, 3)
         Of `surface_normals`.
     angles : array (n, a)
-        Of the planes about the nodes' normals, as of `plane_normals`.
+        Of the planes about the nodes' normals, see `plane_normals`.
     nodes : int array (n,)
         Numbers of surface nodes.
 

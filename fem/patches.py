@@ -42,7 +42,7 @@ class Underside:
         return self.integral.shape[-1]
 
     def rectangle_mean(self, low: Floats, high: Floats) -> tuple[Integers, Floats]:
-        """Means over rectangles as sums over points of the grid: the same as of `mean_rows`.
+        """Means over rectangles as sums over points of the grid: the same as in `mean_rows`.
 
         Parameters
         ----------
@@ -146,7 +146,7 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
 def mean_rows(corner, cell, integral, rectangle, out):
     """Write the mean displacement rows (3, modes) over a rectangle into `out`.
 
-    `corner`, `cell` and `integral` as of `Underside`; `rectangle` is least and greatest x, least and
+    `corner`, `cell` and `integral` as in `Underside`; `rectangle` is least and greatest x, least and
     greatest y, m, body axes.
     """
     out.fill(0.0)

@@ -235,7 +235,7 @@ def craig_bampton(
 
 
 def _balanced(body: ElasticBody, loads: Mapping[str, Floats]) -> Floats:
-    """Loads (3n,) as of `ElasticBody.balanced`, none of which may vanish: array (3n, loads)."""
+    """Loads (3n,) as in `ElasticBody.balanced`, none of which may vanish: array (3n, loads)."""
     forces = np.column_stack(list(loads.values()))
     balanced = body.balanced(forces)
     for name, force, rest in zip(loads, forces.T, balanced.T, strict=True):
@@ -261,7 +261,7 @@ class Nested(NamedTuple):
     inside: Floats
 
     def with_modes(self, modes: Sequence[int]) -> Self:
-        """Keep some of the modes only, as of `ReducedBody.with_modes`."""
+        """Keep some of the modes only, see `ReducedBody.with_modes`."""
         return type(self)(self.body.with_modes(modes), self.inside[:, list(modes)])
 
 

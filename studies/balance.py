@@ -136,17 +136,17 @@ def _riding(
     frame: _Motion,
     time: np.ndarray,
     place: np.ndarray,
-    own: list[np.ndarray],
+    motion: list[np.ndarray],
     mass: float,
     inertia: np.ndarray,
 ) -> _Motion:
     """Motion of a body in a frame with its COM at a place (times, 3), m.
 
-    Its `own` are angle (rad) and speed (rad/s) about the y of the frame, and way along its x (m).
+    Its `motion` are angle (rad) and speed (rad/s) about the y of the frame, and way along its x (m).
     """
     body = copy(frame)
     arm = place - frame.origin
-    (angle, spin, way) = (series[:, None] for series in own)
+    (angle, spin, way) = (series[:, None] for series in motion)
     ahead = frame.axes[..., 0]
     axle = frame.axes[..., 1]
     rate = _rate(way, time)
@@ -208,7 +208,7 @@ def _of_shoes(history: History, force: np.ndarray, moment: np.ndarray, **coords:
 
 
 def shoe_imbalance(history: History) -> xr.Dataset:
-    """Rate as of `shoe_momentum_rates` less all that acts, of every shoe: zero where mechanics holds."""
+    """Rate as in `shoe_momentum_rates` less all that acts, of every shoe: zero where mechanics holds."""
     with xr.set_options(keep_attrs=True):
         return shoe_momentum_rates(history) - shoe_actions(history).sum("source")
 
@@ -329,7 +329,7 @@ def powers(history: History) -> xr.Dataset:
     track the drive is its torque on the tumblers, and `wheel_losses` and `tooth_losses` are what these take
     and do not store: by resistance, damping and flanges; `modal_damping` and `tensioner_damping` take power
     where there are such. ValueError for a history of contact by spheres, of which a row does not say what
-    each takes, or as of `energies`.
+    each takes, or as in `energies`.
     """
     _only_known(history)
     case = history.case

@@ -24,7 +24,7 @@ STEP = 1e-7
 
 
 def swings(case: Case) -> np.ndarray:
-    """Eigenvalues as of `eigenmodes` of a rigid track at rest without friction, its front shoe held."""
+    """Eigenvalues as in `eigenmodes` of a rigid track at rest without friction, its front shoe held."""
     contact = case.pair_contact().with_(static_friction=0.0, dynamic_friction=0.0)
     case = case.with_(contact=contact)
     system = compiled_system(case)

@@ -50,7 +50,7 @@ REACTIONS = {"spherical joint reaction": "joint_force", "parallel joint torque":
 
 
 def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.DataArray:
-    """Quantity that the F-paper names, else ValueError, in SI units; `contacts` as of `contacts_by_shoe`."""
+    """Quantity that the F-paper names, else ValueError, in SI units; `contacts` as in `contacts_by_shoe`."""
     if quantity == "total terrain deformation from equilibrium":
         return history.terrain_deformation
     name, axis, shoe = _words(quantity)
@@ -133,7 +133,7 @@ def _force_value(history: History, contacts: xr.Dataset, quantity: str, statisti
 
 
 def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
-    """Every row of the F-paper against the runs; columns as of `comparison.comparison_table`."""
+    """Every row of the F-paper against the runs; columns as in `comparison.comparison_table`."""
     contacts = {case: history.contacts_by_shoe() for case, history in histories.items()}
     reported = reported_values("forces")
     computed = [

@@ -60,7 +60,7 @@ def study(
     """Shortest lives of the shoes for each material, by folder, and a table of the shortest and its cause.
 
     `stress` and `rollers` are folders of these studies, of which the first runs if it is missing. `out` gets
-    a folder per kind of propel and material, and `summary.csv`. The others, and errors, are as of `life`.
+    a folder per kind of propel and material, and `summary.csv`. The others, and errors, are as in `life`.
     """
     if not (stress / RUN / HISTORY).is_file():
         stress_study(stress, say=say)

@@ -88,7 +88,7 @@ def overhang_cases() -> dict[str, Case]:
 def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str, CaseFile]:
     """Cases of the study with their durations (s), at most `duration`.
 
-    `mesh` is as of `FlexibleShoes`; shoes with overhanging rails have meshes of their own.
+    `mesh` is as in `FlexibleShoes`; shoes with overhanging rails have meshes of their own.
     """
     most = np.inf if duration is None else duration
     loading = ph4100c.RETURN_END - ph4100c.PROPEL_END

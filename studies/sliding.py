@@ -85,10 +85,10 @@ class Balance:
         return np.column_stack(pushed) / FORCE_SCALE
 
 
-def derivative(function: Callable[[np.ndarray], np.ndarray], at: np.ndarray, step: float) -> np.ndarray:
-    """Central differences of a function, a column for each of its arguments."""
-    changes = step * np.eye(len(at))
-    return np.column_stack([(function(at + e) - function(at - e)) / (2.0 * step) for e in changes])
+def derivative(function: Callable[[np.ndarray], np.ndarray], values: np.ndarray, step: float) -> np.ndarray:
+    """Central differences of a function, a column for each of its values."""
+    changes = step * np.eye(len(values))
+    return np.column_stack([(function(values + e) - function(values - e)) / (2.0 * step) for e in changes])
 
 
 def check_sliding(case: Case, speed: float) -> None:
@@ -115,7 +115,7 @@ def steady_sliding(case: Case, speed: float, travel: float = 0.0) -> SteadySlidi
 
     Friction has its steady value, and the chain's tension grows shoe by shoe to the front. The loads are
     those at t = 0. Friction and travel are put on in as few portions as can be. `speed` is in m/s; `travel`
-    (m), the way that the front shoe has gone along x, says which units the shoes stand on. A ValueError as of
+    (m), the way that the front shoe has gone along x, says which units the shoes stand on. A ValueError as in
     `check_sliding`, an EquilibriumError if Newton's method finds none.
     """
     check_sliding(case, speed)

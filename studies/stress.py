@@ -73,7 +73,7 @@ def stress_value(history: History, results: StressResults, case: str, quantity: 
 
 
 def compare_stresses(history: History, results: StressResults) -> pd.DataFrame:
-    """Every row of the S-paper against a run; columns as of `comparison.comparison_table`."""
+    """Every row of the S-paper against a run; columns as in `comparison.comparison_table`."""
     reported = reported_values("stress")
     frequencies = whole_reduction(history.case).body.frequencies
     computed = []
@@ -126,7 +126,7 @@ def study(
 ) -> tuple[CaseRun, pd.DataFrame]:
     """Run a track with flexible shoes, `Case.stress()` if none is given, and compare it with the paper.
 
-    With `out` it gets the run in its folder "cycle", and `comparison.csv`, as of `compare_stresses`. A
+    With `out` it gets the run in its folder "cycle", and `comparison.csv`, see `compare_stresses`. A
     ValueError before anything runs for no flexible shoes, interfaces that do not meet the pins, modes that do
     not exist, a bad duration (s), or checkpoints of other parameters; others are those of `study_runs`.
     """

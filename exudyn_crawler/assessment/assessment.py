@@ -196,7 +196,7 @@ def assessment_of(
 ) -> Assessment:
     """Assessment of the machine of a case; a ValueError if it does not stand on two closed tracks.
 
-    `given` and `origins` are as of `numbers_of`; a `run` gives its forces to the load case that it is of.
+    `given` and `origins`: see `numbers_of`; a `run` gives its forces to the load case that it is of.
     """
     settings = settings or AssessmentSettings(name=case.name)
     numbers = numbers_of(case, settings, given, origins)

@@ -1,6 +1,6 @@
 """Pressure on the ground of two tracks: by statics of two beams, and of one rigid plate on any ground.
 
-Axes as of `assessment.forces`. Each track presses on a rectangle; tension between track and ground there is
+Axes: see `assessment.forces`. Each track presses on a rectangle; tension between track and ground there is
 none. Beams: the statics that crane and rig guidance uses (triangle: eng-tips 185656); what BR 470 asks for
 beyond it, factors and platforms, is left out.
 """

@@ -60,7 +60,7 @@ def check_of(case: Case, settings: AssessmentSettings, ready_shoe: bool) -> read
 
 
 def _below(beside: float) -> dict[str, tuple[str, ...]]:
-    """Check cases of the ground below a shoe by what the rollers stand on; `beside` as of `ShoeOutline`."""
+    """Check cases of the ground below a shoe by what the rollers stand on; `beside`: see `ShoeOutline`."""
     ends = f"both ends {0.2 * beside:.3g} m"
     corners = f"diagonal corners {0.3 * beside:.3g} m"
     ridge = f"ridge {0.4 * beside:.3g} m"

@@ -1,6 +1,6 @@
 """Stability against tipping over the four edges on which a machine on two tracks stands.
 
-Axes as of `assessment.forces`. Edges: front and rear (end wheels on hard ground, or outer rollers where those
+Axes: see `assessment.forces`. Edges: front and rear (end wheels on hard ground, or outer rollers where those
 are lifted), left and right (middle of a track, or the outer edge of its shoes as ISO 10567 has it).
 """
 

@@ -177,9 +177,9 @@ def typed_text(entry: fields.Entry) -> str:
 def _toml(value: object, unit: str, by_hand: bool) -> str:
     """Value as TOML; `by_hand` in kN, MPa and MN/m, and without digits that are rounding."""
     if isinstance(value, tuple):
-        return f"[{', '.join(_toml(one, unit, by_hand) for one in value)}]"
+        return f"[{', '.join(_toml(item, unit, by_hand) for item in value)}]"
     if isinstance(value, drive.StepProfile):
-        return "{" + ", ".join(f"{name} = {_toml(one, '', by_hand)}" for name, one in value) + "}"
+        return "{" + ", ".join(f"{name} = {_toml(item, '', by_hand)}" for name, item in value) + "}"
     if isinstance(value, float):
         prefix = fields.prefix_of(value, unit) if by_hand and "exponent" not in unit else ""
         digits = f"{value / fields.PREFIXES[prefix]:.{DIGITS}g}"

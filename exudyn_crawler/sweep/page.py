@@ -48,7 +48,7 @@ def write_page(
 
 
 def sweep_page(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> str:
-    """HTML of the page of a table as of `results_table`; it needs no other file but the runs it links to."""
+    """HTML of the page of a table of `results_table`; it needs no other file but the runs it links to."""
     read = results.for_reading(table)
     sections = [
         page.Section("best", "Best and worst runs", _best(sweep, read, links)),

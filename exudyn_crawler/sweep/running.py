@@ -33,7 +33,7 @@ def run_sweep(
 
     A sweep that was stopped goes on when it is run into the same folder; one with more values or other
     answers takes what is there. Runs that fail do not stop the others. Draws from a duty are no runs: their
-    lives are evaluated in this process, with errors as of `life`.
+    lives are evaluated in this process, with errors of `life`.
 
     Every run has a folder in `runs` of `out`, which all workers have to share.
     `scheduler` is a Dask cluster: its address or scheduler file, a cluster object or a client; without, one
@@ -97,7 +97,7 @@ def _gathered(
 
 
 def folder_state(sweep: Sweep, out: Path, *, workers: int | None, retry: bool) -> str:
-    """State of a sweep in a folder, and how long the rest takes; arguments as of `run_sweep`."""
+    """State of a sweep in a folder, and how long the rest takes; arguments: see `run_sweep`."""
     stored, missing, line = _state(sweep, out.resolve() / "runs", retry)
     rest = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, stored.values())
     return f"{line}\n{rest}"

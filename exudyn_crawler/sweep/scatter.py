@@ -29,7 +29,7 @@ class DutyScatter(definition.Variation):
     """Lives over a duty of which values are drawn: every draw is a shoe."""
 
     duty: Duty
-    design: definition.Design = base.option("as of a sweep", "latin_hypercube")
+    design: definition.Design = base.option("as in a sweep", "latin_hypercube")
 
     def _errors(self) -> base.Errors:
         for path in (path for variable in self.vary for path in variable.keys):
@@ -186,15 +186,15 @@ class CountedDuty:
         return shortest
 
 
-def _counted(one: life.LifeResults, nodes: np.ndarray) -> CountedStage:
+def _counted(stage: life.LifeResults, nodes: np.ndarray) -> CountedStage:
     """Cycles in a stage at some nodes, without those that no draw notices."""
     rows = []
     extremes = []
-    for part, run in enumerate(one.runs):
-        counting = run.counting(one.duty.material.curve(one.duty.miner), (0.999,), 1e-3 / life.BEYOND)
+    for part, run in enumerate(stage.runs):
+        counting = run.counting(stage.duty.material.curve(stage.duty.miner), (0.999,), 1e-3 / life.BEYOND)
         at_places = []
         for shoe in run.basis.coordinates:
-            signals = duty_runs.node_signals(one.duty.criterion, run.basis, shoe, nodes)
+            signals = duty_runs.node_signals(stage.duty.criterion, run.basis, shoe, nodes)
             at_places.append((signals.max(axis=1), signals.min(axis=1)))
             for node, signal in enumerate(signals):
                 cycles = counting.cycles(signal)
@@ -202,7 +202,9 @@ def _counted(one: life.LifeResults, nodes: np.ndarray) -> CountedStage:
                 rows.append(np.stack((*columns, cycles.begin, cycles.end)))
         extremes.append(np.array(at_places).swapaxes(0, 1))
     part, node, begin, end = np.concatenate(rows, axis=1)
-    return CountedStage(one.runs, part.astype(int), node.astype(int), begin, end, np.stack(extremes, axis=1))
+    return CountedStage(
+        stage.runs, part.astype(int), node.astype(int), begin, end, np.stack(extremes, axis=1)
+    )
 
 
 def read_scatter(path: str | Path) -> AnySweep:

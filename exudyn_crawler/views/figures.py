@@ -344,7 +344,7 @@ def stress_figures(
 
 
 def roller_path_figure(table: pd.DataFrame, name: str) -> Figure:
-    """Pressure of the treads along the rail as of `roller_path.roller_path`, beside what materials bear."""
+    """Pressure of the treads along the rail, see `roller_path.roller_path`, beside what materials bear."""
     with style.titled_figure(f"{name}: roller path", PANEL_WIDTH, 0.5 * PANEL_WIDTH) as figure:
         ax = figure.subplots()
         on_rail = table["place"] == roller_path.RAIL

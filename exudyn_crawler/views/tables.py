@@ -98,7 +98,7 @@ def cell_text(value: object, digits: int = 4) -> str:
 
 
 def print_table(table: "pd.DataFrame", title: str, keys: Sequence[str] = (), whole: str | Path = "") -> None:
-    """Print a table as of `print_rows`; a column with a number is numeric, whatever words it has, too."""
+    """Print a table, see `print_rows`; a column with a number is numeric, whatever words it has, too."""
     numeric = [str(name) for name in table.columns if any(isinstance(cell, Number) for cell in table[name])]
     rows = table.itertuples(index=False, name=None)
     print_rows([*map(str, table.columns)], rows, title, numeric, keys, whole)

@@ -1,4 +1,4 @@
-"""Arms that carry road wheels on springs, as of the M113 and the Marder."""
+"""Arms that carry road wheels on springs: the M113 and the Marder."""
 
 from collections.abc import Sequence
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from scipy.optimize import brentq
 
 CLOSED = 1e-9  # m, by which the ends of an assembled chain may be apart; what is reached is rounding
-FIRST_PIN = 0.5  # its place on the belt, as of `point_at`
+FIRST_PIN = 0.5  # its place on the belt, see `point_at`
 MARCH = 0.25  # of a pitch, steps along the belt in which the next pin is sought
 
 Point = tuple[float, float]
@@ -121,7 +121,7 @@ def point_at(pieces: Sequence[Piece], u: float) -> Point:
 
 
 def pins_along(pieces: Sequence[Piece], pitch: float, count: int) -> list[float]:
-    """Places (as of `point_at`) of count + 1 pins, each a pitch from the one before."""
+    """Places (see `point_at`) of count + 1 pins, each a pitch from the one before."""
     pins = [FIRST_PIN]
     steps = [MARCH * pitch / max(piece.length, 1e-12) for piece in pieces]
     for _ in range(count):

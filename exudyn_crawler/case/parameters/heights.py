@@ -34,7 +34,7 @@ class Ridge(Parameters):
     length: float = quantity("m", "of the top along the ridge", gt=0, le=1e6, default=1e6)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes as of `Heights.sample`."""
+        """Height and slopes, see `Heights.sample`."""
         c, s = _direction(self.heading)
         x, y = x - self.x, y - self.y
         along, along_slope = _hump(x * c + y * s, self.length, self.flank)
@@ -55,7 +55,7 @@ class Ramp(Parameters):
     flank: float = quantity("m", "length, seen from above", gt=0, le=1e4)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes as of `Heights.sample`."""
+        """Height and slopes, see `Heights.sample`."""
         c, s = _direction(self.heading)
         share = ((x - self.x) * c + (y - self.y) * s) / self.flank
         slope = ((share > 0.0) & (share < 1.0)) / self.flank
@@ -74,7 +74,7 @@ class Waves(Parameters):
     length: float = quantity("m", "from crest to crest", gt=0, le=1e6)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes as of `Heights.sample`."""
+        """Height and slopes, see `Heights.sample`."""
         c, s = _direction(self.heading)
         number = 2.0 * math.pi / self.length
         phase = number * ((x - self.x) * c + (y - self.y) * s)
@@ -94,7 +94,7 @@ class Stone(Parameters):
     flank: float = quantity("m", "length of the flank, seen from above", gt=0, le=1e3)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes as of `Heights.sample`."""
+        """Height and slopes, see `Heights.sample`."""
         x, y = x - self.x, y - self.y
         radius = np.hypot(x, y)
         height, slope = _hump(radius, self.width, self.flank)
@@ -121,7 +121,7 @@ class Roughness(Parameters):
             yield f"shortest must be below longest = {self.longest}, got {self.shortest}"
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes as of `Heights.sample`."""
+        """Height and slopes, see `Heights.sample`."""
         random = np.random.default_rng(self.seed)
         w = self.exponent
         ends = np.geomspace(1.0 / self.longest, 1.0 / self.shortest, BANDS + 1)

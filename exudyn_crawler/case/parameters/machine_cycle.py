@@ -76,8 +76,8 @@ class MachineCycle(loads.Cycle):
         The lateral moment that is left is the pair of both tracks' forces: none of it is on the side frame.
 
         The weight of the side frame is taken off the share. Poses are at the
-        ends of the phases, masses and places of the `shovel` as of `ph4100c.SHOVEL`; `side` is 1 on the left
-        track and -1 on the right one, `down` as of `Terrain.down`. A ValueError if the machine tips over a
+        ends of the phases, masses and places of the `shovel` as in `ph4100c.SHOVEL`; `side` is 1 on the left
+        track and -1 on the right one, `down` as in `Terrain.down`. A ValueError if the machine tips over a
         track.
         """
         gravity = np.asarray(down, dtype=float)
@@ -109,7 +109,7 @@ class MachineCycle(loads.Cycle):
         Poses have the dipper's payload and what the bank does to it; their swing takes the weight of the
         upper structure along. What changes with a dipper's reach alone is left out, and so is the slewing's
         angular momentum. The upper structure is that of a `body`, the P&H 4100C's if None, and slews from its
-        `slew`; poses and `down` are as of `shovel`.
+        `slew`; poses and `down`: see `shovel`.
         """
         body = body or CarBody.ph4100c()
         gravity = ph4100c.GRAVITY * np.asarray(down, dtype=float)

@@ -76,7 +76,7 @@ def far_inertia(name: str, mass: float, inertia: base.Six, length: float) -> Ite
 
 
 def overlap_errors(wheels: Sequence[Round], tolerance: float = 1e-6) -> Errors:
-    """Wheels in each other, of different groups as of rollers, carriers, tumbler and idler."""
+    """Wheels in each other, of different groups: rollers, carriers, tumbler and idler."""
     for k, wheel in enumerate(wheels):
         for other in wheels[k + 1 :]:
             if wheel.name.split()[0] == other.name.split()[0]:

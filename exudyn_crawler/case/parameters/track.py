@@ -113,7 +113,7 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
         """Shoe as its mesh has it: mass, inertia, underside and load point; density in kg/m3.
 
         The mesh, in shoe axes and m, is coarse, study or fine, a path, or a mesh. It needs the
-        surfaces "underside" and `load_surface`, as of `FlexibleShoes`. A FileNotFoundError or MeshError if
+        surfaces "underside" and `load_surface`, see `FlexibleShoes`. A FileNotFoundError or MeshError if
         there is none or a surface is cut; a ValueError if it is larger than any shoe, lacks a surface, or its
         origin is not its COM.
         """

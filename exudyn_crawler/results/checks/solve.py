@@ -177,9 +177,9 @@ def _inside(places: np.ndarray, part: ready.Pressure | ready.GroundPart, across:
     return inside & ((away[:, across] ** 2).sum(axis=1) <= 1.0) if part.round else inside
 
 
-def _centred(points: supports.SurfacePoints, at: np.ndarray) -> np.ndarray:
+def _centred(points: supports.SurfacePoints, place: np.ndarray) -> np.ndarray:
     """Density (p,) that changes evenly so that a force acts at a place (2,), as far as it pushes."""
-    off = points.positions[:, :2] - at
+    off = points.positions[:, :2] - place
     plane = np.column_stack((np.ones(len(off)), off))
     weights = np.linalg.lstsq(
         plane.T @ (points.areas[:, None] * plane), np.array([1.0, 0.0, 0.0]), rcond=None
@@ -290,7 +290,7 @@ def case_shapes(
 ) -> Shapes:
     """Displacement and stress of a shoe under some of its check cases, a column each.
 
-    A ValueError names a case that there is not, and what there is; or is as of `solve_cases`.
+    A ValueError names a case that there is not, and what there is; or is as in `solve_cases`.
     """
     shoe = CheckedShoe(check)
     known = {case.name: case for case in all_cases(check, shoe.outline)}
@@ -304,7 +304,7 @@ def case_shapes(
 def _solved(
     shoe: CheckedShoe, cases: Sequence[ready.CheckCase], say: Callable[[str], None]
 ) -> tuple[np.ndarray, np.ndarray, dict[str, tuple[float, float]]]:
-    """Loads (3 n + 24, k) with the ground's, answers (n, 3, k), and blows as of `_blow` by their cases."""
+    """Loads (3 n + 24, k) with the ground's, answers (n, 3, k), and blows as in `_blow` by their cases."""
     each = []
     blows = {}
     for case in cases:

@@ -267,7 +267,7 @@ def with_meaning(name: str, values: xr.DataArray) -> xr.DataArray:
 
 
 def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
-    """Quantities of contacts by shoe as the catalogue says, and as of `History.contacts_by_shoe`."""
+    """Quantities of contacts by shoe as the catalogue says, and as in `History.contacts_by_shoe`."""
     wanted = list(names)
     derived = [name for name in wanted if QUANTITIES[name].derived_from]
     stored = dict.fromkeys([source for name in wanted for source in QUANTITIES[name].derived_from or (name,)])

@@ -22,7 +22,7 @@ THEN = 5
 
 
 def memory_now(memory: Mapping[str, np.ndarray], time: float) -> np.ndarray:
-    """Cells that a ground's memory, as of `CellGround.state`, holds at a time (s): array (cells, THEN)."""
+    """Cells that a ground's memory, see `CellGround.state`, holds at a time (s): array (cells, THEN)."""
     count = len(memory["cells"])
     return np.column_stack((np.full(count, time), memory["cells"], memory["memory"][:, :2]))
 
@@ -56,7 +56,7 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
 
     Dimensions x and y (m, global, middles of cells): height before any shoe came, greatest sinkage along the
     normal of a cell, and the rut, what stays of that where nothing presses; m. With `times` (s) also `depth`
-    (time, x, y), m, vertical, as of `pressed_depths` at the nearest stored times, and `sinkage_then` and
+    (time, x, y), m, vertical, see `pressed_depths` at the nearest stored times, and `sinkage_then` and
     `rut_then` as of the end, NaN at times at which the run has not kept what cells remembered
     (`ground_times`). ValueError if the case has no ground of cells.
     """

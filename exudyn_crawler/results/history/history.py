@@ -136,7 +136,7 @@ class History:
         return History(case, data.assign(side_frame_position=place.copy(data=place.values + arm)))
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
-        """Write everything to one NetCDF file, as of `results.history.files`: contacts in single precision.
+        """Write everything to one NetCDF file, see `results.history.files`: contacts in single precision.
 
         FileExistsError if the file exists and `overwrite` is false.
         """

@@ -298,7 +298,7 @@ def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr
 
 
 def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:
-    """Differences of two runs' quantities, A and B as of `compared`, axis by axis; columns as of `COLUMNS`.
+    """Differences of two runs' quantities, A and B as in `compared`, axis by axis; columns as in `COLUMNS`.
 
     Shoes, links and units that both have are compared, over the time that both have; the second is read
     between its stored times, linearly, where the first has others. Only what differs beyond rounding has a

@@ -82,7 +82,7 @@ def life_of(
 
     `say` gets a line on what is going on. `spreads` (shoe, node) of each run's peaks over themselves are
     those of `relative_spread`, None where not known; `shapes` those of `check_cases_of` the duty. ValueError
-    as of `duty_runs.used_runs` and `used_cases`; or if a chosen node is not of the surface.
+    as in `duty_runs.used_runs` and `used_cases`; or if a chosen node is not of the surface.
     """
     runs = used_runs(duty, histories) if duty.runs else []
     if shapes is not None:
@@ -141,36 +141,36 @@ def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> dict[SNCurv
 
 
 def _with_castings(
-    found: LifeResults, stages: Sequence[LifeResults], nearest: Sequence[np.ndarray]
+    lives: LifeResults, stages: Sequence[LifeResults], nearest: Sequence[np.ndarray]
 ) -> LifeResults:
     """Same with residual stress, defect and life with it in its table, if its material has castings.
 
     Without what goes between runs; at the nodes of its table, and the `nearest` ones of earlier stages.
     """
-    duty = found.duty
-    material = found.duty.material
+    duty = lives.duty
+    material = lives.duty.material
     rows = []
     if not any(cast_part.defect_size or cast_part.residual_stress for cast_part in material.castings):
-        return found
+        return lives
     lasting = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
-    for region, node in zip(found.table["region"], found.table["node"], strict=True):
+    for region, node in zip(lives.table["region"], lives.table["node"], strict=True):
         cycles = []
         for stage_life, near, hours in zip(stages, nearest, lasting, strict=True):
             neighbour = int(near[node])
             curve = material.curve(duty.miner, region)
-            lives = (
-                found.nodes
+            by_node = (
+                lives.nodes
                 if stage_life is stages[-1]
                 else node_lives(stage_life.duty, stage_life.runs, {neighbour: curve})
             )
             names = ("begin in Pa", "end in Pa", "times an hour")
-            begin, end, rate = (lives[neighbour].cycles[name].to_numpy(dtype=float) for name in names)
+            begin, end, rate = (by_node[neighbour].cycles[name].to_numpy(dtype=float) for name in names)
             cycles.append(defects.CycleStage(begin, end, rate, hours))
         life = material.defect_life(region, duty.miner, cycles, duty.survivals[-1])
         casting = material.casting(region)
         row = {"residual stress in MPa": casting.residual_stress / MEGA}
         rows.append(row | {"defect in mm": casting.defect_size / MILLI, f"{LIFE}, defect": min(life, BEYOND)})
-    return replace(found, table=pd.concat((found.table, pd.DataFrame(rows)), axis=1))
+    return replace(lives, table=pd.concat((lives.table, pd.DataFrame(rows)), axis=1))
 
 
 def _worst_first(damage: np.ndarray) -> pd.Series:
@@ -243,17 +243,17 @@ def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
     return spent
 
 
-def nearest_nodes(one: LifeResults, last: LifeResults) -> np.ndarray:
+def nearest_nodes(stage: LifeResults, last: LifeResults) -> np.ndarray:
     """Node of a stage's mesh nearest to each of the last stage's (nodes,), of the same region's surface."""
     nodes = np.arange(len(last.whole.nodes))
-    if one.whole.mesh.digest == last.whole.mesh.digest:
+    if stage.whole.mesh.digest == last.whole.mesh.digest:
         return nodes
-    surface = one.whole.mesh.surface_nodes
+    surface = stage.whole.mesh.surface_nodes
     for region in np.unique(last.regions):
         here = np.flatnonzero(last.regions == region)
-        candidates = surface[one.regions[surface] == region]
+        candidates = surface[stage.regions[surface] == region]
         candidates = candidates if len(candidates) else surface
-        nodes[here] = candidates[cKDTree(one.whole.nodes[candidates]).query(last.whole.nodes[here])[1]]
+        nodes[here] = candidates[cKDTree(stage.whole.nodes[candidates]).query(last.whole.nodes[here])[1]]
     return nodes
 
 

@@ -119,7 +119,7 @@ def load_shares(basis: StressBasis, shoe: int, nodes: np.ndarray, rows: np.ndarr
 
 
 def shares(parts: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Shares (k,) as of `load_shares` of the stresses (k, 6) of loads in their sum."""
+    """Shares (k,) as in `load_shares` of the stresses (k, 6) of loads in their sum."""
     stress = np.sum(list(parts.values()), axis=0)
     directions = stress_directions("signed von mises", stress)
     whole = (directions * stress).sum(axis=1)
@@ -216,7 +216,7 @@ def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
 
 
 def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> pd.DataFrame:
-    """Highest node of every region of all flexible shoes as of `hot_spot_table`, and of which shoe it is."""
+    """Highest node of every region of all flexible shoes as in `hot_spot_table`, and of which shoe it is."""
     tables = [hot_spot_table(table, stress).assign(shoe=shoe) for shoe, table in by_region.items()]
     whole = pd.concat(tables, ignore_index=True)
     shares = whole.filter(like=SHARE).fillna(0.0)

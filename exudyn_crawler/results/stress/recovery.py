@@ -31,7 +31,7 @@ class StressResults:
     """
 
     dataset: xr.Dataset
-    hot_spots: Mapping[int, pd.DataFrame]  # of nodes not at_load by shoe, as of `hot_spots.highest_nodes`
+    hot_spots: Mapping[int, pd.DataFrame]  # of nodes not at_load by shoe, see `hot_spots.highest_nodes`
     by_region: Mapping[int, pd.DataFrame]  # same of the highest node of every region but the bores
     whole: Shapes  # modes, and static fields, that the stresses are made of
 
@@ -107,7 +107,12 @@ def _frames(history: History, times: Sequence[float] | None) -> dict[int, list[s
 
 
 def _of_shoe(
-    history: History, whole: Shapes, q: np.ndarray, found: Extremes, frames: np.ndarray, at_load: np.ndarray
+    history: History,
+    whole: Shapes,
+    q: np.ndarray,
+    extremes: Extremes,
+    frames: np.ndarray,
+    at_load: np.ndarray,
 ) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
     time = history.time.values
@@ -115,11 +120,11 @@ def _of_shoe(
     errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
     resolved = trust.resolution_over(whole, q)
     named = {
-        "highest_von_mises": found.highest,
-        "highest_node": found.highest_nodes,
-        "peak_von_mises": found.greatest,
-        "peak_time": time[found.greatest_at],
-        "least_von_mises": found.least,
+        "highest_von_mises": extremes.highest,
+        "highest_node": extremes.highest_nodes,
+        "peak_von_mises": extremes.greatest,
+        "peak_time": time[extremes.greatest_at],
+        "least_von_mises": extremes.least,
         "peak_mesh_error": resolved.error.astype(np.float32),
         "peak_jump": resolved.relative_jump.astype(np.float32),
         "at_load": at_load,
@@ -194,12 +199,12 @@ def node_stress(
     )
 
 
-def node_table(found: xr.Dataset) -> pd.DataFrame:
+def node_table(dataset: xr.Dataset) -> pd.DataFrame:
     """Dataset of `node_stress` as a table: a row a stored time, stresses in MPa."""
-    names = [*COMPONENTS, *(f"principal {k}" for k in found.order.values), "von Mises"]
-    stress = np.column_stack((found.stress, found.principal, found.von_mises)) / hot_spots.MEGA
+    names = [*COMPONENTS, *(f"principal {k}" for k in dataset.order.values), "von Mises"]
+    stress = np.column_stack((dataset.stress, dataset.principal, dataset.von_mises)) / hot_spots.MEGA
     table = pd.DataFrame(stress, columns=[f"{name} in MPa" for name in names])
-    table.insert(0, "time in s", found.time.values)
+    table.insert(0, "time in s", dataset.time.values)
     return table
 
 

@@ -123,7 +123,7 @@ def _note(title: str, done: float, total: float | None) -> None:
 def _shown(
     title: str, total: float | None, show: bool | None, *columns: bars.ProgressColumn, transient: bool = False
 ) -> Iterator[Callable[..., None]]:
-    """Bar or lines as of `progress_bar`, also in a log; gives a function of what is done and the line."""
+    """Bar or lines as in `progress_bar`, also in a log; gives a function of what is done and the line."""
     console = Console(stderr=True)
     last_line = clock.perf_counter()
     noted = last_line - NOTE_EVERY

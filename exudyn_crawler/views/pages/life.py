@@ -45,7 +45,7 @@ CONTACT = (
 
 
 def write_life_page(
-    found: LifeResults,
+    lives: LifeResults,
     path: Path,
     overwrite: bool = False,
     roller_paths: dict[str, pd.DataFrame] | None = None,
@@ -54,11 +54,11 @@ def write_life_page(
 
     `roller_paths` are tables of the treads' contact by what happens.
     """
-    shortest, parts = (page.table(table, digits=5) for table in (in_words(found.table), damage_parts(found)))
+    shortest, parts = (page.table(table, digits=5) for table in (in_words(lives.table), damage_parts(lives)))
     said = page.paragraph(SHARES)
     titled = page.part("titled", "Parts of the damage at these nodes", parts)
-    causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(found)))
-    growing = page.plot(damage_curves(found)) if found.duty.by_stage()[-1].runs else Markup()
+    causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(lives)))
+    growing = page.plot(damage_curves(lives)) if lives.duty.by_stage()[-1].runs else Markup()
     paths = [page.part("titled", name, page.table(table)) for name, table in (roller_paths or {}).items()]
     contact = page.together(page.paragraph(CONTACT), *paths) if paths else Markup()
     sections = [
@@ -67,10 +67,10 @@ def write_life_page(
         page.Section("shortest", "Shortest lives by region", page.together(said, shortest, titled)),
         page.Section("damage", "Damage as it grows", growing),
         page.Section("roller-path", "Roller path", contact),
-        page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(found.duty)))),
+        page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(lives.duty)))),
     ]
-    title = f"Life of the shoes: {found.duty.name}"
-    html = _coloured_page(title, life_lines(found), sections, life_solid(found))
+    title = f"Life of the shoes: {lives.duty.name}"
+    html = _coloured_page(title, life_lines(lives), sections, life_solid(lives))
     return page.write_page(html, path, overwrite)
 
 
@@ -82,44 +82,44 @@ def _coloured_page(title: str, lead: list[str], sections: list[page.Section], so
     return page.page(title, lead, sections, data)
 
 
-def life_lines(found: LifeResults) -> list[str]:
+def life_lines(lives: LifeResults) -> list[str]:
     """Shortest life and how far to trust it, and what it is counted by."""
-    rows = in_words(found.table)
+    rows = in_words(lives.table)
     outside = rows[rows["flag"] != "in spider"]
     worst = (outside if len(outside) else rows).iloc[0]
-    material = found.duty.material
-    survival = 100.0 * float(found.dataset.survival[-1])
-    places = found.dataset.shoe.values.tolist()
-    mean = f", the mean over the places {places} that a shoe takes in turn" if found.duty.runs else ""
-    worn = "".join(f", {cell_text(stage.hours)} h {stage.name}" for stage in found.duty.stages)
+    material = lives.duty.material
+    survival = 100.0 * float(lives.dataset.survival[-1])
+    places = lives.dataset.shoe.values.tolist()
+    mean = f", the mean over the places {places} that a shoe takes in turn" if lives.duty.runs else ""
+    worn = "".join(f", {cell_text(stage.hours)} h {stage.name}" for stage in lives.duty.stages)
     shortest = cell_text(worst[f"{LIFE} that {survival:g} % survive"])
     low, high = (cell_text(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = material.factors()
-    strength = material.curve(found.duty.miner).strength / style.MEGA
+    strength = material.curve(lives.duty.miner).strength / style.MEGA
     return [
         f"{survival:g} % of the shoes see no crack at their worst node outside of rigid spiders "
         f"({worst['region']}) before {shortest} machine hours{mean}"
         f"{worn and f'; stages{worn[1:]}, the last goes on'}",
         f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
-        f"{found.duty.criterion}, Miner {found.duty.miner}; {material.name}: strength at the "
+        f"{lives.duty.criterion}, Miner {lives.duty.miner}; {material.name}: strength at the "
         f"surface {strength:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / style.MEGA:.4g} MPa), mean "
         f"stress sensitivity {factors['mean_sensitivity']:.3g}; {material.provenance()}",
     ]
 
 
-def life_solid(found: LifeResults) -> scene.Solid:
+def life_solid(lives: LifeResults) -> scene.Solid:
     """Surface of the shoe coloured by its life, over all places and at each, and by how far to trust it."""
-    data = found.dataset
+    data = lives.dataset
     used, corners = np.unique(data.triangle.values, return_inverse=True)
     at_last = data.place_damage.isel(survival=-1)
-    lives = {
+    fields = {
         f"all places, {100 * survival:g} % survive": data.life.sel(survival=survival).values
         for survival in reversed(data.survival.values)
     }
-    lives |= {
+    fields |= {
         f"stays at place {shoe}": life_hours(at_last.sel(shoe=shoe).values) for shoe in data.shoe.values
     }
-    logs = {name: np.log10(life[used]) for name, life in lives.items()}
+    logs = {name: np.log10(life[used]) for name, life in fields.items()}
     high = float(np.log10(BEYOND))
     low = min(*(float(np.nanmin(log)) for log in logs.values()), high - LEAST_DECADES)
     colours = (low, high, f"{style.STRESS_MAP}_r")
@@ -134,34 +134,34 @@ def life_solid(found: LifeResults) -> scene.Solid:
     return scene.Solid("shoe", *surface, "white", colourings=tuple(colourings), nodes=used)
 
 
-def causes_figure(found: LifeResults) -> go.Figure:
+def causes_figure(lives: LifeResults) -> go.Figure:
     """Life by each part of the damage alone, a row each, in every region: colours and hours."""
-    lives = found.causes()
-    words = lives.map(lambda hours: "" if hours >= BEYOND else cell_text(hours))
-    decades = np.log10(lives)
+    causes = lives.causes()
+    words = causes.map(lambda hours: "" if hours >= BEYOND else cell_text(hours))
+    decades = np.log10(causes)
     low = float(decades.min().min())
     high = float(np.log10(BEYOND))
     ticks = np.arange(np.floor(low), high + 1.0)
     bar = {"title": "h", "tickvals": ticks, "ticktext": [f"1e{tick:g}" for tick in ticks]}
     colours = {"zmin": min(low, high - LEAST_DECADES), "zmax": high, "colorscale": "YlOrRd_r"}
-    cells = {"x": lives.columns, "y": lives.index, "z": decades, "text": words, "colorbar": bar}
+    cells = {"x": causes.columns, "y": causes.index, "z": decades, "text": words, "colorbar": bar}
     said = {"texttemplate": "%{text}", "hovertemplate": "%{y}<br>%{x}: %{text} h<extra></extra>"}
     figure = go.Figure(go.Heatmap(**cells, **colours, **said))
     figure.update_yaxes(autorange="reversed", automargin=True)
     figure.update_xaxes(side="top")
-    height = 120 + 26 * len(lives)
+    height = 120 + 26 * len(causes)
     margin = {"l": 10, "r": 10, "t": 40, "b": 10}
     return figure.update_layout(height=height, margin=margin)
 
 
-def damage_curves(found: LifeResults) -> go.Figure:
+def damage_curves(lives: LifeResults) -> go.Figure:
     """Damage of the worst nodes of the table as it grows over the runs, each at its worst place."""
     figure = go.Figure()
-    runs = [run.name for run in found.duty.runs]
-    for _, row in found.table.head(DRAWN).iterrows():
+    runs = [run.name for run in lives.duty.runs]
+    for _, row in lives.table.head(DRAWN).iterrows():
         node = int(row["node"])
         place = row["worst place"]
-        history = found.nodes[node].damage_history()
+        history = lives.nodes[node].damage_history()
         chosen = history[(history["shoe"] == place) & history["run"].isin(runs)]
         for run, rows in chosen.groupby("run", sort=False):
             shown = rows.iloc[np.unique(np.linspace(0, len(rows) - 1, POINTS).astype(int))]
@@ -174,56 +174,56 @@ def damage_curves(found: LifeResults) -> go.Figure:
     return figure.update_layout(legend={"orientation": "h", "y": -0.25}, margin=margin)
 
 
-def damage_parts(found: LifeResults) -> pd.DataFrame:
+def damage_parts(lives: LifeResults) -> pd.DataFrame:
     """Share of every run and phase in the damage at the nodes of the table, in per cent."""
-    data = found.dataset.isel(node=found.table["node"].to_numpy())
+    data = lives.dataset.isel(node=lives.table["node"].to_numpy())
     shares = 100.0 * data.part_damage / np.maximum(data.damage_an_hour.isel(survival=-1), 1e-300)
     columns = {f"{name} in %": shares.sel(part=name).values for name in data.part.values}
-    return found.table[["region", "node"]].assign(**columns)
+    return lives.table[["region", "node"]].assign(**columns)
 
 
 def check_solid(
-    found: CheckResults, colourings: list[scene.Colouring], bend: np.ndarray | float = 0.0
+    checked: CheckResults, colourings: list[scene.Colouring], bend: np.ndarray | float = 0.0
 ) -> scene.Solid:
     """Surface of a checked shoe, bent by a displacement (nodes, 3), m, with colourings of its nodes."""
-    mesh = found.shoe.mesh
+    mesh = checked.shoe.mesh
     faces = np.searchsorted(mesh.surface_nodes, flat_triangles(mesh.boundary))
     points = mesh.nodes[mesh.surface_nodes] + bend
     shades = tuple(colourings)
     return scene.Solid("shoe", points, (faces,), "white", colourings=shades, nodes=mesh.surface_nodes)
 
 
-def write_check_page(found: CheckResults, path: Path, overwrite: bool = False) -> Path:
+def write_check_page(checked: CheckResults, path: Path, overwrite: bool = False) -> Path:
     """Write a page of a check: its cases in 3D, which of them cracks what, and its tables."""
     colourings = []
-    for case, stress in zip(found.cases, found.stress, strict=True):
+    for case, stress in zip(checked.cases, checked.stress, strict=True):
         mises = von_mises(stress) / style.MEGA
         limits = 0.0, style.round_up(float(mises.max())), style.STRESS_MAP
         colourings.append(scene.Colouring("von Mises in MPa", mises[None, None], *limits, name=case.name))
     sections = [
         page.Section("check", "Cases in 3D", page.part("coloured", "check", BY_CASE)),
-        page.Section("cycles", "Cycles to a crack", page.table(found.worst_cycles)),
-        page.Section("moments", "Section moments and blows", page.table(found.moments)),
-        page.Section("hertz", "Below a tread", page.table(found.hertz)),
-        page.Section("peaks", "Peaks by region", page.table(found.table)),
+        page.Section("cycles", "Cycles to a crack", page.table(checked.worst_cycles)),
+        page.Section("moments", "Section moments and blows", page.table(checked.moments)),
+        page.Section("hertz", "Below a tread", page.table(checked.hertz)),
+        page.Section("peaks", "Peaks by region", page.table(checked.table)),
     ]
     lead = [
-        f"{len(found.cases)} static cases, mesh {found.check.mesh}, {found.check.material.name}",
-        f"an hour: how many crack 2.5 % of the shoes within {cell_text(found.check.hours)} h; worst regions",
+        f"{len(checked.cases)} static cases, mesh {checked.check.mesh}, {checked.check.material.name}",
+        f"an hour: how many crack 2.5 % of the shoes in {cell_text(checked.check.hours)} h; worst regions",
     ]
-    html = _coloured_page(f"Check of {found.check.name}", lead, sections, check_solid(found, colourings))
+    html = _coloured_page(f"Check of {checked.check.name}", lead, sections, check_solid(checked, colourings))
     return page.write_page(html, path, overwrite)
 
 
-def case_figure(found: CheckResults, number: int) -> Figure:
+def case_figure(checked: CheckResults, number: int) -> Figure:
     """One case from above and from below: von Mises stress on the bent shoe, and its peaks by region."""
-    case = found.cases[number]
-    stress = von_mises(found.stress[number])
-    bend = found.displacement[number]
+    case = checked.cases[number]
+    stress = von_mises(checked.stress[number])
+    bend = checked.displacement[number]
     larger = style.drawn_scale(bend, BENT)
     high = style.round_up(float(stress.max()) / style.MEGA)
     colouring = scene.Colouring("von Mises stress in MPa", stress / style.MEGA, 0.0, high, style.STRESS_MAP)
-    solid = check_solid(found, [colouring], larger * bend)
+    solid = check_solid(checked, [colouring], larger * bend)
     with mpl.rc_context(style.STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(9.0, 7.4))
         axes = figure.subplots(len(VIEWS), 1)
@@ -231,7 +231,7 @@ def case_figure(found: CheckResults, number: int) -> Figure:
             pictures.paint(ax, [solid], scene.View.seen_from(azimuth, elevation), WINDOW)
             ax.set_title(title, loc="left")
             ax.set_axis_off()
-        rows = found.table[found.table["case"] == case.name]
+        rows = checked.table[checked.table["case"] == case.name]
         peaks = ", ".join(
             f"{a} {b:.0f}" for a, b in zip(rows["region"], rows["von Mises in MPa"], strict=True)
         )

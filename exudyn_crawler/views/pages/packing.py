@@ -102,8 +102,8 @@ def _packed_solid(solid: Solid, arrays: SceneArrays) -> dict[str, object]:
     }
 
 
-def _as_they_are(one: object, *names: str) -> dict[str, object]:
-    return {name: getattr(one, name) for name in names}
+def _as_they_are(item: object, *names: str) -> dict[str, object]:
+    return {name: getattr(item, name) for name in names}
 
 
 def _colour_scale(colours: str | tuple[str, ...]) -> list[list[object]]:
@@ -173,10 +173,10 @@ def thinned(values: np.ndarray, width: int) -> np.ndarray:
     return np.unique(np.minimum(indices, n - 1))
 
 
-def _packed_series(series: figures.Series, kept: Kept, kind: str) -> dict[str, object]:
+def _packed_series(series: figures.Series, stored: Kept, kind: str) -> dict[str, object]:
     """Quantity for the page: names, and for every item and axis packed indices of time and values."""
     rows: list[list[list[str]]] = [[[] for _ in series.values.axis] for _ in series.items]
-    for (item, axis), parts in kept.items():
+    for (item, axis), parts in stored.items():
         few, values = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
         rows[item][axis] = [packed(few, kind), packed(values, "f4")]
     return {

@@ -1,6 +1,6 @@
 """Side frame, bogies, arms, wheels and drive tumbler as solids, under a rolled track and in a closed one.
 
-`history` holds some instants, as of `track.instants`. How high and wide a side frame is, and how wide the
+`history` holds some instants, see `track.instants`. How high and wide a side frame is, and how wide the
 teeth are, no parameter says: their drawn size means nothing.
 """
 

@@ -293,7 +293,7 @@ def ground_figure(history: History, time: float) -> Figure:
 
 
 def map_figure(history: History, ground: xr.Dataset, time: float | None = None) -> Figure:
-    """Ground of cells from above, as of `ground_map`, in mm, with the outlines of the shoes.
+    """Ground of cells from above, see `ground_map`, in mm, with the outlines of the shoes.
 
     At the end its greatest sinkage; at another of the map's times (s) that of then or, where the run has not
     kept it, how deep shoes had pressed it.

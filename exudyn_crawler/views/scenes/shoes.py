@@ -113,7 +113,7 @@ def first_frame(stress: xr.Dataset) -> int:
 def stress_picture(scene: Scene, now: History, time: int, force_scale: float) -> Figure:
     """Flexible shoes of a stress scene at the time of an index: each from two sides, and all in place.
 
-    `now` is that instant, as of `track.instants`; the sum on a shoe is drawn `force_scale` m long for 1 N.
+    `now` is that instant, see `track.instants`; the sum on a shoe is drawn `force_scale` m long for 1 N.
     """
     bent = [solid for solid in scene.solids if solid.colourings]
     tall = HEAD + ROW * len(bent) + STRIP + FOOT

@@ -1,7 +1,7 @@
 """A whole track in instants of a history: where its parts are, what presses on them, and their solids.
 
 Shoes are boxes, units of the ground boxes or faces, cells a surface of heights, lowered where shoes have
-been; what carries and drives the track is in `gear`. `history` holds some instants, as of `instants`,
+been; what carries and drives the track is in `gear`. `history` holds some instants, see `instants`,
 `dataset` is theirs, and `now` that of one without the dimension time.
 """
 
@@ -100,13 +100,13 @@ def roller_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _resultants(
-    points: np.ndarray, forces: np.ndarray, weights: np.ndarray, own: np.ndarray
+    points: np.ndarray, forces: np.ndarray, weights: np.ndarray, members: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Weighted centres of points (times, n, 3), and sums of forces: (times, groups, 3), `own` (groups, n)."""
-    moments = np.einsum("gn,tn,tna->tga", own, weights, points, optimize=True)
-    total = np.einsum("gn,tn->tg", own, weights)[..., None]
+    """Weighted centres of points (times, n, 3), sums of forces (times, groups, 3); `members` (groups, n)."""
+    moments = np.einsum("gn,tn,tna->tga", members, weights, points, optimize=True)
+    total = np.einsum("gn,tn->tg", members, weights)[..., None]
     centers = np.divide(moments, total, out=np.full(moments.shape, np.nan), where=total > 0.0)
-    return centers, np.einsum("gn,tna->tga", own, forces)
+    return centers, np.einsum("gn,tna->tga", members, forces)
 
 
 def greatest_shoe_force(history: History) -> float:
