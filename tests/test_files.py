@@ -155,7 +155,7 @@ def test_an_altered_bit_is_refused_or_changes_nothing(path, dataset):
     assert at > 0
     assert at not in unguarded
     rng, refused = np.random.default_rng(6), 0
-    for place in set(rng.integers(len(content), size=150).tolist()) - unguarded:
+    for place in set(rng.integers(len(content), size=50).tolist()) - unguarded:
         flipped = content[place] ^ 1 << int(rng.integers(8))
         path.write_bytes(content[:place] + bytes([flipped]) + content[place + 1 :])
         try:
@@ -164,7 +164,7 @@ def test_an_altered_bit_is_refused_or_changes_nothing(path, dataset):
             refused += 1
         else:
             xr.testing.assert_identical(found, dataset)
-    assert refused > 100
+    assert refused > 30
 
 
 def test_netcdf_is_compressed_and_comes_back(tmp_path):

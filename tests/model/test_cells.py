@@ -224,6 +224,7 @@ def test_exudyns_bodies_do_not_roll():
         Case.rolled().on_cells(SAND).with_(formulation="engine")
 
 
+@pytest.mark.slow
 def test_exudyns_floating_frame_moves_alike_on_cells():
     case = three_shoes(SAND, base=Case.stress("coarse"), drive=JERK).with_({"solver.residual": 1e-3})
     compiled, engine = (simulate(case.with_(formulation=one), 0.05, False) for one in ("compiled", "engine"))

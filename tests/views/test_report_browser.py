@@ -74,6 +74,7 @@ def test_dragging_zooms_and_a_double_click_shows_everything(reader):
     reader.wait("layout.xaxis.range[0] < 0.001", "#plot-1 .figure")
 
 
+@pytest.mark.slow
 def test_phases_stand_behind_the_curves(browser, phased, translation, tmp_path):
     """A band each; a name is left out where its band has no room, and comes as the time is zoomed."""
     for history in (phased, translation):
@@ -188,6 +189,7 @@ def test_the_time_of_the_shoes_can_be_chosen(reader, stress):
     assert reader.shown("[data[0].cmax, data[1].cmax]", view) == [high] * 2
 
 
+@pytest.mark.slow
 def test_shoes_stand_where_the_history_has_them_and_bend_as_asked(reader, history, stress):
     view = show(reader, "shoe")
     used = np.unique(stress.triangle.values)
@@ -205,6 +207,7 @@ def test_shoes_stand_where_the_history_has_them_and_bend_as_asked(reader, histor
     assert lengths == pytest.approx(100.0 * np.linalg.norm(bend, axis=1), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_shoes_can_be_coloured_by_how_far_to_trust_them(reader, stress):
     """Verdicts have colours of their own, the worst of a face's nodes; low stresses are not judged."""
     used, view = np.unique(stress.triangle.values), show(reader, "shoe")
@@ -229,6 +232,7 @@ def test_shoes_can_be_coloured_by_how_far_to_trust_them(reader, stress):
     assert "von Mises" in reader.shown("data[0].colorbar.title.text", view)
 
 
+@pytest.mark.slow
 def test_pictures_and_rows_can_be_chosen(reader):
     page = reader.page
     figures = page.locator("figure.picture")

@@ -79,6 +79,7 @@ def test_a_narrow_screen_shows_all_of_the_track(phone):
     assert_on_screen(seen(phone, "#shoe-view", "shoe"), 1.0)
 
 
+@pytest.mark.slow
 def test_nothing_on_a_narrow_screen_lies_over_the_other(phone):
     for place in ("#plot-0", "#plot-1"):
         names = phone.page.evaluate(BOXES, f"{place} .legend .traces")
@@ -145,6 +146,7 @@ def choose(reader, words, title):
     reader.wait(f"full[0].colorbar.title.text === '{title}'", VIEW)
 
 
+@pytest.mark.slow
 def test_the_shoe_is_coloured_by_its_life_and_by_trust(reader, worn):
     data, used = worn.dataset, np.unique(worn.dataset.triangle.values)
     life = np.log10(data.life[-1].values[used])
@@ -162,6 +164,7 @@ def test_the_shoe_is_coloured_by_its_life_and_by_trust(reader, worn):
     assert reader.drawn(VIEW) == pytest.approx(np.log10(at_place), abs=1e-3, nan_ok=True)
 
 
+@pytest.mark.slow
 def test_the_page_tells_range_verdict_and_the_dutys_own_strengths(reader, worn):
     row = worn.table.iloc[0]
     leads = " ".join(reader.page.locator("p.lead").all_text_contents())
@@ -171,6 +174,7 @@ def test_the_page_tells_range_verdict_and_the_dutys_own_strengths(reader, worn):
     assert "fatigue_strength as the duty gives; all else: ASTM A36" in leads
 
 
+@pytest.mark.slow
 def test_all_of_the_shoe_is_seen_and_its_bores_are_round(reader, worn):
     assert_on_screen(seen(reader, VIEW, "shoe"), 1.0)
     # the nodes in the middle of the sides of elements are drawn, too
