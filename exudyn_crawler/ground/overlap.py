@@ -51,7 +51,7 @@ GRADIENT = 10
 
 @inner
 def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float) -> int:
-    """Keep the part of a polygon with ``sign * coordinate <= limit``; rows as of `overlap`.
+    """Keep the part of a polygon with ``sign * coordinate <= limit``; rows as in `overlap`.
 
     Gives the number of its corners, zero where fewer than three are left.
     """
@@ -183,16 +183,16 @@ def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
 
 @inner
 def _corner_speed(
-    at: FloatArray, beyond: FloatArray, axis: int, direction: int, half_x: float, half_y: float
+    corner: FloatArray, beyond: FloatArray, axis: int, direction: int, half_x: float, half_y: float
 ) -> float:
     """How fast the corner at an end of an edge on a unit's side moves along it as the shoe moves.
 
-    `at` is that corner, `beyond` the other end of the next edge; `axis` and `direction` are those of the
+    `corner` is that corner, `beyond` the other end of the next edge; `axis` and `direction` are those of the
     side's normal and of the displacement: 0 for xi, 1 for eta.
     """
-    along_it = beyond[1 - axis] - at[1 - axis]
-    apart = beyond[axis] - at[axis]
-    if _side(at, beyond, half_x, half_y) >= 0 or apart == 0.0:
+    along_it = beyond[1 - axis] - corner[1 - axis]
+    apart = beyond[axis] - corner[axis]
+    if _side(corner, beyond, half_x, half_y) >= 0 or apart == 0.0:
         return 0.0
     # the next edge is the shoe's and moves with it
     return 1.0 if direction != axis else -along_it / apart

@@ -48,29 +48,33 @@ def attitude_by(cosines: Vector, sines: Vector) -> Attitude:
 
 
 @kernel
-def spin(at: Attitude, rates: Vector) -> Vector:
+def spin(attitude: Attitude, rates: Vector) -> Vector:
     """Angular velocity (rad/s, global) of the rates of the angles."""
     nothing = (0.0, 0.0, 0.0)
-    return along(along(along(nothing, rates[0], at.axes[0]), rates[1], at.axes[1]), rates[2], at.axes[2])
+    return along(
+        along(along(nothing, rates[0], attitude.axes[0]), rates[1], attitude.axes[1]),
+        rates[2],
+        attitude.axes[2],
+    )
 
 
 @kernel
-def spin_rate(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
+def spin_rate(attitude: Attitude, rates: Vector, accelerations: Vector) -> Vector:
     """Angular acceleration (rad/s2, global) of the angles' first and second derivatives.
 
     Yaw turns the axis of roll, yaw and roll that of pitch.
     """
-    by_yaw = along((0.0, 0.0, 0.0), rates[2], at.axes[2])
-    by_yaw_roll = along(by_yaw, rates[0], at.axes[0])
-    change = along(spin(at, accelerations), rates[0], cross(by_yaw, at.axes[0]))
-    return along(change, rates[1], cross(by_yaw_roll, at.axes[1]))
+    by_yaw = along((0.0, 0.0, 0.0), rates[2], attitude.axes[2])
+    by_yaw_roll = along(by_yaw, rates[0], attitude.axes[0])
+    change = along(spin(attitude, accelerations), rates[0], cross(by_yaw, attitude.axes[0]))
+    return along(change, rates[1], cross(by_yaw_roll, attitude.axes[1]))
 
 
 @kernel
-def shoe_frame(q: FloatArray, q_t: FloatArray, at: Attitude) -> Frame:
+def shoe_frame(q: FloatArray, q_t: FloatArray, attitude: Attitude) -> Frame:
     """Frame of a shoe at its six coordinates (position first) and their rates."""
-    omega = spin(at, (q_t[3], q_t[4], q_t[5]))
-    return Frame((q[0], q[1], q[2]), at.R, (q_t[0], q_t[1], q_t[2]), omega)
+    omega = spin(attitude, (q_t[3], q_t[4], q_t[5]))
+    return Frame((q[0], q[1], q[2]), attitude.R, (q_t[0], q_t[1], q_t[2]), omega)
 
 
 @kernel

@@ -98,7 +98,7 @@ class SphereGroundContact:
         return (np.flatnonzero((self.depths(q) >= self._radius).any(axis=1)) + 1).tolist()
 
     def results(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
-        """Contacts at a state, one a shoe that touches: array (contacts, RESULTS), as of `pairs.RESULT`.
+        """Contacts at a state, one a shoe that touches: array (contacts, RESULTS), as in `pairs.RESULT`.
 
         `wrenches` (shoes, 6) are Exudyn's contact forces on the shoes and moments about their origins, N and
         N m, global. The point is the centre of pressure on the face of the unit below it, which is the

@@ -29,7 +29,7 @@ class Bodies(NamedTuple):
     mass: Floats1  # (b,): kg
     first: Floats2  # (b, 3): integral over the mass of the places x in the body's frame, kg m
     second: Floats3  # (b, 3, 3): of x_a x_b, kg m2
-    # (b, 2, 3): cosines and sines of the angles, as of `write_angles`; all that reads attitudes reads these
+    # (b, 2, 3): cosines and sines of the angles, as in `write_angles`; all that reads attitudes reads these
     of_angles: Floats3
 
 

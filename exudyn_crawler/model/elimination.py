@@ -225,25 +225,29 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
 
 
 @inner
-def _gather(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> int:
+def _gather(
+    fronts: Fronts, values: FloatArray, k: int, x: FloatArray, numbers: IntArray, y: FloatArray
+) -> int:
     """Write the unknowns of a front, those that are left first, and their values; give how many are left."""
     met = marks(fronts, values, k)
     pivots = fronts.pivots[k]
     left = 0
     while pivots + left < met.shape[0] and met[pivots + left] > 0.0:
-        at[left] = int(met[pivots + left]) - 1
+        numbers[left] = int(met[pivots + left]) - 1
         left += 1
     for r in range(pivots):
-        at[left + r] = fronts.unknowns[fronts.first[k] + r]
+        numbers[left + r] = fronts.unknowns[fronts.first[k] + r]
     for r in range(left + pivots):
-        y[r] = x[at[r]]
+        y[r] = x[numbers[r]]
     return left
 
 
 @inner
-def _forward(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
+def _forward(
+    fronts: Fronts, values: FloatArray, k: int, x: FloatArray, numbers: IntArray, y: FloatArray
+) -> None:
     """Take the own unknowns of a front out of the right-hand sides of those that are left."""
-    left = _gather(fronts, values, k, x, at, y)
+    left = _gather(fronts, values, k, x, numbers, y)
     met = marks(fronts, values, k)
     start = fronts.place[k]
     n = left + fronts.pivots[k]
@@ -261,16 +265,18 @@ def _forward(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntA
         for c in range(left):
             y[c] -= s * column[c]
     for r in range(n):
-        x[at[r]] = y[r]
+        x[numbers[r]] = y[r]
 
 
 @inner
-def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArray, y: FloatArray) -> None:
+def _back(
+    fronts: Fronts, values: FloatArray, k: int, x: FloatArray, numbers: IntArray, y: FloatArray
+) -> None:
     """Find the own unknowns of a front from those that are left.
 
     Three sums grow at once: each has to wait for its last term.
     """
-    left = _gather(fronts, values, k, x, at, y)
+    left = _gather(fronts, values, k, x, numbers, y)
     pivots = fronts.pivots[k]
     start = fronts.place[k]
     width = pivots + 2 * left
@@ -279,23 +285,23 @@ def _back(fronts: Fronts, values: FloatArray, k: int, x: FloatArray, at: IntArra
     for first in range(left, end, 3):
         second = min(first + 1, end - 1)
         third = min(first + 2, end - 1)
-        one = rows[first - left]
-        two = rows[second - left]
-        three = rows[third - left]
+        upper = rows[first - left]
+        middle = rows[second - left]
+        lower = rows[third - left]
         s = y[first]
         t = y[second]
         u = y[third]
         for c in range(first):
-            s -= one[c] * y[c]
-            t -= two[c] * y[c]
-            u -= three[c] * y[c]
-        y[first] = s = one[first] * s
+            s -= upper[c] * y[c]
+            t -= middle[c] * y[c]
+            u -= lower[c] * y[c]
+        y[first] = s = upper[first] * s
         if second > first:
-            y[second] = t = two[second] * (t - two[first] * s)
+            y[second] = t = middle[second] * (t - middle[first] * s)
         if third > second:
-            y[third] = three[third] * (u - three[first] * s - three[second] * t)
+            y[third] = lower[third] * (u - lower[first] * s - lower[second] * t)
     for r in range(left, end):
-        x[at[r]] = y[r]
+        x[numbers[r]] = y[r]
 
 
 @kernel

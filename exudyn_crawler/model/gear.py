@@ -20,11 +20,11 @@ class GearForces(NamedTuple):
     guide: FloatArray  # (t, n): part of both across the track, N
     on_wheels: FloatArray  # (t, wheels, 3): of all shoes on every wheel, N
     energy: FloatArray  # (t, 2): in the contacts of wheels and of teeth, J
-    strip_wheel: IntArray  # (t, f, slots): as of `forces.wheels.WheelWorkspace`, as are all strips
+    strip_wheel: IntArray  # (t, f, slots): as in `forces.wheels.WheelWorkspace`, as are all strips
     strip_force: FloatArray  # (t, f, slots, strips, 3)
     strip_foot: FloatArray  # (t, f, slots, strips, 3)
     strip_guide: FloatArray  # (t, f, slots, strips)
-    lug_force: FloatArray  # (t, f, lugs, 3): as of `forces.teeth.TeethWorkspace`, as are all lugs
+    lug_force: FloatArray  # (t, f, lugs, 3): as in `forces.teeth.TeethWorkspace`, as are all lugs
     lug_guide: FloatArray  # (t, f, lugs)
 
     @classmethod

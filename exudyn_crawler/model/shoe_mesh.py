@@ -110,7 +110,7 @@ def extended(rows: np.ndarray) -> np.ndarray:
 def rail_rows(reduced: ReducedBody | None, frame: RunningGear, rails: Rails) -> np.ndarray:
     """Displacements of lines along the rails, under the strips of wheels, by m modes of flexible shoes.
 
-    At even stations, as of `extended`: array (lines, STATIONS + 2, 3, m); without a reduced body m is 0.
+    At even stations, as in `extended`: array (lines, STATIONS + 2, 3, m); without a reduced body m is 0.
     """
     if reduced is None:
         return np.zeros((len(strip_lines(frame, rails)), STATIONS + 2, 3, 0))

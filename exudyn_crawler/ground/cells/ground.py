@@ -19,7 +19,7 @@ on two stones."""
 class CellGround:
     """Cells of a side (m) with memory under a number of shoes whose underside is a rectangle.
 
-    `corners` are as of `ShoePoints`; shoes in the rows `flexible` bend. The equations take the arrays of
+    `corners` are as in `ShoePoints`; shoes in the rows `flexible` bend. The equations take the arrays of
     `shoes`; `tiles` is the map, another one after `cover` where the shoes come to new ground. `share` of the
     rectangle presses on the cells, evenly spread over it, and sinks as a plate of a `breadth` (m), that of
     the rectangle if it is not given.
@@ -119,7 +119,7 @@ class CellGround:
         return {"cells": cells, "memory": self.tiles.memory[rows], "held": np.searchsorted(rows, self._held)}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        """Take a state as of `state`, on ground that is fresh otherwise."""
+        """Take a state as in `state`, on ground that is fresh otherwise."""
         self.tiles.memory[:] = self._fresh(len(self.tiles.memory))
         cells = state["cells"]
         self._make_tiles(map(tuple, np.unique(cells >> BITS, axis=0).tolist()))

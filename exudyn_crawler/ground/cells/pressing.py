@@ -185,9 +185,9 @@ def arm_of(points: FloatArray, bent: FloatArray, k: int, R: frames.Matrix) -> fr
 
 
 @inner(merged=True)
-def _move(points, bent, at, size, block):
+def _move(points, bent, frame, size, block):
     """Write how the points of a block move against the ground, the first rows of its workspace."""
-    r, R, v, omega = at
+    r, R, v, omega = frame
     for k in range(size):
         n = triple_of(points, POINT.normal, k)
         arm = arm_of(points, bent, k, R)
@@ -385,7 +385,7 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
 
 @inner(allocates=True)
 def _congruence(sums, R, z, out):
-    """Write the sum of ``B' g B`` with B = [1, -[arm]x], of sums (9, 6) of g as of `_write_tangent`."""
+    """Write the sum of ``B' g B`` with B = [1, -[arm]x], of sums (9, 6) of g as in `_write_tangent`."""
     first = np.empty((9, 3))
     second = np.empty((9, 3, 3))
     for q in range(9):

@@ -165,7 +165,7 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
 def _cover_shoe(
     tiles: Tiles, shoes: pressing.ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
 ) -> int:
-    """List the points of a shoe, and add their areas to `tiles.loaded`; their number as of `cover`."""
+    """List the points of a shoe, and add their areas to `tiles.loaded`; their number as in `cover`."""
     points = shoes.points[s]
     areas = shoes.areas[s]
     cells = shoes.cells[s]

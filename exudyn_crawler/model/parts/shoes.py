@@ -101,7 +101,7 @@ def joint_marker(assembler: Assembler, shoe: int, name: str, place: np.ndarray |
 def _joint_center(case: Case, name: str) -> np.ndarray:
     """Joint centre of a shoe, or the middle of two; the pins of a worn chain are farther apart."""
     end, side = name.split()
-    centers = [case.track.joint_centers[f"{end} {one}"] for one in SIDES]
+    centers = [case.track.joint_centers[f"{end} {pin}"] for pin in SIDES]
     center = np.mean(centers, axis=0) if side == MIDWAY else centers[SIDES.index(side)]
     worn = case.gear.chain_pitch(case.track) - case.track.pitch if end == "rear" else 0.0
     return np.array(center) - np.array([worn, 0.0, 0.0])

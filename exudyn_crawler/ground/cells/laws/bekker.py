@@ -142,7 +142,7 @@ class BekkerSoil(CellLaw):
 
     @classmethod
     def oil_sand_high(cls) -> Self:
-        """McMurray oil sand, the stiff and strong end: sinks as LETE sand; strength as of `oil_sand_low`."""
+        """McMurray oil sand, the stiff and strong end: sinks as LETE sand; strength as in `oil_sand_low`."""
         return cls.lete_sand().with_(cohesion=5.9e3, friction_angle=40.0)
 
     def constants(self, width: float) -> Bekker:
