@@ -1,6 +1,6 @@
-"""One assessment into one folder: tables, drawings and a page; forces of a run where one is named."""
+"""One assessment into one folder: tables, drawings and a page; forces of runs where those are named."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from exudyn_crawler import files
@@ -22,6 +22,7 @@ ASSESSED_TABLES = {
     "inputs.csv": "inputs",
     "load_cases.csv": "cases",
     "over_slew.csv": "over_slew",
+    "tipping.csv": "tipping",
     "plate.csv": "plate",
     "clauses.csv": "clauses",
 }
@@ -33,7 +34,7 @@ def assess(
     out: str | Path | None = None,
     *,
     settings: AssessmentSettings | None = None,
-    run: str | Path | None = None,
+    run: str | Path | Iterable[str | Path] = (),
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> Assessment:
@@ -47,9 +48,9 @@ def assess(
         Folder for tables, drawings and a page.
     settings : AssessmentSettings, optional
         What a case does not say: work, ground, drive, pins; those of the file, or the defaults, if none.
-    run : str or Path, optional
+    run : str, Path or several of them
         Folder of a run of the machine, or its history: its forces take the place of the formulas' in the load
-        case that it is of.
+        case that it is of. "LOAD CASE=RUN" names the load case that a run stands for.
     overwrite : bool
         Replace earlier results in the folder.
     say : callable
@@ -60,7 +61,8 @@ def assess(
     FileNotFoundError, FileExistsError
         If there is no such file or run; if the folder has results, before anything is computed.
     ValueError
-        If the machine does not stand on two closed tracks, or a file has what is not allowed.
+        If the machine does not stand on two closed tracks, a file has what is not allowed, or a run is of no
+        load case.
     """
     folder = None if out is None else Path(out)
     if folder is not None:
@@ -78,19 +80,24 @@ def assess(
         known = {key: (row.origin, row.how) for key, row in origins(asked.machine).items()}
         settings = settings or asked.settings
     checks.warn_of(checks.out_of_range(settings))
-    forces = None if run is None else _forces(Path(run))
-    found = assessment_of(case, settings, given=given, origins=known, run=forces, say=say)
+    runs = [_forces(named) for named in ([run] if isinstance(run, str | Path) else run)]
+    found = assessment_of(case, settings, given=given, origins=known, runs=runs, say=say)
     if folder is not None:
         write_assessment(found, files.writable_folder(folder), overwrite)
     return found
 
 
-def _forces(run: Path) -> run_forces.RunForces:
-    """Forces of a run's folder or history."""
+def _forces(named: str | Path) -> tuple[str | None, run_forces.RunForces]:
+    """Load case, where one is named, and forces of a run's folder or history."""
+    run = Path(named)
+    load_case = None
+    if not run.exists() and "=" in str(named):
+        load_case, _, place = str(named).partition("=")
+        run = Path(place)
     path = run / record.HISTORY if run.is_dir() else run
     if not path.is_file():
         raise FileNotFoundError(f"no history of a run at {path}")
-    return run_forces.forces_of_run(History.load(path), run.name)
+    return load_case, run_forces.forces_of_run(History.load(path), run.name)
 
 
 def write_assessment(found: Assessment, folder: Path, overwrite: bool = False) -> None:

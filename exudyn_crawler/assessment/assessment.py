@@ -1,7 +1,7 @@
 """Assessment of a machine: its inputs, load cases and items, as tables."""
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.resources import files
@@ -9,16 +9,21 @@ from importlib.resources import files
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.assessment import forces, pressure, run_forces, stability
+from exudyn_crawler.assessment import machine_items, part_items, run_forces, slewing
 from exudyn_crawler.assessment.inputs import AssessmentNumbers, Origin, numbers_of
-from exudyn_crawler.assessment.items import AssessedItem, all_items, governing
+from exudyn_crawler.assessment.items import AssessedItem, governing
 from exudyn_crawler.assessment.load_cases import LoadCases, read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress, check_of, shoe_stresses
-from exudyn_crawler.assessment.states import SLEW, CaseLoads, loads_of
+from exudyn_crawler.assessment.states import FORMULA, CaseLoads, loads_of
 from exudyn_crawler.case import Case
 
 KILO = 1e3
+ITEMS_OF_A_CASE = (
+    *(machine_items.pressure_items, machine_items.tipping_items, machine_items.pull_items),
+    *(part_items.chain_items, part_items.pin_items, part_items.roller_items, machine_items.across_items),
+)
+"""Functions that give the items of a load case."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +39,7 @@ class Assessment:
     left_out: list[str]
     """What the assessment could not look at, a line each."""
     compared: pd.DataFrame | None
-    """Formulas beside a run's forces."""
+    """Formulas beside the forces of runs."""
 
     @cached_property
     def governing(self) -> list[AssessedItem]:
@@ -55,6 +60,7 @@ class Assessment:
                 "limit": item.limit,
                 "unit": item.unit,
                 "factor": item.factor,
+                "factor from": item.factor_source,
                 "from": item.basis,
                 "formula": item.formula,
                 "source": item.source,
@@ -97,62 +103,17 @@ class Assessment:
     @cached_property
     def over_slew(self) -> pd.DataFrame:
         """Pressure and stability by angle of slewing: level, at rest, with the payload and without."""
-        level = forces.gravity_on_slope(self.numbers.gravity, 0.0, 0.0)
-        tables = []
-        for words, payload in (("without payload", 0.0), ("with payload", self.numbers.work.payload)):
-            work = self.numbers.work._replace(payload=payload, digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
-            acting = forces.forces_at(self.numbers.weights, work, SLEW, level)
-            stands = forces.resultant(acting)
-            left, right = pressure.pressure_of_tracks(stands, self.numbers.fewest)
-            tipped = stability.tipping(acting, self.numbers.edges)
-            reach = self.numbers.work.reach or 2.0 * max(self.numbers.edges)
-            bare = forces.forces_at(self.numbers.weights, work._replace(payload=0.0), SLEW, level)
-            axis = self.numbers.weights.swing_axis
-            loads = stability.tipping_load(bare, self.numbers.edges, reach, axis, SLEW)
-            columns = {
-                "state": words,
-                "slew in deg": np.degrees(SLEW),
-                "ahead in m": stands.ahead,
-                "to the left in m": stands.aside,
-                "left track, greatest in kPa": left.greatest / KILO,
-                "right track, greatest in kPa": right.greatest / KILO,
-                "left track, mean in kPa": left.mean / KILO,
-                "right track, mean in kPa": right.mean / KILO,
-                "length that carries in m": left.length,
-                "least margin": tipped.margin.min(axis=1),
-                "edge": [stability.EDGES[edge] for edge in tipped.margin.argmin(axis=1)],
-                "tips at in deg": np.degrees(tipped.angle.min(axis=1)),
-                "rated load in t": self.settings.rated_part * loads / self.numbers.gravity / KILO,
-            }
-            tables.append(pd.DataFrame(columns))
-            if not self.numbers.work.payload:
-                break
-        return pd.concat(tables, ignore_index=True)
+        return slewing.over_slew(self.numbers, self.settings.rated_part)
+
+    @cached_property
+    def tipping(self) -> pd.DataFrame:
+        """Moments about each edge by angle of slewing, with slope, wind and payload."""
+        return slewing.tipping_over_slew(self.numbers)
 
     @property
     def plate(self) -> pd.DataFrame:
         """Greatest pressure of both tracks as one rigid plate on the case's ground, beside that of beams."""
-        over = self.over_slew
-        rows = []
-        for angle in (0.0, 30.0, 60.0, 90.0, 180.0):
-            state = over[
-                (over["slew in deg"].round() == angle) & (over["state"] == over["state"].iloc[-1])
-            ].iloc[0]
-            place = float(state["ahead in m"]), float(state["to the left in m"])
-            beams = max(state["left track, greatest in kPa"], state["right track, greatest in kPa"])
-            weight = self.numbers.weight
-            if state["state"] == "with payload":
-                weight += self.numbers.gravity * self.numbers.work.payload
-            row = {"slew in deg": angle, "beams in kPa": beams}
-            laws: dict[str, pressure.Law | None] = {"linear": None}
-            if self.numbers.ground.law is not None:
-                laws[self.numbers.ground.law_name] = self.numbers.ground.law
-            for name, law in laws.items():
-                if np.isfinite(beams):
-                    found = pressure.plate_pressure(weight, *place, self.numbers.fewest, law)
-                    row[f"plate on {name} ground in kPa"] = found.greatest / KILO
-            rows.append(row)
-        return pd.DataFrame(rows)
+        return slewing.beams_and_plate(self.numbers, self.over_slew)
 
     @property
     def clauses(self) -> pd.DataFrame:
@@ -173,6 +134,7 @@ class Assessment:
             f"governs: {first.item}, {first.utilisation:.3g} of 1, {first.load_case!r} ({first.group})",
             exceed,
             f"load cases: {self.load_cases.name}; {assumed} of {len(self.numbers.inputs)} inputs are assumed",
+            *(f"{row.name!r} has the forces of {row.basis}" for row in self.loads if row.basis != FORMULA),
             *self.left_out,
         ]
 
@@ -191,22 +153,23 @@ def assessment_of(
     name: str | None = None,
     given: tuple[str, ...] = (),
     origins: Mapping[str, tuple[Origin, str]] | None = None,
-    run: run_forces.RunForces | None = None,
+    runs: Sequence[tuple[str | None, run_forces.RunForces]] = (),
     say: Callable[[str], None] = lambda _text: None,
 ) -> Assessment:
     """Assessment of the machine of a case; a ValueError if it does not stand on two closed tracks.
 
-    `given` and `origins`: see `numbers_of`; a `run` gives its forces to the load case that it is of.
+    `given` and `origins`: see `numbers_of`; each of the `runs` gives its forces to the load case of the name
+    beside it, or to that which it is of if the name is none.
     """
     settings = settings or AssessmentSettings(name=case.name)
     numbers = numbers_of(case, settings, given, origins)
     load_cases = read_load_cases(settings.load_cases)
     by_formula = loads_of(numbers, load_cases)
     loads = by_formula
-    compared = None
-    if run is not None:
-        loads, stands = run_forces.with_run(numbers, by_formula, run)
-        compared = run_forces.comparison(numbers, by_formula, run, stands)
+    compared = []
+    for wanted, run in runs:
+        loads, stands = run_forces.with_run(numbers, loads, run, wanted)
+        compared.append(run_forces.comparison(numbers, by_formula, run, stands))
     left_out = []
     stresses: list[ShoeStress] = []
     fatigue: ShoeFatigue | None = None
@@ -221,5 +184,10 @@ def assessment_of(
     else:
         say(f"check cases of the shoe, mesh {check.mesh}")
         stresses, fatigue = shoe_stresses(loads, check, say)
-    items = all_items(numbers, settings, loads, stresses, fatigue)
-    return Assessment(name or settings.name, settings, numbers, load_cases, loads, items, left_out, compared)
+    items = [item for row in loads for kind in ITEMS_OF_A_CASE for item in kind(numbers, row, settings)]
+    items += part_items.shoe_items(loads, stresses, settings)
+    if fatigue is not None:
+        items.append(part_items.fatigue_item(numbers, settings, loads, fatigue))
+    items += machine_items.machine_items(numbers, settings)
+    beside = pd.concat(compared, ignore_index=True) if compared else None
+    return Assessment(name or settings.name, settings, numbers, load_cases, loads, items, left_out, beside)

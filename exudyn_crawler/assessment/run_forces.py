@@ -6,8 +6,10 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler.assessment.inputs import AssessmentNumbers
-from exudyn_crawler.assessment.states import CaseLoads
+from exudyn_crawler.assessment.states import FORMULA, CaseLoads
+from exudyn_crawler.case import Heights
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.catalogue import rotation_matrices
 
 LEAST_PART = 0.05
 """Of the greatest force on a shoe, from which on it counts as standing on the ground."""
@@ -21,7 +23,9 @@ REASONS = {
     "shoe that tips below an outer roller pulls at its neighbours: twice the mean and more",
     "torque of a tumbler": "a run on soft ground loses work there; with a contact law of units friction "
     "against yaw adds to that along and across; the chain of a run has no loss in its pins",
-    "force across a shoe": "the formula has all friction of the most loaded shoe across the track",
+    "force across a shoe": "in a turn the formula has all friction of the most loaded shoe across the track, "
+    "on a slope the shoe's share by its load",
+    "resultant inside of the nearest edge": "statics in both; greatest pressure and tipping follow from it",
 }
 """Why a run and a formula may differ, by quantity."""
 
@@ -32,16 +36,24 @@ class RunForces(NamedTuple):
     name: str
     drive: str
     """What the machine does: "none", "straight" or "turn"."""
+    lies: str
+    """How the ground lies: "level", "grade" or "side slope"."""
     uneven: bool
     """True where the ground has ridges, stones or other heights."""
+    loaded: bool
+    """True where the run has a payload or a force of the bank: the case's `machine`."""
     pressure: float
     """Of the shoe with the greatest, over pitch times width, Pa."""
     mean_pressure: float
     """Over the shoes that stand, Pa."""
     track_load: float
     """Greatest of a track, N."""
+    foot: np.ndarray
+    """X from the swing axis and y of the place of all forces of the ground, over time: (times, 2), m."""
     roller: float
     """Greatest, N."""
+    roller_loads: np.ndarray
+    """Greatest of each roller of the track with the greatest one, (rollers,), N."""
     mean_roller: float
     """Mean over rollers and time, N."""
     tension: float
@@ -78,31 +90,59 @@ def forces_of_run(history: History, name: str, begin: float | None = None) -> Ru
     contacts = history.contacts_by_shoe()
     normal = contacts.normal_force.transpose("time", "shoe", "axis").values[late]
     on_shoes = np.linalg.norm(normal, axis=-1)
-    across = np.abs(contacts.friction_force.transpose("time", "shoe", "axis").values[late])
+    friction = contacts.friction_force.transpose("time", "shoe", "axis").values[late]
+    turned = rotation_matrices(history.side_frame_angles.transpose("time", "axis").values[late])
     part = case.track.pitch * case.shoe.width
     stands = on_shoes > LEAST_PART * on_shoes.max()
     tracks = on_shoes.reshape(len(on_shoes), case.tracks, -1).sum(axis=2)
     wheels = history.dataset.wheel_force.transpose("time", "wheel", "axis").values[late]
     rolls = np.array([label.kind == "roller" for label in case.gear.wheel_labels])
     on_rollers = np.linalg.norm(wheels[:, rolls], axis=-1)
+    greatest = on_rollers.max(axis=0).reshape(case.tracks, -1)
     torque = history.dataset.drive_moment.transpose("time", "track").values[late]
     moves = turns or any(case.drive.speed.values)
-    # of a turn the way across is what is not along the machine, near its start along y
-    side = float(across[..., 1].max()) if turns else 0.0
+    relief = case.terrain.relief
     return RunForces(
         name=name,
         drive="turn" if turns else "straight" if moves else "none",
-        uneven=bool(case.terrain.relief.parts),
+        lies=_lies(relief),
+        uneven=bool(relief.parts) or relief.roughness is not None or relief.measured is not None,
+        loaded=case.machine is not None,
         pressure=float(on_shoes.max()) / part,
         mean_pressure=float(on_shoes[stands].mean()) / part,
         track_load=float(tracks.max()),
-        roller=float(on_rollers.max()),
+        foot=_foot(history, late, on_shoes, turned),
+        roller=float(greatest.max()),
+        roller_loads=greatest[greatest.max(axis=1).argmax()],
         mean_roller=float(on_rollers.mean()),
         tension=float(history.link_tension.transpose("time", "joint").values[late].max()),
         taut=float(_at_tumblers(history, late).max()),
         torque=float(np.abs(torque.mean(axis=0)).max()) if moves else 0.0,
-        side_force=side,
+        side_force=float(np.abs(np.einsum("tsx,tx->ts", friction, turned[..., 1])).max()),
     )
+
+
+def _lies(relief: Heights) -> str:
+    """Word for how the plane of the ground lies."""
+    if relief.slope_x:
+        return "grade"
+    return "side slope" if relief.slope_y else "level"
+
+
+def _foot(history: History, late: np.ndarray, on_shoes: np.ndarray, turned: np.ndarray) -> np.ndarray:
+    """Place of the ground's forces from the swing axis in the machine's axes: array (times, 2), m.
+
+    Along the tracks by the shoes' places, across by the loads of both tracks in their middles.
+    """
+    case = history.case
+    gear: Any = case.gear
+    shoes = history.position.transpose("time", "shoe", "axis").values[late]
+    frame = history.side_frame_position.transpose("time", "axis").values[late]
+    along = np.einsum("tsx,tx->ts", shoes - frame[:, None], turned[..., 0])
+    whole = on_shoes.sum(axis=1)
+    tracks = on_shoes.reshape(len(on_shoes), case.tracks, -1).sum(axis=2)
+    aside = tracks @ np.array(gear.middles) / whole
+    return np.stack(((on_shoes * along).sum(axis=1) / whole - gear.car_body.swing_axis, aside), axis=1)
 
 
 def _at_tumblers(history: History, late: np.ndarray) -> np.ndarray:
@@ -128,25 +168,20 @@ def _at_tumblers(history: History, late: np.ndarray) -> np.ndarray:
 
 
 def with_run(
-    numbers: AssessmentNumbers, loads: list[CaseLoads], run: RunForces
+    numbers: AssessmentNumbers, loads: list[CaseLoads], run: RunForces, wanted: str | None = None
 ) -> tuple[list[CaseLoads], str]:
     """Load cases with a run's forces in place of the formula's where it is of that case, and which that is.
 
-    It stands for the first case with its drive: on even ground, or with one roller on a ridge where the run's
-    ground has heights. A ValueError if there is none.
+    It stands for the load case of the name `wanted`, or else for the first with its drive, ground and load:
+    on even ground, or with one roller on a ridge where the run's ground has heights. A ValueError if there
+    is none, or if it has another run's forces.
     """
-    support = "one" if run.uneven else "even"
-    fits = [
-        number
-        for number, row in enumerate(loads)
-        if row.support == support and (run.uneven or row.drive == run.drive)
-    ]
-    if not fits:
-        raise ValueError(
-            f"no load case has drive {run.drive!r} with support {support!r}, which the run is of"
-        )
-    number = fits[0]
+    number = _number_of(loads, run, wanted)
     row = loads[number]
+    if row.basis != FORMULA:
+        raise ValueError(
+            f"load case {row.name!r} has the forces of {row.basis}, and not of {run.name} as well"
+        )
     needed = run.torque * numbers.drive.efficiency / numbers.drive.radius
     taken = row._replace(
         basis=f"run {run.name}",
@@ -154,11 +189,45 @@ def with_run(
         even_pressure=run.mean_pressure,
         track_load=run.track_load,
         roller=run.roller,
+        roller_loads=run.roller_loads,
+        distance=least_distance(numbers, run),
         needed=needed if row.drive in ("straight", "turn") else row.needed,
         tension=run.tension,
         side_force=run.side_force,
     )
     return [*loads[:number], taken, *loads[number + 1 :]], row.name
+
+
+def _number_of(loads: list[CaseLoads], run: RunForces, wanted: str | None) -> int:
+    """Number of the load case that a run is of."""
+    names = [row.name for row in loads]
+    if wanted is not None:
+        if wanted not in names:
+            raise ValueError(f"load case of run {run.name} must be of {names}, got {wanted!r}")
+        return names.index(wanted)
+    support = "one" if run.uneven else "even"
+    fits = [
+        number
+        for number, row in enumerate(loads)
+        if row.support == support
+        and (run.uneven or (row.drive, row.lies, row.loaded) == (run.drive, run.lies, run.loaded))
+    ]
+    if not fits:
+        load = "with" if run.loaded else "without"
+        raise ValueError(
+            f"run {run.name} (drive {run.drive!r}, {run.lies}, {load} payload or bank, support {support!r}) "
+            "is of no load case by itself; name the one that it stands for, 'LOAD CASE=RUN'"
+        )
+    return fits[0]
+
+
+def least_distance(numbers: AssessmentNumbers, run: RunForces) -> float:
+    """Least distance of the resultant's foot of a run from the edges, inside of them, m."""
+    ahead = run.foot[:, 0] + numbers.weights.swing_axis
+    aside = run.foot[:, 1]
+    edges = numbers.edges
+    inside = (edges.front - ahead, edges.rear + ahead, edges.left - aside, edges.right + aside)
+    return float(np.min(inside))
 
 
 def comparison(
@@ -170,13 +239,14 @@ def comparison(
     pairs = {
         "greatest pressure": (row.greatest_pressure / 1e3, run.pressure / 1e3, "kPa"),
         "track load": (row.track_load / 1e3, run.track_load / 1e3, "kN"),
+        "resultant inside of the nearest edge": (row.distance, least_distance(numbers, run), "m"),
         "greatest roller load": (row.roller / 1e3, run.roller / 1e3, "kN"),
         "chain tension at the tumbler": (row.tension / 1e3, run.taut / 1e3, "kN"),
         "greatest chain tension": (row.tension / 1e3, run.tension / 1e3, "kN"),
     }
-    if run.drive != "none":
+    if row.drive in ("straight", "turn"):
         pairs["torque of a tumbler"] = (torque / 1e3, run.torque / 1e3, "kN m")
-    if run.drive == "turn":
+    if row.side_force:
         pairs["force across a shoe"] = (row.side_force / 1e3, run.side_force / 1e3, "kN")
     rows = [
         {

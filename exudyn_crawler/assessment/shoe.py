@@ -32,6 +32,8 @@ class ShoeStress(NamedTuple):
 class ShoeFatigue(NamedTuple):
     """Region that cracks first under the passes of rollers."""
 
+    load_case: str
+    """Whose roller load passes."""
     region: str
     amplitude: float
     """Pa."""
@@ -76,13 +78,16 @@ def _below(beside: float) -> dict[str, tuple[str, ...]]:
 def shoe_stresses(
     loads: list[CaseLoads], check: ready.ShoeCheck, say: Callable[[str], None]
 ) -> tuple[list[ShoeStress], ShoeFatigue | None]:
-    """Greatest stress of a shoe in each load case, and its fatigue under normal passes.
+    """Greatest stress of a shoe in each load case, and its fatigue under the passes of normal travel.
 
-    Check cases are solved once; ground without steps answers in proportion to forces, so that a load case
-    scales them (`docs/check-cases.md`). Bores are left out: pins hold them by spiders.
+    Passes have the greatest roller load of the first group's load cases that go straight, of all of the group
+    if none does. Check cases are solved once; ground without steps answers in proportion to forces, so that a
+    load case scales them (`docs/check-cases.md`). Bores are left out: pins hold them by spiders.
     """
     normal = [row for row in loads if row.group == loads[0].group]
-    force = 0.5 * max(row.roller for row in normal)
+    travel = [row for row in normal if row.drive == "straight"] or normal
+    passing = max(travel, key=lambda row: row.roller)
+    force = 0.5 * passing.roller
     shoe = solve.CheckedShoe(check)
     below = _below(shoe.outline.beside)
     wanted = {name for names in below.values() for name in names} | {TURNED, DRIVEN}
@@ -112,4 +117,4 @@ def shoe_stresses(
         return rows, None
     first = cycles.loc[cycles["cycles to a crack"].idxmin()]
     amplitude = 1e6 * float(first["amplitude in MPa"])
-    return rows, ShoeFatigue(str(first["region"]), amplitude, float(first["cycles to a crack"]))
+    return rows, ShoeFatigue(passing.name, str(first["region"]), amplitude, float(first["cycles to a crack"]))

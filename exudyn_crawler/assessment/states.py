@@ -29,8 +29,14 @@ class CaseLoads(NamedTuple):
     """Factor on loads of its group."""
     tipping: float
     """Margin against tipping that its group asks for."""
+    factors: str
+    """Source of both, with its mark."""
     drive: str
     support: str
+    lies: str
+    """How the ground lies: "level", "grade" or "side slope"."""
+    loaded: bool
+    """True with a payload or a force of the bank."""
     basis: str
     """Formula, or the run whose forces these are."""
     greatest_pressure: float
@@ -51,6 +57,8 @@ class CaseLoads(NamedTuple):
     """Greatest load of a roller, N."""
     roller_loads: Floats
     """Of the track with the greatest one, (rollers,), N."""
+    distance: float
+    """Least of the foot of all forces' resultant from the edges, inside of them, m."""
     needed: float
     """Pull of a track that the travel takes, N."""
     available: float
@@ -60,7 +68,7 @@ class CaseLoads(NamedTuple):
     tension: float
     """Greatest of the chain, N."""
     side_force: float
-    """Across a shoe on the ground, N."""
+    """Greatest across a shoe on the ground, N."""
 
 
 class _Envelope(NamedTuple):
@@ -74,6 +82,7 @@ class _Envelope(NamedTuple):
     margin: Floats
     edge: Floats
     tilt: Floats
+    distance: Floats
 
 
 def loads_of(numbers: AssessmentNumbers, cases: LoadCases) -> list[CaseLoads]:
@@ -91,15 +100,16 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
     speed = 0.0 if case.drive == "none" else numbers.chain.speed
     tension = chain.travel_tension(numbers.chain.rest, pull, numbers.chain.weight, speed).taut
     loads = _rollers(numbers, case, envelope, tension)
-    friction = numbers.ground.friction if case.drive == "turn" else 0.0
-    part = numbers.chain.pitch * numbers.footprints.width
     return CaseLoads(
         name=case.name,
         group=group.name,
         strength=group.strength,
         tipping=group.tipping,
+        factors=cases.source if group.mark == "given" else f"{cases.source} [{group.mark}]",
         drive=case.drive,
         support=case.support,
+        lies="side slope" if case.slope else "grade" if case.grade else "level",
+        loaded=bool((case.payload and numbers.work.payload) or (case.digging and any(numbers.work.digging))),
         basis=FORMULA,
         greatest_pressure=float(envelope.greatest[worst]),
         even_pressure=float(envelope.even.max()),
@@ -110,12 +120,27 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
         tilt=float(envelope.tilt.min()),
         roller=float(loads.max()),
         roller_loads=loads,
+        distance=float(envelope.distance.min()),
         needed=needed,
         available=available,
         ends=ends,
         tension=tension,
-        side_force=friction * float(envelope.greatest[worst]) * part,
+        side_force=_side_force(numbers, case, envelope),
     )
+
+
+def _side_force(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope) -> float:
+    """Greatest force across a shoe on the ground, N.
+
+    In a turn the most loaded shoe has all of its friction across. Else what pushes the machine aside (slope,
+    wind, bank, slewing) is shared as the load is, as far as friction holds it (a convention here).
+    """
+    part = numbers.chain.pitch * numbers.footprints.width
+    friction = numbers.ground.friction
+    pushed = np.abs(envelope.stands.push_left) / envelope.stands.weight
+    share = np.full_like(pushed, friction) if case.drive == "turn" else np.minimum(pushed, friction)
+    pressed = np.multiply(share, envelope.greatest, out=np.zeros_like(share), where=share > 0.0)
+    return float(pressed.max()) * part
 
 
 def _works(numbers: AssessmentNumbers, case: LoadCase) -> list[Work]:
@@ -161,7 +186,8 @@ def _envelope(numbers: AssessmentNumbers, case: LoadCase) -> _Envelope:
         edge = tipped.margin.argmin(axis=1)
         least = tipped.margin.min(axis=1)
         tilt = tipped.angle.min(axis=1)
-        parts.append((slew, stands, greatest, even, np.maximum(*loads), least, edge, tilt))
+        distance = tipped.distance.min(axis=1)
+        parts.append((slew, stands, greatest, even, np.maximum(*loads), least, edge, tilt, distance))
     columns = list(zip(*parts, strict=True))
     stands = Resultant(*(np.concatenate(values) for values in zip(*columns.pop(1), strict=True)))
     angles, *others = (np.concatenate(values) for values in columns)

@@ -326,7 +326,11 @@ def assess(
     ],
     out: application.OfName = None,
     run: Annotated[
-        Path | None, typer.Option(help="folder of a run whose forces take the place of the formulas'")
+        list[str] | None,
+        typer.Option(
+            help="folder of a run whose forces take the place of the formulas' in its load case, or "
+            "LOAD CASE=RUN; may be repeated"
+        ),
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
@@ -334,13 +338,13 @@ def assess(
     if not machine.is_file():
         raise FileNotFoundError(f"no file {machine}")
     folder = out or application.RESULTS / machine.stem
-    result = crawler.assess(machine, folder, run=run, overwrite=overwrite, say=typer.echo)
+    result = crawler.assess(machine, folder, run=run or (), overwrite=overwrite, say=typer.echo)
     from exudyn_crawler.views.pages.assessment import printed
 
     typer.echo("\n".join(result.lines))
     print_table(printed(result), f"{result.name}: utilisation", ASSESSED, folder / "items.csv")
     if result.compared is not None:
-        print_table(result.compared, "Formulas beside the run")
+        print_table(result.compared, "Formulas beside runs")
     typer.echo(f"tables, drawings and page are in {folder}; assessment.html: open it in a browser")
 
 

@@ -102,7 +102,7 @@ def tracks_figure(found: Assessment) -> Figure:
     stands = forces.resultant(acting)
     loads = pressure.track_loads(stands.weight, stands.aside, numbers.fewest.gauge)
     title = f"Pressure along the tracks, upper structure at {row['slew in deg']:.0f} deg, {row['state']}"
-    with style.titled_figure(title, 8.0, 3.6) as figure:
+    with style.titled_figure(title, 9.0, 3.6) as figure:
         ax = figure.subplots()
         half = 0.5 * numbers.fewest.length
         for name, load in zip(("left", "right"), loads, strict=True):
@@ -121,7 +121,7 @@ def tracks_figure(found: Assessment) -> Figure:
         ax.set_xlabel("m ahead of the middle")
         ax.set_ylabel("kPa")
         ax.set_ylim(0.0, None)
-        ax.legend(ncols=3, fontsize=8, loc="lower center")
+        ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
 
 

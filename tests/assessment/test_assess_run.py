@@ -81,16 +81,46 @@ def test_pressure_along_a_track_of_a_run(aside):
 def test_a_runs_forces_take_the_place_of_the_formulas(aside):
     run = run_forces.forces_of_run(aside, "aside")
     assert (run.drive, run.uneven) == ("none", False)
-    found = assessment_of(aside.case, BARE, run=run)
+    found = assessment_of(aside.case, BARE, runs=[(None, run)])
     taken = found.loads[0]
     assert taken.basis == "run aside"
     assert taken.roller == run.roller
     assert {row.basis for row in found.loads[1:]} == {"formula"}
     used = [one for one in found.found if one.load_case == taken.name and one.basis == "run aside"]
     assert {"greatest ground pressure", "chain tension"} <= {one.item for one in used}
+    assert {one.basis for one in found.found if one.item == "tipping"} == {"formula"}
+    assert any("has the forces of run aside" in line for line in found.lines)
     beside = found.compared.set_index("quantity")
     assert beside.loc["track load", "run over formula"] == pytest.approx(1.0, abs=0.02)
     assert beside["what makes a difference"].str.len().min() > 10
+
+
+@pytest.mark.simulation
+def test_a_run_stands_for_the_load_case_that_is_named(aside):
+    """Another one than its own, each load case with the forces of one run; what is of none is refused."""
+    run = run_forces.forces_of_run(aside, "aside")
+    found = assessment_of(aside.case, BARE, runs=[("digs", run), (None, run)])
+    assert [row.basis for row in found.loads[:3]] == ["run aside", "run aside", "formula"]
+    assert set(found.compared["load case"]) == {row.name for row in found.loads[:2]}
+    with pytest.raises(ValueError, match="has the forces of run aside"):
+        assessment_of(aside.case, BARE, runs=[("digs", run), ("digs", run)])
+    with pytest.raises(ValueError, match=r"must be of \[.*'digs'.*got 'dig'"):
+        assessment_of(aside.case, BARE, runs=[("dig", run)])
+    # with a payload none of the load cases stands without one
+    loaded = BARE.with_(work={"payload": 9e4, "reach": 17.0})
+    with pytest.raises(ValueError, match=r"is of no load case by itself; name .*LOAD CASE=RUN"):
+        assessment_of(aside.case, loaded, runs=[(None, run)])
+
+
+@pytest.mark.simulation
+def test_the_resultant_of_a_run_is_as_far_from_the_edge_as_statics_says(aside):
+    """Within 1 cm ahead; across by the loads of both tracks, of which 65 mm of the pins move some."""
+    numbers = numbers_of(aside.case, BARE)
+    level = forces.gravity_on_slope(9.81, 0.0, 0.0)
+    stands = forces.resultant(forces.forces_at(numbers.weights, numbers.work, np.radians([60.0]), level))
+    foot = run_forces.forces_of_run(aside, "aside").foot[-1]
+    assert foot[0] + numbers.weights.swing_axis == pytest.approx(stands.ahead[0], abs=0.01)
+    assert foot[1] == pytest.approx(stands.aside[0], abs=0.05)
 
 
 @pytest.mark.simulation
@@ -112,6 +142,32 @@ def test_turn_on_the_spot_beside_a_run():
     torque = history.drive_moment.transpose("time", "track").values[late].mean(axis=0)
     mean = 0.5 * np.abs(torque).sum()
     assert (found.pull + wheels) * numbers.drive.radius == pytest.approx(mean, rel=0.1)
+
+
+@pytest.mark.simulation
+@pytest.mark.slow
+def test_straight_travel_beside_a_run(tmp_path, told):
+    """Torque on a hard floor within a tenth of V f / 2 and the idler's 2 T f: no other losses are in the run.
+
+    The command takes the forces of the run's history, and says of which items.
+    """
+    drive = Drive(speed=StepProfile(times=(0.0, 1.0), values=(0.0, 0.3)))
+    case = Case.shovel().with_({"solver.output_interval": 0.02}, drive=drive).on_cells(FLOOR)
+    history = simulate(case, 5.0, progress=False)
+    numbers = numbers_of(case, BARE.with_(drive={"rest_tension": 261e3}))
+    needed = travel.resistance(numbers.weight, 0.0, 0.03) / 2.0 + numbers.chain.idler_drag
+    run = run_forces.forces_of_run(history, "straight")
+    assert run.torque == pytest.approx(needed * numbers.drive.radius, rel=0.1)
+    history.save(tmp_path / "straight.nc")
+    (tmp_path / "mine.toml").write_text('machine = "shovel"\nmesh = "none"\n')
+    out = told("assess", "mine.toml", "--out", "assessed", "--run", "straight.nc")
+    assert "'travels straight on the level' has the forces of run straight.nc" in out
+    beside = pd.read_csv(tmp_path / "assessed" / "run.csv").set_index("quantity")
+    assert beside.loc["track load", "run over formula"] == pytest.approx(1.0, abs=0.05)
+    items = pd.read_csv(tmp_path / "assessed" / "items.csv").set_index("item")
+    pull = items.loc["pull of a track, travels straight on the level"]
+    assert pull["from"] == "run straight.nc"
+    assert pull["number"] * 1e3 == pytest.approx(run.torque * 0.9 / numbers.drive.radius, rel=1e-6)
 
 
 @pytest.mark.simulation

@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, assess
+from exudyn_crawler.assessment import forces, pressure, states
 from exudyn_crawler.assessment.assessment import assessment_of
 from exudyn_crawler.assessment.grounds import ground, grounds
+from exudyn_crawler.assessment.inputs import numbers_of
 from exudyn_crawler.assessment.load_cases import read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
+from exudyn_crawler.assessment.slewing import least_over_slew
 from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.errors import CaseFileError
 from tests.test_release import read
@@ -113,6 +116,82 @@ def test_supports_share_the_load_of_a_track(found):
     assert np.count_nonzero(hollow) == 2
 
 
+def test_side_forces_by_hand(found):
+    """On a side slope of 0.05 the push over the weight is 0.05; in a turn all friction, 0.3, is across."""
+    by_name = {row.name: row for row in found.loads}
+    part = 0.655742 * 3.505
+    turn = by_name["turns on the spot"]
+    assert turn.side_force == pytest.approx(0.3 * turn.greatest_pressure * part)
+    assert by_name["travels straight on the level"].side_force == pytest.approx(0.0, abs=1.0)
+    assert by_name["travels straight on the level"].lies == "level"
+    numbers = found.numbers
+    empty = numbers.work._replace(payload=0.0, digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
+    still = numbers._replace(work=empty)
+    cases = read_load_cases()
+    leaning = next(case for case in cases.cases if case.slope)
+    row = states.case_loads(still, cases, leaning)
+    assert row.lies == "side slope"
+    # both edges downhill in turn
+    greatest = 0.0
+    for downhill in np.radians([90.0, 270.0]):
+        gravity = forces.gravity_on_slope(GRAVITY, np.arctan(0.05), downhill)
+        stands = forces.resultant(forces.forces_at(numbers.weights, empty, states.SLEW, gravity))
+        for track in pressure.pressure_of_tracks(stands, numbers.fewest):
+            greatest = max(greatest, float(track.greatest.max()))
+    assert row.side_force == pytest.approx(0.05 * greatest * part)
+    icy = numbers._replace(work=empty, ground=numbers.ground._replace(friction=0.02))
+    assert states.case_loads(icy, cases, leaning).side_force == pytest.approx(0.4 * row.side_force)
+    assert item(found, "force across a shoe").number == pytest.approx(
+        max(one.side_force for one in found.loads if one.support == "even") / 1e3
+    )
+
+
+def test_every_factor_says_where_it_comes_from(found):
+    """Factors of the program are remembered and marked so, in the table, too; those of 1 are none."""
+    table = found.items
+    with_factor = table["factor"] != 1.0
+    assert with_factor.any()
+    assert table.loc[with_factor, "factor from"].str.endswith("[R]").all()
+    assert (table.loc[~with_factor, "factor from"] == "").all()
+    assert "remembered" in item(found, "tipping").source
+
+
+def test_moments_about_each_edge_by_hand(found):
+    """Front edge, upper structure ahead: level with payload; and on a side slope that falls to the front."""
+    numbers = found.numbers
+    weights = numbers.weights
+    table = found.tipping.set_index(["state", "edge", "slew in deg"])
+    level = table.loc[("with payload, level", "front", 0.0)]
+    held = weights.lower_mass * (2.85 - weights.lower_com[0]) + weights.upper_mass * (2.85 + 1.0)
+    assert level["stabilising in MN m"] == pytest.approx(GRAVITY * held / 1e6)
+    assert level["overturning in MN m"] == pytest.approx(GRAVITY * 90724.8 * (17.0 - 2.85) / 1e6)
+    assert level["margin"] == pytest.approx(held / (90724.8 * (17.0 - 2.85)))
+    # the machine tilted by the slope has that much less left
+    sloped = table.loc[("with payload, side slope", "front", 0.0)]
+    tilt = np.degrees(np.arctan(0.05))
+    assert sloped["tips further at in deg"] == pytest.approx(level["tips further at in deg"] - tilt)
+    wind = table.loc[("without payload, wind", "left", 90.0)]
+    calm = table.loc[("without payload, level", "left", 90.0)]
+    assert wind["overturning in MN m"] - calm["overturning in MN m"] == pytest.approx(
+        250.0 * 250.0 * 8.0 / 1e6
+    )
+    least = least_over_slew(found.tipping)
+    assert len(least) == 2 * 3 * 4
+    assert least["tips further at in deg"].min() == found.tipping["tips further at in deg"].min()
+
+
+def test_a_turn_stalls_at_the_friction_that_the_drive_has_the_pull_for(found):
+    stalls = item(found, "friction over that at which a turn on the spot stalls")
+    settings = found.settings.with_({"ground.friction": 0.999 * stalls.limit})
+    case = Case.shovel()
+    at_limit = assessment_of(case, settings)
+    row = next(row for row in at_limit.loads if row.drive == "turn")
+    assert row.ends == "goes"
+    assert row.needed == pytest.approx(numbers_of(case, settings).drive.pull, rel=2e-3)
+    beyond = assessment_of(case, settings.with_({"ground.friction": 1.001 * stalls.limit}))
+    assert next(row for row in beyond.loads if row.drive == "turn").ends == "stalls"
+
+
 def test_inputs_say_where_they_come_from(found):
     origin = {row.name: row.origin for row in found.numbers.inputs}
     assert origin["payload"] == "given"
@@ -170,6 +249,7 @@ def test_factors_and_cases_of_ones_own(tmp_path):
     assert [row.name for row in found.loads] == ["stands"]
     tension = item(found, "chain tension")
     assert tension.factor == 2.0
+    assert tension.factor_source == "given by the user"
     assert tension.utilisation == pytest.approx(2.0 * found.numbers.chain.rest / 3e6, rel=1e-4)
 
 

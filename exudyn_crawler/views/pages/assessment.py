@@ -7,9 +7,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from exudyn_crawler.assessment.assessment import Assessment
+from exudyn_crawler.assessment.slewing import least_over_slew
 from exudyn_crawler.views.pages import page
 
 SHORT = ["item", "load case", "group", "utilisation", "within", "number", "limit", "unit", "factor", "from"]
+HOW = ["item", "formula", "source", "mark", "factor", "factor from"]
 MARKS = "Marks: S seen in a text of the source, D derived, R remembered: to be checked before it is used."
 NO_CONFORMITY = (
     "These are formulas, with factors of named sources as far as they are known. It is no conformity with "
@@ -39,8 +41,11 @@ def write_assessment_page(
         parts = [page.figure_picture(name, drawn[name]) for name in names]
         if anchor == "pressure":
             parts.append(page.part("titled", "Beams and one rigid plate", page.table(found.plate)))
+        if anchor == "stability":
+            least = page.table(least_over_slew(found.tipping))
+            parts.append(page.part("titled", "Each edge at the angle at which it tips first", least))
         sections.append(page.Section(anchor, heading, page.together(*parts)))
-    how = items[["item", "formula", "source", "mark"]]
+    how = items[HOW]
     sections += [
         page.Section("cases", "Load cases", page.table(found.cases)),
         page.Section(
@@ -50,7 +55,7 @@ def write_assessment_page(
         page.Section("clauses", "Clauses followed and left out", page.table(found.clauses)),
     ]
     if found.compared is not None:
-        beside = page.Section("run", "Beside a run", page.table(found.compared))
+        beside = page.Section("run", "Beside runs", page.table(found.compared))
         sections.insert(1, beside)
     title = f"Assessment: {found.name}"
     return page.write_page(page.page(title, found.lines, sections), path, overwrite)

@@ -1,0 +1,196 @@
+"""Items of a machine's parts: chain, pin and bush, rollers on their rails, the shoe."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from exudyn_crawler.assessment import utilisation
+from exudyn_crawler.assessment.inputs import AssessmentNumbers
+from exudyn_crawler.assessment.items import KILO, MEGA, AssessedItem, by_run, case_item
+from exudyn_crawler.assessment.settings import AssessmentSettings
+from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress
+from exudyn_crawler.assessment.states import CaseLoads
+
+SPECIFIC = 6e6
+"""Pa, specific pressure of crawler rollers of hardened steel, 4 to 6 cast manganese against alloy, 6 to 10
+hardened (remembered; the least of the latter)."""
+YOUNGS_MODULUS = 210e9
+"""Pa."""
+EXTREME = 1.4
+"""Times the specific pressure that is allowed in the third group (remembered)."""
+
+
+def chain_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:
+    """Tension of the chain over its breaking tension."""
+    yield case_item(
+        row,
+        "chain tension",
+        row.tension / KILO,
+        numbers.chain.breaking / KILO,
+        "kN",
+        factor=row.strength,
+        formula=by_run(row, "tension at rest + pull", "greatest of a link"),
+        source=by_run(row, "statics; breaking: see inputs", f"{row.basis}; breaking: see inputs"),
+        mark="D",
+    )
+
+
+def pin_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:
+    """Pin and bush of the more loaded hinge."""
+    shoe = numbers.shoe
+    force = row.tension / shoe.hinges * utilisation.SHARED
+    check = utilisation.pin_check(row.strength * force, shoe.hinge, shoe.pin, shoe.lug)
+    stress = utilisation.pin_stress(force, shoe.hinge)
+    source = "EN 1993-1-8, table 3.10"
+    share = f"force {utilisation.SHARED:g} T / {shoe.hinges} (share assumed)"
+    rows = (
+        ("pin, shear", stress.shear, check.shear, f"F / 2 over pi d2 / 4; {share}"),
+        ("pin and lug, bearing", stress.bearing_inner, check.bearing, f"F / (d b); {share}"),
+        ("pin, bending", stress.bending, check.bending, f"F (b + 4 c + 2 a) / 8 over W; {share}"),
+    )
+    for name, value, used, formula in rows:
+        limit = row.strength * value / used
+        yield AssessedItem(
+            name,
+            row.name,
+            row.group,
+            value / MEGA,
+            limit / MEGA,
+            "MPa",
+            row.strength,
+            used,
+            row.basis,
+            formula,
+            source,
+            "S",
+            row.factors,
+        )
+    yield AssessedItem(
+        "pin, bending and shear together",
+        row.name,
+        row.group,
+        check.together,
+        1.0,
+        "1",
+        row.strength,
+        check.together,
+        row.basis,
+        f"(M / M_Rd)2 + (F / F_Rd)2; {share}",
+        source,
+        "S",
+        row.factors,
+    )
+    if shoe.hinge.play:
+        yield case_item(
+            row,
+            "pin in its hole, contact",
+            utilisation.hole_contact(force, shoe.hinge, YOUNGS_MODULUS) / MEGA,
+            2.5 * min(shoe.pin.yield_strength, shoe.lug.yield_strength) / MEGA,
+            "MPa",
+            formula=f"0.591 sqrt(E F (d0 - d) / (d2 t)), service load; {share}",
+            source="EN 1993-1-8, eq. 3.15",
+            mark="S",
+        )
+    if row.group == "H":
+        yield case_item(
+            row,
+            "bush, wear",
+            stress.bearing_inner / MEGA,
+            shoe.wear_pressure / MEGA,
+            "MPa",
+            formula=f"F / (d b); {share}",
+            source="dry bores of manganese 40 to 80 MPa",
+            mark="R",
+        )
+
+
+def roller_items(
+    numbers: AssessmentNumbers, row: CaseLoads, settings: AssessmentSettings
+) -> Iterator[AssessedItem]:
+    """Tread of the most loaded roller on its rail."""
+    force = 0.5 * row.roller
+    tread = numbers.rollers.tread
+    contact = utilisation.roller_contact(force, tread, settings.material.yield_strength)
+    words = f"Hertz, {force / KILO:.0f} kN a tread"
+    source = "Johnson 1985, 4.2 and 9.1"
+    stress = contact.pressure / MEGA
+    yield case_item(
+        row,
+        "roller on rail, yield below the surface",
+        stress,
+        stress * contact.to_yield,
+        "MPa",
+        factor=np.sqrt(row.strength),
+        formula=f"{words}; pressure goes by the root of the force",
+        source=source,
+        mark="S",
+    )
+    if row.group != "HZS":
+        yield case_item(
+            row,
+            "roller on rail, shakedown",
+            stress,
+            stress * contact.to_shakedown,
+            "MPa",
+            factor=np.sqrt(row.strength),
+            formula=f"{words}; flows in every pass beyond it",
+            source=source,
+            mark="S",
+        )
+    if row.support == "even":
+        yield case_item(
+            row,
+            "roller on rail, specific pressure",
+            contact.specific / MEGA,
+            SPECIFIC * (EXTREME if row.group == "HZS" else 1.0) / MEGA,
+            "MPa",
+            formula=f"F / (D b), {force / KILO:.0f} kN a tread",
+            source="hardened crawler rollers 6 to 10 MPa, 1.4 times as an exception",
+            mark="R",
+        )
+
+
+def shoe_items(
+    loads: list[CaseLoads], stresses: list[ShoeStress], settings: AssessmentSettings
+) -> Iterator[AssessedItem]:
+    """Greatest stress of the shoe by check cases."""
+    by_name = {row.name: row for row in loads}
+    for stress in stresses:
+        yield case_item(
+            by_name[stress.load_case],
+            "shoe, static stress",
+            stress.stress / MEGA,
+            settings.material.yield_strength / MEGA,
+            "MPa",
+            factor=by_name[stress.load_case].strength,
+            formula=f"check case {stress.check_case!r}, {stress.region}",
+            source="finite elements",
+            mark="D",
+        )
+
+
+def fatigue_item(
+    numbers: AssessmentNumbers, settings: AssessmentSettings, loads: list[CaseLoads], fatigue: ShoeFatigue
+) -> AssessedItem:
+    """Passes of rollers in the hours in which the machine travels, over those that a shoe survives."""
+    row = next(case for case in loads if case.name == fatigue.load_case)
+    rollers = len(numbers.rollers.places)
+    way = numbers.chain.speed * 3600.0 * settings.travel_part * settings.hours
+    around = numbers.chain.shoes * numbers.chain.pitch
+    passes = rollers * way / around
+    return AssessedItem(
+        "shoe, fatigue",
+        row.name,
+        row.group,
+        passes,
+        fatigue.cycles,
+        "cycles",
+        1.0,
+        passes / fatigue.cycles,
+        row.basis,
+        f"passes of rollers in {settings.hours:g} h, {settings.travel_part:g} of them in travel; "
+        f"{fatigue.region}, amplitude {fatigue.amplitude / MEGA:.0f} MPa by {0.5 * row.roller / KILO:.0f} kN "
+        "a tread",
+        "FKM guideline by check cases",
+        "S",
+    )
