@@ -101,6 +101,7 @@ OF_OTHERS = {
 """Files of a function that takes constants, one as it is and one from its module, and a named tuple."""
 
 
+@pytest.mark.slow
 def test_a_cached_function_notices_constants_and_named_tuples_and_nothing_else(tmp_path):
     for name, text in OF_OTHERS.items():
         (tmp_path / name).write_text(text)

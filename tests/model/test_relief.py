@@ -86,6 +86,7 @@ def test_a_relief_that_is_too_much_at_once_rises_in_portions():
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_flexible_and_rigid_shoes_go_over_a_hill_in_balance():
     case = short_track()
     flexible = Case.stress("coarse").flexible.with_(shoes=(2,))

@@ -108,6 +108,7 @@ def test_shares_of_the_loads_of_a_run_add_up_to_one(flexible_run):
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_shares_on_cells_are_complete(run_on_cells):
     """Stresses of all loads, those of the cells' forces among them, are the stress that is recovered."""
     rows = np.resize([0, 3, run_on_cells.time.size - 1], len(NODES))

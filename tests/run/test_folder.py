@@ -124,6 +124,7 @@ def test_an_earlier_run_stays_unless_asked(kept):
     assert contents(kept) == before
 
 
+@pytest.mark.slow
 def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users(tmp_path):
     run_case(DRAWN, tmp_path)
     (tmp_path / "notes.txt").write_text("mine")

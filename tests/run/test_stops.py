@@ -193,6 +193,7 @@ def test_a_study_goes_on_with_the_case_that_it_was_stopped_in(bare_study, tmp_pa
         bare_study(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_study_that_was_stopped_while_overwriting_runs_all_its_cases_anew(
     bare_study, tmp_path, monkeypatch
 ):
