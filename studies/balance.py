@@ -423,7 +423,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
         taken["modal_damping"] = _modal_powers(history, taken)
     if (spring := case.closed_gear().idler.slide) is not None:
         rate = _rate(_of_tracks(history, "take_up").T, time)
-        taken["tensioner_damping"] = spring.damping * np.sum(rate**2, axis=1)
+        taken["tensioner_damping"] = spring.stiffness * spring.relaxation * np.sum(rate**2, axis=1)
         idlers = [label.kind == "idler" for label in case.gear.wheel_labels]
         pushed = data.wheel_force.values[:, idlers] @ frame.axes[..., :1]
         taken["wheel_losses"] -= np.sum(pushed[..., 0] * rate, axis=1)

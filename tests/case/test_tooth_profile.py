@@ -9,7 +9,7 @@ from exudyn_crawler import Case
 from exudyn_crawler.case.parameters.closed_track import Tumbler
 from exudyn_crawler.case.ph4100c import PITCH
 from exudyn_crawler.errors import ParameterError
-from exudyn_crawler.model.forces.teeth import Profile, tooth
+from exudyn_crawler.model.forces.teeth import tooth
 
 CHAIN = Case.closed().track
 BUSH = 0.17 * PITCH
@@ -24,7 +24,7 @@ def sprocket(teeth, gaps_per_shoe, **changes):
 
 
 def profile_of(teeth, gaps_per_shoe):
-    return Profile(*sprocket(teeth, gaps_per_shoe).profile(CHAIN))
+    return sprocket(teeth, gaps_per_shoe).profile(CHAIN)
 
 
 def test_pins_circle_of_a_half_pitch_sprocket_is_that_of_a_case_cx350b():
@@ -47,7 +47,7 @@ def test_gap_seats_the_bush_ends_at_the_tips_and_leaves_a_tooth(teeth, gaps_per_
     for k in range(teeth):
         angle = 2.0 * math.pi * k / teeth
         place = radius * math.cos(angle), radius * math.sin(angle)
-        assert tooth(Profile(*profile), *place)[0] == pytest.approx(0.0, abs=1e-12)
+        assert tooth(profile, *place)[0] == pytest.approx(0.0, abs=1e-12)
     angle = 0.85 * (0.5 * math.pi - math.pi * gaps_per_shoe / teeth)
     assert profile.flank_angle == pytest.approx(angle, abs=1e-12)
     tip = profile.center - profile.arc * math.cos(angle) + profile.flank * math.sin(angle)

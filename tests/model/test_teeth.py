@@ -9,9 +9,9 @@ from scipy.optimize import brentq, minimize
 from exudyn_crawler import Case
 from exudyn_crawler.model.exudyn import exu, items
 from exudyn_crawler.model.forces.impact import Flange, flange_force
-from exudyn_crawler.model.forces.teeth import Profile, tooth
+from exudyn_crawler.model.forces.teeth import tooth
 
-PROFILE = Profile(*Case.closed().gear.tumbler.profile(Case.closed().track))
+PROFILE = Case.closed().gear.tumbler.profile(Case.closed().track)
 
 
 def depth(place):
@@ -139,7 +139,7 @@ def test_polygon_effect_of_a_light_chain_that_is_pulled_over_the_teeth(changes, 
     case = Case.closed()
     tumbler, pitch = case.gear.tumbler.with_(changes), case.track.pitch
     profile, radius, count = (
-        Profile(*tumbler.profile(case.track)),
+        tumbler.profile(case.track),
         tumbler.radius(pitch),
         tumbler.shoes_per_turn,
     )

@@ -10,7 +10,7 @@ from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.case.parameters.heights import Heights, Ridge
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.forces.teeth import Profile, tooth
+from exudyn_crawler.model.forces.teeth import tooth
 from exudyn_crawler.results.history.summary import tension_along_chain
 from exudyn_crawler.views.figures import chain_figure, history_series
 from exudyn_crawler.views.scenes.gear import gear_forces, gear_solids, tooth_outline, wheel_solids
@@ -283,7 +283,7 @@ def gear_of(history):
 
 def test_outline_of_the_teeth_is_where_lugs_touch(closed):
     case = closed.case
-    profile = Profile(*case.gear.tumbler.profile(case.track))
+    profile = case.gear.tumbler.profile(case.track)
     for x, z in tooth_outline(case):
         assert np.hypot(x, z) <= profile.addendum + 1e-12
         # a lug that touches there from within its gap has no depth
@@ -296,7 +296,7 @@ def test_outline_of_the_teeth_is_where_lugs_touch(closed):
 def test_lugs_sit_in_the_gaps_of_the_tumbler_and_turn_with_it(closed):
     found, case = gear_of(closed), closed.case
     wheel, lugs = found["tumbler"], found["lugs"]
-    profile = Profile(*case.gear.tumbler.profile(case.track))
+    profile = case.gear.tumbler.profile(case.track)
     local = np.einsum("nj,jk->nk", lugs.origin[0] - wheel.origin[0, 0], wheel.turn[0, 0])
     near = np.hypot(local[:, 0], local[:, 2]) < profile.addendum
     assert near.sum() >= 8  # four shoes with a lug on either side
@@ -422,5 +422,5 @@ def test_drawn_teeth_of_a_half_pitch_sprocket_have_straight_flanks_and_leave_the
     assert radii.min() == pytest.approx(profile.center - profile.arc)
     # corners of the tips: two a gap
     assert np.isclose(radii, profile.addendum).sum() == 42
-    depths = [tooth(Profile(*profile), *place)[0] for place in outline]
+    depths = [tooth(profile, *place)[0] for place in outline]
     assert np.array(depths) == pytest.approx(np.full(len(outline), profile.lug), abs=1e-9)

@@ -1,51 +1,21 @@
 """Wheels of a closed track that are no rollers: drive tumbler and idler."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, track
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
+from exudyn_crawler.case.parameters.tooth_profile import ToothProfile
 
 DEEPER, TRIED = 10.0, 500  # greatest depth in place of another, and values tried, of teeth that would do
+SETTLING = 2e-3
+"""s, least damping of a recoil spring over its stiffness. An idler that its stops alone brought to rest would
+do so within a step, by forces that grow as steps become shorter."""
 Wheel = tuple[base.Place, base.Place]
 TIPS = 0.036
 """Tips of a sprocket's teeth beyond the pins' circle, in pitches: 7.75 mm of 215.9 mm (Case CX350B)."""
-
-
-class ToothProfile(NamedTuple):
-    """Gaps between the teeth of a tumbler: an arc each, and straight flanks where these are longer; m."""
-
-    gaps: float
-    center: float  # radius of the circle of the arcs' centres
-    arc: float  # radius of the arcs
-    addendum: float  # radius of the teeth's tips
-    lug: float
-    rim: float  # radius where the arcs end: the addendum's where nothing follows
-    flank: float  # length of the straight flanks that follow
-
-    @property
-    def flank_angle(self) -> float:
-        """Angle (rad) beside a gap's middle, about its arc's centre, where the arc ends; NaN: nowhere."""
-        cosine = (self.center**2 + self.arc**2 - self.rim**2) / (2.0 * self.center * self.arc)
-        return math.acos(cosine) if -1.0 < cosine < 1.0 else math.nan
-
-    @property
-    def half_width(self) -> float:
-        """Half of a gap's width between the tips of its teeth."""
-        angle = self.flank_angle
-        return self.arc * math.sin(angle) + self.flank * math.cos(angle)
-
-    def with_flanks(self, angle: float) -> "ToothProfile":
-        """Profile whose arcs end at an angle (rad) beside the gap's middle and go on straight to the tips."""
-        along, aside = self.center - self.arc * math.cos(angle), self.arc * math.sin(angle)
-        rim = math.hypot(along, aside)
-        if not rim < self.addendum:
-            return self
-        way = along * math.sin(angle) + aside * math.cos(angle)
-        return self._replace(rim=rim, flank=math.sqrt(way**2 + self.addendum**2 - rim**2) - way)
 
 
 class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
@@ -215,6 +185,11 @@ class Slide(Parameters):
         """Of the idler as a disc of this radius (m), about its centre: array (3, 3), kg m2."""
         return self.mass * radius**2 * np.diag([0.25, 0.5, 0.25])
 
+    @property
+    def relaxation(self) -> float:
+        """Damping over stiffness, s."""
+        return self.damping / self.stiffness
+
 
 class Tensioner(Slide):
     """Spring-damper that always pushes the idler forward: its force gives the chain its tension."""
@@ -227,11 +202,16 @@ class Recoil(Slide):
 
     The cylinder holds the idler at its take-up, which gives the tension. Beyond the preload of the spring the
     idler moves back by the excess over the stiffness, as far as the stroke; it never moves forward of its
-    place. The damper acts while the spring moves.
+    place. The damper acts while the idler moves, and brings it to rest at both ends.
     """
 
     preload: float = quantity("N", "of the spring as it is installed", (1e4, 1e7), ge=0, le=1e10)
     stroke: base.Length = quantity("m", "to the stop behind it", (0.01, 0.5))
+
+    @property
+    def relaxation(self) -> float:
+        """Damping over stiffness, s; at least that which brings the idler to rest at its stops."""
+        return max(super().relaxation, SETTLING)
 
 
 class Idler(base.PH4100C, values=ph4100c.IDLER):

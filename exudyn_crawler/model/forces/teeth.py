@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.case.parameters.tooth_profile import ToothProfile
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
@@ -31,25 +32,13 @@ ASIDE = 0.1
 """m, by which a shoe beside the middle of its tumbler is farther from it than in its plane, at most."""
 
 
-class Profile(NamedTuple):
-    """Gaps of a tumbler, the first at its x axis, and the radius of the lugs; m."""
-
-    gaps: float
-    center: float  # radius of the circle of the arcs' centres
-    arc: float  # radius of the arcs
-    addendum: float  # radius of the teeth's tips
-    lug: float
-    rim: float  # radius where the arcs end
-    flank: float  # length of the straight flanks that follow
-
-
 class Teeth(NamedTuple):
     """Lugs of all shoes and the tumblers that they run into; l of them."""
 
     markers: Ints1  # (l,): centre of each lug
     tumblers: Ints1  # (l,): body that it meets
     side: Floats1  # (l,): y of its gear plane in the tumbler, m
-    profile: Profile
+    profile: ToothProfile
     law: Impact
     flange: Flange
 
@@ -74,7 +63,7 @@ class TeethWorkspace(NamedTuple):
 
 
 @kernel
-def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, float]:
+def tooth(profile: ToothProfile, x: float, z: float) -> tuple[float, float, float, float]:
     """Penetration of a lug's centre at x and z in the tumbler's axes into the teeth.
 
     Returns

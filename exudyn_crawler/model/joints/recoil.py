@@ -8,20 +8,17 @@ from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.bodies import Bodies
 from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.markers import Markers
-from exudyn_crawler.model.rows import JointRows, gap_rate
-
-SETTLING = 2e-3
-"""s in which an idler comes to rest at a stop that it meets: its row keeps its speed there, too. A row of its
-place alone would throw it back and forth by forces that grow as steps become shorter."""
+from exudyn_crawler.model.rows import JointRows
 
 
 class Recoils(NamedTuple):
     """Recoil springs, each on the row of a bearing along the frame; k of them.
 
     A row of a bearing with compliance is that of a spring without stops: its gap counts from where the spring
-    is free. How far the spring gives way, ``s = c (F - F0) - c d ds/dt`` with the push F of the chain, the
-    compliance c and the damping d, is at least nothing and at most the stroke. Where it is between these the
-    row stays; else a stop holds the idler, at which ``s + SETTLING ds/dt`` is nothing, or the stroke.
+    is free. How far the idler gives way follows from ``s + c d ds/dt = c (F - F0)`` with the push F on it,
+    the compliance c and the damping d. At stops the right side is nothing, or the stroke: it is continuous in
+    place, speed and force, and the damper brings the idler to rest there. A stop that does so by itself may
+    have no state at the end of a step in which the spring and the stop both agree with their force.
     """
 
     rows: Ints1  # (k,): written by the pins
@@ -45,12 +42,10 @@ def write_rows(
     for k in range(recoils.rows.shape[0]):
         row = recoils.rows[k]
         # the multiplier is the push with the other sign
-        excess = -multipliers[row] - recoils.preload[k]
-        back = recoils.compliance[k] * excess + rows.relaxation[row] * gap_rate(bodies, rows, row, state)
-        if 0.0 < back < recoils.stroke[k]:
+        way = recoils.compliance[k] * (-multipliers[row] - recoils.preload[k])
+        if 0.0 < way < recoils.stroke[k]:
             continue
         rows.gap[row] += recoils.preload[k] * recoils.compliance[k]
-        if back > 0.0:
+        if way > 0.0:
             rows.gap[row] += recoils.stroke[k]
         rows.share[row] = 0.0
-        rows.relaxation[row] = SETTLING

@@ -37,7 +37,7 @@ def add(assembler: Assembler) -> None:
             assembler.add_marker(idler, np.zeros(3)),
             BEARING.format(name),
             compliance=ALONG / spring.stiffness,
-            relaxation=ALONG * spring.damping / spring.stiffness,
+            relaxation=ALONG * spring.relaxation,
         )
         if recoil is not None:
             assembler.add_recoil(recoil.preload, 1.0 / recoil.stiffness, recoil.stroke)

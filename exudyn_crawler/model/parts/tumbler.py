@@ -8,7 +8,7 @@ from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.ground.laws import Impact
 from exudyn_crawler.model.assembler import Assembler, Body
 from exudyn_crawler.model.forces.impact import Flange
-from exudyn_crawler.model.forces.teeth import Profile, Teeth
+from exudyn_crawler.model.forces.teeth import Teeth
 from exudyn_crawler.model.parts.shoes import joint_marker
 from exudyn_crawler.model.state import BEARING, MOTOR
 
@@ -48,7 +48,7 @@ def _teeth(assembler: Assembler, gear: Closed, tumblers: list[int]) -> Teeth:
         markers=np.array(markers),
         tumblers=met,
         side=np.tile([place[1] for _, place in lugs], assembler.shoes),
-        profile=Profile(*law.profile(chain)),
+        profile=law.profile(chain),
         law=Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
         flange=Flange(gear.guide_play, AT_PLANE * gear.guide_stiffness, AT_PLANE * gear.guide_damping),
     )
