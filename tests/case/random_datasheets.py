@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-KINDS = ("excavator", "dozer", "shovel", "crane", "drill")
+KINDS = ("excavator", "dozer", "loader", "shovel", "crane", "drill", "paver")
 
 
 def drawn(seed: int) -> dict[str, Any]:
@@ -48,4 +48,16 @@ def drawn(seed: int) -> dict[str, Any]:
     if rng.random() < 0.2 and "crawler_length" in values:
         values["ground_pressure"] = off(mass * 9.81 / (2.0 * values["shoe_width"] * on_ground * 1.08), 0.03)
         del values["length_on_ground"]
+    if rng.random() < 0.1:
+        values["sprocket"] = "front"
+    if rng.random() < 0.2:
+        values["com_ahead"] = off(0.05 * on_ground, 2.0)
+    if rng.random() < 0.2:
+        values["sag"] = off(0.012 * on_ground, 0.6)
+    if rng.random() < 0.2:
+        values["travel_speed"] = off(1.0, 0.7)
+    if rng.random() < 0.2:
+        values["upper_weight"] = off(0.4 * mass, 0.2)
+    if rng.random() < 0.2 and values.get("lower_rollers", 0) > 5:
+        values["bogies"] = int(rng.integers(1, values["lower_rollers"] // 2 + 1))
     return values

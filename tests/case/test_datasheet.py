@@ -157,6 +157,7 @@ def test_typical_values_can_be_given():
         ),
         ({"lower_rollers": 25}, r"25 lower rollers do not fit beside each other .*: \d+ of 177 mm do"),
         ({"shoe_weight": 400.0}, r"96 shoes of 400 kg with sprockets weigh 38.8 t, which leaves"),
+        ({"sag": 0.25}, r"a sag of 250 mm lets the idler back into the wheel next to it; \d+ mm do"),
         ({"gauge": 0.7}, r"gauge must be greater than the shoes' width, .* got 0.7 m with shoes of 0.8 m"),
         ({"gauge": None}, "gauge must be given, or width_over_shoes"),
         ({"sag": 0.02, "chain_tension": 1e4}, "sag and chain_tension must not be given together"),
@@ -287,3 +288,89 @@ def test_road_wheels_of_a_vehicle_trail_on_arms_that_bear_an_even_share(sprocket
 def test_suspensions_that_contradict_themselves_are_refused(changes, words):
     with pytest.raises(ParameterError, match=words):
         derived(Datasheet(**(PC300 | changes)))
+
+
+@pytest.mark.parametrize(
+    "lengths",
+    [
+        {"length_on_ground": 4.03},
+        {"crawler_length": 4.955},
+        {"ground_pressure": 50e3},
+        {"crawler_length": 4.955, "ground_pressure": 50e3},
+    ],
+    ids=" ".join,
+)
+def test_pitch_of_a_number_of_shoes_follows_from_any_length(lengths):
+    """Of a Komatsu PC300LC-8, within what 10.5 gaps and typical shoes leave open."""
+    values = {name: value for name, value in PC300.items() if "length" not in name} | lengths
+    case = derived(Datasheet(**values)).case
+    assert case.loop.shoe_count == 48
+    assert case.track.pitch == pytest.approx(0.2159, rel=0.02)
+
+
+def test_pitch_by_mass_that_leaves_no_sprocket_gives_way_to_the_lengths():
+    """Of a machine whose ends are short for its weight."""
+    values = PC300 | {"operating_weight": 90e3, "shoes": None}
+    case = derived(Datasheet(**values)).case
+    assert case.track.pitch == pytest.approx(0.2159, rel=0.02)
+    assert case.gear.tumbler.shoes_per_turn == 10.5
+
+
+def test_idler_makes_up_for_a_printed_sprocket():
+    """Of a dozer with 41 shoes of 318 mm, 13.5 a turn, on 4.444 m: its idler is smaller than the sprocket."""
+    values = {"kind": "dozer", "operating_weight": 112.7e3, "gauge": 2.896, "shoe_width": 0.71}
+    values |= {"length_on_ground": 4.444, "pitch": 0.318, "shoes": 41, "sprocket_gaps": 13.5}
+    gear = derived(Datasheet(**values)).case.gear
+    assert gear.tumbler.shoes_per_turn == 13.5
+    assert gear.idler.radius + 0.35 * 0.318 < 0.95 * gear.tumbler.radius(0.318)
+
+
+@pytest.mark.parametrize(
+    ("line", "name", "value"),
+    [
+        ('drawbar_pull = "20570 kg"', "drawbar_pull", 20570 * 9.80665),
+        ('ground_pressure = "0.51 kg/cm2"', "ground_pressure", 0.51 * 98066.5),
+        ('gradeability = "35 deg"', "gradeability", 0.70021),
+        ('gradeability = "70 %"', "gradeability", 0.7),
+        ('power = "260 PS"', "power", 260 * 735.49875),
+    ],
+)
+def test_units_are_taken_as_makers_print_them(written, line, name, value):
+    assert getattr(read_case(written(SHORT + line)).datasheet, name) == pytest.approx(value, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "line", ['gradeability = "35 kg"', 'ground_pressure = "3 kg"', 'drawbar_pull = "3 m"']
+)
+def test_other_units_are_refused(written, line):
+    with pytest.raises(CaseFileError, match=f"datasheet.{line.split()[0]}: must be a number"):
+        read_case(written(SHORT + line))
+
+
+SHORT_M113 = {
+    name: M113[name]
+    for name in ("kind", "operating_weight", "gauge", "length_on_ground", "shoe_width", "shoes", "pitch")
+}
+
+
+@pytest.mark.parametrize("left_out", [None, "shoes", "pitch", "length_on_ground"])
+def test_running_gear_of_a_vehicle_follows_where_its_datasheet_leaves_it_out(left_out):
+    """Of an M113 by eight figures: road wheels, sprocket and idler stand within a tenth of their places."""
+    values = {name: value for name, value in SHORT_M113.items() if name != left_out}
+    if left_out == "length_on_ground":
+        values["ground_pressure"] = 11400.0 * 9.81 / (2.0 * 0.38 * 2.667)
+    case = derived(Datasheet(**values)).case
+    gear = case.gear
+    assert case.loop.shoe_count == pytest.approx(63, abs=3)
+    assert case.track.pitch == pytest.approx(0.154, rel=0.1)
+    assert len(gear.rollers) == 5
+    assert gear.rollers[-1] - gear.rollers[0] == pytest.approx(2.667, rel=1e-3)
+    assert gear.idler.place[0] - gear.tumbler.place[0] == pytest.approx(3.83 + 0.13, rel=0.1)
+    # what is left for the idler's take-up is the sag
+    assert abs(case.assembled.take_up) < 0.02
+
+
+def test_a_vehicles_chain_that_closes_nowhere_is_refused_with_shoes_that_do():
+    words = "40 shoes of 154 mm do not close about 5 road wheels on 2.67 m of ground .*: 5. to 7. do"
+    with pytest.raises(ParameterError, match=words):
+        derived(Datasheet(**SHORT_M113 | {"shoes": 40}))

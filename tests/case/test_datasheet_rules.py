@@ -38,6 +38,20 @@ def test_pitch_that_closes_a_loop_closes_it():
     )
 
 
+def test_pitches_that_close_about_wheels_of_a_sprockets_size_close():
+    over, shoes, gaps, depth, grouser, share = 5.2, 47, 10.5, 0.28, 0.03, 0.35
+    pitch = rules.pitch_of_crawler(over, shoes, gaps, depth, grouser)
+    circle = rules.pin_circle(pitch, gaps)
+    on_ground = over - circle - 2.0 * (depth * pitch + grouser)
+    assert rules.loop_length(on_ground, circle) == pytest.approx(shoes * pitch, rel=1e-12)
+    # as long on the ground as its pressure says, which counts a share of the ends
+    whole = rules.ground_length(on_ground, over, share)
+    assert rules.pitch_of_whole(whole, shoes, gaps, (depth, grouser), share) == pytest.approx(
+        pitch, rel=1e-12
+    )
+    assert rules.pitch_of_ends(over - on_ground, gaps, depth, grouser) == pytest.approx(pitch, rel=1e-12)
+
+
 @pytest.mark.parametrize(("mass", "pitch"), [(13e3, 0.171), (27e3, 0.203), (35e3, 0.2159), (1.41e6, 0.6557)])
 def test_pitches_of_machines_follow_from_their_mass_within_15_per_cent(mass, pitch):
     assert rules.pitch_by_mass(mass, typical.row_of("pitch_by_mass", "excavator").value) == pytest.approx(

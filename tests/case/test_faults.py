@@ -89,9 +89,14 @@ EQUAL = "or a load in N for all shoes, such as '386.4 kN', got "
             '[shoe]\nmass = "4,5 t"',
             "shoe.mass: must be a number in kg, or such as '1 t', got '4,5 t'; numbers have a point: '4.5 t'",
         ),
+        (
+            '[shoe]\nmass = "4,682 kg"',
+            "shoe.mass: must be a number in kg, or such as '1 t', got '4,682 kg'; "
+            "numbers have no commas: '4682 kg', or '4.682 kg'",
+        ),
     ],
 )
-def test_a_decimal_comma_is_named(refused, text, line):
+def test_a_comma_in_a_number_is_named(refused, text, line):
     assert refused(text) == [line]
 
 

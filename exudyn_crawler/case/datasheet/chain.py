@@ -11,9 +11,13 @@ from exudyn_crawler.case.parameters.track import MOST_SHOES
 SHOES = "track.shoe_count of one track"
 """Key of a note."""
 LOOSE = 0.01  # of a chain's length, by which lengths of a datasheet may disagree
-PLAUSIBLE_GAPS = 8, 18  # of sprockets for which a number of shoes is taken as printed
+PLAUSIBLE_GAPS = 8, 18  # of sprockets for which a number of shoes, or a pitch by mass, is taken
+IDLER_SIZES = (
+    0.8,
+    1.2,
+)  # times the sprocket's circle: mean of both with which a printed sprocket closes a chain
 LONGEST, SHORTEST = 40.0, 5.0  # pitches of a length on ground
-HALF_PITCH: tuple[Kind, ...] = ("excavator", "dozer", "drill")
+HALF_PITCH: tuple[Kind, ...] = ("excavator", "dozer", "loader", "drill", "paver")
 """Kinds of machines whose sprockets have an odd number of teeth, of which a chain uses every second gap."""
 
 
@@ -51,7 +55,7 @@ def chain_of(sheet: Datasheet, notes: Notes, gravity: float, depth: float | None
 
     `depth` is that of the plate's underside below the pins (m) where a mesh has it.
     """
-    pitch = _pitch(sheet, notes)
+    pitch = _pitch(sheet, notes, gravity)
     if depth is None:
         depth = pitch * notes.typical("plate_depth")
     grouser = sheet.grouser_height
@@ -123,40 +127,62 @@ def _length(value: float) -> str:
     return f"{1e3 * value:.4g} mm" if value < 1.0 else f"{value:.3g} m"
 
 
-def _pitch(sheet: Datasheet, notes: Notes) -> float:
+def _pitch(sheet: Datasheet, notes: Notes, gravity: float) -> float:
     """Pitch, m: given, of the loop's closing, or by the machine's mass."""
     if sheet.pitch is not None:
         return sheet.pitch
+    closing = None if sheet.shoes is None else _closing_pitch(sheet, sheet.shoes, notes, gravity)
+    if closing is not None:
+        return float(notes.note("track.pitch", closing[0], "m", "derived", closing[1]))
     on_ground = sheet.length_on_ground
     over_shoes = sheet.crawler_length
-    shoes = sheet.shoes
-    if shoes is not None and on_ground is not None and over_shoes is not None:
-        depth = notes.typical("plate_depth")
-        grouser = sheet.grouser_height
-        if grouser is None:
-            depth += notes.typical("grouser_height")
-        pitch = rules.pitch_of_loop(on_ground, over_shoes, shoes, depth, grouser or 0.0)
-        how = "a chain of so many shoes closes: (2 C + pi (L - C - 2 grouser)) / (N + 2 pi depth)"
+    value = rules.pitch_by_mass(sheet.operating_weight, notes.typical("pitch_by_mass"))
+    how = "0.066 m (weight / t)^(1/3), within 15 % [remembered]"
+    if on_ground is not None and over_shoes is not None:
+        depth, grouser = _tips(sheet, notes)
+        left = over_shoes - on_ground - 2.0 * (depth * value + grouser)
+        least, greatest = (rules.pin_circle(value, gaps) for gaps in PLAUSIBLE_GAPS)
+        if not least <= left <= greatest:
+            value = rules.pitch_of_ends(over_shoes - on_ground, _gaps(sheet, notes), depth, grouser)
+            how = "sprocket and idler of typical size fill what the crawler is longer than on ground"
+    return float(notes.note("track.pitch", value, "m", "assumed", how))
+
+
+def _closing_pitch(sheet: Datasheet, shoes: int, notes: Notes, gravity: float) -> tuple[float, str] | None:
+    """Pitch (m) with which so many shoes close about the lengths, and its rule; None without a length."""
+    on_ground = sheet.length_on_ground
+    over_shoes = sheet.crawler_length
+    depth, grouser = _tips(sheet, notes)
+    if on_ground is not None and over_shoes is not None:
+        pitch = rules.pitch_of_loop(on_ground, over_shoes, shoes, depth, grouser)
         if pitch > 0.0:
-            return float(notes.note("track.pitch", pitch, "m", "derived", how))
-    if shoes is not None and on_ground is not None:
-        gaps = sheet.sprocket_gaps or notes.typical("sprocket_gaps")
-        how = (
-            "a chain of so many shoes closes about wheels of a sprocket's size: 2 C / (N - pi / sin(pi / z))"
-        )
-        return float(
-            notes.note("track.pitch", rules.pitch_of_gaps(on_ground, shoes, gaps), "m", "derived", how)
-        )
-    row = notes.typical("pitch_by_mass")
-    return float(
-        notes.note(
-            "track.pitch",
-            rules.pitch_by_mass(sheet.operating_weight, row),
-            "m",
-            "assumed",
-            "0.066 m (weight / t)^(1/3), within 15 % [remembered]",
-        )
-    )
+            how = "a chain of so many shoes closes: (2 C + pi (L - C - 2 grouser)) / (N + 2 pi depth)"
+            return pitch, how
+    wheels = "a chain of so many shoes closes about wheels of a sprocket's size"
+    gaps = _gaps(sheet, notes)
+    if on_ground is not None:
+        return rules.pitch_of_gaps(on_ground, shoes, gaps), f"{wheels}: 2 C / (N - pi / sin(pi / z))"
+    if over_shoes is not None:
+        pitch = rules.pitch_of_crawler(over_shoes, shoes, gaps, depth, grouser)
+        return pitch, f"{wheels}: 2 (L - 2 grouser) / (N + 4 depth - (pi - 2) / sin(pi / z))"
+    if sheet.ground_pressure is not None:
+        whole = sheet.operating_weight * gravity / (2.0 * sheet.shoe_width * sheet.ground_pressure)
+        share = notes.typical("pressure_share")
+        return rules.pitch_of_whole(whole, shoes, gaps, (depth, grouser), share), f"{wheels}, by the pressure"
+    return None
+
+
+def _tips(sheet: Datasheet, notes: Notes) -> tuple[float, float]:
+    """Tips of the grousers below the pins: a depth in pitches, and a printed height beside it, m."""
+    depth = notes.typical("plate_depth")
+    if sheet.grouser_height is not None:
+        return depth, sheet.grouser_height
+    return depth + notes.typical("grouser_height"), 0.0
+
+
+def _gaps(sheet: Datasheet, notes: Notes) -> float:
+    """Gaps of the sprocket: printed, or typical."""
+    return sheet.sprocket_gaps or notes.typical("sprocket_gaps")
 
 
 def _diameter(sheet: Datasheet, notes: Notes, pitch: float, tips: float) -> float:
@@ -164,18 +190,23 @@ def _diameter(sheet: Datasheet, notes: Notes, pitch: float, tips: float) -> floa
     on_ground = sheet.length_on_ground
     over_shoes = sheet.crawler_length
     shoes = sheet.shoes
+    usual = rules.pin_circle(pitch, _gaps(sheet, notes))
+    if sheet.sprocket_to_idler is not None:
+        return usual
     if on_ground is not None and over_shoes is not None:
         return over_shoes - on_ground - 2.0 * tips
-    if sheet.sprocket_gaps is not None:
-        return rules.pin_circle(pitch, sheet.sprocket_gaps)
+    left = None
     if shoes is not None and on_ground is not None:
         left = (shoes * pitch - 2.0 * on_ground) / math.pi
-        least, greatest = (rules.pin_circle(pitch, gaps) for gaps in PLAUSIBLE_GAPS)
-        if least <= left <= greatest:
-            return left
-    if shoes is not None and over_shoes is not None:
-        return (shoes * pitch - 2.0 * (over_shoes - 2.0 * tips)) / (math.pi - 2.0)
-    return rules.pin_circle(pitch, notes.typical("sprocket_gaps"))
+    elif shoes is not None and over_shoes is not None:
+        left = (shoes * pitch - 2.0 * (over_shoes - 2.0 * tips)) / (math.pi - 2.0)
+    if left is None:
+        return usual
+    if sheet.sprocket_gaps is not None:
+        bounds = IDLER_SIZES[0] * usual, IDLER_SIZES[1] * usual
+    else:
+        bounds = rules.pin_circle(pitch, PLAUSIBLE_GAPS[0]), rules.pin_circle(pitch, PLAUSIBLE_GAPS[1])
+    return left if bounds[0] <= left <= bounds[1] else usual
 
 
 def _on_ground(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.datasheet import chain as chains, gear, shoe_mesh, shoes, travel
+from exudyn_crawler.case.datasheet import chain as chains, gear, shoe_mesh, shoes, travel, vehicles
 from exudyn_crawler.case.datasheet.notes import Note, Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.case.datasheet.typical import TypicalValue
@@ -41,6 +41,10 @@ NO_FIGURES = (
 )
 
 
+SMALLER = 0.8, 0.6, 0.4, 0.2, 0.1
+"""Shares of a sag with which no machine follows that are tried."""
+
+
 class Derived(NamedTuple):
     """Case that follows from a datasheet, with notes."""
 
@@ -53,36 +57,55 @@ class Derived(NamedTuple):
 @lru_cache(maxsize=64)
 def derived(sheet: Datasheet) -> Derived:
     """Case of a datasheet with the notes on its values; a ParameterError in the datasheet's words."""
+    try:
+        return _derived(sheet)
+    except DatasheetError:
+        raise
+    except ParameterError as error:
+        raise DatasheetError(_refusal(sheet, error)) from error
+
+
+def _derived(sheet: Datasheet) -> Derived:
+    """Case of a datasheet; a ParameterError in words of the case where its parts do not go together."""
     overrides = {name: getattr(sheet.typical, name) for name in type(sheet.typical).model_fields}
     notes = Notes(sheet.kind, overrides)
     printed = sheet
-    sheet = shoe_mesh.sheet_of_mesh(printed)
+    sheet = vehicles.with_running_gear(shoe_mesh.sheet_of_mesh(printed), notes)
     of_mesh = None if sheet.shoe_mesh is None else shoe_mesh.shoe_of_mesh(sheet.shoe_mesh)
     chain = chains.chain_of(sheet, notes, ph4100c.GRAVITY, None if of_mesh is None else of_mesh.depth)
     shoe = shoes.shoe_of(sheet, chain, notes, of_mesh)
     track = shoes.track_of(sheet, chain, shoe, notes, of_mesh)
-    try:
-        case = Case(
-            name=sheet.kind,
-            shoe=shoe,
-            track=track,
-            gear=gear.gear_of(sheet, chain, shoe, track, notes),
-            terrain=travel.ground_of(sheet, chain),
-            contact=travel.soil_of(),
-            drive=travel.drive_of(sheet, notes),
-            loads=LoadCycle.constant([0.0] * track.shoe_count),
-            solver=travel.solver_of(chain.pitch),
-        )
-    except DatasheetError:
-        raise
-    except ParameterError as error:
-        lines = str(error).splitlines()
-        raise DatasheetError(f"the machine that follows cannot be built: {lines[0]}") from error
+    case = Case(
+        name=sheet.kind,
+        shoe=shoe,
+        track=track,
+        gear=gear.gear_of(sheet, chain, shoe, track, notes),
+        terrain=travel.ground_of(sheet, chain),
+        contact=travel.soil_of(),
+        drive=travel.drive_of(sheet, notes),
+        loads=LoadCycle.constant([0.0] * track.shoe_count),
+        solver=travel.solver_of(chain.pitch),
+    )
     given = list(_given(printed))
     paths = {note.path for note in given}
     return Derived(
         case, (*given, *(note for note in notes if note.path not in paths)), chain, tuple(notes.used.values())
     )
+
+
+def _refusal(sheet: Datasheet, error: ParameterError) -> str:
+    """Why no machine follows: its sag where a smaller one would do, else the first line of an error."""
+    for share in SMALLER if sheet.sag is not None else ():
+        smaller = sheet.with_(sag=share * sheet.sag)
+        try:
+            _derived(smaller)
+        except ParameterError:
+            continue
+        return (
+            f"a sag of {1e3 * sheet.sag:.3g} mm lets the idler back into the wheel next to it; "
+            f"{1e3 * smaller.sag:.2g} mm do"
+        )
+    return f"the machine that follows cannot be built: {str(error).splitlines()[0]}"
 
 
 def _given(sheet: Datasheet) -> Iterator[Note]:

@@ -48,7 +48,7 @@ def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
     pitch = start.shoes[:, 4]
     ends = [place + x * np.cos(pitch) + low * np.sin(pitch) for x in (rear, 0.5 * (rear + front), front)]
     on_ground = gear.length + start.take_up
-    if sheet.sprocket_to_idler is not None:
+    if sheet.sprocket_to_idler is not None or sheet.has_road_wheels:
         on_ground = gear.rollers[-1] - gear.rollers[0]
     return on_ground, float(np.max(ends) - np.min(ends))
 
@@ -89,8 +89,12 @@ def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     ):
         yield Figure(name, value, stated, "m", _verdict(value, stated, OF_LENGTH))
     pressure = mean_pressure(case, sheet)
-    verdict = _verdict(pressure, sheet.ground_pressure, CLOSE)
-    yield Figure("mean ground pressure", pressure, sheet.ground_pressure, "Pa", verdict)
+    printed = sheet.ground_pressure
+    verdict = _verdict(pressure, printed, CLOSE)
+    if printed and abs(pressure / printed - 1.0) > CLOSE:
+        counts = mass * case.gravity / (2.0 * case.shoe.width * printed)
+        verdict += f": the printed one has the weight on {counts:.3g} m of each track"
+    yield Figure("mean ground pressure", pressure, printed, "Pa", verdict)
 
 
 def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:

@@ -28,6 +28,39 @@ def pitch_of_gaps(on_ground: float, shoes: int, gaps: float) -> float:
     return 2.0 * on_ground / (shoes - math.pi / math.sin(math.pi / gaps))
 
 
+def pitch_of_crawler(over_shoes: float, shoes: int, gaps: float, depth: float, grouser: float) -> float:
+    """Pitch of a chain about two circles of a sprocket's size, from the length over the shoes.
+
+    ``N p = 2 C + pi d`` with ``C = L - d - 2 (depth p + grouser)`` and ``d = p / sin(pi / z)``, depth in
+    pitches.
+    """
+    circle = 1.0 / math.sin(math.pi / gaps)
+    return 2.0 * (over_shoes - 2.0 * grouser) / (shoes + 4.0 * depth - (math.pi - 2.0) * circle)
+
+
+def pitch_of_whole(whole: float, shoes: int, gaps: float, tips: tuple[float, float], share: float) -> float:
+    """Pitch of a chain about two circles of a sprocket's size, from the length that a ground pressure says.
+
+    ``N p = 2 C + pi d`` with ``C = whole - share (d + 2 (depth p + grouser))`` and ``d = p / sin(pi / z)``;
+    `tips` are depth (pitches) and grouser (m).
+    """
+    depth, grouser = tips
+    circle = 1.0 / math.sin(math.pi / gaps)
+    return (
+        2.0
+        * (whole - 2.0 * share * grouser)
+        / (shoes - math.pi * circle + 2.0 * share * (circle + 2.0 * depth))
+    )
+
+
+def pitch_of_ends(ends: float, gaps: float, depth: float, grouser: float) -> float:
+    """Pitch of which sprocket, idler and shoes fill what a crawler is longer than on ground, m.
+
+    ``L - C = p / sin(pi / z) + 2 (depth p + grouser)``, depth in pitches.
+    """
+    return (ends - 2.0 * grouser) / (1.0 / math.sin(math.pi / gaps) + 2.0 * depth)
+
+
 def pin_circle(pitch: float, gaps: float) -> float:
     """Diameter of the pins' circle of a sprocket, ``p / sin(pi / z)``.
 

@@ -4,13 +4,14 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator
 
+from exudyn_crawler.case.datasheet import makers
 from exudyn_crawler.case.datasheet.typical import Typical
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.track import mesh_beside
 from exudyn_crawler.errors import ParameterError
 
-Kind = Literal["excavator", "dozer", "shovel", "crane", "drill", "vehicle"]
+Kind = Literal["excavator", "dozer", "loader", "shovel", "crane", "drill", "paver", "vehicle"]
 ShoeKind = Literal["single grouser", "double grouser", "triple grouser", "plain", "mining"]
 LEAST_GAPS = 7.0
 GREATEST_GAPS = 30.0
@@ -120,7 +121,7 @@ class Datasheet(Parameters):
     recoil_spring: bool | None = option(
         "true where the idler gives way on a spring; none: as machines of its kind have it", None
     )
-    recoil_force: float | None = quantity(
+    recoil_force: makers.Force | None = quantity(
         "N", "of the recoil spring as it is installed", (1e4, 1e7), gt=0, le=1e10, default=None
     )
     carrier_rollers: int | None = quantity(
@@ -135,14 +136,14 @@ class Datasheet(Parameters):
         default=None,
     )
     sprocket: Literal["rear", "front"] = option("end at which the sprocket is", "rear")
-    ground_pressure: float | None = quantity(
+    ground_pressure: makers.Pressure | None = quantity(
         "Pa", "mean, as printed", (1e4, 5e5), ge=1e3, le=1e7, default=None
     )
-    drawbar_pull: float | None = quantity(
+    drawbar_pull: makers.Force | None = quantity(
         "N", "greatest, of both tracks", (1e3, 1e7), ge=1.0, le=1e9, default=None
     )
     travel_speed: base.Speed | None = quantity("m/s", "greatest", (0.1, 20.0), default=None)
-    gradeability: float | None = quantity("1", "rise over run", (0.1, 1.0), gt=0, le=2, default=None)
+    gradeability: makers.Slope | None = quantity("1", "rise over run", (0.1, 1.0), gt=0, le=2, default=None)
     power: float | None = quantity(
         "W", "of the engine or of the travel drives", (1e4, 3e6), ge=1.0, le=1e9, default=None
     )
@@ -161,7 +162,7 @@ class Datasheet(Parameters):
         "loads over radii, of which front and COM follow; none: no chart", None
     )
     sag: base.Length | None = quantity("m", "of the upper run at rest, as its maker asks for", default=None)
-    chain_tension: float | None = quantity(
+    chain_tension: makers.Force | None = quantity(
         "N", "of the chain at rest, in place of a sag", (1e3, 1e7), gt=0, le=1e10, default=None
     )
     travel: Literal["straight", "backward", "on the spot"] = option("what a run does", "straight")
@@ -216,3 +217,13 @@ class Datasheet(Parameters):
             return self.gauge
         assert self.width_over_shoes is not None
         return self.width_over_shoes - self.shoe_width
+
+    @property
+    def has_arms(self) -> bool:
+        """True where lower rollers or road wheels are on sprung arms."""
+        return (self.suspension or ("arms" if self.kind == "vehicle" else "rigid")) == "arms"
+
+    @property
+    def has_road_wheels(self) -> bool:
+        """True of a vehicle on arms: its sprocket and idler stand beyond its outer road wheels."""
+        return self.kind == "vehicle" and self.has_arms

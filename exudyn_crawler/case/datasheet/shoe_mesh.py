@@ -18,8 +18,10 @@ READY: dict[Kind, ShoeKind] = {
     "excavator": "triple grouser",
     "drill": "triple grouser",
     "dozer": "single grouser",
+    "loader": "double grouser",
     "shovel": "mining",
     "crane": "plain",
+    "paver": "plain",
     "vehicle": "plain",
 }
 """Ready shoes of machines whose datasheet names none."""

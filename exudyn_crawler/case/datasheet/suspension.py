@@ -13,7 +13,7 @@ from exudyn_crawler.case.gear.arms import Arm
 from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.case.parameters.closed_track import Recoil
 
-RECOILS: tuple[Kind, ...] = ("excavator", "dozer", "drill")
+RECOILS: tuple[Kind, ...] = ("excavator", "dozer", "loader", "drill", "paver")
 """Kinds of machines whose idlers stand on grease cylinders before springs; shims hold those of the others."""
 RECOIL_DAMPING = 0.1  # of critical, of an idler on its spring: chosen here
 WHEEL_INERTIA = 0.15, 0.13, 0.25
@@ -88,7 +88,7 @@ def _recoil(sheet: Datasheet, pitch: float, notes: Notes) -> Recoil | None:
 
 def _arms(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces, notes: Notes) -> tuple[Arm, ...]:
     """Arms of the road wheels; none where they are fixed in the frame."""
-    if (sheet.suspension or ("arms" if sheet.kind == "vehicle" else "rigid")) == "rigid":
+    if not sheet.has_arms:
         return ()
     if sheet.bogies:
         raise DatasheetError(f"{sheet.bogies} bogies must be left out with suspension 'arms'")

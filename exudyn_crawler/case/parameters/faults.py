@@ -28,6 +28,8 @@ PROFILE = "values over time, such as {{times = [0, 5], values = [0, 0.1]}} (numb
 OF_LIST = re.compile(r"([\w.\[\]]+\[)(\d+)(\]: .*)")
 """Line of a fault of an item of a list."""
 COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(.*)")
+THOUSANDS = 3
+"""Digits behind a comma that may part thousands."""
 OTHER_KIND = ("_type", "literal_error", "is_instance_of", "enum")
 """Ends of pydantic's names of faults of a value that is of another kind than what is wanted."""
 
@@ -231,7 +233,10 @@ def _message(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseMode
         other = fields.in_place(spot.field)
         words += f", or {other}" if other else ""
     if isinstance(value, str) and (comma := COMMA.fullmatch(value)):
-        cause = f"; numbers have a point: '{comma[1]}.{comma[2]}{comma[3]}'"
+        point = f"'{comma[1]}.{comma[2]}{comma[3]}'"
+        cause = f"; numbers have a point: {point}"
+        if len(comma[2]) == THOUSANDS:
+            cause = f"; numbers have no commas: '{comma[1]}{comma[2]}{comma[3]}', or {point}"
     if kind.startswith(("less_than", "greater_than")) and spot.field and isinstance(value, int | float):
         cause = fields.likely_cause(float(value), spot.field)
     return f"{head}{words}, got {fields.shown(value)}{cause}"

@@ -58,6 +58,7 @@ newton = 1000 * gram * metre / second ** 2 = N
 pascal = newton / metre ** 2 = Pa
 watt = newton * metre / second = W
 horsepower = 745.6998715822702 * watt = hp
+metric_horsepower = 735.49875 * watt = PS
 kilogram_force = 9.80665 * newton = kgf
 short_ton = 907184.74 * gram
 bar = 100000 * pascal
@@ -65,6 +66,7 @@ inch = 0.0254 * metre = in
 foot = 12 * inch = ft = feet
 mile = 5280 * foot = mi
 mph = mile / hour
+kph = 1000 * metre / hour
 pound = 453.59237 * gram = lb
 pound_force = 4.4482216152605 * newton = lbf
 psi = pound_force / inch ** 2
