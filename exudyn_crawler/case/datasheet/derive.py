@@ -35,6 +35,7 @@ NO_FIGURES = (
     "kind",
     "sprocket",
     "travel",
+    "grade",
     "suspension",
     "recoil_spring",
     "shoe_kind",
@@ -80,7 +81,7 @@ def _derived(sheet: Datasheet) -> Derived:
         shoe=shoe,
         track=track,
         gear=gear.gear_of(sheet, chain, shoe, track, notes),
-        terrain=travel.ground_of(sheet, chain),
+        terrain=travel.ground_of(sheet, chain, notes),
         contact=travel.soil_of(),
         drive=travel.drive_of(sheet, notes),
         loads=LoadCycle.constant([0.0] * track.shoe_count),
@@ -95,15 +96,15 @@ def _derived(sheet: Datasheet) -> Derived:
 
 def _refusal(sheet: Datasheet, error: ParameterError) -> str:
     """Why no machine follows: its sag where a smaller one would do, else the first line of an error."""
-    for share in SMALLER if sheet.sag is not None else ():
-        smaller = sheet.with_(sag=share * sheet.sag)
+    sag = sheet.sag or 0.0
+    for smaller in (share * sag for share in SMALLER if sag > 0.0):
         try:
-            _derived(smaller)
+            _derived(sheet.with_(sag=smaller))
         except ParameterError:
             continue
         return (
-            f"a sag of {1e3 * sheet.sag:.3g} mm lets the idler back into the wheel next to it; "
-            f"{1e3 * smaller.sag:.2g} mm do"
+            f"a sag of {1e3 * sag:.3g} mm lets the idler back into the wheel next to it; "
+            f"{1e3 * smaller:.2g} mm do"
         )
     return f"the machine that follows cannot be built: {str(error).splitlines()[0]}"
 

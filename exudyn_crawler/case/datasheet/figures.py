@@ -89,12 +89,12 @@ def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     ):
         yield Figure(name, value, stated, "m", _verdict(value, stated, OF_LENGTH))
     pressure = mean_pressure(case, sheet)
-    printed = sheet.ground_pressure
-    verdict = _verdict(pressure, printed, CLOSE)
-    if printed and abs(pressure / printed - 1.0) > CLOSE:
-        counts = mass * case.gravity / (2.0 * case.shoe.width * printed)
+    stated = sheet.ground_pressure
+    verdict = _verdict(pressure, stated, CLOSE)
+    if stated and abs(pressure / stated - 1.0) > CLOSE:
+        counts = mass * case.gravity / (2.0 * case.shoe.width * stated)
         verdict += f": the printed one has the weight on {counts:.3g} m of each track"
-    yield Figure("mean ground pressure", pressure, printed, "Pa", verdict)
+    yield Figure("mean ground pressure", pressure, stated, "Pa", verdict)
 
 
 def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:

@@ -166,6 +166,9 @@ class Datasheet(Parameters):
         "N", "of the chain at rest, in place of a sag", (1e3, 1e7), gt=0, le=1e10, default=None
     )
     travel: Literal["straight", "backward", "on the spot"] = option("what a run does", "straight")
+    grade: makers.Slope = quantity(
+        "1", "of the ground of a run, uphill as it travels", (-0.3, 0.3), gt=-1, lt=1, default=0.0
+    )
     speed: base.Speed | None = quantity(
         "m/s", "of the chains in a run; none: slow travel", (0.01, 5.0), default=None
     )

@@ -31,8 +31,13 @@ def drive_of(sheet: Datasheet, notes: Notes) -> Drive:
     if sheet.travel == "on the spot":
         turning = StepProfile(times=(0.0, RISE), values=(0.0, 2.0 * speed / sheet.track_gauge))
         return Drive(speed=StepProfile.constant(0.0), turn_rate=turning)
+    return Drive(speed=StepProfile(times=(0.0, RISE), values=(0.0, _sense(sheet) * speed)))
+
+
+def _sense(sheet: Datasheet) -> float:
+    """1 where a run travels along x, -1 where it goes the other way; on the spot by its sprocket."""
     backward = (sheet.travel == "backward") != (sheet.sprocket == "front")
-    return Drive(speed=StepProfile(times=(0.0, RISE), values=(0.0, -speed if backward else speed)))
+    return -1.0 if backward else 1.0
 
 
 def solver_of(pitch: float) -> Solver:
@@ -41,16 +46,20 @@ def solver_of(pitch: float) -> Solver:
     return Solver(step=step, output_interval=step * max(1, round(STORED / step)))
 
 
-def ground_of(sheet: Datasheet, chain: Chain) -> terrain.CellTerrain:
-    """Level ground about the machine."""
+def ground_of(sheet: Datasheet, chain: Chain, notes: Notes) -> terrain.CellTerrain:
+    """Ground about the machine, level or on its grade."""
     length = chain.over_shoes
     wide = sheet.track_gauge + sheet.shoe_width
     around = max(length, wide)
+    grade = 0.0
+    if sheet.grade:
+        grade = notes.note("terrain.grade", _sense(sheet) * sheet.grade, "", "given", "grade of the file")
     return terrain.CellTerrain(
         origin=(-AHEAD - length, -0.5 * wide - around),
         length=2.0 * (AHEAD + length),
         width=wide + 2.0 * around,
         cell=min(WIDEST_CELL, round(CELL * chain.pitch, 3)),
+        grade=grade,
     )
 
 

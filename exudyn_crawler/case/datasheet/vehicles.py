@@ -75,13 +75,7 @@ def with_running_gear(sheet: Datasheet, notes: Notes) -> Datasheet:
     """
     if not sheet.has_road_wheels or sheet.sprocket_to_idler is not None:
         return sheet
-    on_ground = sheet.length_on_ground
-    if on_ground is None and sheet.ground_pressure is not None:
-        on_ground = (
-            sheet.operating_weight * ph4100c.GRAVITY / (2.0 * sheet.shoe_width * sheet.ground_pressure)
-        )
-        how = "length that the ground pressure says, m g / (2 b p)"
-        notes.note("length on ground", on_ground, "m", "derived", how)
+    on_ground = _on_ground(sheet, notes)
     if on_ground is None:
         return sheet
     pitch = _pitch(sheet, on_ground, notes)
@@ -115,6 +109,22 @@ def with_running_gear(sheet: Datasheet, notes: Notes) -> Datasheet:
         f"of ground with sprocket and idler beyond them: {least} to {most} do, or sprocket_to_idler says "
         "where these are"
     )
+
+
+def _on_ground(sheet: Datasheet, notes: Notes) -> float | None:
+    """Length between the outer road wheels, m: printed, by pressure or chain; None without these."""
+    if sheet.length_on_ground is not None:
+        return sheet.length_on_ground
+    if sheet.ground_pressure is not None:
+        width = 2.0 * sheet.shoe_width
+        value = sheet.operating_weight * ph4100c.GRAVITY / (width * sheet.ground_pressure)
+        how = "length that the ground pressure says, m g / (2 b p)"
+        return float(notes.note("length on ground", value, "m", "derived", how))
+    if sheet.shoes is None or sheet.pitch is None:
+        return None
+    value = sheet.shoes * sheet.pitch / notes.typical("loop")
+    how = "a chain is 3.4 times as long as what is on the ground"
+    return float(notes.note("length on ground", value, "m", "assumed", how))
 
 
 def _pitch(sheet: Datasheet, on_ground: float, notes: Notes) -> float:

@@ -179,7 +179,7 @@ def _roller_count(sheet: Datasheet, chain: Chain, notes: Notes) -> int:
     """Lower rollers of one track: printed, or by their spacing."""
     if sheet.lower_rollers is not None:
         return sheet.lower_rollers
-    count = max(2, round(chain.on_ground / (chain.pitch * notes.typical("roller_spacing"))))
+    count = max(2, 2 * sheet.bogies, round(chain.on_ground / (chain.pitch * notes.typical("roller_spacing"))))
     return int(notes.note("lower rollers", count, "", "assumed", "length on ground by their typical spacing"))
 
 
