@@ -1,7 +1,7 @@
 """Draw the shoe's surface: `python -m meshes.draw_shoe [folder]`."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +59,17 @@ def draw_surface(
     return ax
 
 
+def face_names(mesh: Mesh, keys: Iterable[str]) -> np.ndarray:
+    """Name of each boundary triangle, (k,): the last key that its surface's begins with, else empty."""
+    order = {tuple(f): i for i, f in enumerate(np.sort(mesh.boundary[:, :3], axis=1).tolist())}
+    names = np.full(len(order), "", dtype=object)
+    for key in keys:
+        for name in (n for n in mesh.surfaces if n.startswith(key)):
+            faces = np.sort(mesh.surface(name)[:, :3], axis=1).tolist()
+            names[[order[tuple(f)] for f in faces]] = key
+    return names
+
+
 def named_colors(mesh: Mesh, colors: Mapping[str, str]) -> Floats:
     """Colours (k, 3) of the boundary triangles by their named surface.
 
@@ -68,17 +79,8 @@ def named_colors(mesh: Mesh, colors: Mapping[str, str]) -> Floats:
     colors : mapping of str to str
         Colour "#rrggbb" by how the names of surfaces begin; a later one covers an earlier one.
     """
-
-    def rgb(code: str) -> list[float]:
-        return [int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-
-    order = {tuple(f): i for i, f in enumerate(np.sort(mesh.boundary[:, :3], axis=1).tolist())}
-    painted = np.tile(rgb(STEEL_COLOR), (len(order), 1))
-    for key, color in colors.items():
-        for name in (n for n in mesh.surfaces if n.startswith(key)):
-            faces = np.sort(mesh.surface(name)[:, :3], axis=1).tolist()
-            painted[[order[tuple(f)] for f in faces]] = rgb(color)
-    return painted
+    codes = [colors.get(name, STEEL_COLOR) for name in face_names(mesh, colors)]
+    return np.array([[int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)] for code in codes])
 
 
 def draw_shoe(path: Path, mesh: Mesh) -> None:

@@ -11,48 +11,68 @@ import subprocess
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from exudyn_crawler import files
 from exudyn_crawler.case import CaseFile, write_case
-from exudyn_crawler.run.folder import checkpoints, record
+from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.progress import PROGRESS
 
 RESULTS = "results"
 WAITS = "waits"  # empty file of a run that waits for its turn
 CONSOLE = "console.txt"
 """Lines that a run has written for its user."""
+LINES = 3  # of it that are shown of a run that has failed
 WAITING, RUNNING, STOPPED, FAILED, DONE = "waiting", "running", "stopped", "failed", record.DONE
 GOES_ON = (STOPPED, FAILED)
 COMMAND = (sys.executable, "-m", "exudyn_crawler")
 
 
-class Run(NamedTuple):
+class Run:
     """Run as its folder has it."""
 
-    name: str
-    folder: Path
-    status: str
-    record: dict[str, Any]
-    progress: dict[str, Any]  # of the part that it is at
-    stages: tuple[Path, ...]  # files of the parts of the history that are there so far
+    def __init__(self, folder: Path, works: bool = False) -> None:
+        self.name = folder.name
+        self.folder = folder
+        self.record = record.earlier_record(folder)
+        self.status = self._status(works)
+
+    def _status(self, works: bool) -> str:
+        if works:
+            return RUNNING
+        if (self.folder / WAITS).exists():
+            return WAITING
+        if self.record.get("status") != RUNNING:
+            return str(self.record.get("status", FAILED))
+        # one that was killed says it, too, and does not hold its folder
+        try:
+            with record.held(self.folder):
+                return STOPPED
+        except BlockingIOError:
+            return RUNNING
 
     @property
-    def has_page(self) -> bool:
-        """True where its page is there."""
-        return (self.folder / "report.html").is_file()
+    def page(self) -> Path:
+        """Page of its results."""
+        return self.folder / "report.html"
 
     @property
-    def has_history(self) -> bool:
-        """True where all of its history is there."""
-        return (self.folder / record.HISTORY).is_file()
+    def progress(self) -> dict[str, Any]:
+        """How far the part that it is at has come; empty where it says nothing."""
+        with suppress(OSError, ValueError):
+            content = json.loads((self.folder / PROGRESS).read_text(encoding="utf-8"))
+            return content if isinstance(content, dict) else {}
+        return {}
 
-    def last_lines(self, count: int = 3) -> str:
-        """Last lines that it has written for its user."""
+    @property
+    def error(self) -> str:
+        """Why it has ended, where it can go on."""
+        if self.status not in GOES_ON:
+            return ""
         with suppress(OSError):
             text = (self.folder / CONSOLE).read_text(encoding="utf-8", errors="replace")
-            return "\n".join(text.strip().splitlines()[-count:])
-        return ""
+            return "\n".join(text.strip().splitlines()[-LINES:])
+        return str(self.record.get("error", ""))
 
 
 class Runs:
@@ -64,85 +84,56 @@ class Runs:
 
     def all(self) -> list[Run]:
         """Every run, the newest first."""
-        if not self.folder.is_dir():
-            return []
-        homes = [path for path in self.folder.iterdir() if (path / record.CASE).is_file()]
-        homes.sort(key=lambda path: (path / record.CASE).stat().st_mtime, reverse=True)
-        return [self.named(path.name) for path in homes]
+        cases = sorted(self.folder.glob(f"*/{record.CASE}"), key=lambda path: -path.stat().st_mtime)
+        return [self.named(path.parent.name) for path in cases]
 
     def named(self, name: str) -> Run:
         """Run of a name."""
-        home = self.folder / name
-        noted = record.earlier_record(home)
-        return Run(
-            name,
-            home,
-            self._status(home, noted),
-            noted,
-            _progress(home),
-            tuple(checkpoints.stage_files(home)),
-        )
+        process = self._started.get(name)
+        return Run(self.folder / name, process is not None and process.poll() is None)
 
-    def _status(self, home: Path, noted: dict[str, Any]) -> str:
-        process = self._started.get(home.name)
-        if process is not None and process.poll() is None:
-            return RUNNING
-        if (home / WAITS).exists():
-            return WAITING
-        if noted.get("status") == RUNNING:
-            return RUNNING if _is_held(home, noted.get("process")) else STOPPED
-        return str(noted.get("status", FAILED))
-
-    def free_name(self, name: str) -> str:
-        """Name, with a number behind it if a run has it already."""
+    def add(self, case_file: CaseFile, name: str) -> str:
+        """Let a case wait for its turn; returned is its name, with a number if there is one of the name."""
         number = 1
         free = name
         while (self.folder / free).exists():
             number += 1
             free = f"{name}_{number}"
-        return free
-
-    def add(self, case_file: CaseFile, name: str) -> Path:
-        """Let a case wait for its turn; FileExistsError if there is a run of the name."""
-        home = files.writable_folder(self.folder / name)
+        home = files.writable_folder(self.folder / free)
         write_case(case_file, home / record.CASE)
         (home / WAITS).touch()
-        return home
+        return free
 
     def go_on(self, name: str) -> None:
         """Let a run that was stopped wait for its turn again; it goes on from its last stage."""
         (self.folder / name / WAITS).touch()
 
-    def withdraw(self, name: str) -> None:
-        """Take a run that waits out of the queue; one that has not begun is forgotten."""
-        home = self.folder / name
-        (home / WAITS).unlink(missing_ok=True)
-        if not (home / record.RECORD).exists():
-            (home / record.CASE).unlink(missing_ok=True)
-            with suppress(OSError):
-                home.rmdir()
-
     def stop(self, name: str) -> None:
-        """Ask a run to stop, which keeps what it has."""
+        """Take a run out of the queue, or ask it to stop, which keeps what it has.
+
+        A run that has not begun is forgotten.
+        """
         run = self.named(name)
-        process = self._started.get(name)
-        number = run.record.get("process") if process is None else process.pid
-        if run.status == RUNNING and isinstance(number, int):
+        if run.status == RUNNING:
+            process = self._started.get(name)
             with suppress(OSError):
-                os.kill(number, signal.SIGTERM)
+                os.kill(run.record["process"] if process is None else process.pid, signal.SIGTERM)
+            return
+        (run.folder / WAITS).unlink(missing_ok=True)
+        if not run.record:
+            (run.folder / record.CASE).unlink(missing_ok=True)
+            with suppress(OSError):
+                run.folder.rmdir()
 
     def start_next(self) -> None:
         """Start the run that has waited longest, if none is at work."""
-        found = self.all()
-        if any(run.status == RUNNING for run in found):
+        waiting = sorted(self.folder.glob(f"*/{WAITS}"), key=lambda path: path.stat().st_mtime)
+        if not waiting or any(run.status == RUNNING for run in self.all()):
             return
-        waiting = [run for run in found if run.status == WAITING]
-        if not waiting:
-            return
-        first = min(waiting, key=lambda run: (run.folder / WAITS).stat().st_mtime)
-        words = [*COMMAND, "run", str(first.folder / record.CASE), "--out", str(first.folder)]
-        with (first.folder / CONSOLE).open("wb") as console:
-            self._started[first.name] = subprocess.Popen(
+        home = waiting[0].parent
+        words = [*COMMAND, "run", str(home / record.CASE), "--out", str(home)]
+        with (home / CONSOLE).open("wb") as console:
+            self._started[home.name] = subprocess.Popen(
                 words,
                 stdin=subprocess.DEVNULL,
                 stdout=console,
@@ -150,30 +141,4 @@ class Runs:
                 cwd=self.folder.parent,
                 start_new_session=True,
             )
-        (first.folder / WAITS).unlink(missing_ok=True)
-
-
-def _progress(home: Path) -> dict[str, Any]:
-    """How far the part of a run at work has come; nothing where it says nothing."""
-    with suppress(OSError, ValueError):
-        content = json.loads((home / PROGRESS).read_text(encoding="utf-8"))
-        return content if isinstance(content, dict) else {}
-    return {}
-
-
-def _is_held(home: Path, number: object) -> bool:
-    """True where the process of a number works in a folder."""
-    if not isinstance(number, int):
-        return False
-    try:
-        os.kill(number, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        pass
-    # another process may have the number by now, which does not hold the folder
-    try:
-        with record.held(home):
-            return False
-    except BlockingIOError:
-        return True
+        (home / WAITS).unlink(missing_ok=True)

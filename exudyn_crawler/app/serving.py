@@ -8,9 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import uvicorn
-from fastapi import FastAPI, HTTPException
-from fastapi.responses import FileResponse
+from fastapi import FastAPI
+from fastapi.staticfiles import StaticFiles
 from nicegui import app as pages, ui
+from starlette.datastructures import MutableHeaders
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -18,6 +19,8 @@ HOST = "127.0.0.1"
 NAMES = (HOST, "localhost")
 """Names by which a browser on this computer asks; any other name would be another site's."""
 TITLE = "exudyn-crawler"
+FILES = "files"
+"""Begin of the addresses of the folder's files, from the page's own."""
 OPTIONAL = "'unsafe-inline' 'unsafe-eval'"
 POLICY = (
     f"default-src 'self' {OPTIONAL} data: blob:; frame-ancestors 'self'; form-action 'self'; "
@@ -28,7 +31,12 @@ OF_FILES = (
     f"sandbox allow-scripts allow-downloads; default-src data: blob: {OPTIONAL}; frame-ancestors 'self'"
 )
 """Same for files of the folder, which get none of the page's rights and load nothing at all."""
-REFERRER = {b"referrer-policy": b"no-referrer", b"x-content-type-options": b"nosniff"}
+HEADERS = {
+    "referrer-policy": "no-referrer",
+    "x-content-type-options": "nosniff",
+    # a page of a folder is another one after the next run
+    "cache-control": "no-store",
+}
 FOREIGN = 1008  # code with which a websocket is refused
 
 
@@ -56,19 +64,18 @@ class Guard:
         begin = scope["path"][: len(self.start)]
         if not hmac.compare_digest(begin.encode("utf-8"), self.start.encode("utf-8")):
             return "the address must be that which exudyn-crawler app has shown, with its token"
-        return ""
+        return "hidden files are not shown" if "/." in scope["path"] else ""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request of a browser, or refuse it."""
 
         async def send_guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                named = {name.lower() for name, _ in message["headers"]}
-                more = REFERRER | {b"content-security-policy": POLICY.encode()}
-                message["headers"] = [
-                    *message["headers"],
-                    *(pair for pair in more.items() if pair[0] not in named),
-                ]
+                headers = MutableHeaders(scope=message)
+                is_file = scope["path"].startswith(f"{self.start}{FILES}/")
+                headers["content-security-policy"] = OF_FILES if is_file else POLICY
+                for name, value in HEADERS.items():
+                    headers.setdefault(name, value)
             await send(message)
 
         reason = self.refusal(scope) if scope["type"] != "lifespan" else ""
@@ -81,50 +88,27 @@ class Guard:
             await PlainTextResponse(reason, 403)(scope, receive, send_guarded)
 
 
-def path_inside(folder: Path, name: str) -> Path | None:
-    """File of a name in a folder, links resolved; None where there is none, or it is outside or hidden."""
-    parts = Path(name).parts
-    try:
-        path = (folder / name).resolve()
-    except (OSError, ValueError):
-        return None
-    is_hidden = any(part.startswith(".") for part in parts)
-    if is_hidden or not path.is_relative_to(folder.resolve()) or not path.is_file():
-        return None
-    return path
-
-
 def serve(
     folder: Path,
-    build: Callable[[str], None],
+    build: Callable[[], object],
     port: int | None = None,
     show: bool = True,
     say: Callable[[str], None] = print,
 ) -> None:
     """Serve the page of a folder until the process is interrupted.
 
-    `build` fills a page; it gets the start of the addresses of the folder's files. `port` None takes a free
-    one; OSError if another program has it. `show` opens the browser; `say` gets the address.
+    `build` fills a page, for which files of the folder are below `FILES`. `port` None takes a free one;
+    OSError if another program has it. `show` opens the browser; `say` gets the address.
     """
     listening = socket.socket()
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     listening.bind((HOST, port or 0))
-    # who asks before all is loaded waits
-    listening.listen()
     port = listening.getsockname()[1]
     token = secrets.token_urlsafe(24)
+    # links that lead out of the folder are not followed
+    pages.mount(f"/{FILES}", StaticFiles(directory=folder))
 
-    @pages.get("/files/{name:path}")
-    def file(name: str) -> FileResponse:
-        path = path_inside(folder, name)
-        if path is None:
-            raise HTTPException(404, "there is no such file in the folder")
-        return FileResponse(path, headers={"content-security-policy": OF_FILES, "cache-control": "no-store"})
-
-    @ui.page("/")
-    def page() -> None:
-        build(f"/{token}/files/")
-
+    ui.page("/")(build)
     outer = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     ui.run_with(
         outer,

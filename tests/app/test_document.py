@@ -7,11 +7,11 @@ import pytest
 pytest.importorskip("nicegui", reason="the extra `app` is not installed")
 
 from exudyn_crawler.app.document import Document
-from exudyn_crawler.app.form import choices, presets, range_words
-from exudyn_crawler.case import Case, CaseFile, read_case
+from exudyn_crawler.case import Case, CaseFile, duties, read_case, write_case
 from exudyn_crawler.case.case_file import typed_text
 from exudyn_crawler.case.files import typed_value
 from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.asked import choices, presets, range_words
 from exudyn_crawler.errors import CaseFileError
 
 WEIGHT = "datasheet.operating_weight"
@@ -33,7 +33,7 @@ def test_what_is_typed_is_the_file_and_its_comments_stay(document):
     path = document.save("mine")
     assert read_case(path) == document.case_file
     assert document.case_file.case.terrain.grade == 0.1
-    assert document.is_saved
+    assert document.saved == document.text
 
 
 def test_values_that_follow_change_with_what_they_follow_from(document):
@@ -76,8 +76,8 @@ def test_a_later_fitting_value_does_not_wait_for_a_refused_one(document):
     assert list(document.errors) == [WEIGHT]
 
 
-def test_every_value_reads_back_as_the_form_shows_it(document):
-    document.start_with(CaseFile(case=Case.shovel(), duration=1.0), "shovel")
+def test_every_value_reads_back_as_the_form_shows_it(document, tmp_path):
+    document.load(write_case(CaseFile(case=Case.shovel(), duration=1.0), tmp_path / "shovel.toml"))
     entries = [entry for entry in document.entries().values() if not fields.is_table(entry.value)]
     numbers = [entry for entry in entries if fields.is_number(entry.value)]
     assert len(numbers) > 80
@@ -111,12 +111,19 @@ def test_a_text_is_taken_whole_or_refused(document):
     assert document.case_file.duration == 4.0
 
 
-def test_a_file_of_another_name_is_not_written_over(document):
+def test_the_file_of_another_case_is_not_written_over(document):
     document.save("mine")
-    document.type("duration", "1 s")
+    assert document.type("duration", "1 s")
+    path = document.save("mine")
+    assert path.read_text() == document.text
+    document.start_from("cat315c")
     with pytest.raises(FileExistsError):
         document.save("mine")
-    assert not document.is_saved
+    assert document.saved != document.text
+    document.load(path)
+    path.write_text("# another program")
+    with pytest.raises(FileExistsError):
+        document.save("mine")
 
 
 def test_fields_know_their_words_bounds_and_ready_values(document):
@@ -130,3 +137,24 @@ def test_fields_know_their_words_bounds_and_ready_values(document):
     )
     law = presets(entries["drive"].field)
     assert law["turning"] == {"base": "turning"}
+
+
+PICKED = {name: values for names in duties.lists().values() for name, values in names.items()}
+
+
+@pytest.mark.parametrize("values", PICKED.values(), ids=PICKED)
+def test_everything_that_is_picked_for_ground_and_duty_is_taken(document, values):
+    text = document.text
+    changes = values(document.case_file)
+    assert document.change(changes), document.errors
+    assert document.text != text or set(changes.values()) == {None}
+
+
+def test_a_machine_that_digs_stands_and_travels_again(document):
+    assert document.change(PICKED[duties.DIG](document.case_file))
+    case_file = document.case_file
+    assert case_file.duration == case_file.case.machine.phases[-1].end
+    assert case_file.case.drive.speed.integral(case_file.duration) == 0.0
+    assert document.change(PICKED["propel backward"](document.case_file))
+    assert document.case_file.case.machine is None
+    assert document.case_file.case.drive.speed.integral(5.0) < 0.0

@@ -35,17 +35,19 @@ def ended_process():
 
 
 def test_a_case_waits_in_a_folder_of_its_name_and_can_be_taken_out(runs):
-    home = runs.add(CASE, "mine")
+    assert runs.add(CASE, "mine") == "mine"
+    home = runs.folder / "mine"
     assert read_case(home / "case.toml") == CASE
     assert runs.named("mine").status == WAITING
-    assert runs.free_name("mine") == "mine_2"
-    runs.withdraw("mine")
+    assert runs.add(CASE, "mine") == "mine_2"
+    for name in ("mine", "mine_2"):
+        runs.stop(name)
     assert runs.all() == []
     assert not home.exists()
 
 
 def test_a_folder_says_how_its_run_is(runs):
-    home = runs.add(CASE, "mine")
+    home = runs.folder / runs.add(CASE, "mine")
     (home / module.WAITS).unlink()
     assert runs.named("mine").status == FAILED
     noted(home, status="running", process=ended_process())
@@ -60,7 +62,7 @@ def test_a_folder_says_how_its_run_is(runs):
     noted(home, status="stopped")
     runs.go_on("mine")
     assert runs.named("mine").status == WAITING
-    runs.withdraw("mine")
+    runs.stop("mine")
     assert runs.named("mine").status == STOPPED
 
 

@@ -10,7 +10,7 @@ from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, StepProfile
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.case.parameters.machine_cycle import Pose
-from exudyn_crawler.case.ph4100c import MACHINE_MASS
+from exudyn_crawler.case.ph4100c import MACHINE_MASS, PROPEL_END
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 
@@ -257,3 +257,17 @@ def test_slewing_upper_structure_moves_the_weight_of_the_machine():
     far = MachineCycle.slewing(case.gear.car_body, [pose._replace(payload=6e5)])
     with pytest.raises(ParameterError, match=r"beside the middle of the track, more than 4\.648 m"):
         case.with_(machine=far)
+
+
+def test_a_machine_of_half_the_size_digs_with_an_eighth_of_the_force():
+    body = Case.shovel().gear.car_body
+    whole = MachineCycle.slewing(body).phases[1:]
+    digs = MachineCycle.digging(body).phases
+    assert [phase.end + PROPEL_END for phase in digs] == pytest.approx([phase.end for phase in whole])
+    smaller = body.with_(
+        upper_mass=body.upper_mass / 8.0, upper_com=tuple(0.5 * place for place in body.upper_com)
+    )
+    for large, same, small in zip(whole, digs, MachineCycle.digging(smaller).phases, strict=True):
+        assert (same.force, same.moment) == (pytest.approx(large.force), pytest.approx(large.moment))
+        assert small.force == pytest.approx([force / 8.0 for force in large.force])
+        assert small.moment == pytest.approx([moment / 16.0 for moment in large.moment])

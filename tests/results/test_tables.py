@@ -9,7 +9,13 @@ from rich.console import Console
 
 from exudyn_crawler import Case, History, LoadCycle, Phase
 from exudyn_crawler.results.history.history import phases
-from exudyn_crawler.results.history.summary import compared, difference_table, key_results, load_table
+from exudyn_crawler.results.history.summary import (
+    compared,
+    difference_table,
+    greatest_over_time,
+    key_results,
+    load_table,
+)
 from exudyn_crawler.results.stress.hot_spots import highest_by_phase, hot_spot_table
 from exudyn_crawler.views import tables
 from exudyn_crawler.views.tables import cell_text, print_table, write_table
@@ -168,6 +174,18 @@ def test_key_results_are_those_of_the_history(translation):
     assert "highest von Mises stress" not in found.index
     # units that roll push shoes aside, which friction holds only once they slip
     assert 1e3 * found.loc["residual force at the start", "value"] < 2e-4 * 13 * translation.case.mean_load
+
+
+def test_the_greatest_over_time_is_the_key_result_at_its_time(translation, rolled):
+    for history in (translation, rolled):
+        found = key_results(history).set_index("result")
+        curves = greatest_over_time(history, ["link_tension", "joint_force", "roller_force", "contact_force"])
+        assert len(curves) == 2 + (history is rolled)
+        for result, curve in curves.items():
+            assert curve.dims == ("time",)
+            assert float(curve.max()) == pytest.approx(found.loc[result, "value"])
+            assert float(curve.time[curve.argmax("time")]) == pytest.approx(found.loc[result, "at"])
+            assert curve.units == found.loc[result, "unit"]
 
 
 def test_the_highest_stress_comes_first(history, stress):

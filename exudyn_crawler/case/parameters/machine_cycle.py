@@ -124,6 +124,28 @@ class MachineCycle(loads.Cycle):
             phases.append(MachinePhase(name=pose.name, end=pose.end, **named))
         return cls(phases=tuple(phases))
 
+    @classmethod
+    def digging(cls, body: CarBody, down: Sequence[float] = (0.0, 0.0, -1.0)) -> Self:
+        """Cycle of a machine of any size that stands, digs, swings, dumps and returns.
+
+        No source: the P&H 4100C's poses without its propel, by the upper structure's mass over that of the
+        P&H 4100C: payload and bank by this ratio, lengths by its third root; times are the same.
+        """
+        ratio = body.upper_mass / CarBody.ph4100c().upper_mass
+        length = ratio ** (1.0 / 3.0)
+        poses = [
+            pose._replace(
+                end=pose.end - ph4100c.PROPEL_END,
+                reach=length * pose.reach,
+                height=length * pose.height,
+                payload=ratio * pose.payload,
+                bank=(ratio * pose.bank[0], ratio * pose.bank[1]),
+            )
+            for pose in (Pose(*row) for row in ph4100c.SHOVEL_POSES)
+            if pose.end > ph4100c.PROPEL_END
+        ]
+        return cls.slewing(body, poses, down)
+
     @property
     def components(self) -> list[drive.StepProfile]:
         """Force (N) and moment (N m) over time (s), global: x, y and z of each."""

@@ -1,6 +1,6 @@
 """Tables that sum up a run: key results, extremes, loads, and differences from another run."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from operator import attrgetter
 from typing import Any, Literal, NamedTuple
 
@@ -62,6 +62,22 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     of, force = unbalanced(history)
     rows.append(("residual force at the start", 1e-3 * force, "kN", of, float(history.time[0])))
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
+
+
+def greatest_over_time(history: History, names: Iterable[str]) -> dict[str, xr.DataArray]:
+    """Greatest magnitude over the machine at every time of those quantities that a run has, by key result.
+
+    Each is (time,), in the unit in which key results are read (`units`).
+    """
+    greatest = {}
+    for name, values in history.over_time(name for name in names if history.has(name)).items():
+        unit = catalogue.QUANTITIES[name].unit
+        drawn, factor = KEY_UNITS.get(unit, (unit, 1.0))
+        for label, some in _apart(history.case, name, values):
+            size = abs(_size(some))
+            over_machine = size.max([dimension for dimension in size.dims if dimension != "time"])
+            greatest[label] = (factor * over_machine).assign_attrs(units=drawn)
+    return greatest
 
 
 def _apart(case: Case, name: str, values: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from exudyn_crawler.views.scenes.pictures import FROM_THE_RIGHT
 from exudyn_crawler.views.scenes.scene import Solid
@@ -54,6 +55,18 @@ def space_figure(solids: Sequence[Solid]) -> Figure:
         "layout": layout,
         "config": CONFIG,
     }
+
+
+def curve_figure(title: str, values: xr.DataArray) -> Figure:
+    """Figure of a curve over time."""
+    trace = {"type": "scatter", "x": values.time.values.tolist(), "y": values.values.tolist()}
+    layout = {
+        "margin": {"l": 60, "r": 10, "t": 28, "b": 36},
+        "title": {"text": f"{title}, {values.units}", "font": {"size": 13}, "x": 0.02},
+        "xaxis": {"title": {"text": "time in s"}},
+        "yaxis": {"rangemode": "tozero"},
+    }
+    return {"data": [trace], "layout": layout, "config": CONFIG}
 
 
 def mesh_trace(solid: Solid) -> Figure:
