@@ -346,6 +346,7 @@ def test_a_run_takes_a_history_that_fits_and_no_other(call, refused, short, tmp_
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_a_track_of_another_length_has_all_figures(call, tmp_path):
     (tmp_path / "case.toml").write_text(
         'base = "translation"\nduration = 0.01\n[track]\nshoe_count = 3\n'
@@ -431,6 +432,7 @@ def test_a_bad_case_file_is_a_line_a_fault(call, tmp_path):
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_overwriting_a_run_removes_report_and_films_of_the_earlier_one(call, short, tmp_path):
     out = tmp_path / "out"
     assert call("run", short, "--out", "out", "--set", "animation=true")[0] == 0

@@ -322,7 +322,7 @@ def changed_line(line, dice):
 @pytest.mark.parametrize(
     ("base", "count"),
     [
-        (tiny, 40),
+        (tiny, 15),
         pytest.param(tiny, 300, marks=pytest.mark.slow),
         pytest.param(tiny_flexible, 300, marks=pytest.mark.slow),
     ],

@@ -142,7 +142,11 @@ def test_shoes_on_a_slope_below_friction_stay_where_they_are(law, grade):
     assert np.abs(moved).max() < 1e-4  # m
 
 
-@pytest.mark.parametrize("base", [Case.translation(), Case.stress("coarse")], ids=["rigid", "flexible"])
+@pytest.mark.parametrize(
+    "base",
+    [Case.translation(), pytest.param(Case.stress("coarse"), marks=pytest.mark.slow)],
+    ids=["rigid", "flexible"],
+)
 def test_newtons_matrix_is_the_derivative_of_the_residual(base):
     system = compiled_system(base.on_cells(SAND))
     q = static_equilibrium(system.case)
