@@ -16,13 +16,14 @@ LEAST_PART = 0.05
 REASONS = {
     "greatest pressure": "a run's is that of a shoe: those under rollers bear more than those between",
     "track load": "statics in both; pins beside the middle of their shoes move some of it",
-    "greatest roller load": "rollers of a run stand now on a shoe's middle, now where two of them give way",
+    "greatest roller load": "rollers of a run stand now on a shoe's middle, where they bear half more, now "
+    "where two shoes give way; and a machine that surges pitches",
     "chain tension at the tumbler": "mean of a run at the end of its taut run; ground takes and gives some "
     "of the pull between the rollers",
-    "greatest chain tension": "a run swings by the polygon of the tumbler and strikes of the teeth, and a "
-    "shoe that tips below an outer roller pulls at its neighbours: twice the mean and more",
-    "torque of a tumbler": "a run on soft ground loses work there; with a contact law of units friction "
-    "against yaw adds to that along and across; the chain of a run has no loss in its pins",
+    "greatest chain tension": "the formula is of steady travel: a machine that starts within a second surges "
+    "on its chains for long, by several times the mean torque; pins below rollers bear part of their load, too",
+    "torque of a tumbler": "the chain of a run has no loss in its pins; in a turn on units friction is that "
+    "of the slip speeds, above that of fast slip, and friction against yaw adds to that along and across",
     "force across a shoe": "in a turn the formula has all friction of the most loaded shoe across the track, "
     "on a slope the shoe's share by its load",
     "resultant inside of the nearest edge": "statics in both; greatest pressure and tipping follow from it",

@@ -17,6 +17,8 @@ LIVES = ("region", "life in h at least", "life in h at most", "verdict", "main p
 """Same of shortest lives."""
 ASSESSED = ("item", "utilisation", "within", "load case", "group", "number", "limit", "unit")
 """Same of an assessment."""
+WHY = "what makes a difference"
+"""Column of formulas beside runs that is too wide for a terminal."""
 
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside RUN or LAW, if not given")]
@@ -344,7 +346,8 @@ def assess(
     typer.echo("\n".join(result.lines))
     print_table(printed(result), f"{result.name}: utilisation", ASSESSED, folder / "items.csv")
     if result.compared is not None:
-        print_table(result.compared, "Formulas beside runs")
+        beside = result.compared.drop(columns=WHY)
+        print_table(beside, "Formulas beside runs; what makes a difference is on the page")
     typer.echo(f"tables, drawings and page are in {folder}; assessment.html: open it in a browser")
 
 
