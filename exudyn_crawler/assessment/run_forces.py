@@ -21,7 +21,7 @@ REASONS = {
     "chain tension at the tumbler": "mean of a run at the end of its taut run; ground takes and gives some "
     "of the pull between the rollers",
     "greatest chain tension": "the formula is of steady travel: a machine that starts within a second surges "
-    "on its chains for long, by several times the mean torque; pins below rollers bear part of their load, too",
+    "on its chains, by several times the mean torque; pins below rollers bear part of their load, too",
     "torque of a tumbler": "the chain of a run has no loss in its pins; in a turn on units friction is that "
     "of the slip speeds, above that of fast slip, and friction against yaw adds to that along and across",
     "force across a shoe": "in a turn the formula has all friction of the most loaded shoe across the track, "
