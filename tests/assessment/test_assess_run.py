@@ -166,7 +166,8 @@ def test_straight_travel_beside_a_run(tmp_path, told):
     out = told("assess", "mine.toml", "--out", "assessed", "--run", "straight.nc")
     assert "'travels straight on the level' has the forces of run straight.nc" in out
     beside = pd.read_csv(tmp_path / "assessed" / "run.csv").set_index("quantity")
-    assert beside.loc["track load", "run over formula"] == pytest.approx(1.0, abs=0.05)
+    # greatest over time: the machine bounces as teeth and rollers pass
+    assert beside.loc["track load", "run over formula"] == pytest.approx(1.0, abs=0.1)
     items = pd.read_csv(tmp_path / "assessed" / "items.csv").set_index("item")
     pull = items.loc["pull of a track, travels straight on the level"]
     assert pull["from"] == "run straight.nc"
