@@ -63,7 +63,7 @@ class NamedCases(Sections):
 
     @classmethod
     def rolled(cls, shoe_count: int = 24) -> Self:
-        """Straight propel of a side frame over rigid shoes laid out before it; 24 give it 5 m of way."""
+        """Straight propel of a side frame over rigid shoes laid out before it; 24 give it 5 m to travel."""
         track = Track.ph4100c().with_(shoe_count=shoe_count)
         return cls(
             name="rolled",

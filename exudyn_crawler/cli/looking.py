@@ -155,7 +155,7 @@ def compare(
         typer.Option(help="page to write, or figure of series, with its tables beside it; A_B, if not given"),
     ] = None,
     shift: Annotated[
-        float | None, typer.Option(help="s or m, added to the times or ways of measured series")
+        float | None, typer.Option(help="s or m, added to the times or distances of measured series")
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:

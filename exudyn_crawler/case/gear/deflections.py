@@ -27,7 +27,7 @@ MOST_TURNED = 0.5  # rad, by which the weight plausibly turns a sprung arm from 
 
 
 class LoadedContact(NamedTuple):
-    """LoadedContact whose force is stiffness times depth to the power of an exponent, under a load."""
+    """Contact whose force is stiffness times depth to the power of an exponent, under a load."""
 
     path: str  # of the table with its stiffness and damping, and their beginning: "gear." or "gear.guide_"
     words: str  # what touches what
