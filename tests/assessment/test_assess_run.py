@@ -1,16 +1,19 @@
 """The command `assess`, what it leaves, and formulas beside runs of the program."""
 
+import time
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from exudyn_crawler import Case, StepProfile, simulate
+from exudyn_crawler import Case, StepProfile, assess, simulate
 from exudyn_crawler.assessment import forces, pressure, run_forces, travel
 from exudyn_crawler.assessment.assessment import assessment_of
 from exudyn_crawler.assessment.inputs import numbers_of
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import check_of, shoe_stresses
 from exudyn_crawler.case import Drive, Heights, Ridge, Track
+from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.results.checks.cases import ShoeCheck
 from fem import Mesh, write_mesh
@@ -211,6 +214,18 @@ def test_the_command_leaves_tables_drawings_and_a_page(told, refused, tmp_path):
     assert "exists" in refused("assess", "mine.toml", "--out", "assessed")
     assert "no file" in refused("assess", "nowhere.toml")
     assert "no history" in refused("assess", "mine.toml", "--out", "other", "--run", "assessed")
+
+
+@pytest.mark.slow
+def test_a_shovel_and_an_excavator_are_assessed_in_twenty_seconds(tmp_path):
+    """Of processor time, both together: finite elements of the shovel's shoe, tables, drawings and pages."""
+    begin = time.process_time()
+    shovel = assess("studies/shovel_assessment.toml", tmp_path / "shovel")
+    excavator = assess(library.machines()["pc300lc"], tmp_path / "excavator")
+    assert time.process_time() - begin < 20.0
+    for found in (shovel, excavator):
+        assert found.lines[0].startswith(f"governs: {found.governing[0].item}, ")
+    assert shovel.governing[0].item == "shoe, static stress"
 
 
 @pytest.mark.slow

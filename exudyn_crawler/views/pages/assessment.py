@@ -10,7 +10,7 @@ from exudyn_crawler.assessment.assessment import Assessment
 from exudyn_crawler.assessment.slewing import least_over_slew
 from exudyn_crawler.views.pages import page
 
-SHORT = ["item", "load case", "group", "utilisation", "within", "number", "limit", "unit", "factor", "from"]
+SHORT = ["item", "load case", "group", "utilisation", "number", "limit", "unit", "factor", "from", "within"]
 HOW = ["item", "formula", "source", "mark", "factor", "factor from"]
 MARKS = "Marks: S seen in a text of the source, D derived, R remembered: to be checked before it is used."
 NO_CONFORMITY = (
