@@ -31,6 +31,8 @@ MODES = 6
 """Elastic free-free modes of the table."""
 MECHANISM = 1e-3
 """Of the highest of the table: a frequency below it is that of a mechanism."""
+FILLED = 0.8
+"""Of the underside's rectangle: a part that presses on the ground and that is less is said."""
 GROUND_PRESSURE = ph4100c.PROPEL_LOAD / (ph4100c.TRACK["pitch"] * ph4100c.SHOE["width"])
 """Pa of the papers' load on pitch and width of a shoe, assumed for the load on others."""
 MIDDLE_SHOE = ph4100c.MIDDLE_SHOE
@@ -72,6 +74,12 @@ class ShoeFile:
     def lines(self) -> Iterator[str]:
         """Lines for reading: what was done, what is to be decided, what a flexible run would refuse."""
         yield from self.recognized.remarks
+        shoe = self.case_file.case.shoe
+        if shoe.ground_share < FILLED:
+            yield (
+                f"{shoe.ground_area:.4g} m2 press on the ground, {100.0 * shoe.ground_share:.0f} % of the "
+                f"underside's rectangle of {shoe.length:.4g} x {shoe.width:.4g} m"
+            )
         yield "the front is the end with the outer lugs; --flip-front if the other one leads"
         for question in self.recognized.questions:
             yield f"to be decided: {question}"

@@ -16,6 +16,8 @@ LEAST_LIKELY, GREATEST_LIKELY = 0.3, 8.0
 """m, usual range of the width of shoes."""
 MISTAKEN = {"mm": 1e-3, "cm": 1e-2, "inch": 0.0254}
 """Units of meshes by mistake, m."""
+LINK_LENGTH = 0.75
+"""Of the pitch: the least length of rails that are the tops of links."""
 LEAST_WIDTH = 0.5
 """Of the shoe's width: what the whole top plausibly reaches over."""
 MENDING = "name all of it in the program that meshed the shoe (docs/howto/own_shoe_mesh.md)"
@@ -96,7 +98,7 @@ def check_whole(mesh: Mesh, name: str = "") -> None:
         )
         if len(beyond):
             _warn(f"{_ends_inside(mesh, name, surface, 'a flat', beyond)}; if it is larger, {MENDING}")
-    if "whole top" in mesh.surfaces:
+    if "whole top" in mesh.surfaces and not _is_top_of_links(mesh):
         width = _width(mesh.nodes[mesh.nodes_of("whole top")])
         if width < LEAST_WIDTH * _width(mesh.nodes):
             _warn(
@@ -104,6 +106,18 @@ def check_whole(mesh: Mesh, name: str = "") -> None:
                 f"{width:.3g} m wide on a shoe of {_width(mesh.nodes):.3g} m; if a part of 'top' is missing, "
                 f"{MENDING}"
             )
+
+
+def _is_top_of_links(mesh: Mesh) -> bool:
+    """True for a top that rails from pin to pin are alone, as shoes have it that are bolted to links."""
+    bores = [f"bore {joint}" for joint in JOINT_CENTERS]
+    if not {"top", "roller path", *bores} <= set(mesh.surfaces):
+        return False
+    if not set(_keys(mesh.surfaces["top"])) <= set(_keys(mesh.surfaces["roller path"])):
+        return False
+    rails, *places = (mesh.nodes[mesh.nodes_of(name), 0] for name in ("roller path", *bores))
+    middles = [0.5 * (x.min() + x.max()) for x in places]
+    return bool(np.ptp(rails) > LINK_LENGTH * np.ptp(middles))
 
 
 def _check_bores(boundary: BoundaryFaces, name: str) -> None:

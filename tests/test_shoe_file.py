@@ -66,6 +66,21 @@ def test_the_table_has_the_first_frequencies_and_the_pitch(fork):
     assert table["rails"] == "two"
 
 
+def test_a_shoe_with_a_piece_on_a_hinge_is_refused(tmp_path):
+    nodes, tets = SweptShoe(facets=8).mesh()
+    # an edge at the plate's end, about which the piece turns
+    at_end = np.flatnonzero((np.abs(nodes[:, 1] - nodes[:, 1].max()) < 1e-6) & (nodes[:, 2] < 20.5))
+    edge = at_end[np.lexsort((nodes[at_end, 0], -nodes[at_end, 2]))[:2]]
+    piece = np.array([(0.0, 60.0, 0.0), (0.0, 60.0, 40.0)]) + nodes[edge].mean(axis=0)
+    corners = np.concatenate((edge, len(nodes) + np.arange(2)))
+    points = np.vstack((nodes, piece))
+    if np.linalg.det(points[corners[1:]] - points[corners[0]]) < 0.0:
+        corners = corners[[1, 0, 2, 3]]
+    path = written(tmp_path / "hinge.vtu", points, [("tetra", np.vstack((tets, corners)))])
+    with pytest.raises(fem.MeshError, match=r"hinge\.vtu: the mesh must be one stiff body, .* hang together"):
+        shoe_of(path)
+
+
 def test_files_that_exist_are_not_replaced(fork):
     shoe, paths = fork
     before = paths["mesh"].read_bytes()

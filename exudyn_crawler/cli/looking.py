@@ -1,5 +1,6 @@
 """The commands that look into runs: page, film, stress, forces and loads of one, two compared, and lives."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -9,12 +10,14 @@ import exudyn_crawler as crawler
 from exudyn_crawler.cli import application, datasheets
 from exudyn_crawler.cli.commands import command
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.views.tables import print_table, write_table
+from exudyn_crawler.views.tables import cell_text, print_table, write_table
 
 COMPARED = ("quantity", "axis", "greatest in A", "greatest in B", "change in %", "unit")
 """Columns of what differs between two runs that are shown where not all fit, as `print_rows` takes them."""
 LIVES = ("region", "life in h at least", "life in h at most", "verdict", "main part", "node")
 """Same of shortest lives."""
+CRACKED = ("to", "from", "region", "cycles to a crack", "an hour", "bores, not to be used")
+"""Same of a check's cycles to a crack."""
 ASSESSED = ("item", "utilisation", "within", "load case", "group", "number", "limit", "unit")
 """Same of an assessment."""
 WHY = "what makes a difference"
@@ -300,6 +303,14 @@ def shoe(
     typer.echo(f"{paths['case']}: what cracks it: exudyn-crawler check {paths['case']}")
 
 
+def first_crack(worst: Mapping[str, object]) -> str:
+    """Say which region of a shoe cracks first, in which case and after how many cycles."""
+    often = cell_text(worst["cycles to a crack"])
+    return (
+        f"first to crack: {worst['region']}, after {often} cycles from {worst['from']!r} to {worst['to']!r}"
+    )
+
+
 @command("exudyn-crawler check overhanging.toml --no-pictures")
 def check(
     file: Annotated[
@@ -315,7 +326,10 @@ def check(
         shoe(file=file, out=folder, overwrite=overwrite)
         file = folder / f"{file.name.partition('.')[0]}.toml"
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
-    shown = result.worst_cycles[["to", "from", "region", "cycles to a crack", "an hour"]]
+    worst = result.worst_cycles
+    if len(worst):
+        typer.echo(first_crack(worst.iloc[0]))
+    shown = worst[[name for name in CRACKED if name in worst]]
     hours = f"how many an hour crack within {result.check.hours:g} h"
     print_table(shown.head(40), f"{result.check.name}, {result.check.material.name}; an hour: {hours}")
     typer.echo(f"all regions, section moments and pictures are in {folder}; check.html: open it in a browser")

@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from fem.mesh import Floats
+from meshes.recognition.bands import level_parts, two_rails
 from meshes.recognition.pins import CLOSE, PinLine, PinPair
 from meshes.recognition.triangles import Triangles
 
@@ -32,6 +33,8 @@ OPPOSED = -0.04
 """Sum of the signs of up that is too small to be sure, and product of two that oppose each other."""
 OUTER = 0.4
 """Of the height: how far a plane may be within the outline to count for up."""
+RAIL = 0.02
+"""Of the largest level part that looks the same way: least area of a rail."""
 PIN_LIFT = 4.0
 """Times the part of the height by which pins are above the COM: a sign of up of 1 at a quarter."""
 LEVEL = np.radians(2.0)
@@ -174,7 +177,10 @@ def _rows(pair: PinPair) -> Floats:
 
 
 def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[ShoeAxes, list[Question]]:
-    """Axes with z up: pins are above the COM, and the largest plane near the outline looks down."""
+    """Axes with z up: pins are above the COM, and the largest plane near the outline looks down.
+
+    Where these are weak, two rails on one side alone are up.
+    """
     local = triangles.moved(axes.origin, axes.rows, axes.scale)
     low = local.points[:, 2].min()
     high = local.points[:, 2].max()
@@ -185,6 +191,8 @@ def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[Sh
     total = lift + larger
     asked = []
     if abs(total) < WEAK or lift * larger < OPPOSED:
+        rails = rails_up(local, axes.pins.pitch * axes.scale)
+        total = rails if rails and abs(total) < WEAK else total
         # in the axes that are taken
         sense = -1.0 if total < 0.0 else 1.0
         below, above = planes if sense > 0.0 else planes[::-1]
@@ -192,10 +200,23 @@ def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[Sh
             f"up is not sure: taken so, pins are {1e3 * sense * pins:.3g} mm above the COM, and level planes "
             f"of {below:.3g} m2 look down, of {above:.3g} m2 up"
         )
+        if rails:
+            words += f"; two equal bands as of rails look {'up' if rails * sense > 0.0 else 'down'}"
         asked.append(Question("--flip-up", words))
     if (total < 0.0) != choices.flip_up:
         return replace(axes, rows=axes.rows * np.array([[1.0], [-1.0], [-1.0]])), asked
     return axes, asked
+
+
+def rails_up(local: Triangles, pitch: float) -> float:
+    """1 where two rails are the highest of a shoe and nothing of the kind its lowest, -1 for the opposite."""
+    found = []
+    for sign in (1.0, -1.0):
+        parts = level_parts(local, sign)
+        least = RAIL * max((float(local.areas[part].sum()) for part in parts), default=0.0)
+        large = [part for part in parts if local.areas[part].sum() > least]
+        found.append(bool(large) and two_rails(local, large, pitch, sign)[0] is not None)
+    return float(found[0]) - float(found[1])
 
 
 def _outer_plane(local: Triangles, sign: float) -> float:

@@ -22,6 +22,8 @@ FLAT_SPREAD = 0.25
 """Of the normals of a hole: greatest share along the axis, and least one along either direction across it."""
 NEAR = 0.08
 """Of the radius: how far corners of a hole's faces are off it at most, such as those on its chords."""
+NEAREST = 0.01
+"""Same where a pocket breaks into a hole, whose wall beside it looks at the axis, too."""
 LOOKS = 0.75
 ALONG = 0.35
 """Least cosine between a face's normal and the way to the axis, and greatest one with the axis."""
@@ -83,12 +85,20 @@ def find_bores(triangles: Triangles) -> list[Bore]:
             guess = fit_bore(triangles, seed, whole=False)
             if guess is None:
                 continue
-            for part in triangles.patches(on_cylinder(triangles, guess) & ~used):
-                whole = fit_bore(triangles, part) if len(part) >= FEWEST_FACES else None
-                if whole is not None:
-                    bores.append(whole)
-                    used[part] = True
+            for whole in _whole_bores(triangles, guess, used):
+                bores.append(whole)
+                used[whole.faces] = True
     return sorted(bores, key=lambda bore: -bore.radius * (bore.ends[1] - bore.ends[0]))
+
+
+def _whole_bores(triangles: Triangles, guess: Bore, used: np.ndarray) -> list[Bore]:
+    """Whole bores of the faces on the cylinder of a guess that are not `used`: true or false (k,)."""
+    for near in (NEAR, NEAREST):
+        parts = triangles.patches(on_cylinder(triangles, guess, near=near) & ~used)
+        fits = [fit_bore(triangles, part) for part in parts if len(part) >= FEWEST_FACES]
+        if whole := [bore for bore in fits if bore is not None]:
+            return whole
+    return []
 
 
 def _round_regions(triangles: Triangles, label: Integers) -> list[Integers]:

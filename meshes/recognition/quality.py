@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.mesh import TETRA_EDGES, Floats, Mesh, jacobian_determinants
+from fem.mesh import TETRA_EDGES, Floats, Integers, Mesh, jacobian_determinants
 from meshes.recognition.triangles import Triangles
 
 OPPOSED = 0.8
@@ -30,13 +30,18 @@ class MeshQuality(NamedTuple):
     thin_share: float
 
 
+def shapes(nodes: Floats, elements: Integers) -> Floats:
+    """Shapes (m,) of tetrahedra (m, 4 or more) by their corners among nodes (n, 3): 1 for a regular one."""
+    corners = elements[:, :4]
+    volumes = jacobian_determinants(nodes, corners)[:, 0] / 6.0
+    ends = nodes[corners[:, TETRA_EDGES]]
+    squares = ((ends[:, :, 1] - ends[:, :, 0]) ** 2).sum(axis=2).mean(axis=1)
+    return np.asarray(6.0 * np.sqrt(2.0) * volumes / squares**1.5)
+
+
 def mesh_quality(mesh: Mesh) -> MeshQuality:
     """Quality of a mesh by its corners."""
-    corners = mesh.elements[:, :4]
-    volumes = jacobian_determinants(mesh.nodes, corners)[:, 0] / 6.0
-    ends = mesh.nodes[corners[:, TETRA_EDGES]]
-    squares = ((ends[:, :, 1] - ends[:, :, 0]) ** 2).sum(axis=2).mean(axis=1)
-    shape = 6.0 * np.sqrt(2.0) * volumes / squares**1.5
+    shape = shapes(mesh.nodes, mesh.elements)
     walls, nodes = _walls(mesh)
     boundary = np.unique(mesh.boundary[:, :3])
     thinnest = float(walls.min()) if len(walls) else None

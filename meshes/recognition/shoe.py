@@ -13,7 +13,7 @@ from fem.mesh import Floats, Integers, Mesh, MeshError, boundary_faces
 from fem.mesh_content import VolumeMesh
 from fem.mesh_files import read_volume
 from meshes.load_surfaces import with_known_names
-from meshes.recognition import bores, elements as tetrahedra, pins, solids
+from meshes.recognition import bores, elements as tetrahedra, pins, quality, solids
 from meshes.recognition.axes import Choices, Question, ShoeAxes, Unit, find_axes
 from meshes.recognition.pins import PinPair
 from meshes.recognition.surfaces import ShoeSurfaces, find_surfaces
@@ -26,6 +26,9 @@ SAME_AXES = 1e-3
 SAME_PIN_HEIGHT = 1e-3
 """m, between front and rear pins: shoes that lie level have them at one height."""
 FEWEST_TRIANGLES = 20
+FLATTEST = 1e-3
+FLAT = 0.05
+"""Shapes of elements, 1 of a regular one: flatter ones spoil all that is computed, or stress beside them."""
 DOUBLE_PINS = 0.5
 """Of the extent: how far apart two lines of equal bores are that connectors link."""
 
@@ -275,12 +278,23 @@ def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileS
     triangles = triangles.outward()
     pair = axes_of(triangles, choices).pins
     nodes, corners = solids.fill_boundary(triangles, size.of_pitch * pair.pitch)
+    flattest = float(quality.shapes(nodes, corners).min())
+    if flattest < FLATTEST:
+        raise MeshError(
+            f"{path}: slivers among the triangles of its boundary make elements as flat as {flattest:.1g} of "
+            f"1 of a regular one, with which nothing can be computed; {solids.SEND_STEP}"
+        )
     nodes, elements = tetrahedra.with_middles(nodes, corners)
-    remark = (
+    remarks = [
         f"filled by netgen: {len(nodes)} nodes, {len(elements)} elements; an STL file has flat triangles "
         "alone, on which edges are straight: bores and fillets are as coarse as it has them"
-    )
-    return FileSolid(nodes, elements, None, {}, (remark,))
+    ]
+    if flattest < FLAT:
+        remarks.append(
+            f"slivers among its triangles make elements as flat as {flattest:.2g} of 1 of a regular one: "
+            f"stress beside them means little; better {solids.SEND_STEP}"
+        )
+    return FileSolid(nodes, elements, None, {}, tuple(remarks))
 
 
 def _of_mesh(content: VolumeMesh, choices: Choices) -> FileSolid:

@@ -6,16 +6,10 @@ import numpy as np
 
 from fem.mesh import Floats, Integers
 from meshes.recognition.axes import Question, ShoeAxes, Sole
+from meshes.recognition.bands import SAME_HEIGHT, level_parts, outline, two_rails
 from meshes.recognition.pins import PinLine
 from meshes.recognition.triangles import Triangles
 
-LEVEL = np.radians(0.2)
-NEARLY = np.radians(2.0)
-"""Of faces that are level, and of those that are where nothing else is: cast, or in few digits."""
-SAME_HEIGHT = 2e-3
-"""m, between parts of one surface."""
-LARGE = 0.3
-"""Of what is nearly level: the least part that is level, where that is taken alone."""
 PLATE = 0.01
 """Of the largest level part below: the least part of the plate, which grousers may cut off."""
 SOLE = 0.005
@@ -24,10 +18,6 @@ TOP = 0.01
 """Of the largest level part below: the least part of the top."""
 LUG = 0.2
 """Of a bore's radius and length: how far a flat on its lug may end before its axis, or reach beside it."""
-RAIL_FILL = 0.8
-"""Of its outline: what a rail has to fill."""
-EQUAL_RAILS = 1e-3
-"""m, between the outlines of both."""
 MIRRORED = 0.02
 """Of the outer reach: greatest difference of the lugs on the right and on the left."""
 PARTED = 1e-3
@@ -68,12 +58,6 @@ class ShoeSurfaces:
         return outline(self.triangles, self.faces[name])
 
 
-def outline(triangles: Triangles, faces: Integers) -> Floats:
-    """Least and greatest x, y, z of some triangles: array (2, 3)."""
-    places = triangles.corners[faces].reshape(-1, 3)
-    return np.stack((places.min(axis=0), places.max(axis=0)))
-
-
 def find_surfaces(triangles: Triangles, axes: ShoeAxes, footprint: Sole | None) -> ShoeSurfaces:
     """Find the named surfaces of a shoe.
 
@@ -103,9 +87,9 @@ def find_surfaces(triangles: Triangles, axes: ShoeAxes, footprint: Sole | None) 
             )
     joint_y, words = _joints(local, faces)
     remarks += words
-    sole, area, words, questions = _underside(local, faces, footprint)
+    sole, area, questions = _underside(local, faces, footprint)
     faces |= _top(local, axes, faces, remarks)
-    return ShoeSurfaces(local, faces, joint_y, sole, area, (*remarks, *words), tuple(questions))
+    return ShoeSurfaces(local, faces, joint_y, sole, area, tuple(remarks), tuple(questions))
 
 
 def _spans(axes: ShoeAxes, line: PinLine) -> Floats:
@@ -143,19 +127,9 @@ def _joints(local: Triangles, faces: dict[str, Integers]) -> tuple[tuple[float, 
     return (places[0], places[1]), remarks
 
 
-def level_parts(local: Triangles, sign: float) -> list[Integers]:
-    """Connected level parts that look up (1) or down (-1), the largest first."""
-    upward = sign * local.normals[:, 2]
-    nearly = upward > np.cos(NEARLY)
-    level = upward > np.cos(LEVEL)
-    if local.areas[level].sum() < LARGE * local.areas[nearly].sum():
-        level = nearly
-    return sorted(local.patches(level), key=lambda part: -float(local.areas[part].sum()))
-
-
 def _underside(
     local: Triangles, faces: dict[str, Integers], footprint: Sole | None
-) -> tuple[Sole, float, list[str], list[Question]]:
+) -> tuple[Sole, float, list[Question]]:
     """Name the underside: the plate, or the tips of grousers below it."""
     parts = level_parts(local, -1.0)
     if not parts:
@@ -182,15 +156,7 @@ def _underside(
     chosen = tips if sole == "tips" or not has_grousers else plate
     faces["underside"] = np.concatenate([part for part, is_in in zip(parts, chosen, strict=True) if is_in])
     area = float(areas[chosen].sum())
-    low, high = outline(local, faces["underside"])[:, :2]
-    fill = area / float(np.prod(high - low))
-    remarks = []
-    if fill < RAIL_FILL:
-        remarks.append(
-            f"the underside of {area:.4g} m2 fills {100 * fill:.0f} % of its rectangle of "
-            f"{high[0] - low[0]:.4g} x {high[1] - low[1]:.4g} m: so much of it presses on the ground"
-        )
-    return sole, area, remarks, asked
+    return sole, area, asked
 
 
 def _top(
@@ -216,7 +182,7 @@ def _top(
             return {}
         remarks.append("no level part is above the pins: the top is what of the shoe looks up level")
     named = {"top": np.concatenate(above)}
-    rails, why = _rails(local, above)
+    rails, why = two_rails(local, above, axes.pins.pitch * axes.scale)
     if rails is not None:
         named["roller path"] = rails
     else:
@@ -232,29 +198,3 @@ def _is_on_lug(part: Floats, bore: Floats) -> bool:
     radius = 0.5 * (x1 - x0)
     reaches = part[0, 0] - LUG * radius < pin < part[1, 0] + LUG * radius
     return bool(reaches and y0 - slack < part[0, 1] and part[1, 1] < y1 + slack)
-
-
-def _rails(local: Triangles, above: list[Integers]) -> tuple[Integers | None, str]:
-    """Two equal level bands at the greatest height, one a side; else why there are none."""
-    heights = np.array([local.middles[part, 2].mean() for part in above])
-    highest = [part for part, z in zip(above, heights, strict=True) if heights.max() - z < SAME_HEIGHT]
-    boxes = []
-    sides = []
-    y = np.array([local.middles[part, 1].mean() for part in highest])
-    middle = 0.5 * (y.min() + y.max())
-    for side in (y < middle, y >= middle):
-        chosen = [part for part, is_in in zip(highest, side, strict=True) if is_in]
-        if not chosen:
-            return None, "the top is one band"
-        sides.append(np.concatenate(chosen))
-        boxes.append(outline(local, sides[-1]))
-        size = np.ptp(boxes[-1], axis=0)[:2]
-        if local.areas[sides[-1]].sum() < RAIL_FILL * np.prod(size):
-            return None, "the highest level parts are no bands"
-    right, left = boxes
-    sizes = np.ptp(right, axis=0)[:2] - np.ptp(left, axis=0)[:2]
-    if np.abs(sizes).max() > EQUAL_RAILS or np.abs(right[:, 0] - left[:, 0]).max() > EQUAL_RAILS:
-        return None, "the highest level parts on the right and on the left are not equal"
-    if right[1, 1] >= left[0, 1]:
-        return None, "the highest level parts lie over each other"
-    return np.concatenate(sides), ""

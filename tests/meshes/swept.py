@@ -29,6 +29,7 @@ class SweptShoe:
     grouser: bool = False  # one below the plate
     rails: bool = True
     decoy: bool = True  # a hole along y through the web
+    links: bool = False  # rails on lugs, the front half of each beside its rear one
 
     @property
     def holes(self) -> list[tuple[float, float, float]]:
@@ -43,6 +44,10 @@ class SweptShoe:
             out.append((-15.0, 5.0, -40.0, 0.0))
         if abs(y) < 240.0:
             out.append((-65.0, 65.0, PLATE, WEB))
+        if self.links and 80.0 < abs(y) < 120.0:
+            out.append((-115.0, 5.0, PLATE, WEB + 10.0))
+        if self.links and 125.0 < abs(y) < 165.0:
+            out.append((-15.0, 115.0, PLATE, WEB + 10.0))
         if self.rails and 80.0 < abs(y) < 120.0:
             out.append((-65.0, 65.0, WEB, WEB + 10.0))
         tall = (PIN_Z - 40.0, PIN_Z + 40.0)

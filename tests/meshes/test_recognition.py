@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 import meshes
 from fem.mesh import Mesh, boundary_faces
 from meshes.recognition import shoe
-from meshes.recognition.axes import UNITS, Choices
+from meshes.recognition.axes import UNITS, Choices, rails_up
 from meshes.recognition.bores import find_bores
 from meshes.recognition.elements import centroid, with_middles
 from meshes.recognition.surfaces import find_surfaces
@@ -25,6 +25,7 @@ SHOES = {
     "three and two lugs": SweptShoe(**MIDDLE_LUG),
     "one behind": SweptShoe(front=((-165.0, -75.0), (75.0, 165.0)), rear=((-70.0, 70.0),)),
     "grouser": SweptShoe(grouser=True, facets=12),
+    "links": SweptShoe(front=FORK[::3], rails=False, links=True),
 }
 TRIANGLES = {
     name: Triangles(nodes, boundary_faces(tets))
@@ -58,7 +59,7 @@ def check_motion(name, seed):
     assert [len(line.bores) for line in axes.pins.lines] == [len(own.rear), len(own.front)]
     np.testing.assert_allclose(axes.rows @ turn, np.eye(3), atol=2e-4)
     assert flags == ["--unit"] * ("--unit" in flags) + ["--footprint tips"] * own.grouser
-    assert ("roller path" in found.faces) == own.rails
+    assert ("roller path" in found.faces) == (own.rails or own.links)
     if axes.unit == unit:
         whole = 4.0 * own.half_width * 115.0e-6
         expected = whole - own.grouser * 2.0 * own.half_width * 20e-6
@@ -102,6 +103,23 @@ def test_holes_of_a_shoe_are_its_bores_and_the_decoy():
 def test_joints_act_in_the_middle_of_what_both_ends_share():
     axes = shoe.axes_of(TRIANGLES["fork"], Choices())
     assert find_surfaces(TRIANGLES["fork"], axes, None).joint_y == pytest.approx((-0.1, 0.1))
+
+
+def test_rails_of_links_reach_over_both_of_their_halves():
+    axes = shoe.axes_of(TRIANGLES["links"], Choices())
+    found = find_surfaces(TRIANGLES["links"], axes, None)
+    lengths = np.ptp(found.box("roller path"), axis=0)
+    np.testing.assert_allclose(lengths, [0.23, 0.33, 0.0], atol=1e-9)
+    area = found.triangles.areas[found.faces["roller path"]].sum()
+    assert area == pytest.approx(2.0 * 0.04 * (0.12 + 0.13))
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_rails_say_what_is_up(sense):
+    axes = shoe.axes_of(TRIANGLES["fork"], Choices())
+    rows = axes.rows * np.array([[1.0], [sense], [sense]])
+    local = TRIANGLES["fork"].moved(axes.origin, rows, axes.scale)
+    assert rails_up(local, 0.25) == sense
 
 
 def test_joints_of_lugs_side_by_side_act_in_their_gap():

@@ -115,6 +115,32 @@ def test_an_stl_boundary_is_filled(tmp_path):
         recognize_file(open_one)
 
 
+def with_sliver(faces, height):
+    """Points and boundary with one more corner, such part of its triangle's height off the longest edge."""
+    areas = np.linalg.norm(
+        np.cross(TURNED[faces[:, 1]] - TURNED[faces[:, 0]], TURNED[faces[:, 2]] - TURNED[faces[:, 0]]), axis=1
+    )
+    largest = int(areas.argmax())
+    a, b, c = faces[largest]
+    corner = np.array([0.5 - 0.5 * height, 0.5 - 0.5 * height, height]) @ TURNED[[a, b, c]]
+    m = len(TURNED)
+    return np.vstack((TURNED, corner)), np.vstack(
+        (np.delete(faces, largest, axis=0), [(a, b, m), (b, c, m), (c, a, m)])
+    )
+
+
+def test_slivers_of_an_stl_boundary_are_said_or_refused(tmp_path):
+    pytest.importorskip("netgen")
+    points, faces = with_sliver(BOUNDARY, 1e-2)
+    found = recognize_file(written(tmp_path / "flat.stl", points, [("triangle", faces)]), size="coarse")
+    assert found.pitch == pytest.approx(0.25, abs=1e-6)
+    assert any("slivers among its triangles" in remark for remark in found.remarks)
+    points, faces = with_sliver(BOUNDARY, 1e-4)
+    path = written(tmp_path / "flatter.stl", points, [("triangle", faces)])
+    with pytest.raises(fem.MeshError, match=r"flatter\.stl: slivers among the triangles .* send the shoe as"):
+        recognize_file(path, size="coarse")
+
+
 def plate_shoe(occ):
     """Shoe of a pitch of 200 mm: plate with a grouser, lugs ahead outside of those behind."""
     body = occ.Box(occ.Pnt(-95, -150, 0), occ.Pnt(95, 150, 20)) + occ.Box(

@@ -25,7 +25,15 @@ from exudyn_crawler.results.checks.cases import (
     ready_cases,
 )
 from exudyn_crawler.results.checks.roller_path import MIDDLE, PRESSURE, TYPICAL, hertz_table, roller_path
-from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, cycle_table, solve_cases
+from exudyn_crawler.results.checks.solve import (
+    AT_BORES,
+    CYCLES,
+    UNLOADED,
+    CheckedShoe,
+    CheckResults,
+    cycle_table,
+    solve_cases,
+)
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.stress.recovery import node_stress
 from exudyn_crawler.views.figures import roller_path_figure
@@ -108,6 +116,24 @@ def test_stress_grows_with_loads_and_cycles_by_its_fifth_power(found):
     # the range between both is less than that from nothing
     assert (between.sort_index() > often[UNLOADED, "ends"]).all()
     assert set(found.table["above yield"]) == {""}
+
+
+def test_bores_head_no_cycles_to_a_crack_and_are_named_behind():
+    rows = [
+        ("rest", "stone", "bores", 1e4),
+        ("rest", "stone", "wings", 1e5),
+        ("rest", "stone", "lugs", 1e6),
+        ("rest", "turn", "bores", 1e7),
+        ("rest", "turn", "web", 3e4),
+        ("rest", "pull", "bores", 1e8),
+    ]
+    cycles = pd.DataFrame(rows, columns=["from", "to", "region", CYCLES])
+    worst = CheckResults.worst_cycles.fget(SimpleNamespace(cycles=cycles))
+    assert worst["to"].tolist() == ["turn", "stone", "pull"]
+    assert worst["region"].tolist() == ["web", "wings", "bores"]
+    np.testing.assert_array_equal(worst[AT_BORES], [np.nan, 1e4, np.nan])
+    apart = cycles[cycles["to"] == "turn"]
+    assert AT_BORES not in CheckResults.worst_cycles.fget(SimpleNamespace(cycles=apart))
 
 
 def test_ground_pushes_in_balance_and_never_pulls(shoe):

@@ -1,8 +1,10 @@
 """Stress by modes and static fields, of all nodes and of one, of the whole run and from its segments."""
 
+import dataclasses
 import tracemalloc
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -13,7 +15,7 @@ from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.loads.actions import OverRectangle, actions
 from exudyn_crawler.results.loads.exports import at_instant, shoe_loads
 from exudyn_crawler.results.loads.load_map import GROUND, RAILS, loads_by_kind, unit_loads
-from exudyn_crawler.results.stress import basis as stress_basis_module
+from exudyn_crawler.results.stress import basis as stress_basis_module, hot_spots
 from exudyn_crawler.results.stress.basis import (
     MOST_FIELDS,
     ground_grid,
@@ -22,7 +24,7 @@ from exudyn_crawler.results.stress.basis import (
     stress_basis,
 )
 from exudyn_crawler.results.stress.recovery import node_stress, node_table, peak_time, recover_stresses
-from fem import Partition, critical_plane, damage, extremes, field_columns, rank
+from fem import Partition, critical_plane, damage, extremes, field_columns, rank, recover_peaks
 from fem.stress import von_mises
 from tests.rolled import small_flexible_case
 
@@ -36,6 +38,31 @@ NEAR = {"rtol": 1e-6, "atol": 1.0}
 @pytest.fixture(scope="module")
 def basis(history):
     return stress_basis(history)
+
+
+def test_hot_spots_in_spiders_stand_behind_those_that_may_be_used(history, basis):
+    whole = basis.shapes
+    regions = hot_spots.shoe_regions(whole, history.case.track)
+    peaks = recover_peaks(whole.stress_modes, basis.coordinates[13])
+    away = np.ones(len(whole.nodes), dtype=bool)
+    usable = hot_spots.ranked_nodes(history, basis, 13, peaks, regions, away)
+    held = int(whole.spider_nodes[5])
+    values = peaks.values.copy()
+    values[held] = 2.0 * values.max()
+    raised = dataclasses.replace(peaks, values=values)
+    table = hot_spots.ranked_nodes(history, basis, 13, raised, regions, away)
+    assert (usable["flag"] != "in spider").all()
+    pd.testing.assert_frame_equal(table.iloc[:-1], usable)
+    last = table.iloc[-1]
+    assert (last["rank"], last["node"], last["flag"]) == (len(usable) + 1, held, "in spider")
+    assert last["verdict"] == "beside a rigid pin coupling: do not use"
+
+
+def test_the_highest_stress_over_time_is_of_nodes_outside_of_spiders(history):
+    stress = recover_stresses(history).dataset
+    assert not stress.in_spider.values[stress.highest_node.values].any()
+    usable = stress.peak_von_mises.where(~stress.in_spider).max("node")
+    np.testing.assert_allclose(stress.highest_von_mises.max("time"), usable, rtol=1e-9)
 
 
 def test_static_loads_do_the_work_of_the_modal_loads(history):

@@ -10,6 +10,7 @@ from rich.console import Console
 from exudyn_crawler import Case, History, LoadCycle, Phase
 from exudyn_crawler.results.history.history import phases
 from exudyn_crawler.results.history.summary import (
+    HELD,
     compared,
     difference_table,
     greatest_over_time,
@@ -156,6 +157,19 @@ def test_stresses_are_compared_where_both_runs_have_them(history, stress):
     assert 0.0 < table["greatest difference"][0] <= highest * (1.0 + 1e-9)
     assert table["of"][0] in ("shoe 7", "shoe 13")
     assert difference_table(compared(history), compared(history, stress)).empty
+
+
+def test_key_results_name_a_higher_stress_in_a_spider_behind_what_may_be_used(history, stress):
+    held = int(np.flatnonzero(stress.in_spider.values)[5])
+    usable = float(stress.highest_von_mises.max())
+    raised = stress.peak_von_mises.copy()
+    raised.loc[{"shoe": 7, "node": held}] = 3.0 * usable
+    found = key_results(history, stress.assign(peak_von_mises=raised))
+    assert found["result"].tolist()[:2] == ["highest von Mises stress", HELD]
+    assert found["value"].tolist()[:2] == pytest.approx([usable / 1e6, 3.0 * usable / 1e6])
+    assert found["of"][1] == "shoe 7"
+    assert found["at"][1] == float(stress.peak_time.sel(shoe=7, node=held))
+    assert HELD not in key_results(history, stress)["result"].tolist()
 
 
 def test_key_results_are_those_of_the_history(translation):

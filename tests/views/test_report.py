@@ -11,8 +11,10 @@ import xarray as xr
 
 from exudyn_crawler import History, recover_stresses
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
+from exudyn_crawler.results.history.summary import HELD, key_results
 from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.views.figures import history_series
+from exudyn_crawler.views.pages.first_screen import first_screen
 from exudyn_crawler.views.pages.page import Section, page, paragraph
 from exudyn_crawler.views.pages.report import LONGEST_TABLE, provenance, report_page, write_report
 from exudyn_crawler.views.scenes.shoes import first_frame, frame_titles
@@ -90,6 +92,18 @@ def test_the_page_opens_with_key_results_versions_and_dates(stress_page, history
     assert "done 2026-03-01 10:20 UTC after 81 s; page made 20" in head
     highest = f'<td class="number">{float(stress.highest_von_mises.max()) / 1e6:.4g} MPa</td>'
     assert f"<td>highest von Mises stress</td>{highest}<td>shoe 13, t = " in head
+
+
+def test_a_stress_that_is_not_to_be_used_stands_behind_the_first_answer(history, stress):
+    held = int(np.flatnonzero(stress.in_spider.values)[5])
+    raised = stress.peak_von_mises.copy()
+    raised.loc[{"shoe": 13, "node": held}] = 3.0 * raised.max()
+    higher = stress.assign(peak_von_mises=raised)
+    head = str(first_screen(history, key_results(history, higher), higher))
+    verdict = "beside a rigid pin coupling: do not use"
+    assert head.index("highest von Mises stress") < head.index(HELD) < head.index(verdict)
+    assert head.count(verdict) == 1
+    assert verdict not in str(first_screen(history, key_results(history, stress), stress))
 
 
 def test_the_first_screen_says_what_was_simulated_and_answers(stress_page, history, stress):

@@ -39,6 +39,9 @@ MEGA = 1e6
 SURVIVAL = 0.975
 BLOW_STEPS = 8  # to the force of a blow, whose error each makes less than half
 BLOW = ("blow in MN", "its compliance in m/N")  # columns of the moments
+CYCLES = "cycles to a crack"
+AT_BORES = "bores, not to be used"
+"""Columns of cycles, and of fewer ones beside a pin's coupling."""
 WIDEST = 10  # nodes of a region with the widest cycles in tension, at which a defect is looked at
 
 
@@ -210,9 +213,21 @@ class CheckResults:
 
     @property
     def worst_cycles(self) -> pd.DataFrame:
-        """Rows of `cycles` with the region that cracks first, of every pair; the shortest first."""
-        worst = self.cycles.groupby(["from", "to"], sort=False)["cycles to a crack"].idxmin()
-        return self.cycles.loc[worst].sort_values("cycles to a crack")
+        """Rows of `cycles` with the region that cracks first, of every pair; the shortest first.
+
+        Bores, whose stress beside a pin's coupling is not to be used, are no such region. Where they had
+        fewer cycles, a last column `AT_BORES` says how many; where nothing else changes, they stand alone.
+        """
+        pair = ["from", "to"]
+        is_bore = self.cycles["region"] == BORES
+        usable = self.cycles[~is_bore]
+        worst = usable.loc[usable.groupby(pair, sort=False)[CYCLES].idxmin()]
+        bores = self.cycles[is_bore]
+        found = worst.merge(bores[[*pair, CYCLES]].rename(columns={CYCLES: AT_BORES}), how="left", on=pair)
+        found[AT_BORES] = found[AT_BORES].where(found[AT_BORES] < found[CYCLES])
+        alone = bores.merge(worst[pair], how="left", on=pair, indicator="there").query("there == 'left_only'")
+        table = pd.concat((found, alone.drop(columns="there")), ignore_index=True).sort_values(CYCLES)
+        return table if table[AT_BORES].notna().any() else table.drop(columns=AT_BORES)
 
     def cycle(self, first: str, second: str) -> pd.DataFrame:
         """Cycles to a crack in every region between two cases, or `UNLOADED` and one."""
@@ -270,6 +285,7 @@ def _possible(
     """Cases without ready ones that a shoe cannot have: what they press on is not there, or it tips over."""
     chosen = {case.name for case in check.cases}
     possible = []
+    left_out: dict[tuple[str, str], list[str]] = {}
     unbent = np.zeros_like(shoe.mesh.nodes)
     for case in cases:
         try:
@@ -279,9 +295,13 @@ def _possible(
         except ValueError as error:
             if case.name in chosen:
                 raise
-            say(f"left out: case {case.name!r}: {error}")
+            name, _, level = case.name.rpartition(", ")
+            left_out.setdefault((name, str(error)), []).append(level)
         else:
             possible.append(case)
+    for (name, reason), levels in left_out.items():
+        at_levels = "" if len(levels) == len(check.levels) else f" ({', '.join(levels)})"
+        say(f"left out: {name}{at_levels}: {reason}")
     return tuple(possible)
 
 
@@ -473,7 +493,7 @@ def cycle_table(
                 "region": region,
                 "amplitude in MPa": amplitude[place] / MEGA,
                 "mean in MPa": signed[place] / MEGA,
-                "cycles to a crack": often,
+                CYCLES: often,
                 "an hour": often / check.hours,
                 "node": int(shoe.mesh.surface_nodes[place]),
                 "above yield": "yes" if highest[place] > material.yield_strength else "",

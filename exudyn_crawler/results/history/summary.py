@@ -16,6 +16,8 @@ KEY_UNITS = catalogue.READ_IN | {"m": ("mm", 1e3)}
 """Units in which key results are read, which are small in m."""
 WHEELS = {"roller": "a roller", "idler": "the idler", "carrier": "a carrier", "slide": "a line of a slide"}
 """Kinds of wheels of closed tracks, and what a result calls one of them."""
+HELD = "stress beside a rigid pin, not to be used"
+"""Result of nodes that rigid spiders hold, where it is higher than that which may be used."""
 AT_LIMIT = 0.95
 """Of the greatest torque of a drive, at which it has it: the chain lags three times `torque_speed`."""
 MOST_CHANGE = 1000.0  # in %, beyond which a change of a greatest value says nothing
@@ -30,11 +32,14 @@ class Extreme(NamedTuple):
 
 
 _value = attrgetter("value")
+ResultRow = tuple[str, float, str, str, float]
+"""Result, value, unit, of and at: a row of the key results."""
 
 
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
     """Greatest stress, forces, sinkage and speed of a run, how far it went and how far from rest it began.
 
+    The stress is the highest that may be used; a higher one that a rigid pin holds is named behind it.
     Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by their
     length, forces by their magnitude.
     """
@@ -53,6 +58,8 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
         drawn, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
         unit, factor = catalogue.OF_GROUND.get(name, (drawn, factor))
         rows.append((label, extreme.value * factor, unit, extreme.of, extreme.time))
+        if name == "highest_von_mises" and stress is not None:
+            rows += _held(stress, extreme.value, factor, unit)
     rows += [*driven.rows(), *_hanging(history)]
     # of the front shoe, or of the side frame that rolls over the shoes
     framed = history.has("side_frame_displacement")
@@ -78,6 +85,17 @@ def greatest_over_time(history: History, names: Iterable[str]) -> dict[str, xr.D
             over_machine = size.max([dimension for dimension in size.dims if dimension != "time"])
             greatest[label] = (factor * over_machine).assign_attrs(units=drawn)
     return greatest
+
+
+def _held(stress: xr.Dataset, usable: float, factor: float, unit: str) -> Iterator[ResultRow]:
+    """Row of the highest stress that rigid spiders hold, if it is higher than the `usable` one, Pa."""
+    peaks = stress.peak_von_mises.where(stress.in_spider)
+    if not float(peaks.max()) > usable:
+        return
+    place = {dim: int(index) for dim, index in peaks.argmax(...).items()}
+    shoe = int(peaks.shoe[place["shoe"]])
+    time = float(stress.peak_time.isel(place))
+    yield HELD, float(peaks.isel(place)) * factor, unit, f"shoe {shoe}", time
 
 
 def _apart(case: Case, name: str, values: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
@@ -111,7 +129,7 @@ class _Driven:
                 self._since.setdefault(name, float(time[at_limit.argmax()]))
                 self._seconds[name] = self._seconds.get(name, 0.0) + float(np.trapezoid(at_limit, time))
 
-    def rows(self) -> list[tuple[str, float, str, str, float]]:
+    def rows(self) -> list[ResultRow]:
         """Rows of the key results: none where no drive came to its limit."""
         return [
             (_of_side("time at the torque limit of the drive", name), seconds, "s", name, self._since[name])
@@ -119,7 +137,7 @@ class _Driven:
         ]
 
 
-def _hanging(history: History) -> list[tuple[str, float, str, str, float]]:
+def _hanging(history: History) -> list[ResultRow]:
     """Rows of the tension of closed chains as the run starts, and of how far they sag."""
     if not history.case.gear.loops:
         return []

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case import Track
+from exudyn_crawler.case import Track, ph4100c
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.shoe_mesh import pulled_node
 from exudyn_crawler.results.history import History, catalogue, phases
@@ -24,10 +24,11 @@ Region = Literal["roller path", "notches", "lugs", "bores", "web", "wings"]
 REGIONS: tuple[Region, ...] = get_args(Region)
 BORES: Region = "bores"  # nodes that a joint's rigid spider holds, whose stress is none to use
 LUG_RADIUS, LUG_HALF_WIDTH = 0.24, 0.2
-"""m, from a pin's axis to behind the fillets at a lug's root, and to either side of its middle."""
+"""m, from a pin's axis to behind the fillets at a lug's root, and to either side of its middle at least."""
 FLANGE, BESIDE_LUG = 0.05, (0.015, 0.1)  # m, below the top's level; from a bore's end, from and to
 WING_BESIDE = 0.5  # m, from the outer side of a rail
-EDGE = 0.01  # m, by which the roller path is wider than the rails above it
+EDGE = 0.01  # m, by which the roller path is wider than the rails above it, and a wide lug than its bore
+OF_PITCH = ph4100c.TRACK["pitch"]  # m, of the shoe with these lengths: those of others go with their pitch
 MEGA = 1e6
 SHARE = "contribution of "  # what the columns of loads begin with
 
@@ -38,8 +39,10 @@ def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
     Bores are what joints hold, lugs what else is about the pins, with the lugs' roots. Notches are what the
     flange, below the surface "top", has beside lugs. The roller path is what lies below the surface "rails",
     from the height of the pins up; wings begin 0.5 m beside the rails. The web is the rest; without a surface
-    "rails" there is neither roller path nor wing, without "top" no notch.
+    "rails" there is neither roller path nor wing, without "top" no notch. Lengths are those of the P&H
+    4100C's shoe, times the pitch over its pitch.
     """
+    size = track.pitch / OF_PITCH
     nodes = whole.nodes
     mesh = whole.mesh
     x, y, z = nodes.T
@@ -47,19 +50,23 @@ def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
     rails = nodes[mesh.nodes_of("rails"), 1] if "rails" in mesh.surfaces else np.empty(0)
     for rail in (rails[rails < 0.0], rails[rails >= 0.0]):
         if len(rail):
-            within = (y >= rail.min() - EDGE) & (y <= rail.max() + EDGE)
+            within = (y >= rail.min() - EDGE * size) & (y <= rail.max() + EDGE * size)
             regions[within & (z > track.pin_height)] = "roller path"
     if len(rails):
-        regions[(y < rails.min() - WING_BESIDE) | (y > rails.max() + WING_BESIDE)] = "wings"
-    flange = nodes[mesh.nodes_of("top"), 2].min() - FLANGE if "top" in mesh.surfaces else np.inf
+        beside_rails = WING_BESIDE * size
+        regions[(y < rails.min() - beside_rails) | (y > rails.max() + beside_rails)] = "wings"
+    flange = nodes[mesh.nodes_of("top"), 2].min() - FLANGE * size if "top" in mesh.surfaces else np.inf
     for name, center in track.joint_centers.items():
-        near = np.hypot(x - center[0], z - center[2]) < LUG_RADIUS
+        near = np.hypot(x - center[0], z - center[2]) < LUG_RADIUS * size
         beside = np.abs(y - center[1])
-        regions[near & (beside < LUG_HALF_WIDTH)] = "lugs"
-        if f"bore {name}" in mesh.surfaces:
-            end = np.abs(nodes[mesh.nodes_of(f"bore {name}"), 1] - center[1]).max()
-            notch = (z > flange) & (np.abs(x - center[0]) < LUG_RADIUS) & (regions != "roller path")
-            regions[notch & (beside > end + BESIDE_LUG[0]) & (beside < end + BESIDE_LUG[1])] = "notches"
+        has_bore = f"bore {name}" in mesh.surfaces
+        # a fork's cheeks, and a lug beside the joint, reach as far as their bores
+        end = np.abs(nodes[mesh.nodes_of(f"bore {name}"), 1] - center[1]).max() if has_bore else 0.0
+        regions[near & (beside < max(LUG_HALF_WIDTH * size, end + EDGE * size))] = "lugs"
+        if has_bore:
+            notch = (z > flange) & (np.abs(x - center[0]) < LUG_RADIUS * size) & (regions != "roller path")
+            first, last = (end + size * way for way in BESIDE_LUG)
+            regions[notch & (beside > first) & (beside < last)] = "notches"
     regions[whole.spider_nodes] = BORES
     return regions
 
@@ -155,6 +162,25 @@ def highest_nodes(
         **dict(zip("xyz", places.T, strict=True)), region=regions[numbers]
     )
     return pd.concat((table, load_shares(basis, shoe, numbers, rows)), axis=1)
+
+
+def ranked_nodes(
+    history: History, basis: StressBasis, shoe: int, peaks: Peaks, regions: np.ndarray, away: np.ndarray
+) -> pd.DataFrame:
+    """Hot spots among the nodes that are `away` (n,) from single forces, as of `highest_nodes`.
+
+    The highest nodes that may be used come first. Behind them stands the highest of those that a joint's
+    rigid spider holds, if it is higher: its stress is that beside a rigid ring, and not to be used.
+    """
+    is_held = regions == BORES
+    usable = np.flatnonzero(away & ~is_held)
+    table = highest_nodes(history, basis, shoe, peaks, regions, usable)
+    held = np.flatnonzero(away & is_held)
+    if not len(held) or peaks.values[held].max() <= peaks.values[usable].max():
+        return table
+    highest = held[[int(peaks.values[held].argmax())]]
+    last = highest_nodes(history, basis, shoe, peaks, regions, highest).assign(rank=len(table) + 1)
+    return pd.concat((table, last), ignore_index=True)
 
 
 def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:

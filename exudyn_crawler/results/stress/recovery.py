@@ -26,12 +26,13 @@ class StressResults:
 
     `dataset` is what the catalogue of quantities has of stress: dimensions shoe (the flexible ones), time,
     node, frame (chosen stored instants, s), axis, and face and corner of the surface's flat triangles, four a
-    face. `highest_von_mises` is that of nodes which are not `at_load`: the stress that a force on one node
-    makes there grows without limit as the mesh is refined. `frame_name` is "begin", "end of dig" or "peak".
+    face. `highest_von_mises` is that of nodes whose stress may be used: of none that a rigid spider holds,
+    and none `at_load`, where the stress that a force on one node makes grows without limit as the mesh is
+    refined. `frame_name` is "begin", "end of dig" or "peak".
     """
 
     dataset: xr.Dataset
-    hot_spots: Mapping[int, pd.DataFrame]  # of nodes not at_load by shoe, see `hot_spots.highest_nodes`
+    hot_spots: Mapping[int, pd.DataFrame]  # of nodes not at_load by shoe, see `hot_spots.ranked_nodes`
     by_region: Mapping[int, pd.DataFrame]  # same of the highest node of every region but the bores
     whole: Shapes  # modes, and static fields, that the stresses are made of
 
@@ -60,9 +61,11 @@ def recover_stresses(
     coordinates = basis.coordinates
     regions = hot_spots.shoe_regions(whole, history.case.track)
     pulled = {shoe: hot_spots.near_pull(history, whole, shoe) for shoe in coordinates}
+    usable = {
+        shoe: np.flatnonzero(~at_load & (regions != hot_spots.BORES)) for shoe, at_load in pulled.items()
+    }
     reached = {
-        shoe: recover_extremes(whole.stress_modes, q, ranked=np.flatnonzero(~pulled[shoe]))
-        for shoe, q in coordinates.items()
+        shoe: recover_extremes(whole.stress_modes, q, ranked=usable[shoe]) for shoe, q in coordinates.items()
     }
     if peak:
         highest = np.max([extremes.highest for extremes in reached.values()], axis=0)
@@ -75,11 +78,9 @@ def recover_stresses(
     each = OneOfEach(regions)
     for shoe, q in coordinates.items():
         peaks = reached[shoe].peaks
-        away = np.flatnonzero(~pulled[shoe])
         datasets.append(_of_shoe(history, whole, q, reached[shoe], frames, pulled[shoe]))
-        tables[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, away)
-        usable = away[regions[away] != hot_spots.BORES]
-        by_region[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, usable, each)
+        tables[shoe] = hot_spots.ranked_nodes(history, basis, shoe, peaks, regions, ~pulled[shoe])
+        by_region[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, usable[shoe], each)
     mesh = hot_spots.mesh_dataset(whole)
     dataset = xr.concat(datasets, dim=xr.Variable("shoe", list(coordinates)))
     dataset = dataset.transpose("time", "frame", "shoe", ...).assign(mesh.data_vars)

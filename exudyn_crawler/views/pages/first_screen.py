@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters import checks
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history import History, summary
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.scenes import pictures, shoes, track
@@ -81,9 +81,17 @@ def _answer(result: Any, history: History, stress: xr.Dataset | None) -> tuple[s
     if result.unit == "kN":
         limit = f"{1e5 * result.value / _carried(history):.3g} % of what the ground carries at first"
     elif result.unit == "MPa" and stress is not None:
-        peak = stress.peak_von_mises.argmax(...)
+        is_held = result.result == summary.HELD
+        chosen = stress.peak_verdict == trust.HELD if is_held else _usable(stress)
+        peak = stress.peak_von_mises.where(chosen).argmax(...)
         limit = trust.verdict_words([int(stress.peak_verdict.isel(peak))])[0]
     return result.result, value, place, limit
+
+
+def _usable(stress: xr.Dataset) -> xr.DataArray:
+    """True for nodes of shoes whose greatest stress may be used: not in a rigid spider, nor at a force."""
+    verdict = stress.peak_verdict
+    return (verdict >= 0) & (verdict != trust.HELD)
 
 
 def value_and_place(result: Any) -> tuple[str, str]:

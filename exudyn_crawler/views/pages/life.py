@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.results.checks.solve import CheckResults
 from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours
-from exudyn_crawler.results.stress.hot_spots import flat_triangles
+from exudyn_crawler.results.stress.hot_spots import BORES, flat_triangles
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import packing, page
 from exudyn_crawler.views.scenes import pictures, scene, shoes
@@ -232,9 +232,11 @@ def case_figure(checked: CheckResults, number: int) -> Figure:
             ax.set_title(title, loc="left")
             ax.set_axis_off()
         rows = checked.table[checked.table["case"] == case.name]
-        peaks = ", ".join(
-            f"{a} {b:.0f}" for a, b in zip(rows["region"], rows["von Mises in MPa"], strict=True)
-        )
-        figure.suptitle(f"{case.name}\n{peaks} MPa; displacement x {larger:g}", parse_math=False)
+        peaks = dict(zip(rows["region"], rows["von Mises in MPa"], strict=True))
+        at_bores = peaks.pop(BORES, None)
+        words = ", ".join(f"{region} {peak:.0f}" for region, peak in peaks.items()) + " MPa"
+        if at_bores is not None:
+            words += f" ({BORES} {at_bores:.0f}, not to be used)"
+        figure.suptitle(f"{case.name}\n{words}; displacement x {larger:g}", parse_math=False)
         figure.colorbar(style.scale_of(0.0, high, style.STRESS_MAP), ax=axes, label=colouring.title)
     return figure

@@ -64,6 +64,7 @@ def stress_scene(stress: xr.Dataset, history: History) -> Scene:
     larger = style.drawn_scale(stress.frame_displacement.values, BENT)
     greatest = float(stress.frame_von_mises.isel(node=used).max()) / style.MEGA
     ends = 0.0, style.round_up(greatest) if greatest > 0.0 else 1.0
+    usable = ~stress.in_spider.values
     solids = []
     arrows = []
     for k, shoe in enumerate(numbers):
@@ -71,7 +72,7 @@ def stress_scene(stress: xr.Dataset, history: History) -> Scene:
         name = f"shoe {shoe}"
         mises = data.frame_von_mises.transpose("frame", "node").values / style.MEGA
         bend = data.frame_displacement.transpose("frame", "node", "axis").values[:, used]
-        notes = tuple(f"{peak:.1f} MPa" for peak in mises.max(axis=1))
+        notes = tuple(f"{peak:.1f} MPa" for peak in mises[:, usable].max(axis=1))
         colouring = Colouring(f"{STRESS} in MPa", mises[:, None, used], *ends, style.STRESS_MAP, name=STRESS)
         placed = Solid(name, points, faces, "white", origin[:, [k]], turn[:, [k]], labels=(name,), nodes=used)
         bent = replace(placed, notes=notes, bend=bend[:, None], larger=larger)

@@ -1,0 +1,69 @@
+"""Level parts of a shoe's surface, and the two rails among them that wheels roll on."""
+
+import numpy as np
+
+from fem.mesh import Floats, Integers
+from meshes.checks import LINK_LENGTH
+from meshes.recognition.triangles import Triangles
+
+LEVEL = np.radians(0.2)
+NEARLY = np.radians(2.0)
+"""Of faces that are level, and of those that are where nothing else is: cast, or in few digits."""
+LARGE = 0.3
+"""Of what is nearly level: the least part that is level, where that is taken alone."""
+SAME_HEIGHT = 2e-3
+"""m, between parts of one surface."""
+RAIL_FILL = 0.8
+LINK_FILL = 0.4
+"""Of its outline: what a rail has to fill, and what one has to that reaches from pin to pin: links, whose
+front half stands beside their rear one."""
+EQUAL_RAILS = 1e-3
+"""m, between the outlines of both."""
+
+
+def outline(triangles: Triangles, faces: Integers) -> Floats:
+    """Least and greatest x, y, z of some triangles: array (2, 3)."""
+    places = triangles.corners[faces].reshape(-1, 3)
+    return np.stack((places.min(axis=0), places.max(axis=0)))
+
+
+def level_parts(local: Triangles, sign: float) -> list[Integers]:
+    """Connected level parts that look up (1) or down (-1), the largest first."""
+    upward = sign * local.normals[:, 2]
+    nearly = upward > np.cos(NEARLY)
+    level = upward > np.cos(LEVEL)
+    if local.areas[level].sum() < LARGE * local.areas[nearly].sum():
+        level = nearly
+    return sorted(local.patches(level), key=lambda part: -float(local.areas[part].sum()))
+
+
+def two_rails(
+    local: Triangles, parts: list[Integers], pitch: float, sign: float = 1.0
+) -> tuple[Integers | None, str]:
+    """Two equal level bands, one a side, at the greatest height of some parts; else why there are none.
+
+    With `sign` -1 at the least height, of a shoe that may lie upside down.
+    """
+    heights = np.array([sign * local.middles[part, 2].mean() for part in parts])
+    highest = [part for part, z in zip(parts, heights, strict=True) if heights.max() - z < SAME_HEIGHT]
+    boxes = []
+    sides = []
+    y = np.array([local.middles[part, 1].mean() for part in highest])
+    middle = 0.5 * (y.min() + y.max())
+    for side in (y < middle, y >= middle):
+        chosen = [part for part, is_in in zip(highest, side, strict=True) if is_in]
+        if not chosen:
+            return None, "the top is one band"
+        sides.append(np.concatenate(chosen))
+        boxes.append(outline(local, sides[-1]))
+        length, width = np.ptp(boxes[-1], axis=0)[:2]
+        least = LINK_FILL if length > LINK_LENGTH * pitch else RAIL_FILL
+        if local.areas[sides[-1]].sum() < least * length * width:
+            return None, "the highest level parts are no bands"
+    right, left = boxes
+    sizes = np.ptp(right, axis=0)[:2] - np.ptp(left, axis=0)[:2]
+    if np.abs(sizes).max() > EQUAL_RAILS or np.abs(right[:, 0] - left[:, 0]).max() > EQUAL_RAILS:
+        return None, "the highest level parts on the right and on the left are not equal"
+    if right[1, 1] >= left[0, 1]:
+        return None, "the highest level parts lie over each other"
+    return np.concatenate(sides), ""
