@@ -16,8 +16,9 @@ LEAST_LIKELY, GREATEST_LIKELY = 0.3, 8.0
 """m, usual range of the width of shoes."""
 MISTAKEN = {"mm": 1e-3, "cm": 1e-2, "inch": 0.0254}
 """Units of meshes by mistake, m."""
-LINK_LENGTH = 0.75
-"""Of the pitch: the least length of rails that are the tops of links."""
+LOOKS_UP = 0.999
+BESIDE_TOP = 0.1
+"""Least cosine between a level face's normal and up; area of such faces beside a whole top, over its area."""
 LEAST_WIDTH = 0.5
 """Of the shoe's width: what the whole top plausibly reaches over."""
 MENDING = "name all of it in the program that meshed the shoe (docs/howto/own_shoe_mesh.md)"
@@ -98,7 +99,7 @@ def check_whole(mesh: Mesh, name: str = "") -> None:
         )
         if len(beyond):
             _warn(f"{_ends_inside(mesh, name, surface, 'a flat', beyond)}; if it is larger, {MENDING}")
-    if "whole top" in mesh.surfaces and not _is_top_of_links(mesh):
+    if "whole top" in mesh.surfaces and not _is_all_above_pins(mesh):
         width = _width(mesh.nodes[mesh.nodes_of("whole top")])
         if width < LEAST_WIDTH * _width(mesh.nodes):
             _warn(
@@ -108,16 +109,19 @@ def check_whole(mesh: Mesh, name: str = "") -> None:
             )
 
 
-def _is_top_of_links(mesh: Mesh) -> bool:
-    """True for a top that rails from pin to pin are alone, as shoes have it that are bolted to links."""
+def _is_all_above_pins(mesh: Mesh) -> bool:
+    """True for a whole top beside which nothing level is above the pins, as on shoes bolted to links."""
     bores = [f"bore {joint}" for joint in JOINT_CENTERS]
-    if not {"top", "roller path", *bores} <= set(mesh.surfaces):
+    if not set(bores) <= set(mesh.surfaces):
         return False
-    if not set(_keys(mesh.surfaces["top"])) <= set(_keys(mesh.surfaces["roller path"])):
-        return False
-    rails, *places = (mesh.nodes[mesh.nodes_of(name), 0] for name in ("roller path", *bores))
-    middles = [0.5 * (x.min() + x.max()) for x in places]
-    return bool(np.ptp(rails) > LINK_LENGTH * np.ptp(middles))
+    pins = float(np.mean([mesh.nodes[mesh.nodes_of(bore), 2].mean() for bore in bores]))
+    corners = mesh.nodes[mesh.boundary[:, :3]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sizes = np.linalg.norm(normals, axis=1)
+    above = (normals[:, 2] > LOOKS_UP * sizes) & (corners[..., 2].mean(axis=1) > pins)
+    top = set(_keys(mesh.surfaces["whole top"]))
+    is_top = np.array([key in top for key in _keys(mesh.boundary)])
+    return bool(sizes[above & ~is_top].sum() < BESIDE_TOP * sizes[is_top].sum())
 
 
 def _check_bores(boundary: BoundaryFaces, name: str) -> None:

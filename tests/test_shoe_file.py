@@ -10,6 +10,7 @@ import fem
 import meshes
 from exudyn_crawler import LoadCycle, Shoe, read_case, simulate
 from exudyn_crawler.cli import looking
+from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases
@@ -79,6 +80,38 @@ def test_a_shoe_with_a_piece_on_a_hinge_is_refused(tmp_path):
     path = written(tmp_path / "hinge.vtu", points, [("tetra", np.vstack((tets, corners)))])
     with pytest.raises(fem.MeshError, match=r"hinge\.vtu: the mesh must be one stiff body, .* hang together"):
         shoe_of(path)
+
+
+def test_any_case_takes_the_mesh_as_its_shoe(fork):
+    shoe, paths = fork
+    expected = shoe.case_file.case
+    path = paths["mesh"].parent / "taken.toml"
+    path.write_text(
+        'base = "translation"\nloads = 2e4\n[shoe]\nmesh = "fork.msh.gz"\nload_point = [0.0, 0.01, 0.05]\n'
+        '[flexible]\nbase = "ph4100c"\nshoes = [7]\n'
+    )
+    case = read_case(path).case
+    assert case.shoe == Shoe.from_mesh(str(paths["mesh"])).with_(load_point=(0.0, 0.01, 0.05))
+    assert case.track.pitch == pytest.approx(expected.track.pitch, abs=1e-6)
+    for joint, center in expected.track.joint_centers.items():
+        np.testing.assert_allclose(case.track.joint_centers[joint], center, atol=1e-5)
+    assert case.flexible.mesh == str(paths["mesh"])
+    assert case.flexible.static_fields
+    assert len(pin_interfaces(shoe.mesh, "fork", case.track)) == 4
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('mesh = "none.msh"', "shoe.mesh must be one of coarse, study, fine or a file, got 'none.msh'"),
+        ('base = "ph4100c"\nmesh = "coarse"', "shoe.base must be left out beside shoe.mesh"),
+    ],
+)
+def test_meshes_that_are_no_shoes_of_a_case_are_refused(tmp_path, text, words):
+    path = tmp_path / "mine.toml"
+    path.write_text(f'base = "translation"\n[shoe]\n{text}\n')
+    with pytest.raises(CaseFileError, match=words):
+        read_case(path)
 
 
 def test_files_that_exist_are_not_replaced(fork):
@@ -226,11 +259,15 @@ def test_check_of_a_makers_file_makes_its_case_first(tmp_path, monkeypatch, caps
     nodes, tets = SweptShoe(facets=8, grouser=True).mesh()
     path = written(tmp_path / "maker.vtu", nodes, [("tetra", tets)])
     with pytest.raises(KeyboardInterrupt):
-        looking.check(file=path, out=tmp_path / "out")
+        looking.check(file=path, footprint="tips", out=tmp_path / "out")
     assert checked == [tmp_path / "out" / "maker.toml"]
-    assert read_case(checked[0]).case.track.pitch == pytest.approx(0.25, abs=1e-9)
+    case = read_case(checked[0]).case
+    assert case.track.pitch == pytest.approx(0.25, abs=1e-9)
+    assert case.shoe.length == pytest.approx(0.02)
     assert (tmp_path / "out" / "maker.png").stat().st_size > 10_000
-    assert "to be decided: grousers reach 40 mm below the plate" in " ".join(capsys.readouterr().out.split())
+    assert "underside that presses │ tips" in " ".join(capsys.readouterr().out.split())
+    with pytest.raises(ValueError, match=r"must go with a maker's file, got .*maker\.toml"):
+        looking.check(file=checked[0], footprint="tips", out=tmp_path / "out")
 
 
 def spots(*rows):

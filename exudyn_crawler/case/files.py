@@ -19,6 +19,7 @@ from exudyn_crawler.case.case_file import CaseFile, case_text
 from exudyn_crawler.case.datasheet import files as datasheets
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.parameters import faults, fields, loads, reading, terrain, track
+from exudyn_crawler.case.shoe_of_file import with_mesh_shoe
 from exudyn_crawler.files import whole_file
 
 BESIDE = ("duration", "outputs", datasheets.KEY)
@@ -149,6 +150,8 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
         sheet = datasheets.datasheet_of(beside[datasheets.KEY], folder)
         beside[datasheets.KEY] = sheet.model_dump(mode="json")
         below = datasheets.case_values(sheet, content.get("flexible", fields.NONE) != fields.NONE)
+    else:
+        content = with_mesh_shoe(content, folder)
     content = _with_law(content, folder)
     case = reading.filled(content, Case, below=below)
     if cycle is not None:

@@ -316,6 +316,13 @@ def check(
     file: Annotated[
         Path, typer.Argument(help="file of a shoe's check, a case, or a maker's file", metavar="SHOE")
     ],
+    unit: Unit = None,
+    flip_front: FlipFront = False,
+    flip_up: FlipUp = False,
+    footprint: Footprint = None,
+    body: Body = None,
+    pins: Pins = 1,
+    size: Size = "study",
     out: application.OfName = None,
     pictures: Annotated[bool, typer.Option(help="draw each case")] = True,
     overwrite: application.Overwrite = False,
@@ -323,8 +330,21 @@ def check(
     """Check a shoe by static cases without a run: which case cracks which region after how many cycles."""
     folder = out or application.RESULTS / file.stem
     if file.suffix.lower() != ".toml":
-        shoe(file=file, out=folder, overwrite=overwrite)
+        shoe(
+            file=file,
+            unit=unit,
+            flip_front=flip_front,
+            flip_up=flip_up,
+            footprint=footprint,
+            body=body,
+            pins=pins,
+            size=size,
+            out=folder,
+            overwrite=overwrite,
+        )
         file = folder / f"{file.name.partition('.')[0]}.toml"
+    elif (unit, flip_front, flip_up, footprint, body, pins) != (None, False, False, None, None, 1):
+        raise ValueError(f"flags of a shoe's shape must go with a maker's file, got {file}")
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
     worst = result.worst_cycles
     if len(worst):

@@ -3,7 +3,6 @@
 import numpy as np
 
 from fem.mesh import Floats, Integers
-from meshes.checks import LINK_LENGTH
 from meshes.recognition.triangles import Triangles
 
 LEVEL = np.radians(0.2)
@@ -17,6 +16,8 @@ RAIL_FILL = 0.8
 LINK_FILL = 0.4
 """Of its outline: what a rail has to fill, and what one has to that reaches from pin to pin: links, whose
 front half stands beside their rear one."""
+LINK_LENGTH = 0.75
+"""Of the pitch: the least length of such a rail."""
 EQUAL_RAILS = 1e-3
 """m, between the outlines of both."""
 

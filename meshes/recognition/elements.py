@@ -6,6 +6,9 @@ from scipy.sparse.csgraph import connected_components
 
 from fem.mesh import CUBIC_POINTS, CUBIC_WEIGHTS, TETRA_EDGES, Floats, Integers, jacobian_determinants
 
+OPPOSITE = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
+"""Corners of the faces opposite to each corner."""
+
 
 def bodies(elements: Integers, count: int) -> list[Integers]:
     """Numbers of the elements of each connected body among `count` nodes, the largest first."""
@@ -24,6 +27,23 @@ def renumbered(nodes: Floats, elements: Integers) -> tuple[Floats, Integers, Int
     number = np.full(len(nodes), -1, dtype=np.int64)
     number[used] = np.arange(len(used))
     return nodes[used], number[elements], number
+
+
+def peeled(elements: Integers, flat: np.ndarray) -> Integers:
+    """Elements (m, 4) without those that are `flat`, true or false (m,), and have two faces on the boundary.
+
+    Such an element lies between four corners of one plane: without it the boundary has its other diagonal.
+    """
+    chosen = np.ones(len(elements), dtype=bool)
+    while True:
+        remaining = np.flatnonzero(chosen)
+        faces = np.sort(elements[remaining][:, OPPOSITE].reshape(-1, 3), axis=1)
+        _, number, counts = np.unique(faces, axis=0, return_inverse=True, return_counts=True)
+        outer = (counts[number.ravel()] == 1).reshape(-1, 4).sum(axis=1)
+        lids = remaining[flat[remaining] & (outer == 2)]
+        if not len(lids):
+            return elements[chosen]
+        chosen[lids] = False
 
 
 def with_middles(nodes: Floats, elements: Integers) -> tuple[Floats, Integers]:

@@ -278,6 +278,7 @@ def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileS
     triangles = triangles.outward()
     pair = axes_of(triangles, choices).pins
     nodes, corners = solids.fill_boundary(triangles, size.of_pitch * pair.pitch)
+    corners = tetrahedra.peeled(corners, quality.shapes(nodes, corners) < FLATTEST)
     flattest = float(quality.shapes(nodes, corners).min())
     if flattest < FLATTEST:
         raise MeshError(

@@ -100,7 +100,9 @@ class StepSolid:
                 "--body N chooses one"
             )
         if body is None:
-            self.questions = [Question("--body N", f"{len(solids)} solids were fused, {volumes}")]
+            self.questions = [
+                Question("--body N", f"{len(solids)} solids were fused to a body of one material, {volumes}")
+            ]
         return parts[0]
 
     def quick(self) -> tuple[Triangles, Integers]:

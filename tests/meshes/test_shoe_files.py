@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 import fem
 from fem.mesh import boundary_faces
 from meshes.recognition.axes import Choices
+from meshes.recognition.elements import peeled
 from meshes.recognition.quality import mesh_quality
 from meshes.recognition.shoe import recognize_file
 from tests.meshes.swept import SweptShoe
@@ -108,6 +109,7 @@ def test_an_stl_boundary_is_filled(tmp_path):
     assert found.axes.unit == "mm"
     assert found.pitch == pytest.approx(0.25, abs=1e-6)
     assert found.mesh.volume == pytest.approx(VOLUME, rel=1e-5)
+    assert mesh_quality(found.mesh).least > 0.01
     open_one = written(tmp_path / "open.stl", TURNED, [("triangle", BOUNDARY[3:])])
     with pytest.raises(
         fem.MeshError, match=r"open\.stl: its boundary must be closed, .* send the shoe as STEP"
@@ -127,6 +129,15 @@ def with_sliver(faces, height):
     return np.vstack((TURNED, corner)), np.vstack(
         (np.delete(faces, largest, axis=0), [(a, b, m), (b, c, m), (c, a, m)])
     )
+
+
+def test_flat_elements_on_the_boundary_are_peeled_off():
+    """Six tetrahedra of a cube, and a flat one on its top between other diagonals."""
+    cube = np.array([[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]])
+    flat = np.array([False] * 6 + [True])
+    np.testing.assert_array_equal(peeled(np.vstack((cube, [[4, 5, 7, 6]])), flat), cube)
+    inner = np.vstack((cube, [[4, 5, 7, 6], [4, 5, 6, 8]]))
+    assert len(peeled(inner, np.append(flat, False))) == 8
 
 
 def test_slivers_of_an_stl_boundary_are_said_or_refused(tmp_path):

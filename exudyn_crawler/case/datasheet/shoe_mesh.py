@@ -60,10 +60,6 @@ def shoe_of_mesh(name: str) -> MeshShoe:
         places = {joint: _bore(mesh, joint) for joint in JOINT_CENTERS}
     except (OSError, KeyError, ValueError) as error:
         raise DatasheetError(f"shoe_mesh {name}: {error}") from error
-    if shoe.rails is None:
-        raise DatasheetError(
-            f"shoe_mesh {name} must have two level rails that rollers roll on: its surface 'roller path'"
-        )
     middles = {joint: place.mean(axis=0) for joint, place in places.items()}
     front, rear = (middles[f"{end} right"] for end in ("front", "rear"))
     if abs(front[2] - rear[2]) > SAME_PITCH:
@@ -110,6 +106,11 @@ def sheet_of_mesh(sheet: Datasheet) -> Datasheet:
     if sheet.shoe_mesh is None:
         return sheet
     of_mesh = shoe_of_mesh(sheet.shoe_mesh)
+    if of_mesh.shoe.rails is None:
+        raise DatasheetError(
+            f"shoe_mesh {sheet.shoe_mesh} must have two level rails that rollers roll on: its surface "
+            "'roller path'"
+        )
     if sheet.pitch is not None and abs(sheet.pitch - of_mesh.pitch) > SAME_PITCH:
         raise DatasheetError(
             f"pitch is {1e3 * sheet.pitch:.5g} mm, the bores of shoe_mesh {sheet.shoe_mesh} are "

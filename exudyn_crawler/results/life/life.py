@@ -179,9 +179,13 @@ def _worst_first(damage: np.ndarray) -> pd.Series:
 
 
 def _shown(known: pd.Series, regions: np.ndarray, duty: Duty) -> list[int]:
-    """Worst node of every region, the worst first, and a duty's own, by falling damages."""
+    """Worst node of every region, the worst first, and a duty's own, by falling damages.
+
+    That of the bores, whose stress beside a rigid pin is not to be used, stands behind other regions'.
+    """
     shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
-    return list(dict.fromkeys([*shortest, *duty.nodes]))
+    usable = [node for node in shortest if regions[node] != hot_spots.BORES]
+    return list(dict.fromkeys([*usable, *shortest, *duty.nodes]))
 
 
 def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
@@ -382,11 +386,11 @@ def shortest_lives(
 ) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.
 
-    A row a node, those that a joint's rigid spider holds last: region, node and its place in the shoe (m);
-    life (h, 1e9 for all beyond) at each survival, the range of the last given the uncertainty of the stress,
-    and the verdict; the place in the track that wears it most and the life of a shoe that stays there; run
-    and phase, and load, with the greatest part of the damage, and the parts of all loads; life by each
-    criterion, those signed without what goes from run to run; and whether a joint's rigid spider is near.
+    A row a node: region, node and its place in the shoe (m); life (h, 1e9 for all beyond) at each survival,
+    the range of the last given the uncertainty of the stress, and the verdict; the place in the track that
+    wears it most and the life of a shoe that stays there; run and phase, and load, with the greatest part of
+    the damage, and the parts of all loads; life by each criterion, those signed without what goes from run
+    to run; and whether a joint's rigid spider is near.
     """
     whole = runs[0].basis.shapes
     data = dataset.sel(node=list(nodes))
@@ -417,11 +421,7 @@ def shortest_lives(
     columns[f"{LIFE}, critical plane"] = life_hours(data.plane_damage.values[-1])
     beside = np.where(np.isin(data.node, whole.nodes_beside_spiders), "beside spider", "")
     columns["flag"] = np.where(np.isin(data.node, whole.spider_nodes), trust.IN_SPIDER, beside)
-    table = pd.DataFrame(columns)
-    # lives beside a rigid pin are not to be used, and stand behind all others
-    return table.sort_values(
-        "flag", key=lambda flags: flags == trust.IN_SPIDER, kind="stable", ignore_index=True
-    )
+    return pd.DataFrame(columns)
 
 
 def in_words(table: pd.DataFrame) -> pd.DataFrame:
