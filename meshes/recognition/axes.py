@@ -201,7 +201,7 @@ def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[Sh
             f"of {below:.3g} m2 look down, of {above:.3g} m2 up"
         )
         if rails:
-            words += f"; two equal bands as of rails look {'up' if rails * sense > 0.0 else 'down'}"
+            words += f"; two equal bands such as rails look {'up' if rails * sense > 0.0 else 'down'}"
         asked.append(Question("--flip-up", words))
     if (total < 0.0) != choices.flip_up:
         return replace(axes, rows=axes.rows * np.array([[1.0], [-1.0], [-1.0]])), asked

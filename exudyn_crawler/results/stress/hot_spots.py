@@ -167,7 +167,7 @@ def highest_nodes(
 def ranked_nodes(
     history: History, basis: StressBasis, shoe: int, peaks: Peaks, regions: np.ndarray, away: np.ndarray
 ) -> pd.DataFrame:
-    """Hot spots among the nodes that are `away` (n,) from single forces, as of `highest_nodes`.
+    """Hot spots among the nodes that are `away` (n,) from single forces, see `highest_nodes`.
 
     The highest nodes that may be used come first. Behind them stands the highest of those that a joint's
     rigid spider holds, if it is higher: its stress is that beside a rigid ring, and not to be used.
