@@ -111,6 +111,24 @@ def write_rows(file: h5py.Group, name: str, array: "Floats | Integers") -> None:
 
 
 @interrupts_wait()
+def check_objects(path: Path) -> None:
+    """Refuse a file whose objects or attributes cannot be read, by a ValueError; other files than HDF5 pass.
+
+    Readers of NetCDF leave such a file half open, and say so at some later time.
+    """
+    if not h5py.is_hdf5(path):
+        return
+    check_heaps(path)
+    try:
+        with h5py.File(path, "r") as file:
+            dict(file.attrs)
+            file.visititems(lambda _name, item: dict(item.attrs) and None)
+    # altered bytes make the reader raise all kinds of errors
+    except Exception as error:
+        raise ValueError(f"it is broken: {' '.join(str(error).split())}") from error
+
+
+@interrupts_wait()
 def read_whole(path: Path, kind: str, read: Callable[[h5py.File], Read]) -> Read:
     """Result of `read` for an HDF5 file.
 

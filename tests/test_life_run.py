@@ -14,9 +14,9 @@ from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.life_run import FILES
 from exudyn_crawler.results.life.duty import DutyRun
-from exudyn_crawler.results.life.life import life_words, relative_spread
+from exudyn_crawler.results.life.life import life_of, life_words, relative_spread
 from exudyn_crawler.spread_run import NUDGE, ONE_TIME, laws_beside, nudged, spread
-from exudyn_crawler.views.pages.life import life_lines
+from exudyn_crawler.views.pages.life import life_lines, write_life_page
 from exudyn_crawler.views.tables import cell_text
 from tests.stress_results import WEAK
 
@@ -76,6 +76,20 @@ def test_the_page_shows_life_table_and_duty(pit):
     held = found.table.assign(flag=["in spider", *[""] * (len(found.table) - 1)])
     line = life_lines(dataclasses.replace(found, table=held))[0]
     assert f"({held['region'][1]}) before" in line
+
+
+def test_no_name_is_markup_or_script_of_a_lifes_page(pit, history, tmp_path):
+    """Names of the duty, of what happens, of phases and of the material are a user's, or from elsewhere."""
+    tag = "<img src=x onerror=alert(1)></script><script>alert(2)</script>"
+    asked = read_duty(pit[0] / "digging.toml")
+    runs = tuple(run.with_(name=tag) for run in asked.runs)
+    tagged = asked.with_(name=tag, runs=runs, material=asked.material.with_(name=tag))
+    found = life_of(tagged, [history])
+    page = write_life_page(found, tmp_path / "life.html", roller_paths={tag: found.table.assign(note=tag)})
+    text = page.read_text()
+    assert "Life of the shoes: &lt;img src=x" in text
+    assert "<img src=x" not in text
+    assert "<script>alert" not in text
 
 
 def test_the_command_tells_shortest_lives_and_faults(pit, call, refused, tmp_path):

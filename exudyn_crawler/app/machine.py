@@ -8,7 +8,8 @@ from exudyn_crawler.app.document import Document
 from exudyn_crawler.app.form import FormPart, below, in_words, pick_list, refuse
 from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.case.datasheet.files import KEY
-from exudyn_crawler.case.parameters import checks, fields
+from exudyn_crawler.case.datasheet.odd_figures import odd_values
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.views.scenes.plots import side_figure, space_figure
 from exudyn_crawler.views.scenes.start import start_solids
 
@@ -43,7 +44,7 @@ class Drawing:
             except ValueError as error:
                 ui.label(str(error)).classes("refused")
                 return
-            for line in checks.implausible(case_file.case, case_file.duration):
+            for line in odd_values(case_file):
                 ui.label(line).classes("warning")
         self.side.update_figure(side_figure(solids))
         self.space.update_figure(space_figure(solids))

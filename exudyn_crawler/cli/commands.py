@@ -117,6 +117,7 @@ def info(
 ) -> None:
     """Show all values of a case, and where they differ from the nearest case of the papers."""
     from exudyn_crawler.case.case_file import nearest_base, run_lines
+    from exudyn_crawler.case.datasheet.odd_figures import odd_values
     from exudyn_crawler.case.kept import kept_lines
     from exudyn_crawler.case.parameters import checks, fields
 
@@ -134,7 +135,7 @@ def info(
     if case_file.datasheet is not None:
         datasheets.show_values(case_file, case)
         typer.echo("\n".join([*run_lines(case_file), times_line(rule_of_thumb(case_file))]))
-        checks.warn_implausible(case_file.case, case_file.duration)
+        checks.warn_of(odd_values(case_file))
         return
     base, of_base = nearest_base(case_file.case)
     rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in fields.case_rows(case_file)]
@@ -142,7 +143,7 @@ def info(
     title = f"{case}: {sum(row[2] != '' for row in rows)} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
     typer.echo("\n".join([*of_the_base, *run_lines(case_file), times_line(rule_of_thumb(case_file))]))
-    checks.warn_implausible(case_file.case, case_file.duration)
+    checks.warn_of(odd_values(case_file))
     show_standing(case_file.case)
     if case_file.case.flexible is not None:
         from exudyn_crawler.model.reductions import reductions_line

@@ -22,7 +22,9 @@ def machine(
 ) -> None:
     """Show what follows from a datasheet: its figures beside those of the machine, and what is assumed."""
     from exudyn_crawler.case.datasheet.figures import figures
+    from exudyn_crawler.case.datasheet.odd_figures import odd_values
     from exudyn_crawler.case.datasheet.provenance import sheet_rows
+    from exudyn_crawler.case.parameters import checks
 
     case_file = crawler.read_case(file, changes or ())
     sheet = case_file.datasheet
@@ -37,6 +39,7 @@ def machine(
         for figure in figures(case_file.case, sheet)
     ]
     print_rows(FIGURES, rows, f"{case_file.case.name}: its figures")
+    checks.warn_of(odd_values(case_file))
 
 
 def _text(value: float | None, unit: str) -> str:

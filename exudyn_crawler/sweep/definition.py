@@ -53,9 +53,11 @@ class Fleet(Parameters):
     """Shoes whose hours a scatter is counted over."""
 
     shoes: int = quantity("1", "shoes of all machines", ge=1, le=10_000_000, default=78)
-    hours_a_year: float = quantity("h", "machine hours of a year", gt=0, le=8784, default=6000.0)
+    hours_a_year: float = quantity(
+        "h", "machine hours of a year", (100.0, 8784.0), gt=0, le=8784, default=6000.0
+    )
     rebuild: float = quantity(
-        "h", "hours after which all shoes are new again", gt=0, le=1e9, default=25_000.0
+        "h", "hours after which all shoes are new again", (100.0, 1e6), gt=0, le=1e9, default=25_000.0
     )
 
 
@@ -76,6 +78,10 @@ class Variation(Parameters):
 
         @property
         def answers(self) -> tuple[Answers, ...]: ...  # noqa: D102
+
+    def _odd_fleet(self) -> list[str]:
+        """Lines about a fleet that there is none of."""
+        return [f"fleet.{line}" for line in checks.out_of_range(self.fleet)]
 
     def _errors(self) -> Errors:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]
@@ -216,6 +222,7 @@ class Sweep(Variation):
 
         planned = tuple(self._of_all(plan))
         lines = [f"{output.label}: {line}" for output in self.answers for line in checks.out_of_range(output)]
+        lines += self._odd_fleet()
         lines += [f"run {number}: {line}" for line, number in odd.items()]
         more = [f"{len(lines) - SHOWN_WARNINGS} more warnings of this sweep's values"]
         checks.warn_of(lines[:SHOWN_WARNINGS] + more * (len(lines) > SHOWN_WARNINGS))

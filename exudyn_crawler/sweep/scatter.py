@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case.parameters import base, fields, reading
+from exudyn_crawler.case.parameters import base, checks, fields, reading
 from exudyn_crawler.life_run import stage_lives
 from exudyn_crawler.results.life import duty_runs, life
 from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyCase, DutyRun, read_duty
@@ -58,7 +58,8 @@ class DutyScatter(definition.Variation):
 
     @cached_property
     def duties(self) -> list[Duty]:
-        """Duty of every draw, checked."""
+        """Duty of every draw, checked; warns of a fleet that there is none of."""
+        checks.warn_of(self._odd_fleet())
         return self._of_all(lambda _number, values: self._changed(values))
 
     @property
@@ -216,6 +217,8 @@ def read_scatter(path: str | Path) -> AnySweep:
         bare_duty = duty.with_(survivals=duty.survivals[-1:], plane_nodes=0)
         return content | {"duty": bare_duty.model_dump(mode="json")}
 
-    if path.is_file() and "duty" in reading.toml_content(path, "sweep file"):
+    with reading.errors_named(path, DutyScatter):
+        of_duty = "duty" in reading.toml_content(path, "sweep file")
+    if of_duty:
         return reading.read_parameters(path, DutyScatter, "duty scatter file", values)
     return definition.read_sweep(path)

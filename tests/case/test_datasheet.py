@@ -6,6 +6,8 @@ import pytest
 from exudyn_crawler.case import read_case
 from exudyn_crawler.case.datasheet import figures, library
 from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.library import machines
+from exudyn_crawler.case.datasheet.odd_figures import odd_figures, odd_values
 from exudyn_crawler.case.datasheet.provenance import provenance
 from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.parameters import fields
@@ -176,7 +178,7 @@ def test_typical_values_can_be_given():
         ({"gauge": 0.7}, r"gauge must be greater than the shoes' width, .* got 0.7 m with shoes of 0.8 m"),
         ({"gauge": None}, "gauge must be given, or width_over_shoes"),
         ({"sag": 0.02, "chain_tension": 1e4}, "sag and chain_tension must not be given together"),
-        ({"remembered": ("gage",)}, "remembered must be names of the datasheet's values, got gage"),
+        ({"remembered": ("gage",)}, r"remembered must be names of the datasheet's values, got \['gage'\]"),
     ],
 )
 def test_what_contradicts_itself_is_refused_in_the_datasheets_words(changes, words):
@@ -399,3 +401,26 @@ def test_a_vehicles_chain_that_closes_nowhere_is_refused_with_shoes_that_do():
     words = "40 shoes of 154 mm do not close about 5 road wheels on 2.67 m of ground .*: 5. to 7. do"
     with pytest.raises(ParameterError, match=words):
         derived(Datasheet(**SHORT_M113 | {"shoes": 40}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"drawbar_pull": 264.0}, "datasheet.drawbar_pull: 264 N is outside of 1000 to 1e+07 N"),
+        ({"drawbar_pull": 2.64e3}, "datasheet.drawbar_pull: 2.64 kN are 0.00761 of the weight of 347 kN"),
+        ({"recoil_force": 2e6}, "datasheet.recoil_force: 2000 kN are 5.76 of the weight of 347 kN"),
+        (
+            {"ground_pressure": 4e5},
+            "datasheet.ground_pressure: 400 kPa is no mean one, weight over both tracks is",
+        ),
+        ({"travel_speed": 50.0}, "datasheet.travel_speed: 50 m/s is outside of 0.1 to 20 m/s"),
+    ],
+)
+def test_figures_of_no_machine_are_told_by_the_datasheets_keys(changes, words):
+    sheet = read_case(machines()["pc300lc"]).datasheet
+    assert next(iter(odd_figures(sheet.with_(**changes)))).startswith(words)
+
+
+@pytest.mark.parametrize("name", machines())
+def test_figures_of_the_librarys_machines_are_plausible(name):
+    assert list(odd_values(read_case(machines()[name]))) == []

@@ -1,5 +1,6 @@
 """Measured heights: files as other programs write them, units, missing heights, and a map below the track."""
 
+import gc
 import shutil
 from pathlib import Path
 
@@ -394,3 +395,20 @@ def test_a_shoe_that_leaves_a_map_ends_the_run_with_its_place(tmp_path, monkeypa
     with pytest.raises(SimulationStopped, match=reach) as stop:
         simulate(case, 0.5, progress=False)
     assert stop.value.time == pytest.approx(0.123, abs=2e-3)
+
+
+@pytest.mark.filterwarnings("error")
+def test_broken_netcdf_is_refused_and_leaves_nothing_to_be_said_later(netcdf, tmp_path):
+    """The reader of NetCDF would leave the file half open, and say so when its memory is freed."""
+    netcdf()
+    content = (tmp_path / "a.nc").read_bytes()
+    for place in (len(content) // 2, len(content) // 3):
+        (tmp_path / "b.nc").write_bytes(content[:place] + b"[" * 500 + content[place:])
+        with pytest.raises(ParameterError, match=r"b\.nc cannot be used: it is broken: "):
+            MeasuredGrid(file=tmp_path / "b.nc")
+        gc.collect()
+
+
+def test_netcdf_without_heights_is_refused(netcdf):
+    with pytest.raises(ParameterError, match=r"cannot be used: it has no heights: 0 x \d+ of them"):
+        netcdf(z=GRID[:0], places={"x": X[:0], "y": Y})

@@ -1,11 +1,13 @@
 """Soils from tests: known parameters come back, intervals cover them, and what is not determined is said."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from docs.rooms import ROOT
 from exudyn_crawler.case import read_case
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
 from exudyn_crawler.ground.cells.laws import read_law
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.measured import soil_fit
@@ -209,3 +211,48 @@ def test_the_command_warns_of_what_is_open(call, tmp_path):
     assert code == 0
     assert err.startswith("warning: k_c and k_phi are not told apart")
     assert "# k_c and k_phi are not told apart" in (tmp_path / "plates_law.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("tests", "column", "value", "words"),
+    [
+        (
+            plates(),
+            "sinkage",
+            44.0,
+            "point 4 has a sinkage of 44 m, more than 2 m: is its unit right?",
+        ),
+        (plates(), "pressure", -3e5, "point 4 has a pressure of -3e+05 Pa, against all others"),
+        (plates(), "width", 50.0, "point 4 has a plate of 50 m, more than 3 m: is its unit right?"),
+        (shear(), "displacement", 60.0, "point 4 has a displacement of 60 m, more than 1 m"),
+        (
+            shear(),
+            "displacement",
+            -0.005,
+            "point 4 has a displacement of -0.005 m, against all others",
+        ),
+        (shear(), "stress", 9e6, "point 4 has a stress of 9e+06 Pa under a pressure of 2e+04 Pa"),
+    ],
+)
+def test_a_point_that_no_test_has_is_told(tests, column, value, words):
+    values = getattr(tests, column).copy()
+    values[3] = value
+    changed = dataclasses.replace(tests, **{column: values})
+    assert any(words in line for line in changed.odd())
+    assert list(tests.odd()) == []
+
+
+def test_numbers_that_no_square_holds_are_refused(tmp_path):
+    lines = plate_text(plates()).splitlines()
+    lines[5] = ",".join([*lines[5].split(",")[:3], "1e300"])
+    (tmp_path / "plates.csv").write_text("\n".join(lines))
+    with pytest.raises(ValueError, match=r"plates\.csv: pressure must be finite and at most 1e\+15 in size"):
+        read_plates(tmp_path / "plates.csv")
+
+
+def test_a_point_that_no_test_has_is_warned_of_with_its_file(tmp_path):
+    (tmp_path / "shear.csv").write_text(shear_text(shear()).replace("60;", "60000;", 1))
+    with pytest.warns(
+        ImplausibleWarning, match=r"shear\.csv: point 24 has a displacement of 60 m, more than 1 m"
+    ):
+        read_shear(tmp_path / "shear.csv")

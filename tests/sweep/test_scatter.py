@@ -328,3 +328,10 @@ def test_the_ready_scatter_over_a_duty_can_be_planned():
         "stone at the edge, sand, mean",
         "stone at the edge, rock, mean",
     }
+
+
+def test_a_broken_scatter_file_is_named(tmp_path):
+    path = tmp_path / "broken.toml"
+    path.write_text("duty = 'duty.toml'\nruns = 20\nruns = 30\n")
+    with pytest.raises(CaseFileError, match=r"^.*broken\.toml: not TOML: this key or table stands twice"):
+        read_scatter(path)

@@ -6,7 +6,7 @@ from pydantic import AfterValidator
 
 from exudyn_crawler.case.datasheet import makers
 from exudyn_crawler.case.datasheet.typical import Typical
-from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.track import mesh_beside
 from exudyn_crawler.errors import ParameterError
@@ -205,7 +205,7 @@ class Datasheet(Parameters):
         known = [name for name in type(self).model_fields if name not in ("remembered", "typical", "source")]
         unknown = [name for name in self.remembered if name not in known]
         if unknown:
-            yield f"remembered must be names of the datasheet's values, got {', '.join(unknown)}"
+            yield f"remembered must be names of the datasheet's values, got {fields.shown(unknown)}"
         on_track = (self.length_on_ground, self.crawler_length, self.ground_pressure)
         if not any(on_track) and self.shoes is None:
             yield (

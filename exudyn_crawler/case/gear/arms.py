@@ -14,9 +14,9 @@ class Arm(Parameters):
     """
 
     roller: int = quantity("1", "number of its roller, from the rear", ge=1)
-    pivot: base.Two = quantity("m", "x and z of its pivot's axis in the frame")
+    pivot: base.Two = quantity("m", "x and z of its pivot's axis in the frame", (-10.0, 10.0))
     mass: base.Mass = quantity("kg", "with its roller, which is no part of the frame's mass", (10.0, 2e3))
-    com: base.Two = quantity("m", "x and z of its COM from the pivot", default=(0.0, 0.0))
+    com: base.Two = quantity("m", "x and z of its COM from the pivot", (-2.0, 2.0), default=(0.0, 0.0))
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
     torque: float = quantity(
         "N m", "of the spring where the roller is at its place", (100.0, 1e6), ge=0, le=1e9

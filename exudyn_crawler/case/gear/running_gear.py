@@ -30,9 +30,9 @@ class Bogie(Parameters):
     """
 
     rollers: tuple[int, int] = quantity("1", "numbers of its two rollers, neighbours, rear to front")
-    pivot: base.Two = quantity("m", "x and z of its pivot's axis in the frame")
+    pivot: base.Two = quantity("m", "x and z of its pivot's axis in the frame", (-10.0, 10.0))
     mass: base.Mass = quantity("kg", "with its rollers, which are no part of the frame's mass", (10.0, 2e4))
-    com: base.Two = quantity("m", "x and z of its COM from the pivot", default=(0.0, 0.0))
+    com: base.Two = quantity("m", "x and z of its COM from the pivot", (-2.0, 2.0), default=(0.0, 0.0))
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
 
     def _errors(self) -> Errors:

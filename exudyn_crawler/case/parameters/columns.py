@@ -12,6 +12,8 @@ from exudyn_crawler.case.parameters import reading
 
 HEAD = re.compile(r"\s*(?P<name>.*?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|(?:,|/| in )\s*(?P<c>[^,]+?))?\s*")
 """Name of a column with its unit: ``force [N]``, ``force (N)``, ``force, N``, ``force/N``, ``force in N``."""
+GREATEST = 1e15
+"""Size of numbers beyond which nothing is measured, and sums of squares fail."""
 DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
 
 
@@ -103,6 +105,7 @@ def numbers(cells: list[str], name: str) -> np.ndarray:
             values[row] = float(cell)
         except ValueError:
             raise ValueError(f"{name} must be a number in row {row + 1}, got {cell[:40]!r}") from None
-        if not np.isfinite(values[row]):
-            raise ValueError(f"{name} must be finite in row {row + 1}, got {cell!r}")
+        if not abs(values[row]) <= GREATEST:
+            size = f"finite and at most {GREATEST:g} in size"
+            raise ValueError(f"{name} must be {size} in row {row + 1}, got {cell[:40]!r}")
     return values

@@ -223,6 +223,9 @@ def _npy(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     import xarray
 
+    from fem.hdf5 import check_objects
+
+    check_objects(path)
     with xarray.open_dataset(path, decode_times=False) as data:
         maps = []
         for variable in data.squeeze().data_vars.values():
@@ -233,6 +236,8 @@ def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarra
             has = [f"{name} over {' and '.join(map(str, data[name].dims))}" for name in data.data_vars]
             raise ValueError(f"it must have one variable over x and y, got {', '.join(has) or 'none'}")
         (field,) = maps
+        if not field.size:
+            raise ValueError(f"it has no heights: {' x '.join(map(str, field.shape))} of them")
         places = [_netcdf_places(field, str(dimension), units) for dimension in field.dims]
         height = units.height or field.attrs.get("units") or "m"
         z = field.values.astype(float) * size_of(str(height).strip(), "heights")

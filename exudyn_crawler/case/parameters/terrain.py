@@ -356,8 +356,11 @@ class CellTerrain(Ground):
             return {}
         import xarray
 
+        from fem.hdf5 import check_objects
+
         names = ("cell_column", "cell_row", "cell_sinkage", "cell_pressure")
         try:
+            check_objects(self.ruts)
             with xarray.open_dataset(self.ruts, engine="h5netcdf") as stored:
                 case = json.loads(stored.attrs["case"])
                 cells = {name: stored[name].values for name in names}

@@ -1,5 +1,6 @@
 """Tests of a soil as tables have them: plates pressed in, and shear under a pressure."""
 
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,12 +9,21 @@ from typing import Self
 import numpy as np
 
 from exudyn_crawler.case.parameters.columns import read_columns
+from exudyn_crawler.errors import ImplausibleWarning
 
 LOOP_SHARE, LOOP_DROP = 0.8, 0.1
 """A pressure that falls below this share of the greatest one before, and by more than this share of the
 greatest one of the test, is an unloading and no scatter. Chosen here."""
 LIFTED = 0.02
 """Share of the pressure where unloading began, below which the plate may not touch any more. Chosen here."""
+
+
+DEEPEST, WIDEST, FARTHEST = 2.0, 3.0, 1.0
+"""m, sinkage, size of plates and displacement in shear, beyond which a unit is not what its head says."""
+HIGHEST = 1e7  # Pa, of a pressure or a stress
+STEEPEST, STICKIEST = 3.0, 1e5
+"""Of a shear stress: slope over the pressure, and Pa without any, beyond which no soil shears."""
+PULLS = 0.05  # of the greatest pressure or stress, by which it plausibly has the other sign
 
 
 @dataclass(frozen=True)
@@ -43,6 +53,13 @@ class PlateTests:
         """Numbers of the points of every test, in their order."""
         for name in dict.fromkeys(self.test.tolist()):
             yield np.flatnonzero(self.test == name)
+
+    def odd(self) -> Iterator[str]:
+        """Lines about points that no test has."""
+        yield from _beyond("sinkage", self.sinkage, DEEPEST, "m")
+        yield from _beyond("plate", self.width, WIDEST, "m")
+        yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
+        yield from _other_sign("pressure", self.pressure, "Pa")
 
     def of(self, points: np.ndarray) -> Self:
         """Some of the points, by their numbers or as a mask."""
@@ -79,6 +96,18 @@ class ShearTests:
     pressure: np.ndarray  # (points,), Pa
     test: np.ndarray  # (points,), name of the test
 
+    def odd(self) -> Iterator[str]:
+        """Lines about points that no test has."""
+        yield from _beyond("displacement", self.displacement, FARTHEST, "m")
+        yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
+        yield from _other_sign("displacement", self.displacement, "m")
+        yield from _other_sign("stress", self.stress, "Pa")
+        over = self.stress - STEEPEST * self.pressure
+        row = int(over.argmax())
+        if over[row] > STICKIEST:
+            under = f"under a pressure of {self.pressure[row]:.4g} Pa: are their units right?"
+            yield f"point {row + 1} has a stress of {self.stress[row]:.4g} Pa {under}"
+
     def of(self, points: np.ndarray) -> Self:
         """Some of the points, by their numbers or as a mask."""
         values = self.displacement, self.stress, self.pressure, self.test
@@ -88,6 +117,24 @@ class ShearTests:
     def pressures(self) -> np.ndarray:
         """Mean pressures of the tests, Pa."""
         return np.array([self.pressure[self.test == name].mean() for name in np.unique(self.test)])
+
+
+def _beyond(name: str, values: np.ndarray, greatest: float, unit: str) -> Iterator[str]:
+    row = int(values.argmax())
+    if values[row] > greatest:
+        more = f"more than {greatest:g} {unit}: is its unit right?"
+        yield f"point {row + 1} has a {name} of {values[row]:.4g} {unit}, {more}"
+
+
+def _other_sign(name: str, values: np.ndarray, unit: str) -> Iterator[str]:
+    row = int(values.argmin())
+    if values[row] < -PULLS * values.max():
+        yield f"point {row + 1} has a {name} of {values[row]:.4g} {unit}, against all others"
+
+
+def _warn_of_odd(path: str | Path, tests: PlateTests | ShearTests) -> None:
+    for line in tests.odd():
+        warnings.warn(f"{path}: {line}", ImplausibleWarning, stacklevel=3)
 
 
 def read_plates(path: str | Path) -> PlateTests:
@@ -121,6 +168,7 @@ def read_plates(path: str | Path) -> PlateTests:
     for points in tests.each():
         if len(np.unique(width[points])) > 1:
             raise ValueError(f"{path}: test {str(test[points[0]])!r} must have one plate")
+    _warn_of_odd(path, tests)
     return tests
 
 
@@ -137,4 +185,6 @@ def read_shear(path: str | Path) -> ShearTests:
     if (columns["pressure"] <= 0.0).any():
         raise ValueError(f"{path}: pressure must be greater than zero, got {columns['pressure'].min():g} Pa")
     test = columns.get("test", np.array([f"{1e-3 * value:.4g} kPa" for value in columns["pressure"]]))
-    return ShearTests(columns["displacement"], columns["stress"], columns["pressure"], test)
+    tests = ShearTests(columns["displacement"], columns["stress"], columns["pressure"], test)
+    _warn_of_odd(path, tests)
+    return tests

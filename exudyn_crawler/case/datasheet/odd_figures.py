@@ -1,0 +1,47 @@
+"""Figures of a datasheet that no machine has, alone or beside each other."""
+
+from collections.abc import Iterator
+
+from exudyn_crawler.case.case_file import CaseFile
+from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.parameters.checks import implausible, out_of_range
+from exudyn_crawler.case.ph4100c import GRAVITY
+
+SHARES = {
+    "drawbar_pull": (0.1, 2.0),
+    "recoil_force": (0.05, 3.0),
+    "chain_tension": (0.002, 1.0),
+}
+"""Forces over the weight that machines have: pulls of 0.4 to 1.5 (typical values); others chosen here."""
+PRESSURE = (0.4, 3.0)
+"""Printed ground pressure over weight by width and length on ground of both tracks. Chosen here."""
+
+
+def odd_values(case_file: CaseFile) -> Iterator[str]:
+    """Lines about all values of a case file that no machine and no ground has, those of a datasheet first."""
+    if case_file.datasheet is not None:
+        yield from odd_figures(case_file.datasheet)
+    yield from implausible(case_file.case, case_file.duration)
+
+
+def odd_figures(sheet: Datasheet) -> Iterator[str]:
+    """Lines about figures that no machine has, with the datasheet's keys."""
+    lines = [*out_of_range(sheet)]
+    yield from (f"datasheet.{line}" for line in lines)
+    named = {line.split(":")[0] for line in lines}
+    weight = sheet.operating_weight * GRAVITY
+    for name, (least, greatest) in SHARES.items():
+        force = getattr(sheet, name)
+        if force is None or name in named or least <= force / weight <= greatest:
+            continue
+        share = f"{force / weight:.3g} of the weight of {1e-3 * weight:.4g} kN"
+        yield f"datasheet.{name}: {1e-3 * force:.4g} kN are {share}, outside of {least:g} to {greatest:g}"
+    length = sheet.length_on_ground or sheet.crawler_length
+    if sheet.ground_pressure is None or length is None or "ground_pressure" in named:
+        return
+    mean = weight / (2.0 * sheet.shoe_width * length)
+    least, greatest = PRESSURE
+    if not least <= sheet.ground_pressure / mean <= greatest:
+        printed = f"{1e-3 * sheet.ground_pressure:.4g} kPa"
+        by_area = f"weight over both tracks is {1e-3 * mean:.4g} kPa"
+        yield f"datasheet.ground_pressure: {printed} is no mean one, {by_area}"
