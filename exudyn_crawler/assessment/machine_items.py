@@ -71,7 +71,7 @@ def tipping_items(
 
 
 def pull_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:
-    """Pull that a way takes, of drive and ground."""
+    """Pull that travel takes, of drive and ground."""
     if row.drive not in ("straight", "turn"):
         return
     formula = "M / B + f V / 2, friction over both footprints" if row.drive == "turn" else PULL_STRAIGHT
