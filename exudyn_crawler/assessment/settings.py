@@ -7,6 +7,7 @@ from exudyn_crawler.assessment.grounds import ground
 from exudyn_crawler.case import CaseFile, case_of, read_case
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
+from exudyn_crawler.case.parameters.fields import NONE
 from exudyn_crawler.case.parameters.reading import errors_named, from_content, toml_content
 from exudyn_crawler.results.life.duty import FatigueMaterial
 
@@ -134,7 +135,7 @@ def read_assessment(path: str | Path) -> AskedAssessment:
     path = Path(path)
     with errors_named(path, AssessmentSettings):
         content = toml_content(path, "file of an assessment")
-        if MACHINE not in content:
+        if not _is_of_assessment(content):
             machine = None
         else:
             machine = case_of(content.pop(MACHINE), path)
@@ -143,6 +144,12 @@ def read_assessment(path: str | Path) -> AskedAssessment:
         case_file = read_case(path)
         return AskedAssessment(machine=case_file, settings=AssessmentSettings(name=path.stem))
     return AskedAssessment(machine=machine, settings=settings, given=tuple(_paths(content)))
+
+
+def _is_of_assessment(content: dict[str, Any]) -> bool:
+    """True where a file names a machine, and not a case what acts on its machine, or that nothing does."""
+    machine = content.get(MACHINE, NONE)
+    return machine != NONE and not (isinstance(machine, dict) and "phases" in machine)
 
 
 def _paths(content: dict[str, Any], above: str = "") -> list[str]:

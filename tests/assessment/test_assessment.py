@@ -11,6 +11,7 @@ from exudyn_crawler.assessment.inputs import numbers_of
 from exudyn_crawler.assessment.load_cases import read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
 from exudyn_crawler.assessment.slewing import least_over_slew
+from exudyn_crawler.case import MachineCycle, read_case, write_case
 from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.errors import CaseFileError
 from tests.test_release import read
@@ -290,3 +291,14 @@ def test_what_is_wrong_is_refused(tmp_path):
         (tmp_path / "wrong.toml").write_text(text)
         with pytest.raises((CaseFileError, FileNotFoundError), match=words):
             assess(tmp_path / "wrong.toml")
+
+
+@pytest.mark.parametrize("acts", [None, "digs"])
+def test_a_case_file_with_all_values_is_that_of_a_machine(tmp_path, acts):
+    case_file = read_case(library.machines()["pc300lc"])
+    if acts:
+        cycle = MachineCycle.digging(case_file.case.gear.car_body)
+        case_file = case_file.with_(duration=30.0, case=case_file.case.with_(machine=cycle))
+    asked = read_assessment(write_case(case_file, tmp_path / "whole.toml"))
+    assert asked.machine == case_file
+    assert asked.settings == AssessmentSettings(name="whole")
