@@ -95,9 +95,10 @@ class ShoePanel:
         is_made, said = await command(self.document.folder, "shoe", source, *options)
         self.spinner.set_visibility(False)
         self.words.set_text(said)
-        self.plot.set_visibility(is_made)
         self.take.set_visibility(is_made)
+        # what was recognized before stays, so that a click takes a wrong correction back
         if is_made:
+            self.plot.set_visibility(True)
             self.plot.update_figure(shoe_figure(read_mesh(self.paths["mesh"])))
 
     def _click(self, event: events.GenericEventArguments) -> None:
