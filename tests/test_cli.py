@@ -22,6 +22,7 @@ from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.cli import application, commands
 from exudyn_crawler.results.checks.cases import read_check
+from exudyn_crawler.run.folder import progress
 from exudyn_crawler.sweep.scatter import read_scatter
 from studies.commands import app as studies
 from tests.test_release import read
@@ -561,3 +562,15 @@ def test_a_unit_of_co_simulation_is_written_once(told, refused):
 def test_commands_without_what_they_need_say_how_to_get_it(refused, soils, monkeypatch, command):
     monkeypatch.setattr(commands, "find_spec", lambda name: None)
     assert f"pip install 'exudyn-crawler[{command}]'" in refused(command, soils.name)
+
+
+def test_the_rest_before_a_run_tells_its_progress_in_a_folder_that_is_there(refused, tmp_path, monkeypatch):
+    def stopped(_case):
+        raise ValueError(f"noted in {[path.parent.name for path in progress._noting]}")
+
+    monkeypatch.setattr(commands, "show_standing", stopped)
+    (tmp_path / "mine.toml").write_text('base = "translation"\n')
+    assert "noted in []" in refused("run", "mine.toml", "--out", "later")
+    (tmp_path / "there").mkdir()
+    assert "noted in ['there']" in refused("run", "mine.toml", "--out", "there")
+    assert progress._noting == []

@@ -16,7 +16,7 @@ import typer
 
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application, datasheets
-from exudyn_crawler.run.folder.progress import rule_of_thumb, times_line
+from exudyn_crawler.run.folder.progress import noted_in, rule_of_thumb, times_line
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
@@ -173,7 +173,9 @@ def run(
     from exudyn_crawler.case.kept import kept_lines
 
     typer.echo("\n".join([*kept_lines(case, changes or ()), *run_lines(case_file)]))
-    show_standing(case_file.case)
+    # the first rest on a computer compiles, and whoever made the folder may look at its progress
+    with noted_in(out if out.is_dir() else None):
+        show_standing(case_file.case)
     done = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo)
     show_answers(done)
     if case_file.datasheet is not None:
