@@ -21,6 +21,7 @@ SHORT = 'base = "translation"\nname = "short"\nduration = 0.02\n[outputs]\nfigur
 WAIT = 600e3
 OPENS = 10e3
 """Ms, of a machine that has more to do: until a run has ended, and until a list is open."""
+TRIES = 10
 EXPECTED = re.compile("Resize must be passed a displayed plot div element")
 """What Plotly says of a figure that is hidden."""
 
@@ -69,19 +70,21 @@ def opened(browser, address):  # noqa: F811
 
 def picked(page, label, option):
     """Pick from a list by keyboard."""
-    wanted = page.get_by_role("option", name=option, exact=True)
-    while not wanted.is_visible():
+    items = page.get_by_role("option")
+    for _ in range(TRIES):
         page.get_by_label(label).last.press("ArrowDown")
         try:
-            wanted.wait_for(timeout=OPENS)
+            items.first.wait_for(timeout=OPENS)
+            for _ in range(items.all_inner_texts().index(option) + 1):
+                page.keyboard.press("ArrowDown")
+            page.keyboard.press("Enter")
+            items.first.wait_for(state="hidden", timeout=OPENS)
         except sync_api.TimeoutError:
             # Quasar gives up to show a list that the browser has not laid out within 60 ms
             page.keyboard.press("Escape")
-    while "focused" not in wanted.get_attribute("class"):
-        page.keyboard.press("ArrowDown")
-        page.wait_for_timeout(100)
-    page.keyboard.press("Enter")
-    wanted.wait_for(state="hidden")
+        else:
+            return
+    pytest.fail(f"{option} cannot be picked from {label}")
 
 
 def tab(page, name):
