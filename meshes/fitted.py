@@ -173,9 +173,12 @@ def _fitting(
     size = low + (mass - masses[0]) / slope
     if not masses[0] <= mass <= masses[1]:
         raise ThicknessError(unit * size, (unit * low, unit * high), masses)
+    tried = {low: masses[0], high: masses[1]}
     for _ in range(TRIES):
-        off = mass_of(size) - mass
+        tried[size] = mass_of(size)
+        off = tried[size] - mass
         if abs(off) < WITHIN * mass:
             break
         size = min(max(size - off / slope, low), high)
-    return size
+    # a notch that begins at some thickness leaves masses that no plate makes
+    return min(tried, key=lambda thickness: abs(tried[thickness] - mass))

@@ -29,6 +29,8 @@ CHEEK = 0.92  # of a lug's radius: that of a fork's cheeks, which end before the
 BORE = 0.54  # of a lug's radius: radius of the bores
 RAIL_DEPTH = 0.1  # pitches, of a rail's overhang
 PLAY = 0.01  # pitches, between a lug and the plate, and a lug and its fork
+LEAST_PLAY = 0.005  # pitches, between the fillets of lugs and a plate that is not notched
+LEAST_NOTCH = 0.03  # pitches, depth of a notch
 OF_RAIL = {"rear": 0.36, "cheek": 0.19, "beside": 0.03, "fillet": 0.08}
 """Widths over a rail's: of the rear lug, a cheek, the gap beside the lug, and the radius of their roots."""
 
@@ -102,9 +104,15 @@ class GrouserShoe:
         return BORE * self.lug_radius
 
     @property
-    def lug_clearance(self) -> float:
-        """Height that is free below the lugs: a thicker plate is notched there."""
-        return self.pin_height - self.lug_radius - PLAY
+    def notch_floor(self) -> float | None:
+        """Height to which the plate is notched below the lugs; None where these clear it as it is.
+
+        It ends below the fillets of the lugs: steps of a millimetre would be meshed by elements as small.
+        """
+        free = self.pin_height - self.lug_radius - OF_RAIL["fillet"] * self.rail_width
+        if self.plate_thickness <= free - LEAST_PLAY:
+            return None
+        return min(free - PLAY, self.plate_thickness - LEAST_NOTCH)
 
     @property
     def rail_depth(self) -> float:
@@ -152,12 +160,13 @@ def build_grouser_solid(occ: Any, shoe: GrouserShoe) -> Any:
         body += _grouser(occ, shoe, ahead)
     rear, cheek, beside, fillet = (part * shoe.rail_width * REFERENCE for part in OF_RAIL.values())
     fork = rear + 2.0 * beside
-    if shoe.plate_thickness > shoe.lug_clearance:
+    floor = shoe.notch_floor
+    if floor is not None:
         for pin in pins_of(shoe).values():
             half_width = 0.5 * fork + cheek + 2.0 * fillet
             root = math.copysign((BLOCK - PLAY) * REFERENCE, pin[0])
             slot = notch_cutter(occ, pin[1], half_width, root, 2.0 * pin[0], fillet)
-            body -= slot.Move(occ.gp_Vec(0, 0, shoe.lug_clearance * REFERENCE))
+            body -= slot.Move(occ.gp_Vec(0, 0, floor * REFERENCE))
     radius = shoe.lug_radius * REFERENCE
     bore = shoe.bore_radius * REFERENCE
     tools = []

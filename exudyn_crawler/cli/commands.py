@@ -171,7 +171,10 @@ def run(
     out = out or application.RESULTS / case.stem
     from exudyn_crawler.case.case_file import run_lines
     from exudyn_crawler.case.kept import kept_lines
+    from exudyn_crawler.run.folder.folder import refuse_other_results
 
+    if not overwrite:
+        refuse_other_results(out)
     typer.echo("\n".join([*kept_lines(case, changes or ()), *run_lines(case_file)]))
     # the first rest on a computer compiles, and whoever made the folder may look at its progress
     with noted_in(out if out.is_dir() else None):

@@ -323,13 +323,20 @@ def check(
     body: Body = None,
     pins: Pins = 1,
     size: Size = "study",
-    out: application.OfName = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help=f"folder of the results; {application.RESULTS}/NAME_check, of a maker's NAME, if not given"
+        ),
+    ] = None,
     pictures: Annotated[bool, typer.Option(help="draw each case")] = True,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Check a shoe by static cases without a run: which case cracks which region after how many cycles."""
-    folder = out or application.RESULTS / file.stem
-    if file.suffix.lower() != ".toml":
+    of_maker = file.suffix.lower() != ".toml"
+    # a run of the same case has a folder of its name
+    folder = out or application.RESULTS / (file.stem if of_maker else f"{file.stem}_check")
+    if of_maker:
         shoe(
             file=file,
             unit=unit,

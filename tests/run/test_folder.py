@@ -12,7 +12,7 @@ import pytest
 from exudyn_crawler import Case, CaseFile, History, read_case, run_case
 from exudyn_crawler.case import Outputs
 from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.run.folder.folder import run_in
+from exudyn_crawler.run.folder.folder import refuse_other_results, run_in
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study
 
@@ -115,6 +115,17 @@ def test_flexible_shoes_repeat_bit_for_bit(tmp_path):
         subprocess.run(command, check=True, timeout=300, cwd=tmp_path, capture_output=True)
     first, again = (History.load(tmp_path / name / "history.nc").dataset for name in ("first", "again"))
     assert_same_bits(first, again)
+
+
+def test_results_of_something_else_are_refused_before_a_run(tmp_path):
+    refuse_other_results(tmp_path / "none")
+    (tmp_path / "notes.txt").touch()
+    refuse_other_results(tmp_path)
+    (tmp_path / "peaks.csv").touch()
+    with pytest.raises(FileExistsError, match="holds results already"):
+        refuse_other_results(tmp_path)
+    (tmp_path / "case.toml").touch()
+    refuse_other_results(tmp_path)
 
 
 def test_an_earlier_run_stays_unless_asked(kept):

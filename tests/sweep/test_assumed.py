@@ -4,6 +4,7 @@ import pytest
 
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.sweep.definition import read_sweep
+from exudyn_crawler.sweep.running import run_sweep
 
 MACHINE = """
 duration = 0.1
@@ -57,3 +58,15 @@ def test_one_line_draws_all_that_is_assumed_from_its_range_and_the_machine_follo
 def test_assumed_values_of_no_datasheet_are_refused(sweep):
     with pytest.raises(CaseFileError, match="assumed needs a case with a datasheet"):
         sweep(SCATTER, 'base = "closed"\nduration = 0.1\n')
+
+
+@pytest.mark.slow
+@pytest.mark.simulation
+def test_draws_of_what_is_assumed_run_and_scatter_the_tension(sweep, scheduler, tmp_path):
+    scatter = sweep(SCATTER.replace("runs = 4", "runs = 2"))
+    run = run_sweep(scatter, tmp_path / "scattered", scheduler=scheduler, progress=False, say=str)
+    assert run.table["status"].tolist() == ["done", "done"]
+    tension = run.table["tension"]
+    assert (tension > 1e3).all()
+    # the weight of the chain, its sag and the carriers under it are drawn
+    assert tension.max() > 1.05 * tension.min()

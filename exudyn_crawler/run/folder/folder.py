@@ -70,6 +70,12 @@ def run_in(
                 )
 
 
+def refuse_other_results(out: Path) -> None:
+    """Refuse a folder with results of something else than a run of one case, before work on one begins."""
+    if out.is_dir() and not (out / CASE).is_file():
+        _refuse_results(out)
+
+
 def held_of(out: Path, case_file: CaseFile) -> Holds:
     """Part of a case that a run's folder holds; nothing, too, if it holds another one, or a longer run."""
     noted = record.earlier_record(out)
