@@ -8,12 +8,13 @@ import pytest
 
 import fem
 import meshes
-from exudyn_crawler import LoadCycle, Shoe, read_case, simulate
+from exudyn_crawler import LoadCycle, Shoe, read_case, recover_stresses, simulate
 from exudyn_crawler.cli import looking
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases
+from exudyn_crawler.results.history.summary import HELD, key_results
 from exudyn_crawler.results.stress.hot_spots import peak_spots
 from exudyn_crawler.shoe_file import MARK, shoe_of, write_shoe
 from meshes import mesh_named
@@ -246,6 +247,57 @@ def test_the_ready_shoe_keeps_mass_and_frequencies_in_millimetres():
     assert shoe.rails.width == pytest.approx(own.rails.width)
     bodies = [fem.ElasticBody(mesh, meshes.STEEL).natural_frequencies(9)[6:] for mesh in (ready, found.mesh)]
     np.testing.assert_allclose(*bodies, rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_flexible_shoes_with_lugs_in_between_run(tmp_path):
+    lugs = SweptShoe(
+        facets=12,
+        front=((-195.0, -125.0), (-35.0, 35.0), (125.0, 195.0)),
+        rear=((-115.0, -45.0), (45.0, 115.0)),
+    )
+    nodes, tets = lugs.mesh()
+    path = written(tmp_path / "lugs.vtu", nodes, [("tetra", tets)])
+    case_file = read_case(write_shoe(shoe_of(path), tmp_path)["case"])
+    history = simulate(case_file.case, 0.01, progress=False)
+    stresses = recover_stresses(history)
+    spots = stresses.hot_spots[7]
+    peaks = stresses.dataset.peak_von_mises.sel(shoe=7)
+    is_held = stresses.dataset.in_spider
+    usable = float(peaks.where(~is_held).max())
+    held = float(peaks.where(is_held).max())
+    assert (spots["flag"].iloc[:5] != "in spider").all()
+    assert spots["value"].iloc[0] == pytest.approx(usable)
+    # a higher one beside a rigid ring is named behind what may be used
+    assert len(spots) == 5 + (held > usable)
+    results = key_results(history, stresses.dataset).set_index("result")["value"]
+    assert results["highest von Mises stress"] == pytest.approx(usable / 1e6)
+    assert (HELD in results) == (held > usable)
+    # the ground carries the shoe of weight and load
+    carried = history.over_time(["contact_force"])["contact_force"]
+    weight = case_file.case.shoe.mass * case_file.case.gravity + case_file.case.mean_load
+    assert float(carried.isel(time=0).sel(shoe=7, axis="z")) == pytest.approx(weight, rel=0.05)
+
+
+@pytest.mark.slow
+def test_closed_tracks_of_the_ready_shoe_and_of_its_file_in_millimetres_are_the_same(tmp_path):
+    ready = meshes.shoe_mesh("coarse")
+    points = 1e3 * ready.nodes[:, [1, 2, 0]]
+    path = written(tmp_path / "turned.vtu", points, [("tetra10", ready.elements)])
+    write_shoe(shoe_of(path), tmp_path)
+    rests = []
+    for mesh in ("coarse", "turned.msh.gz"):
+        closed = tmp_path / "closed.toml"
+        closed.write_text(
+            f'base = "closed"\n[shoe]\nmesh = "{mesh}"\n[flexible]\nbase = "ph4100c"\nshoes = [5]\n'
+            "fixed_modes = 10\nrecovered_modes = 20\nstatic_fields = false\n"
+        )
+        history = simulate(read_case(closed).case, 0.01, progress=False)
+        stress = recover_stresses(history).dataset
+        rests.append((history.joint_force.values, float(stress.highest_von_mises.max())))
+    size = np.abs(rests[0][0]).max()
+    np.testing.assert_allclose(rests[1][0], rests[0][0], atol=0.01 * size)
+    assert rests[1][1] == pytest.approx(rests[0][1], rel=0.01)
 
 
 def test_check_of_a_makers_file_makes_its_case_first(tmp_path, monkeypatch, capsys):

@@ -14,12 +14,12 @@ from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
+from exudyn_crawler.case import shoe_of_file
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
 from exudyn_crawler.case.datasheet import files as datasheets
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.parameters import faults, fields, loads, reading, terrain, track
-from exudyn_crawler.case.shoe_of_file import with_mesh_shoe
 from exudyn_crawler.files import whole_file
 
 BESIDE = ("duration", "outputs", datasheets.KEY)
@@ -151,7 +151,7 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
         beside[datasheets.KEY] = sheet.model_dump(mode="json")
         below = datasheets.case_values(sheet, content.get("flexible", fields.NONE) != fields.NONE)
     else:
-        content = with_mesh_shoe(content, folder)
+        content = shoe_of_file.with_mesh_shoe(content, folder)
     content = _with_law(content, folder)
     case = reading.filled(content, Case, below=below)
     if cycle is not None:
@@ -219,6 +219,11 @@ class _FileSchema(GenerateJsonSchema):
         table.pop("required", None)
         if issubclass(kind, terrain.SoilLaw):
             table["properties"][CYCLE] = {"type": "string", "description": "law file with what is left out"}
+        if kind is track.Shoe:
+            words = (
+                "coarse, study, fine or a mesh's file: shoe, pins and flexible shoes are those of the mesh"
+            )
+            table["properties"][shoe_of_file.KEY] = {"type": "string", "description": words}
         if names := sorted(fields.named_values(kind)):
             table["properties"][fields.BASE] = {"enum": names, "description": "gives all that is left out"}
         return table

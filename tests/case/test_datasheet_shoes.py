@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import fem
-from exudyn_crawler.case import Shoe, read_case
+from exudyn_crawler.case import Shoe, Track, read_case
 from exudyn_crawler.case.datasheet import figures, library, shoe_mesh
 from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.provenance import provenance
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.model import shoe_mesh as fits
-from meshes import STEEL, checks, fitted, grouser, mesh_named
+from meshes import PITCH, STEEL, checks, fitted, grouser, mesh_named
 from meshes.recognition import quality
 
 pytest.importorskip("netgen")
@@ -217,6 +217,13 @@ def test_the_papers_shoe_as_a_mesh_of_ones_own_makes_a_shovel(tmp_path):
         "shoe_mesh: its volume of steel, its surfaces and bores",
     )
     assert rows["flexible.youngs_modulus"].origin == "assumed"
+
+
+def test_pins_of_a_mesh_are_the_axes_of_its_bores():
+    of_mesh = shoe_mesh.shoe_of_mesh("coarse")
+    assert of_mesh.pitch == pytest.approx(PITCH, abs=1e-6)
+    front = Track.ph4100c().joint_centers["front right"]
+    assert (of_mesh.pin_ahead, of_mesh.pin_height) == pytest.approx((front[0], front[2]), abs=1e-6)
 
 
 def test_datasheet_needs_no_netgen_for_boxes():

@@ -10,7 +10,9 @@ from fem.mesh import boundary_faces
 from meshes.recognition.axes import Choices
 from meshes.recognition.elements import peeled
 from meshes.recognition.quality import mesh_quality
-from meshes.recognition.shoe import recognize_file
+from meshes.recognition.shoe import axes_of, recognize_file
+from meshes.recognition.solids import StepSolid
+from meshes.recognition.surfaces import find_surfaces
 from tests.meshes.swept import SweptShoe
 
 TURN = Rotation.from_rotvec([0.3, 2.0, -0.7]).as_matrix()
@@ -186,6 +188,30 @@ def test_a_step_file_becomes_a_shoe(tmp_path, unit):
     assert [one.flag for one in found.questions] == ["--footprint tips"]
     assert any("gap of 5 mm" in one for one in found.remarks)
     assert found.mesh.volume == pytest.approx(1e-9 * plate_shoe(occ).mass, rel=2e-3)
+
+
+def test_cross_holes_chamfers_and_other_holes_do_no_harm(tmp_path):
+    occ = pytest.importorskip("netgen.occ")
+    body = plate_shoe(occ)
+    rims = [edge for edge in body.edges if abs(edge.mass - 2.0 * np.pi * 15.0) < 0.1]
+    body = body.MakeChamfer(rims, 2.0)
+    for y in (-140, 140):  # grease holes into the front bores, and through the plate
+        body -= occ.Cylinder(occ.Pnt(100, y, 40), occ.Z, 4, 60)
+        for x in (-70, 20):
+            body -= occ.Cylinder(occ.Pnt(x, y, -1), occ.Z, 15, 22)
+    body -= occ.Cylinder(occ.Pnt(-40, -151, 10), occ.Y, 5, 302)  # along the pins, in two equal lines
+    body -= occ.Cylinder(occ.Pnt(60, -151, 10), occ.Y, 5, 302)
+    body.WriteStep(str(tmp_path / "holes.step"))
+    triangles, _ = StepSolid(tmp_path / "holes.step").quick()
+    axes = axes_of(triangles, Choices(), "mm")
+    assert axes.pins.pitch == pytest.approx(200.0, abs=1e-3)
+    assert [line.radius for line in axes.pins.lines] == pytest.approx([15.0, 15.0], abs=1e-3)
+    assert [len(line.bores) for line in axes.pins.lines] == [2, 2]
+    np.testing.assert_allclose(axes.rows, np.eye(3), atol=1e-6)
+    surfaces = find_surfaces(triangles, axes, None)
+    assert not any("are not alike" in remark for remark in surfaces.remarks)
+    ends = np.array([surfaces.box(f"bore front {side}")[:, 1] for side in ("right", "left")])
+    np.testing.assert_allclose(ends, [[-0.158, -0.122], [0.122, 0.158]], atol=1e-3)
 
 
 def test_solids_that_touch_are_fused_and_others_chosen_from(tmp_path):
