@@ -1,4 +1,4 @@
-"""Assembler of a machine: what its parts put together, bodies, markers, joints, loads, and what couples them."""
+"""Assembler of a machine: bodies, markers, joints and loads that its parts add, and what couples them."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
