@@ -145,6 +145,11 @@ def test_a_shoe_without_rails_has_its_load_on_the_top(tmp_path):
     assert not any(one.treads for one in ready)
     even = next(one for one in ready if one.name == "even, sand")
     assert even.pressures[0].force == (0.0, 0.0, -2e5)
+    # what a case presses with beside is no reason for the machine to leave the shoe
+    turns = [case for case in ready if case.name.startswith("turn")]
+    strikes = [case for case in ready if case.name.startswith("strike")]
+    assert len(turns) == 6
+    assert all(case.pressures[0] == even.pressures[0] for case in (*turns, *strikes))
 
 
 @pytest.mark.parametrize(

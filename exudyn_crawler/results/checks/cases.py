@@ -252,12 +252,16 @@ def ready_cases(outline: ShoeOutline, force: float, machine: float = 1.0) -> lis
     carried: dict[str, Any] = {"ground": OneSidedGround()}
     carried |= {"treads": _rolled(force)} if outline.rails else {"pressures": [_on_top(outline, force)]}
     if outline.rails is None:
-        kinds = [_supports(outline, force), _turns(outline, machine), _strikes(outline, force, machine)]
+        kinds = [
+            _supports(outline, force),
+            _turns(outline, force, machine),
+            _strikes(outline, force, machine),
+        ]
     else:
         kinds = [
             _supports(outline, force),
             _rail_ends(outline, outline.rails, force),
-            _turns(outline, machine),
+            _turns(outline, force, machine),
         ]
         kinds += [_drives(outline, outline.rails, machine), _strikes(outline, force, machine)]
     return [CheckCase(**carried | loads) for kind in kinds for loads in kind]
@@ -329,12 +333,13 @@ def _rail_ends(outline: ShoeOutline, rails: RailOutline, force: float) -> Loads:
         yield {"name": name, "treads": _rolled(force, end=end, x=x, **width)}
 
 
-def _turns(outline: ShoeOutline, machine: float) -> Loads:
+def _turns(outline: ShoeOutline, force: float, machine: float) -> Loads:
     """Pull of a chain that turns, shared by the pins, with the side force held at rails or pins."""
     under = {"low": tuple(outline.low - UNDER_A_SIDE), "high": tuple(outline.high + UNDER_A_SIDE)}
     pull = machine * PULL
     push = machine * SIDE
     pushed = Pressure.model_validate({"facing": "down", "force": (0.0, push, 0.0), **under})
+    carried = [] if outline.rails else [_on_top(outline, force)]
     along = [f"{pin} x" for pin in PINS]
     holds = {"two pins": ["rear left y", "rear right y", *along], "one pin": ["rear left y", *along]}
     at_rails = []
@@ -350,7 +355,7 @@ def _turns(outline: ShoeOutline, machine: float) -> Loads:
         yield {
             "name": f"turn {100 * share:g}/{100 - 100 * share:g}, side force at {where}",
             "pins": [PinForce(pin=pin, force=(part * pull, 0.0, 0.0)) for pin, part in pulls.items() if part],
-            "pressures": [pushed, *at_rails] if where == "rails" else [pushed],
+            "pressures": [*carried, pushed, *(at_rails if where == "rails" else ())],
             "held_by": held,
         }
 
