@@ -138,6 +138,13 @@ def _bytes(path: Path, packed: bool) -> bytes:
     return content
 
 
+AS_OTHER_PROGRAMS = (
+    "as .msh with physical surfaces, as .inp with *SURFACE or shells in element sets, or as .med with groups "
+    "of faces"
+)
+"""How other programs save a mesh with its named surfaces."""
+
+
 def _through_meshio(path: Path) -> FileContent:
     """Content of a file by meshio, which prints errors and ends the process if all its readers fail."""
     printed = StringIO()
@@ -150,10 +157,11 @@ def _through_meshio(path: Path) -> FileContent:
         lines = "; ".join(filter(None, map(str.strip, printed.getvalue().splitlines())))
         raise MeshError(f"it holds no mesh as {formats}{lines and f': {lines}'}") from end
     except Exception as error:  # meshio's readers raise all kinds of errors
-        reason = " ".join(str(error).split()) or repr(error)
+        reason = f"got: {' '.join(str(error).split()) or repr(error)} ({type(error).__name__})"
+        if isinstance(error, KeyError):
+            reason = f"does not know {error.args[0]!s} in it: a kind of element, or a name"
         raise MeshError(
-            f"meshio, which reads other files than .msh, .inp and .med, got: {reason} "
-            f"({type(error).__name__}); save it in one of these"
+            f"meshio, which reads other files than .msh, .inp and .med, {reason}; save it {AS_OTHER_PROGRAMS}"
         ) from error
     sys.stderr.write(warned.getvalue())
     points = np.asarray(raw.points, dtype=np.float64)
@@ -169,10 +177,7 @@ def _through_meshio(path: Path) -> FileContent:
         )
     notes = []
     if not any(block.groups for block in cells):
-        notes.append(
-            f"{path.suffix} brings no named surfaces: save the mesh as .msh with physical surfaces, as .inp "
-            "with *SURFACE or shells in element sets, or as .med with groups of faces"
-        )
+        notes.append(f"{path.suffix} brings no named surfaces: save the mesh {AS_OTHER_PROGRAMS}")
     return FileContent(points, cells, notes=notes)
 
 

@@ -172,7 +172,7 @@ LOAD_CASES_OF = (
     'machine = "shovel"\nmesh = "none"\nload_cases = "{file}"\n[work]\npayload = 9e4\nreach = 17.0\n'
 )
 TABLE = "time [s],load [kN],side shift [mm]\n" + "".join(f"{t / 2},{386 + t},{t}\n" for t in range(20))
-MEASURED = "time in s,link_tension 12 in kN,displacement 13 x in mm\n" + "".join(
+MEASURED = "time in s,joint_force 12 x in kN,displacement 13 x in mm\n" + "".join(
     f"{0.002 * t},{0.4 + 0.01 * t},{0.02 * t * t}\n" for t in range(10)
 )
 GRID = "ncols 60\nnrows 40\nxllcorner 3.0\nyllcorner 1.0\ncellsize 0.5\nNODATA_value -9999\n" + "\n".join(

@@ -96,7 +96,11 @@ def test_other_choices_and_files_are_refused_by_name(tmp_path):
         recognize_file(path, Choices(pins=2))
 
 
-@pytest.mark.parametrize("content", [b"", b"solid nothing\nendsolid\n", b"\x00" * 84, b"ISO-10303-21;"])
+CUT = b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+"""Beginning of an STL file, at which meshio would end the process."""
+
+
+@pytest.mark.parametrize("content", [b"", b"solid nothing\nendsolid\n", b"\x00" * 84, b"ISO-10303-21;", CUT])
 def test_broken_stl_files_are_refused(tmp_path, content):
     path = tmp_path / "broken.stl"
     path.write_bytes(content)
