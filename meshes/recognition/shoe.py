@@ -267,8 +267,8 @@ def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileS
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # of a text whose bytes are taken for a number
-            # of a format that is not said, meshio ends the process where it reads none
-            raw = meshio.read(path, file_format="stl")
+            # `meshio.read` ends the process where its reader fails
+            raw = meshio.stl.read(path)
         parts = [block.data for block in raw.cells if block.type == "triangle"]
         triangles = Triangles.welded(np.asarray(raw.points, float), np.concatenate(parts).astype(np.int64))
     except Exception as error:  # meshio's readers raise all kinds of errors
