@@ -180,19 +180,20 @@ def test_straight_travel_beside_a_run(tmp_path, told):
 @pytest.mark.simulation
 @pytest.mark.slow
 def test_roller_on_a_ridge_beside_a_run():
-    """Where both tracks roll over a ridge of hard floor one roller bears most of what its track does.
+    """Where both tracks roll over a ridge of hard floor one roller bears all that its track does.
 
-    The formula has all of it; the part is that of this run.
+    So it is as the COM passes over the ridge, 13 s after the start; before, the machine leans back on its
+    rear rollers, and a second later it swings down ahead.
     """
     drive = Drive(speed=StepProfile(times=(0.0, 1.0), values=(0.0, 0.3)))
     case = Case.shovel().with_({"solver.output_interval": 0.02}, drive=drive)
     ridge = Ridge(x=float(case.frame_start[0]) + 3.2, height=0.1, width=0.3, flank=0.3)
-    history = simulate(case.on_cells(RockFloor.hard_floor(), Heights(parts=(ridge,))), 12.0, progress=False)
+    history = simulate(case.on_cells(RockFloor.hard_floor(), Heights(parts=(ridge,))), 13.5, progress=False)
     run = run_forces.forces_of_run(history, "ridge")
     assert run.uneven
     found = assessment_of(history.case, BARE)
     alone = next(row for row in found.loads if row.support == "one")
-    assert run.roller == pytest.approx(0.87 * alone.roller, rel=0.05)
+    assert run.roller == pytest.approx(alone.roller, rel=0.05)
 
 
 def test_the_command_leaves_tables_drawings_and_a_page(told, refused, tmp_path):
