@@ -8,7 +8,7 @@ from exudyn_crawler.case.datasheet import figures, library
 from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.library import machines
 from exudyn_crawler.case.datasheet.odd_figures import odd_figures, odd_values
-from exudyn_crawler.case.datasheet.provenance import provenance
+from exudyn_crawler.case.datasheet.provenance import provenance, sheet_rows
 from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import CaseFileError, ParameterError
@@ -145,6 +145,24 @@ def test_every_value_says_where_it_comes_from(written):
     assert rows["gear.roller_radius"].origin == "assumed"
     assert "remembered" in rows["gear.roller_radius"].how
     assert rows["gravity"].origin == "assumed"
+    assert rows["drive.speed"][2:] == ("assumed", "slow_travel, no faster than travel_speed; reached in 1 s")
+    assert "LETE sand" in rows["contact.law.k_phi"].how
+    assert rows["track.first_com"].origin == "derived"
+    assert "root of the pitch" in rows["solver.step"].how
+
+
+def test_speed_of_a_run_is_derived_where_the_datasheet_asks_for_it(written):
+    case_file = read_case(written(SHORT + 'speed = "2 km/h"\ntravel = "on the spot"\n'))
+    rows = {row.key: row for row in provenance(case_file.case, case_file.datasheet)}
+    assert rows["drive.turn_rate"][2:] == ("derived", "speed of the datasheet; reached in 1 s")
+    assert "no datasheet says it" in rows["drive.speed"].how
+
+
+def test_values_that_no_file_has_are_not_shown_as_given(written):
+    case_file = read_case(written(SHORT))
+    keys = {row.key for row in sheet_rows(case_file.datasheet) if row.origin == "given"}
+    assert "datasheet.length_on_ground" in keys
+    assert "datasheet.bogies" not in keys
 
 
 def test_values_that_were_not_seen_are_shown_as_assumed(written):

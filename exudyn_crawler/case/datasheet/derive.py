@@ -82,10 +82,10 @@ def _derived(sheet: Datasheet) -> Derived:
         track=track,
         gear=gear.gear_of(sheet, chain, shoe, track, notes),
         terrain=travel.ground_of(sheet, chain, notes),
-        contact=travel.soil_of(),
+        contact=travel.soil_of(notes),
         drive=travel.drive_of(sheet, notes),
         loads=LoadCycle.constant([0.0] * track.shoe_count),
-        solver=travel.solver_of(chain.pitch),
+        solver=travel.solver_of(chain.pitch, notes),
     )
     given = list(_given(printed))
     paths = {note.path for note in given}
@@ -110,10 +110,10 @@ def _refusal(sheet: Datasheet, error: ParameterError) -> str:
 
 
 def _given(sheet: Datasheet) -> Iterator[Note]:
-    """Notes on the values that the datasheet has."""
+    """Notes on the values that the datasheet has, but for those that it leaves as they are."""
     for name, field in type(sheet).model_fields.items():
         value = getattr(sheet, name)
-        if value is None or name in NO_FIGURES:
+        if value is None or value == field.default or name in NO_FIGURES:
             continue
         # values of the case are those of its mesh, which the datasheet's agree with
         of_mesh = sheet.shoe_mesh is not None and name in OF_MESH

@@ -60,6 +60,10 @@ def shoe_of(sheet: Datasheet, chain: Chain, notes: Notes, of_mesh: MeshShoe | No
     notes.note("shoe.length", pitch, "m", "derived", "plates tile the ground")
     top = link_top - com
     notes.note("shoe.rails.height", top, "m", "derived", "link's height above the plate")
+    for name in ("rear", "front"):
+        how = f"length of {RAIL_SHARE:g} pitches, so that neighbours do not overlap"
+        notes.note(f"shoe.rails.{name}", None, "", "derived", how)
+    notes.note("shoe.rails.right", None, "", "derived", "mirrored: that on the left")
     rails = Rails(rear=-half, front=half, right=-rail_y, left=rail_y, width=rail_width, height=top)
     return Shoe(
         mass=mass,
@@ -78,6 +82,7 @@ def track_of(
 ) -> Track:
     """Chain of both tracks, whose pins are those of a mesh or end at the rails' middles."""
     right = -0.5 * sheet.track_gauge
+    notes.note("track.first_com", None, "", "derived", "half of the gauge")
     if of_mesh is not None:
         for name in ("pitch", "pin_ahead", "pin_height", "spherical_y", "parallel_y"):
             notes.note(f"track.{name}", None, "", "derived", OF_MESH)
