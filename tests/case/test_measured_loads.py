@@ -49,7 +49,10 @@ def test_semicolons_decimal_commas_and_a_byte_order_mark_are_read(tmp_path):
         ("time [s],load [kN]\n0,1\n0,2\n", "times must rise from 0 s or later, got 0 s in row 2"),
         ("time [s],load [kN]\n-1,1\n", "times must rise from 0 s or later, got -1 s in row 1"),
         ("time [s],load [kN]\n0,386,4\n", "row 1 must have 2 cells, as its head, got 3"),
-        ("time [s],load [kN]\n0,nan\n", "'load [kN]' must be finite and at most 1e+15 in size in row 1, got 'nan'"),
+        (
+            "time [s],load [kN]\n0,nan\n",
+            "'load [kN]' must be finite and at most 1e+15 in size in row 1, got 'nan'",
+        ),
         ("time [s],load [kN]\n0,\n", "'load [kN]' must be a number in row 1, got ''"),
         ("time [s],load [kN]\n0,1e14\n", "phases[0].loads[0..1]: must be less than or equal to"),
         ("\udcff", "is no text in UTF-8"),
