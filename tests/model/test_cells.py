@@ -181,6 +181,7 @@ def test_a_floor_without_friction_is_refused_and_one_with_next_to_none_carries()
     assert np.abs(start.acceleration.isel(time=0)).max() < 1e-3  # m/s2
 
 
+@pytest.mark.slow
 def test_modal_loads_of_histories_are_those_of_the_equations():
     case = Case.stress("coarse").on_cells(SAND)
     run = simulate(case, 4e-3, False)

@@ -41,6 +41,7 @@ def point_motion(history, point):
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_the_com_node_has_the_drives_speed_and_the_frame_has_not(pulled):
     point = drive_point(PULLED, floating_shoe(PULLED).reduced)
     place, velocity = point_motion(pulled, point)
@@ -52,6 +53,7 @@ def test_the_com_node_has_the_drives_speed_and_the_frame_has_not(pulled):
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_the_force_on_a_node_keeps_the_momentum_of_the_track(pulled):
     """The drive's force alone moves and bends: what it lacks or adds would stand in the balance."""
     mass = np.full(13, PULLED.shoe.mass)

@@ -11,7 +11,11 @@ from tests.rolled import small_case, small_flexible_case
 pytestmark = pytest.mark.simulation
 
 
-@pytest.mark.parametrize("case", [small_case(), small_flexible_case()], ids=["rigid", "flexible"])
+@pytest.mark.parametrize(
+    "case",
+    [small_case(), pytest.param(small_flexible_case(), marks=pytest.mark.slow)],
+    ids=["rigid", "flexible"],
+)
 def test_newtons_matrix_is_the_derivative_of_the_residual(case):
     """At rest, where what it leaves out is small; the frame's rows and columns are nearly exact."""
     q = static_equilibrium(case)

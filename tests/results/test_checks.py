@@ -238,6 +238,7 @@ def test_no_name_is_markup_or_script_of_a_checks_page(found, tmp_path):
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_a_check_leaves_tables_and_a_picture_of_each_case_of_its_file(tmp_path):
     (tmp_path / "mine.toml").write_text(
         'mesh = "coarse"\nlevels = []\n[material]\nbase = "a36"\n'

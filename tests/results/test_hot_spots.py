@@ -125,7 +125,9 @@ def test_shares_on_cells_are_complete(run_on_cells):
 
 @pytest.mark.simulation
 @pytest.mark.parametrize("load", list(OTHERS))
-@pytest.mark.parametrize(("run", "shoe"), [("history", 7), ("run_on_cells", 2)])
+@pytest.mark.parametrize(
+    ("run", "shoe"), [("history", 7), pytest.param("run_on_cells", 2, marks=pytest.mark.slow)]
+)
 def test_a_load_that_acts_alone_has_all_of_the_stress(request, run, shoe, load):
     """Its modes have come to rest under it, so that there is no inertia, either."""
     whole = request.getfixturevalue(run)

@@ -27,6 +27,7 @@ def runs() -> dict[str, History]:
     return {ground: run.history for ground, run in study(None, duration=1.0).items()}
 
 
+@pytest.mark.slow
 def test_shoes_stand_higher_beyond_a_step(runs):
     step = runs["step"]
     x, z = (step.position.sel(axis=axis, shoe=INNER) for axis in "xz")
@@ -47,6 +48,7 @@ def test_a_step_down_mirrors_a_step_up():
         assert z[9:12].mean() - z[1:5].mean() == pytest.approx(change, abs=0.004)
 
 
+@pytest.mark.slow
 def test_slope_of_a_ramp_is_in_the_pitch(runs):
     ramp = runs["ramp"]
     slope = grounds.RAMP_HEIGHT / (grounds.RAMP_END - grounds.RAMP_START)
@@ -57,6 +59,7 @@ def test_slope_of_a_ramp_is_in_the_pitch(runs):
     assert np.polyfit(now.sel(axis="x"), now.sel(axis="z"), 1)[0] == pytest.approx(slope, rel=0.03)
 
 
+@pytest.mark.slow
 def test_shoes_follow_rough_ground(runs):
     rough = runs["rough"]
     ground = rough.case.terrain.surface(rough.position.sel(axis="x").values[-1])
@@ -66,6 +69,7 @@ def test_shoes_follow_rough_ground(runs):
     assert z.std() == pytest.approx(ground.std(), rel=0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ground", ["step", "ramp", "rough"])
 def test_ground_carries_the_weight(ground, runs):
     history = runs[ground]

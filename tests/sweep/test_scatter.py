@@ -263,6 +263,7 @@ def drawn_duty(tmp_path, monkeypatch):
     return path
 
 
+@pytest.mark.slow
 def test_a_scatter_over_a_duty_leaves_what_a_sweep_leaves_with_the_lives_of_its_draws(drawn_duty, tmp_path):
     """Counted once for all draws of strength, residual stress, rates, loads, ground and wear.
 
@@ -287,6 +288,7 @@ def test_a_scatter_over_a_duty_leaves_what_a_sweep_leaves_with_the_lives_of_its_
     assert found["life"] == pytest.approx(lives.min(), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
     text = drawn_duty.read_text().replace("residual_stress", "defect_size").replace('"Pa"', '"m"')
     drawn_duty.write_text(text.replace("-50e6", "2e-3").replace("= 50e6", "= 8e-3"))

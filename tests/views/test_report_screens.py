@@ -64,6 +64,7 @@ def phone(browser, stress_report):
     assert reader.errors == []
 
 
+@pytest.mark.slow
 def test_a_narrow_screen_needs_no_scrolling_sideways(phone):
     assert phone.page.evaluate("document.documentElement.scrollWidth") <= 390
     table = "document.querySelector('#case .wide')"
@@ -95,6 +96,7 @@ def test_nothing_on_a_narrow_screen_lies_over_the_other(phone):
         assert not any(overlap(one, other) for one in names for other in tools)
 
 
+@pytest.mark.slow
 def test_colour_bars_of_a_narrow_screen_are_as_wide_as_it(phone):
     for place in ("#track-view", "#shoe-view"):
         phone.page.locator(place).scroll_into_view_if_needed()
