@@ -5,23 +5,28 @@ import pytest
 from exudyn_crawler.case.datasheet import figures
 from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.sheet import Datasheet
-from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.errors import EquilibriumError, ParameterError
 from tests.case.random_datasheets import drawn
 
 MOST_WORDS = 60
 
 
+def check_sentence(error):
+    """Check that a refusal is a sentence in the datasheet's own words."""
+    text = str(error)
+    assert len(text.splitlines()) == 1, text
+    assert len(text.split()) <= MOST_WORDS, text
+    # words of the construction are none of a datasheet
+    assert not any(word in text for word in ("gear.", "tumbler", "flank", "cannot be built: ")), text
+
+
 def case_of(seed):
-    """Case and datasheet of a seed; None where it is refused, by a sentence in the datasheet's own words."""
+    """Case and datasheet of a seed; None where it is refused."""
     try:
         sheet = Datasheet(**drawn(seed))
         case = derived(sheet).case
     except ParameterError as error:
-        text = str(error)
-        assert len(text.splitlines()) == 1, text
-        assert len(text.split()) <= MOST_WORDS, text
-        # words of the construction are none of a datasheet
-        assert not any(word in text for word in ("gear.", "tumbler", "flank", "cannot be built: ")), text
+        check_sentence(error)
         return None
     return case, sheet
 
@@ -59,11 +64,20 @@ def test_200_machines_at_random_are_assembled_or_refused_in_a_sentence():
 def test_200_machines_at_random_run_for_2_s():
     from exudyn_crawler import simulate
 
+    without_rest = 0
     for seed in range(200):
         found = case_of(seed)
-        if found is not None:
-            case = found[0]
+        if found is None:
+            continue
+        case = found[0]
+        try:
             history = simulate(case, 2.0, progress=False)
-            # the chain's way: the speed rises by a cubic STEP in a second
-            way = history.side_frame_position.values[-1, 0] - history.side_frame_position.values[0, 0]
-            assert way == pytest.approx(case.drive.travel(2.0), rel=0.15), seed
+        except EquilibriumError as error:
+            # a sag that no take-up gives
+            check_sentence(error)
+            without_rest += 1
+            continue
+        # the chain's way: the speed rises by a cubic STEP in a second
+        way = history.side_frame_position.values[-1, 0] - history.side_frame_position.values[0, 0]
+        assert way == pytest.approx(case.drive.travel(2.0), rel=0.15), seed
+    assert without_rest < 3

@@ -60,6 +60,16 @@ def test_tension_that_no_take_up_gives_is_refused_with_the_nearest():
 
 
 @pytest.mark.slow
+def test_sag_less_than_that_of_the_tautest_chain_is_refused():
+    """Sprocket and idler give way to a chain without slack, so that it sags more than its links would."""
+    words = (
+        r"sag of 5 mm at rest; the nearest is [\d.]+ mm, with a take-up of \S+ m, where the chain just closes"
+    )
+    with pytest.raises(EquilibriumError, match=words):
+        tensioned(with_idler(Case.closed(), sag=0.005))
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("side", [0, 1])
 def test_both_tracks_of_a_machine_have_it(side):
     chain = chains_at_rest(tensioned(with_idler(Case.shovel(), pretension=300e3)))[side]

@@ -50,7 +50,7 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
     reach: base.Extent | None = quantity(
         "m",
         "of the addendum circle beyond the pins' circle; none: 0.036 pitches",
-        (0.005, 0.4),
+        (0.002, 0.4),
         default=None,
     )
     flank: float = quantity(

@@ -117,8 +117,9 @@ def take_up_of(case: Case) -> float:
     what, unit, size = ("sag", "mm", 1e3) if idler.pretension is None else ("pretension", "kN", 1e-3)
     got = wanted * math.exp(-value if idler.pretension is None else value)
     raise EquilibriumError(
-        f"no take-up of the idler gives case {case.name!r} a {what} of {size * wanted:.4g} {unit} at rest; "
-        f"the nearest is {size * got:.4g} {unit}, with gear.idler.take_up = {taut - nearest:.4g} m"
+        f"no take-up of the idler gives a {what} of {size * wanted:.4g} {unit} at rest; "
+        f"the nearest is {size * got:.4g} {unit}, with a take-up of {taut - nearest:.4g} m"
+        + (", where the chain just closes" if nearest == LEAST_SLACK else "")
     )
 
 
