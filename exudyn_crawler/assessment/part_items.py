@@ -111,30 +111,20 @@ def roller_items(
     force = 0.5 * row.roller
     tread = numbers.rollers.tread
     contact = utilisation.roller_contact(force, tread, settings.material.yield_strength)
-    words = f"Hertz, {force / KILO:.0f} kN a tread"
-    source = "Johnson 1985, 4.2 and 9.1"
     stress = contact.pressure / MEGA
-    yield case_item(
-        row,
-        "roller on rail, yield below the surface",
-        stress,
-        stress * contact.to_yield,
-        "MPa",
-        factor=np.sqrt(row.strength),
-        formula=f"{words}; pressure goes by the root of the force",
-        source=source,
-        mark="S",
-    )
+    limits = [("yield below the surface", contact.to_yield, "pressure goes by the root of the force")]
     if row.group != "HZS":
+        limits.append(("shakedown", contact.to_shakedown, "flows in every pass beyond it"))
+    for name, times, reason in limits:
         yield case_item(
             row,
-            "roller on rail, shakedown",
+            f"roller on rail, {name}",
             stress,
-            stress * contact.to_shakedown,
+            stress * times,
             "MPa",
             factor=np.sqrt(row.strength),
-            formula=f"{words}; flows in every pass beyond it",
-            source=source,
+            formula=f"Hertz, {force / KILO:.0f} kN a tread; {reason}",
+            source="Johnson 1985, 4.2 and 9.1",
             mark="S",
         )
     if row.support == "even":

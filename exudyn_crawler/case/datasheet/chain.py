@@ -12,10 +12,8 @@ SHOES = "track.shoe_count of one track"
 """Key of a note."""
 LOOSE = 0.01  # of a chain's length, by which lengths of a datasheet may disagree
 PLAUSIBLE_GAPS = 8, 18  # of sprockets for which a number of shoes, or a pitch by mass, is taken
-IDLER_SIZES = (
-    0.8,
-    1.2,
-)  # times the sprocket's circle: mean of both with which a printed sprocket closes a chain
+IDLER_SIZES = 0.8, 1.2
+"""Times a printed sprocket's circle: mean of sprocket and idler with which it closes a chain."""
 LONGEST, SHORTEST = 40.0, 5.0  # pitches of a length on ground
 HALF_PITCH: tuple[Kind, ...] = ("excavator", "dozer", "loader", "drill", "paver")
 """Kinds of machines whose sprockets have an odd number of teeth, of which a chain uses every second gap."""
