@@ -1,10 +1,16 @@
 """A machine on its track as a unit of co-simulation (FMU, FMI 2.0) that other programs step.
 
 pythonfmu makes the unit and carries it: the program that runs it needs this package in its Python. Its
-library (0.7) gives back the unit, its class and its log a second time after an exception has left a method of
-the unit, and the process ends in the memory that was freed twice. So no exception leaves one here.
+library (0.7) gives memory back twice in three places, and some processes then end in "corrupted double-linked
+list":
+
+- after an exception has left a method of the unit: no exception leaves one here,
+- the names of the unit's script, of which it has no reference: `hold` keeps one,
+- its own state as the process ends, whatever the unit did: `_release_at_exit` is earlier.
 """
 
+import atexit
+import ctypes
 import logging
 import math
 import sys
@@ -49,11 +55,37 @@ SAME_TIME = 1e-9
 logger = logging.getLogger("exudyn_crawler")
 
 _held: list[dict[str, object]] = []
+_libraries: dict[str, ctypes.CDLL] = {}
 
 
 def hold(names: dict[str, object]) -> None:
-    """Keep the names of a unit's script, which pythonfmu 0.7 releases once more than it takes them."""
+    """Keep what pythonfmu 0.7 gives back too early: the names of a unit's script, and Python's thread state.
+
+    The thread of a host that is not Python has a state during each call alone. But Exudyn's library
+    (pybind11) remembers the state with which it was imported, and takes it in later calls.
+    """
     _held.append(names)
+    ctypes.pythonapi.PyGILState_Ensure()  # one that is never given back
+    if sys.platform == "linux":
+        _release_at_exit()
+
+
+def _release_at_exit() -> None:
+    """Let the libraries of units in this process give back what they hold before the process ends.
+
+    Each has its state in a static pointer, which `exit` destroys; a function that runs as a library is
+    unloaded then releases it once more. `dlclose` would run that function first, but never unloads a library
+    that has unique symbols, as this one has. So a count in memory that was given back is lowered by 1, where
+    the heap has a link of its lists of free blocks. As Python ends both are still to come, and find an empty
+    pointer.
+    """
+    maps = Path("/proc/self/maps").read_text(encoding="utf-8", errors="surrogateescape")
+    paths = {fields[5] for line in maps.splitlines() if len(fields := line.split(maxsplit=5)) == 6}
+    for path in paths:
+        if Path(path).name != f"{MachineOnTrack.__name__}.so" or path in _libraries:
+            continue
+        _libraries[path] = ctypes.CDLL(path)
+        atexit.register(_libraries[path].finalizePythonInterpreter)
 
 
 class StepRefusedError(ValueError):
@@ -207,8 +239,8 @@ class MachineOnTrack(Fmi2Slave):
             self.register_variable(variable, nested=False)
 
     def _say(self, reason: str) -> None:
-        """Log an error, also where the host's log is off."""
-        self.log(reason, Fmi2Status.error)
+        """Log an error, also where the host's log is off; to the host a message is a format of printf."""
+        self.log(reason.replace("%", "%%"), Fmi2Status.error)
         logger.error("%s: %s", self.instance_name, reason)
 
     def _refuse(self, reason: str) -> None:

@@ -1,15 +1,26 @@
 """A case as a unit of co-simulation: the same numbers as a plain run, late by a step of communication."""
 
+import os
+import shutil
 import subprocess
 import sys
+import sysconfig
+from pathlib import Path
 
 import numpy as np
 import pytest
 from fmpy import read_model_description, simulate_fmu
 
 from exudyn_crawler import Case, CaseFile, Drive, StepProfile, simulate
-from exudyn_crawler.case import MachineCycle, MachinePhase
-from exudyn_crawler.co_simulation import SteppedRun, StepRefusedError, outputs, write_fmu
+from exudyn_crawler.case import MachineCycle, MachinePhase, write_case
+from exudyn_crawler.co_simulation import (
+    CASE,
+    MachineOnTrack,
+    SteppedRun,
+    StepRefusedError,
+    outputs,
+    write_fmu,
+)
 from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
@@ -116,7 +127,39 @@ def test_the_least_step_changes_no_force(loaded):
         assert after[name] == pytest.approx(before[name], rel=1e-3), name
 
 
+LATE = """
+#include <stdlib.h>
+
+__attribute__((destructor)) static void take_all(void)
+{
+    for (int number = 0; number < 5000; number++) {
+        volatile void *block = malloc(128);
+        (void)block;
+    }
+}
+"""
+"""Library that takes all free blocks of a size as it is unloaded, after a unit that was loaded before it."""
+
+
+@pytest.fixture(scope="module")
+def late(tmp_path_factory):
+    """The libraries to load after a unit, by `LATE`; none where there is no compiler."""
+    compiler = shutil.which("cc")
+    if compiler is None or sys.platform != "linux":
+        return []
+    folder = tmp_path_factory.mktemp("late")
+    (folder / "late.c").write_text(LATE)
+    subprocess.run([compiler, "-shared", "-fPIC", "-o", folder / "late.so", folder / "late.c"], check=True)
+    return [folder / "late.so"]
+
+
+def sorted_heap():
+    """Environment in which a block that is given back stands in a list that is checked as it is used."""
+    return os.environ | {"GLIBC_TUNABLES": "glibc.malloc.tcache_count=0"}
+
+
 HOST = """
+import ctypes
 import sys
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
@@ -134,6 +177,20 @@ def asked(call, *arguments):
         print("->", str(error).rpartition("(")[2].strip(")."))
 
 
+def scatter(malloc, free):
+    # leave free blocks of the unit's size between others, with which they do not grow together
+    malloc.restype = ctypes.c_void_p
+    blocks = []
+    for number in range(400):
+        blocks.append(malloc(128))
+        malloc(24)
+    for block in blocks:
+        free(ctypes.c_void_p(block))
+
+
+if sys.argv[2:]:
+    library = ctypes.CDLL(None)
+    scatter(library.malloc, library.free)
 for number in range(2):
     unit = FMU2Slave(
         guid=description.guid,
@@ -163,13 +220,21 @@ for number in range(2):
     unit.terminate()
     unit.freeInstance()
     print("freed")
+for path in sys.argv[2:]:
+    ctypes.CDLL(path)
 """
 
 
-def test_a_host_gets_discard_and_the_reason_and_lives_on(tmp_path):
-    """After an exception that left the unit, pythonfmu freed it twice: one process in four ended in that."""
+def test_a_host_gets_discard_and_the_reason_and_lives_on(tmp_path, late):
+    """After an exception that left the unit, pythonfmu freed it twice: one process in four ended in that.
+
+    As a process ended, its library once more lowered a count in memory that it had given back. There the heap
+    has a link of its lists: taking the block, or giving back its neighbour, ended in "corrupted double-linked
+    list". Here all such blocks are taken, so that each process ends in it, whatever it asked of the unit.
+    """
     unit = write_fmu(CaseFile(case=small_case(), duration=DURATION), tmp_path / "small.fmu")
-    done = subprocess.run([sys.executable, "-c", HOST, unit], capture_output=True, text=True, timeout=300)
+    command = [sys.executable, "-c", HOST, unit, *late]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=sorted_heap())
     assert done.returncode == 0, done.stderr
     answers = [line for line in done.stdout.splitlines() if line.startswith(("->", "z", "freed"))]
     whole = ["-> ok", *["-> discard"] * 4, "-> ok", "-> discard", "-> ok", "-> discard", "z [nan]"]
@@ -188,6 +253,87 @@ def test_a_host_gets_discard_and_the_reason_and_lives_on(tmp_path):
     for told, start in zip(reasons, expected * 2, strict=True):
         assert told.startswith(start)
         assert told in done.stdout  # the host's log
+
+
+C_HOST = """
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct { void *logger, *allocate, *release, *finished, *environment; } Callbacks;
+
+static void log_message(void *host, const char *name, int status, const char *kind, const char *message)
+{
+    printf("u: %s\\n", message);
+}
+
+int main(int count, char **arguments)
+{
+    void *blocks[400];
+    for (int number = 0; number < 400; number++) {
+        blocks[number] = malloc(128);
+        volatile void *between = malloc(24);
+        (void)between;
+    }
+    for (int number = 0; number < 400; number++)
+        free(blocks[number]);
+    void *library = dlopen(arguments[1], RTLD_NOW);
+    void *(*instantiate)(const char *, int, const char *, const char *, Callbacks *, int, int)
+        = dlsym(library, "fmi2Instantiate");
+    int (*setup)(void *, int, double, double, int, double) = dlsym(library, "fmi2SetupExperiment");
+    int (*enter)(void *) = dlsym(library, "fmi2EnterInitializationMode");
+    int (*leave)(void *) = dlsym(library, "fmi2ExitInitializationMode");
+    int (*step)(void *, double, double, int) = dlsym(library, "fmi2DoStep");
+    void (*release)(void *) = dlsym(library, "fmi2FreeInstance");
+    static Callbacks callbacks;
+    callbacks.logger = log_message;
+    callbacks.allocate = calloc;
+    callbacks.release = free;
+    void *unit = instantiate("u", 1, arguments[2], arguments[3], &callbacks, 0, 1);
+    printf("%d\\n", setup(unit, 0, 0.0, 0.0, 0, 0.0));
+    printf("%d\\n", enter(unit));
+    printf("%d\\n", leave(unit));
+    printf("%d\\n", step(unit, 0.0, 0.01, 1));
+    printf("%d\\n", step(unit, 0.02, 0.01, 1));
+    release(unit);
+    dlclose(library);
+    dlopen(arguments[4], RTLD_NOW);
+    puts("freed");
+    return 0;
+}
+"""
+
+
+@pytest.mark.slow
+def test_a_host_that_is_not_python_steps_a_unit_and_ends_well(tmp_path, late):
+    """A host's call ended in Exudyn: pybind11 asked for the state of its thread, which was freed by then."""
+    python = Path(sysconfig.get_config_var("LIBDIR")) / sysconfig.get_config_var("LDLIBRARY")
+    if not late or python.suffix == ".a":
+        pytest.skip("needs a C compiler and Python as a library")
+    unit = write_fmu(CaseFile(case=small_case(), duration=DURATION), tmp_path / "small.fmu")
+    shutil.unpack_archive(unit, tmp_path / "unpacked", "zip")
+    (tmp_path / "host.c").write_text(C_HOST)
+    subprocess.run(["cc", "-w", "-o", tmp_path / "host", tmp_path / "host.c", "-ldl"], check=True)
+    paths = os.pathsep.join(path for path in (os.environ.get("PYTHONPATH"), *sys.path) if path)
+    embedded = {"LD_PRELOAD": str(python), "PYTHONPATH": paths, "PYTHONHOME": sys.base_prefix}
+    library = tmp_path / "unpacked" / "binaries" / "linux64" / "MachineOnTrack.so"
+    resources = (tmp_path / "unpacked" / "resources").as_uri()
+    command = [tmp_path / "host", library, read_model_description(unit).guid, resources, *late]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=sorted_heap() | embedded)
+    assert done.returncode == 0, done.stderr
+    gap = "u: the step at 0.02 s is refused: it must start where the last one ended, at 0.01 s"
+    assert done.stdout.splitlines() == ["0", "0", "0", "0", gap, "2", "freed"]
+
+
+def test_a_message_with_a_percent_sign_is_a_format_of_printf(tmp_path):
+    write_case(CaseFile(case=small_case(), duration=DURATION), tmp_path / CASE)
+    unit = MachineOnTrack(instance_name="u", resources=str(tmp_path))
+    unit.do_step(0.0, 0.01)
+    unit._refuse("5 % more")
+    assert [entry.msg for entry in unit.log_queue] == [
+        "the unit has ended: it was not initialized",
+        "5 %% more",
+    ]
 
 
 def test_refuses_what_has_no_machine_and_rollers_off_the_track(tmp_path, loaded):
