@@ -41,6 +41,11 @@ class TimedInputs:
         profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, slip, *machine]
         self._profiles = profiles_of(profiles)
         self._middles = case.gear.middles
+        turned = case.drive.turn_rate is not None
+        drawn = case.drive.slip is not None
+        self._active = {
+            driven: case.gear.active(driven, driven and turned, drawn) for driven in (False, True)
+        }
         self._gravity = tuple(case.gravity_vector().tolist())
         self._down = case.terrain.down
         self.commands: Callable[[float], tuple[np.ndarray, np.ndarray]] | None = None
@@ -54,22 +59,21 @@ class TimedInputs:
         loads = np.zeros((self._load_count, 6))
         loads[:count, :3] = np.outer(shoes, self._down)
         loads[count:] = case.gear.wrenches(machine)
-        drawn = case.drive.slip is not None
-        active = case.gear.active(driven, driven and case.drive.turn_rate is not None, drawn)
         motors = case.gear.motors(of_tracks, case.track)
         # a drawbar lets the frame go slower than its tracks
         speeds[0] *= 1.0 - speeds[3]
-        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], 1.0, motors)
+        return Inputs(self._gravity, loads, float(speeds[2]), self._active[driven], speeds[:2], 1.0, motors)
 
     def _applied(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Loads of shoes; speed, rate of turning, side shift and slip; wrench on the frame, at a time."""
         count = self._case.track.shoe_count
         values = np.zeros(count + 10)
         values_at(self._profiles, time, values)
-        shoes, speeds, machine = np.split(values, [count, count + 4])
+        speeds = values[count : count + 4]
+        machine = values[count + 4 :]
         if self.commands is not None:
             speeds[:2], machine = self.commands(time)
-        return shoes, speeds, machine
+        return values[:count], speeds, machine
 
     def _speeds_of_tracks(self, speeds: np.ndarray) -> np.ndarray:
         """Speeds of the tracks (..., tracks), m/s: a turn makes the right one faster than the left one."""

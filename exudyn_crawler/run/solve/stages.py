@@ -63,7 +63,8 @@ def step_ends(start: float, end: float, step: float, interval: float) -> Callabl
     ends: list[float] = []
     for first, last in parts:
         count = max(1, math.ceil((last - first) / step - SAME))
-        ends += np.linspace(first, last, 1 + count)[1:].tolist()
+        size = (last - first) / count
+        ends += [*(number * size + first for number in range(1, count)), last]
 
     def next_end(time: float) -> float:
         return ends[min(bisect_left(ends, time + SAME * step), len(ends) - 1)]
