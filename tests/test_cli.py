@@ -217,6 +217,7 @@ def test_info_marks_what_differs_from_the_base(told, tmp_path):
     assert str(Case.turning().pair_contact().static_friction) in row
 
 
+@pytest.mark.slow
 @pytest.mark.simulation
 def test_stress_and_pin_forces_are_asked_of_a_run(told, refused, history, tmp_path):
     (tmp_path / "run").mkdir()
@@ -243,6 +244,7 @@ def test_stress_and_pin_forces_are_asked_of_a_run(told, refused, history, tmp_pa
     assert "shoe must be in 1..13, got 14" in refused("shoe-loads", "run", "--shoe", "14")
 
 
+@pytest.mark.slow
 @pytest.mark.simulation
 def test_two_runs_are_compared(told, refused, translation, turning, tmp_path):
     for name, history in (("straight", translation), ("turning", turning)):

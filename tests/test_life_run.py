@@ -92,6 +92,7 @@ def test_no_name_is_markup_or_script_of_a_lifes_page(pit, history, tmp_path):
     assert "<script>alert" not in text
 
 
+@pytest.mark.slow
 def test_the_command_tells_shortest_lives_and_faults(pit, call, refused, tmp_path):
     code, out, _ = call("life", pit[0] / "digging.toml")
     assert code == 0

@@ -116,7 +116,9 @@ main()
 
 @pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
-@pytest.mark.parametrize("limit", [100, 1000, pytest.param(100_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "limit", [pytest.param(100, marks=pytest.mark.slow), 1000, pytest.param(100_000, marks=pytest.mark.slow)]
+)
 def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path, limit):
     (tmp_path / "case.toml").write_text(SHORT)
     line = [sys.executable, "-c", FULL_DISK, str(limit), "run", "case.toml", "--out", "out"]
@@ -252,6 +254,7 @@ def test_a_mesh_that_does_not_fit_is_refused_before_anything_is_written(tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.simulation
 def test_a_case_name_is_no_path_markup_or_formula(tmp_path, told):
     odd = Case.translation().with_(name=r"../[red]../x/[/] $\frac$")

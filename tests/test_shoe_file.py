@@ -182,6 +182,7 @@ def grousers(tmp_path_factory):
     return shoe_of(path), shoe_of(path, Choices(footprint="tips"))
 
 
+@pytest.mark.slow
 def test_grousers_turn_static_fields_off_and_ask(grousers):
     plate, tips = grousers
     assert any("--footprint tips decides" in line for line in plate.lines())
@@ -239,6 +240,7 @@ def test_strips_of_an_underside_are_measured():
     assert (single.strip_length, single.share) == (0.0, 1.0)
 
 
+@pytest.mark.slow
 def test_the_ready_shoe_keeps_mass_and_frequencies_in_millimetres():
     ready = meshes.shoe_mesh("coarse")
     own = Shoe.from_mesh("coarse")
@@ -305,6 +307,7 @@ def test_closed_tracks_of_the_ready_shoe_and_of_its_file_in_millimetres_are_the_
     assert rests[1][1] == pytest.approx(rests[0][1], rel=0.01)
 
 
+@pytest.mark.slow
 def test_check_of_a_makers_file_makes_its_case_first(tmp_path, monkeypatch, capsys):
     checked = []
 

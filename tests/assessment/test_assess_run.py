@@ -43,6 +43,7 @@ def on_shoes(history):
     return np.linalg.norm(normal, axis=-1), place - frame
 
 
+@pytest.mark.slow
 @pytest.mark.simulation
 def test_tracks_of_a_run_bear_what_statics_says(aside):
     """Loads of both tracks within 1 %, place of the resultant within 1 cm."""

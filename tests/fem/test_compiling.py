@@ -119,12 +119,14 @@ def test_a_cached_function_notices_constants_and_named_tuples_and_nothing_else(t
         assert run(tmp_path).stdout.startswith(expected), name
 
 
+@pytest.mark.slow
 @of_unix
 def test_a_function_that_finds_no_space_for_its_cache_is_compiled_all_the_same(functions):
     for _ in range(2):
         assert run(functions, FULL_DISK).stdout == "7.0 1 Counter()\n"
 
 
+@pytest.mark.slow
 @of_unix
 def test_code_of_earlier_sources_is_not_taken_after_a_full_disk(functions):
     assert run(functions).stdout.startswith("7.0 1 ")
@@ -141,6 +143,7 @@ def test_an_interrupt_waits_until_a_function_is_compiled_or_loaded(functions):
         assert run(functions, ask=INTERRUPTED).stdout == "interrupted True 7.0\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_numba_that_no_longer_compares_stamps_caches_nothing_and_warns(functions, change):
     assert run(functions).stdout.startswith("7.0 1 ")

@@ -108,7 +108,7 @@ def terrain_alone(terrain, formulation):
 
 
 @pytest.mark.parametrize(
-    "grid", [pytest.param(name, marks=pytest.mark.simulation if "fine" in name else ()) for name in VARIANTS]
+    "grid", [pytest.param(name, marks=pytest.mark.slow if "fine" in name else ()) for name in VARIANTS]
 )
 def test_both_formulations_vibrate_at_the_same_frequencies(grid):
     """Undamped free vibration of the terrain in the null space of Exudyn's own constraints."""

@@ -174,7 +174,7 @@ def plate_shoe(occ):
     return body
 
 
-@pytest.mark.parametrize("unit", ["mm", "m"])
+@pytest.mark.parametrize("unit", [pytest.param("mm", marks=pytest.mark.slow), "m"])
 def test_a_step_file_becomes_a_shoe(tmp_path, unit):
     occ = pytest.importorskip("netgen.occ")
     path = tmp_path / "plate.step"

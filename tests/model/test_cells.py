@@ -62,7 +62,10 @@ def test_what_acts_on_dragged_shoes_is_the_rate_of_their_momentum(dragged):
 
 @pytest.mark.parametrize(
     ("case", "duration", "mean"),
-    [(three_shoes(SAND, drive=JERK), 0.3, 1.1), (longer(16).on_cells(SAND), 4.0, 1.3)],
+    [
+        (three_shoes(SAND, drive=JERK), 0.3, 1.1),
+        pytest.param(longer(16).on_cells(SAND), 4.0, 1.3, marks=pytest.mark.slow),
+    ],
     ids=["jerked", "16 shoes in the papers' drive"],
 )
 def test_newton_takes_one_or_two_iterations_on_sand(case, duration, mean, monkeypatch):

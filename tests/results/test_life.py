@@ -38,6 +38,7 @@ def found(history):
     return life_of(duty(FIRST, SECOND), [history, history])
 
 
+@pytest.mark.slow
 def test_damage_is_the_mean_over_places_and_the_sum_of_parts(found):
     data = found.dataset
     assert data.shoe.values.tolist() == [7, 13]

@@ -271,6 +271,7 @@ def test_lives_from_segments_are_those_of_the_whole_run(history, worn, in_segmen
     assert expected == pytest.approx(error, rel=1e-4, nan_ok=True)
 
 
+@pytest.mark.slow
 def test_a_longer_run_takes_no_more_memory_for_its_coordinates(history, in_segments):
     """What is in memory of the coordinates of twice the time is not twice as much."""
     passes = [history.dataset, history.dataset.isel(time=slice(1, None))]

@@ -79,7 +79,11 @@ def flexible():
 @pytest.mark.parametrize(
     "case",
     [
-        pytest.param(lambda: Case.translation().with_(contact=SphereContact.oil_sand()), id="spheres"),
+        pytest.param(
+            lambda: Case.translation().with_(contact=SphereContact.oil_sand()),
+            id="spheres",
+            marks=pytest.mark.slow,
+        ),
         pytest.param(Case.turning, id="turning"),
         # each has what two others have between them
         pytest.param(flexible, id="flexible", marks=pytest.mark.slow),
@@ -87,7 +91,11 @@ def flexible():
         pytest.param(
             lambda: Case.translation().on_cells(BekkerSoil.lete_sand()), id="cells", marks=pytest.mark.slow
         ),
-        pytest.param(lambda: flexible().on_cells(BekkerSoil.lete_sand()), id="flexible on cells"),
+        pytest.param(
+            lambda: flexible().on_cells(BekkerSoil.lete_sand()),
+            id="flexible on cells",
+            marks=pytest.mark.slow,
+        ),
         pytest.param(lambda: small_case().on_cells(BekkerSoil.lete_sand()), id="rolled on cells"),
     ],
 )
@@ -201,6 +209,7 @@ def test_states_of_another_layout_are_refused_by_name(copied):
             Checkpoints(copied).load(staged(), other)
 
 
+@pytest.mark.slow
 def test_a_longer_run_on_cells_goes_on_behind_one_of_two_stages(tmp_path):
     case = staged(INTERVAL / 5).on_cells(BekkerSoil.lete_sand())
     checkpoints = Checkpoints(tmp_path)

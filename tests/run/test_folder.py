@@ -87,6 +87,7 @@ def assert_same_bits(first, again):
         assert one.tobytes() == other.tobytes()
 
 
+@pytest.mark.slow
 def test_the_same_case_gives_the_same_numbers_bit_for_bit(kept, tmp_path):
     # in a process of its own, where nothing is warm yet
     script = (

@@ -70,7 +70,7 @@ def not_again(monkeypatch):
     ("place", "stop"),
     [
         ("run.folder.checkpoints._write", interrupt),
-        ("run.folder.checkpoints.save_joined", no_room),
+        pytest.param("run.folder.checkpoints.save_joined", no_room, marks=pytest.mark.slow),
         ("run.folder.checkpoints.Checkpoints.hand_over", interrupt),
         # between the places beside them
         pytest.param("run.folder.checkpoints.Checkpoints.settle", interrupt, marks=pytest.mark.slow),

@@ -69,6 +69,7 @@ def test_turning_ratios_cover_every_component_and_leave_ratios_to_rounding_empty
     assert sideways["extreme turning"] > 1e-4
 
 
+@pytest.mark.slow
 def test_a_study_reuses_a_history_of_the_same_parameters(translation, tmp_path):
     earlier = tmp_path / "runs"
     (earlier / "translation").mkdir(parents=True)

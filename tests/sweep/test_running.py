@@ -103,6 +103,7 @@ def test_two_sweeps_in_one_folder_are_refused(ran):
         run_sweep(SWEEP, ran[0].folder)
 
 
+@pytest.mark.slow
 @pytest.mark.simulation
 @pytest.mark.usefixtures("without_reports")
 def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tmp_path, monkeypatch):

@@ -239,6 +239,7 @@ def test_a_gif_shows_the_run_from_start_to_end(translation, tmp_path):
         write_animation(translation, path)
 
 
+@pytest.mark.slow
 def test_an_mp4_plays_slower_when_asked(translation, tmp_path):
     path = write_animation(translation, tmp_path / "track.mp4", rate=10, speed=0.5, end=0.2)
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
