@@ -291,13 +291,15 @@ def _may_be_any(key: str) -> bool:
 
 
 def mutated(
-    kinds: Sequence[Kind], count: int, folder: Path, seed: int = SEED, run: bool = False
+    kinds: Sequence[Kind], count: int, folder: Path, seed: int = SEED, run: bool = False, first: int = 0
 ) -> Iterator[tuple[Kind, Changed, list[Outcome], list[str]]]:
-    """Changes by turns of kinds of files, what came of each as it was read and run, and its faults."""
+    """Changes by turns of kinds of files from the first asked on, what came of each and its faults."""
     dice = random.Random(seed)
     for number in range(count):
         kind = kinds[number % len(kinds)]
         change = changed(kind, dice)
+        if number < first:
+            continue
         path = write(kind, change.content, folder)
         end = outcome_apart if run else outcome
         ends = [end(path, kind.read)]
@@ -330,6 +332,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--first", type=int, default=0, help="number of the first change that is tried")
     parser.add_argument("--run", action="store_true")
     parser.add_argument("--taken", action="store_true")
     parser.add_argument("--only", default="")
@@ -351,7 +354,7 @@ def main() -> None:
                 said = [(end.code, round(end.seconds, 1), end.errors, end.warnings) for end in done]
                 print(f"{kind.name}: {said}", flush=True)
         for number, (kind, change, came, wrong) in enumerate(
-            mutated(kinds, asked.count, folder, asked.seed, asked.run)
+            mutated(kinds, asked.count, folder, asked.seed, asked.run, asked.first), start=asked.first
         ):
             ends[f"{[end.code for end in came]}"] += 1
             slowest = max(slowest, *(end.seconds for end in came))
@@ -360,8 +363,10 @@ def main() -> None:
                 print(f"{number} {kind.name}: {change.what}: {line}", flush=True)
             if asked.taken and not wrong and came[-1].code != 2:
                 said = [line for end in came for line in (*end.errors, *end.warnings)]
-                print(f"    {number} {kind.name}: {change.what}: {came[-1].code} {said[:1]}", flush=True)
-    print(f"{asked.count} changes, exit codes {dict(ends)}, slowest {slowest:.1f} s, at fault {at_fault}")
+                end = f"{came[-1].code} in {sum(part.seconds for part in came):.1f} s"
+                print(f"    {number} {kind.name}: {change.what}: {end} {said[:1]}", flush=True)
+    tried = asked.count - asked.first
+    print(f"{tried} changes, exit codes {dict(ends)}, slowest {slowest:.1f} s, at fault {at_fault}")
 
 
 if __name__ == "__main__":

@@ -143,6 +143,7 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
         (CLOSED, {"gear.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
         (CLOSED, {"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
         (CLOSED, {"gear.idler.take_up": 0.3}, "too short by"),
+        (CLOSED, {"gear.idler.sag": 0.5}, r"has no idler\.sag of 0\.5 m.*2\.5 % of the span, 0\.045 m"),
         (
             CLOSED,
             {"gear.idler.take_up": 0.03, "gear.idler.sag": 0.04},

@@ -62,6 +62,11 @@ def test_a_file_gives_a_gear_what_differs_from_its_base(read, text, gear):
             "car_body: is now [gear.car_body] of a [gear] with kind = 'machine'",
         ),
         (
+            'undercarriage = "none"\ncar_body = "none"\nwheels = 3\n',
+            "undercarriage is now [gear] with kind = 'rolled'; "
+            "car_body is now [gear.car_body] of a [gear] with kind = 'machine'",
+        ),
+        (
             'car_body = "none"\n',
             "car_body: is now [gear.car_body] of a [gear] with kind = 'machine'",
         ),

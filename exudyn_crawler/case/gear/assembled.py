@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case.gear.base import WheelLabel
-from exudyn_crawler.case.gear.closed_frame import ClosedFrame
+from exudyn_crawler.case.gear.closed_frame import MAKERS_SAG, ClosedFrame
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.track import Shoe, Track
 
@@ -150,5 +150,14 @@ def _closed(closed: ClosedFrame, shoe: Shoe, chain: Track) -> tuple[float, float
     most = MOST_SAG * loop.belt(take_up)[-1].length
     fixed = float(take_up)
     what = f"a take-up of {take_up:.4g} m and a sag of"
-    sag = assembly.closed_chain(lambda sag: loop.belt(fixed, sag), pitch, count, (0.0, most), what)
+    try:
+        sag = assembly.closed_chain(lambda sag: loop.belt(fixed, sag), pitch, count, (0.0, most), what)
+    except assembly.MisfitError as error:
+        if closed.idler.sag is None or closed.idler.take_up is not None:
+            raise
+        makers = MAKERS_SAG * float(closed.upper_spans[-1])
+        raise assembly.MisfitError(
+            f"a chain of {count} shoes of {pitch:.6g} m has no idler.sag of {closed.idler.sag:g} m at rest; "
+            f"makers ask for {100.0 * MAKERS_SAG:g} % of the span, {makers:.3g} m"
+        ) from error
     return fixed, sag, loop.belt(fixed, sag)

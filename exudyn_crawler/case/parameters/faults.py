@@ -124,7 +124,10 @@ def _all_missing(table: fields.KeyPath, spots: Sequence[Spot], _model: type[pyda
 
 
 def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydantic.BaseModel]) -> str:
-    """Line of several keys that a table does not know."""
+    """Line of several keys that a table does not know; those of older files alone, if there are any."""
+    renamed = [name for name in _last_names(spots) if name in RENAMED] if not table else []
+    if renamed:
+        return "; ".join(f"{name} {RENAMED[name]}" for name in renamed)
     allowed = fields.file_fields(model) if not table else spots[0].table.model_fields
     nearest = {name: difflib.get_close_matches(name, allowed, n=1) for name in _last_names(spots[:NAMED])}
     meant = [f"did you mean {near[0]} for {name}? " for name, near in nearest.items() if near]
