@@ -119,8 +119,9 @@ def test_a_law_of_the_ground_is_drawn_from_its_file(told, refused, tmp_path):
     assert "sand.png" in told("ground", "sand.toml")
     assert (tmp_path / "sand.png").stat().st_size > 10_000
     for text, words in (
-        ('model = "clay"', ("law.toml", "model", "bekker, rock", "'clay'")),
-        ("model = {}", ("law.toml", "model: must be one of bekker, rock", "got {}")),
+        ('model = "clay"', ("law.toml", "model", "'bekker' or 'rock'", "'clay'")),
+        ("k_c = 1e5", ("law.toml: model: missing; a law is of the model 'bekker' or 'rock'",)),
+        ("model = {}", ("law.toml", "model: must be 'bekker' or 'rock'", "got {}")),
         ('model = "rock"\nbase = "hard_floor"\nfriction = -1.0', ("law.toml", "friction", "-1")),
         ('model = "bekker"\nbase = "hard_floor"', ("law.toml", "base", "'oil_sand_low'")),
     ):

@@ -109,7 +109,12 @@ def test_laws_of_soil_take_no_truth_value_or_text_for_a_number(refused):
         "contact.law.k_c: must be a number, got True",
         "contact.law.k_phi: must be a number in N/m^(exponent+2), got '3'",
     ]
-    unknown = "contact.law.model: must be one of bekker, rock, got 'mud'"
+    # classes of a law have bases, whose values stand among its own in the order of faults
+    lacking, value = refused(ground + '[contact.law]\nmodel = "bekker"\nk_phi = "5 MPa"\n', "rolled")
+    assert lacking.startswith("contact.law.shear_deformation, k_c, exponent, reload_stiffness")
+    assert "are missing" in lacking
+    assert value == "contact.law.k_phi: must be a number in N/m^(exponent+2), got '5 MPa'"
+    unknown = "contact.law.model: must be 'bekker' or 'rock', got 'mud'"
     assert refused(ground + '[contact.law]\nmodel = "mud"', "rolled") == [unknown]
 
 

@@ -76,8 +76,12 @@ def _run_of(numbered: tuple[int, str]) -> tuple[str, str, int]:
 
 
 def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel]) -> Iterator[str]:
-    """Lines of pydantic's faults, in their order; those of a value of several kinds become one."""
+    """Lines of pydantic's faults, in their order; those of a value of several kinds, or a table, are one."""
     spots = [(_spot(fault["loc"], model), fault) for fault in faults]
+    # a table of a class with bases lacks values in several places of the order
+    keys = [_together(pair) for pair in spots]
+    order = [keys.index(key) if key[1] is not None else number for number, key in enumerate(keys)]
+    spots = [spots[number] for number in sorted(range(len(spots)), key=order.__getitem__)]
     for (choice, table), group in groupby(spots, key=_together):
         together = list(group)
         if choice is not None:

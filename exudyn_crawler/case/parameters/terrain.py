@@ -286,8 +286,11 @@ def law_class(model: object) -> type[SoilLaw]:
         If there is none.
     """
     laws = {fields.tag_of(law): law for law in SoilLaw.plugged_in()}
+    known = " or ".join(f"{name!r}" for name in sorted(laws))
+    if model is None:
+        raise ParameterError(f"model: missing; a law is of the model {known}")
     if not isinstance(model, str) or model not in laws:
-        raise ParameterError(f"model: must be one of {', '.join(sorted(laws))}, got {model!r}")
+        raise ParameterError(f"model: must be {known}, got {fields.shown(model)}")
     return laws[model]
 
 

@@ -265,7 +265,7 @@ def test_a_case_takes_a_law_of_one_file(winkler, tmp_path):
 def test_laws_are_found_by_name_and_others_refused():
     assert law_class("bekker") is BekkerSoil
     assert law_class("rock") is RockFloor
-    with pytest.raises(ValueError, match=r"^model: must be one of bekker, rock, got 'sand'$"):
+    with pytest.raises(ValueError, match=r"^model: must be 'bekker' or 'rock', got 'sand'$"):
         law_class("sand")
     with pytest.raises(ParameterError, match="friction_angle"):
         BekkerSoil.lete_sand().with_(friction_angle=90.0)
