@@ -107,6 +107,7 @@ def test_steps_along_x_and_y_may_differ(asc):
         (ascii_text().replace("0.02 ", "0,02 "), "height 11 is no number, got '0,02'; numbers have a point"),
         (b"\x00\xff" * 20, "it is no text"),
         (ascii_text(z=np.full((5, 4), -9999.0)), "all of its heights are missing"),
+        (ascii_text(z=GRID + 3.5e5), r"its heights must be within 12000 m of sea level, got 35000.*'mm'"),
     ],
 )
 def test_what_an_ascii_grid_does_not_say_is_named(asc, content, message):

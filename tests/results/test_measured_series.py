@@ -75,6 +75,24 @@ def test_series_beyond_the_run_are_refused(rolled, tmp_path):
         series.compare(rolled, path)
 
 
+@pytest.mark.parametrize(
+    ("head", "places", "told"),
+    [
+        ("time in s", [0.0, 0.02, -0.04, 0.06], "time in s must rise .*, got 0.02 in row 2 .* then -0.04"),
+        ("time in s", [0.0, 6.0, 0.04, 0.06], "time in s must rise from row to row, got 6 in row 2"),
+        (
+            "distance in mm",
+            [9.0, 8.0, 8.0, 8.5, 7.0],
+            "distance in mm must fall .*, got 8 in row 3 .* then 8.5",
+        ),
+    ],
+)
+def test_places_of_a_series_go_one_way(rolled, tmp_path, head, places, told):
+    path = write(tmp_path / "a.csv", f"{head},drive_pull in N", np.array(places), np.ones(len(places)))
+    with pytest.raises(ValueError, match=told):
+        series.compare(rolled, path)
+
+
 def test_the_command_compares_a_run_with_a_table(rolled, pull, told, refused, tmp_path):
     time, _, force = pull
     (tmp_path / "run").mkdir()

@@ -17,6 +17,7 @@ from exudyn_crawler.case.parameters.reading import number_of
 LEAST = 4  # heights along each side, which a cubic spline takes
 CLIFF = 1000.0
 """m between the lowest or highest height and all others, beyond which it stands for one that is missing."""
+HIGHEST = 12e3  # m, above or below sea level: no ground on Earth is beyond
 EVEN = 1e-6  # of a grid's extent, by which its places may differ from even ones
 CLOSE = 1e-6  # relative, within which a height is the declared one of missing ones: float32 rounds
 MISSING = {"nan", "-nan", "null", "none", "na", "n/a", "nodata", "*"}
@@ -62,6 +63,11 @@ def read_grid(path: Path, units: Units) -> HeightGrid:
     if np.isnan(z).all():
         raise ValueError("all of its heights are missing")
     _refuse_undeclared(z)
+    if (farthest := np.nanmax(np.abs(z))) > HIGHEST:
+        raise ValueError(
+            f"its heights must be within {HIGHEST:g} m of sea level, got {farthest:.6g} m; "
+            "height_unit says another unit, such as 'mm'"
+        )
     return HeightGrid(_even("x", x), _even("y", y), z)
 
 

@@ -102,6 +102,7 @@ def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
     numbers = [
         columns.numbers([row[place] for row in rows], f"{path}: {head}") for place, head in enumerate(heads)
     ]
+    _check_places(path, heads[0], over, numbers[0])
     place = _factor(path, over, unit, OVER[over]) * numbers[0] + shift
     run_place = history.time.values if over == "time" else distance_of(history)
     if np.any(np.diff(run_place) < -1e-6 * np.ptp(run_place)):
@@ -130,6 +131,19 @@ def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
             )
         )
     return compared
+
+
+def _check_places(path: Path, head: str, over: str, places: np.ndarray) -> None:
+    """Refuse times that do not rise, and distances that go back and forth; all as the file has them."""
+    steps = np.diff(places)
+    falls = over == "distance" and np.median(steps) < 0.0
+    wrong = np.flatnonzero(steps > 0.0 if falls else steps < 0.0)
+    if len(wrong):
+        row = int(wrong[0])
+        raise ValueError(
+            f"{path}: {head} must {'fall' if falls else 'rise'} from row to row, got {places[row]:g} in row "
+            f"{row + 1} of numbers and then {places[row + 1]:g}"
+        )
 
 
 def _factor(path: Path, head: str, unit: str, wanted: str) -> float:
