@@ -3,6 +3,7 @@
 import ast
 import importlib
 from collections import Counter
+from functools import cache
 
 import pytest
 
@@ -15,7 +16,12 @@ ARGUMENTS = 8
 DECORATORS = {"kernel", "inner", "inlined"}
 """Of compiled functions, from `ground.compiled`; all take at most `ARGUMENTS`."""
 PICKLES = {"pickle", "cloudpickle", "dill", "joblib", "marshal", "shelve"}
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in rooms.modules().items()}
+
+
+@cache
+def trees() -> dict[str, ast.Module]:
+    """Syntax trees of all modules by their names."""
+    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in rooms.modules().items()}
 
 
 def test_rooms_import_only_what_lies_below_them():
@@ -30,7 +36,7 @@ def test_rooms_import_only_what_lies_below_them():
 def test_no_module_reads_pickles_or_runs_text():
     """Files of others, such as checkpoints, meshes and maps, may hold anything."""
     wrong = []
-    for name, tree in TREES.items():
+    for name, tree in trees().items():
         for node in ast.walk(tree):
             imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             imported += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
@@ -67,14 +73,14 @@ def test_every_room_stands_on_a_floor():
 
 def test_no_class_name_stands_twice():
     names = [
-        node.name for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)
+        node.name for tree in trees().values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)
     ]
     assert {name for name, number in Counter(names).items() if number > 1} == set()
 
 
 def test_engine_is_imported_in_one_place():
     found = []
-    for module, tree in TREES.items():
+    for module, tree in trees().items():
         for node in ast.walk(tree):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
@@ -82,9 +88,9 @@ def test_engine_is_imported_in_one_place():
     assert set(found) == {"exudyn_crawler.model.exudyn"}
 
 
-@pytest.mark.parametrize("module", sorted(TREES))
+@pytest.mark.parametrize("module", sorted(rooms.modules()))
 def test_functions_fit_a_screen(module):
-    functions = [node for node in ast.walk(TREES[module]) if isinstance(node, ast.FunctionDef)]
+    functions = [node for node in ast.walk(trees()[module]) if isinstance(node, ast.FunctionDef)]
     assert [node.name for node in functions if node.end_lineno - node.lineno >= LONGEST] == []
 
 
@@ -98,7 +104,7 @@ COMPILED = ("exudyn_crawler.ground", "exudyn_crawler.model", "fem")
 
 def compiled_functions():
     """Functions of the code that are compiled, whatever their decorators are called, by their names."""
-    modules = [importlib.import_module(name) for name in sorted(TREES) if name.startswith(COMPILED)]
+    modules = [importlib.import_module(name) for name in sorted(trees()) if name.startswith(COMPILED)]
     functions = [getattr(value, "py_func", None) for module in modules for value in vars(module).values()]
     return {f"{function.__module__}.{function.__name__}": function for function in functions if function}
 
@@ -107,7 +113,7 @@ def test_compiled_functions_take_few_arguments():
     functions = compiled_functions()
     decorated = {
         f"{module}.{node.name}"
-        for module, tree in TREES.items()
+        for module, tree in trees().items()
         for node in tree.body
         if module.startswith(COMPILED[:2]) and isinstance(node, ast.FunctionDef)
         for decorator in node.decorator_list
@@ -126,12 +132,12 @@ SUMS = ("exudyn_crawler.model.equations", "exudyn_crawler.model.newton")
 def test_sums_name_no_kind_of_joint_or_force():
     files = {
         module.rpartition(".")[2]
-        for module, tree in TREES.items()
+        for module, tree in trees().items()
         if module.startswith(("exudyn_crawler.model.joints.", "exudyn_crawler.model.forces."))
         if any(isinstance(node, ast.FunctionDef) and node.name == "write_rows" for node in tree.body)
     }
     assert {"pin", "drive", "motor", "units", "cells", "teeth", "wheels"} <= files
-    nodes = [node for module in SUMS for node in ast.walk(TREES[module])]
+    nodes = [node for module in SUMS for node in ast.walk(trees()[module])]
     names = {node.id for node in nodes if isinstance(node, ast.Name)}
     names |= {node.attr for node in nodes if isinstance(node, ast.Attribute)}
     names |= {node.arg for node in nodes if isinstance(node, ast.arg)}
