@@ -19,6 +19,7 @@ import tomlkit
 
 from exudyn_crawler import Case, History, cli
 from exudyn_crawler.case import CaseFile, read_case
+from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.cli import application, commands
 from exudyn_crawler.results.checks.cases import read_check
@@ -85,6 +86,14 @@ def test_every_command_is_listed_and_its_help_shows_an_example(told, app, words,
         out = told(*words, name, "--help")
         assert f"Example: {program} {name}" in out
         assert "--debug" in out, name
+
+
+def test_all_figures_of_a_datasheet_are_listed_with_what_they_may_be(told, refused):
+    listed = told("machine", "--keys")
+    for name in Datasheet.model_fields:
+        assert f"│ {name} " in listed
+    assert "excavator, dozer, loader" in " ".join(listed.split())
+    assert "FILE must be given" in refused("machine")
 
 
 @pytest.mark.simulation

@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any, Literal, get_args, get_origin
 
 import typer
 
@@ -36,6 +37,26 @@ def fit_shoe(file: Path, size: str, out: Path, overwrite: bool) -> None:
     case = paths["case"]
     typer.echo(f"{paths['picture']}: its surfaces; its stress: exudyn-crawler run {case}")
     typer.echo(f"what cracks it, without a run: exudyn-crawler check {case}")
+
+
+def show_keys() -> None:
+    """Print all figures that a datasheet may have: key, unit and meaning."""
+    from exudyn_crawler.case.datasheet.sheet import Datasheet
+    from exudyn_crawler.case.parameters import fields
+
+    rows = [
+        (name, fields.unit_of(field), f"{field.description}{_choices(field.annotation)}")
+        for name, field in Datasheet.model_fields.items()
+    ]
+    print_rows(("key", "unit", "meaning"), rows, 'Keys of [datasheet]; values may have any unit: "35.4 t"')
+
+
+def _choices(annotation: Any) -> str:
+    """Say which words a value may be; empty for all else."""
+    parts = annotation if get_origin(annotation) is Literal else None
+    if parts is None:
+        return next(filter(None, map(_choices, get_args(annotation))), "")
+    return f": {', '.join(get_args(parts))}"
 
 
 def show_values(case_file: "crawler.CaseFile", title: str) -> None:

@@ -17,7 +17,12 @@ FIGURES = ("figure", "of the machine", "of the datasheet", "verdict")
 
 @command("exudyn-crawler machine mine.toml")
 def machine(
-    file: Annotated[Path, typer.Argument(help="case file with a datasheet", metavar="FILE")],
+    file: Annotated[
+        Path | None, typer.Argument(help="case file with a datasheet", metavar="FILE", show_default=False)
+    ] = None,
+    keys: Annotated[
+        bool, typer.Option("--keys", help="list all figures that a datasheet may have, with their units")
+    ] = False,
     changes: application.Changes = None,
 ) -> None:
     """Show what follows from a datasheet: its figures beside those of the machine, and what is assumed."""
@@ -26,6 +31,11 @@ def machine(
     from exudyn_crawler.case.datasheet.provenance import sheet_rows
     from exudyn_crawler.case.parameters import checks
 
+    if keys:
+        datasheets.show_keys()
+        return
+    if file is None:
+        raise ValueError("FILE must be given: a case file with a datasheet; --keys lists what it may have")
     case_file = crawler.read_case(file, changes or ())
     sheet = case_file.datasheet
     if sheet is None:

@@ -332,6 +332,7 @@ def test_suspensions_that_contradict_themselves_are_refused(changes, words):
         {"length_on_ground": 4.03},
         {"crawler_length": 4.955},
         {"ground_pressure": 50e3},
+        {"contact_area": 6.95},
         {"crawler_length": 4.955, "ground_pressure": 50e3},
     ],
     ids=" ".join,
@@ -352,6 +353,23 @@ def test_pitch_by_mass_that_leaves_no_sprocket_gives_way_to_the_lengths():
     assert case.gear.tumbler.shoes_per_turn == 10.5
 
 
+def test_a_printed_contact_area_is_that_of_the_machine_that_follows():
+    """Of a dozer of 71.6 t with 48 560 cm2 under shoes of 610 mm: its length on ground is 3.98 m."""
+    values = {"kind": "dozer", "operating_weight": 71640.0, "gauge": 2.5, "shoe_width": 0.61}
+    sheet = Datasheet(**values, shoes=41, contact_area=4.856)
+    case = derived(sheet).case
+    assert figures.contact_area(case, sheet) == pytest.approx(4.856, rel=0.01)
+    assert figures.lengths(case, sheet)[0] == pytest.approx(0.5 * 4.856 / 0.61, rel=0.01)
+    assert figures.mean_pressure(case, sheet) == pytest.approx(71640.0 * case.gravity / 4.856, rel=0.01)
+    (figure,) = [figure for figure in figures.figures(case, sheet) if figure.name == "contact area"]
+    assert figure.verdict == "agrees"
+
+
+def test_an_unknown_figure_is_refused_with_the_command_that_lists_all(written):
+    with pytest.raises(CaseFileError, match=r"boom: unknown key; allowed .* exudyn-crawler machine --keys"):
+        read_case(written(SHORT + 'boom = "3 t"\n'))
+
+
 def test_idler_makes_up_for_a_printed_sprocket():
     """Of a dozer with 41 shoes of 318 mm, 13.5 a turn, on 4.444 m: its idler is smaller than the sprocket."""
     values = {"kind": "dozer", "operating_weight": 112.7e3, "gauge": 2.896, "shoe_width": 0.71}
@@ -369,6 +387,9 @@ def test_idler_makes_up_for_a_printed_sprocket():
         ('gradeability = "35 deg"', "gradeability", 0.70021),
         ('gradeability = "70 %"', "gradeability", 0.7),
         ('power = "260 PS"', "power", 260 * 735.49875),
+        ('contact_area = "69 400 cm2"', "contact_area", 6.94),
+        ('ground_clearance = "1 250.5 mm"', "ground_clearance", 1.2505),
+        ('upper_weight = "15\'900 kg"', "upper_weight", 15900.0),
     ],
 )
 def test_units_are_taken_as_makers_print_them(written, line, name, value):
@@ -427,6 +448,7 @@ def test_a_vehicles_chain_that_closes_nowhere_is_refused_with_shoes_that_do():
         ({"drawbar_pull": 264.0}, "datasheet.drawbar_pull: 264 N is outside of 1000 to 1e+07 N"),
         ({"drawbar_pull": 2.64e3}, "datasheet.drawbar_pull: 2.64 kN are 0.00761 of the weight of 347 kN"),
         ({"recoil_force": 2e6}, "datasheet.recoil_force: 2000 kN are 5.76 of the weight of 347 kN"),
+        ({"contact_area": 69.4}, "datasheet.contact_area: 69.4 m2 are no area of both tracks, width by"),
         (
             {"ground_pressure": 4e5},
             "datasheet.ground_pressure: 400 kPa is no mean one, weight over both tracks is",

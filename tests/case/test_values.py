@@ -92,10 +92,14 @@ def test_changes_are_checked_like_the_file(refused, change, told):
         *[("9 km/h", "m/s", 2.5), ("4.7 mm", "m", 0.0047), ("3 in", "m", 0.0762), ("4.7 t", "kg", 4700.0)],
         *[("1.6 t/m3", "kg/m3", 1600.0), ("120 kN s/m", "N s/m", 120e3), ("9810 mm/s^2", "m/s2", 9.81)],
         *[("5 min", "s", 300.0), ("3 %", "", 0.03)],
+        *[("37 200 kg", "kg", 37200.0), ("1'200.5 mm", "m", 1.2005), ("1\u202f410 t", "kg", 1.41e6)],
         *[("180 deg/s", "rad/s", 3.141592653589793), ("5 deg", "deg", 5.0), ("2 1/d", "1/h", 2 / 24)],
         *[("30 kN m", "N m", 30e3), ("-1.5e2 mm", "m", -0.15), ("100 N/mm2", "N/m^2.0", 100e6)],
         # what is no number of the unit stays as it is, to be refused
-        *[(text, "m", text) for text in ("20", "20 N", "20 foo", "m", "2 m^9^9^9^9", "1,5 m", "f('os')")],
+        *[
+            (text, "m", text)
+            for text in ("20", "20 N", "20 foo", "37 20 m", "m", "2 m^9^9^9^9", "1,5 m", "f('os')")
+        ],
         *[("0.1 Hz", "rad/s", "0.1 Hz"), ("5 deg", "", "5 deg"), (True, "m", True), ("51/h", "1/h", "51/h")],
     ],
 )
@@ -139,6 +143,11 @@ def test_every_case_to_start_from_is_read_as_it_was_written(tmp_path, name):
 def test_numbers_are_read_in_the_units_of_engineers():
     numbers = (386.4e3, "N"), (200e9, "Pa"), (8e8, "Pa"), (20e6, "N/m")
     assert [value_text(*one) for one in numbers] == ["386.4 kN", "200 GPa", "800 MPa", "20 MN/m"]
+    assert [value_text(pressure, "Pa") for pressure in (51e3, 900.0, 1.2e6)] == [
+        "51 kPa",
+        "900 Pa",
+        "1.2 MPa",
+    ]
     assert value_text((0.1, 2e5, 0.0), "N") == "0.0001, 200, 0 kN"
     assert [value_text(one, "m") for one in (0.0081, None, ())] == ["0.0081 m", "none", "none"]
 

@@ -163,10 +163,11 @@ def _closing_pitch(sheet: Datasheet, shoes: int, notes: Notes, gravity: float) -
     if over_shoes is not None:
         pitch = rules.pitch_of_crawler(over_shoes, shoes, gaps, depth, grouser)
         return pitch, f"{wheels}: 2 (L - 2 grouser) / (N + 4 depth - (pi - 2) / sin(pi / z))"
-    if sheet.ground_pressure is not None:
-        whole = sheet.operating_weight * gravity / (2.0 * sheet.shoe_width * sheet.ground_pressure)
+    counted = sheet.counted_length(gravity)
+    if counted is not None:
+        whole, how = counted
         share = notes.typical("pressure_share")
-        return rules.pitch_of_whole(whole, shoes, gaps, (depth, grouser), share), f"{wheels}, by the pressure"
+        return rules.pitch_of_whole(whole, shoes, gaps, (depth, grouser), share), f"{wheels}, on the {how}"
     return None
 
 
@@ -213,7 +214,7 @@ def _on_ground(
     """Length on ground, m, where the datasheet has none."""
     over_shoes = sheet.crawler_length
     shoes = sheet.shoes
-    pressure = sheet.ground_pressure
+    counted = sheet.counted_length(gravity)
     if over_shoes is not None:
         how = "length over the shoes less circle and shoes: L - d - 2 e"
         value = over_shoes - diameter - 2.0 * tips
@@ -221,10 +222,10 @@ def _on_ground(
         how = "what the chain leaves: (N p - pi d) / 2"
         value = 0.5 * (shoes * pitch - math.pi * diameter)
     else:
-        assert pressure is not None
-        whole = sheet.operating_weight * gravity / (2.0 * sheet.shoe_width * pressure)
+        assert counted is not None
+        whole, how = counted
         share = notes.typical("pressure_share")
-        how = "length that the ground pressure says, m g / (2 b p), less what counts of the ends"
+        how += ", less what counts of the ends"
         value = whole - share * (diameter + 2.0 * tips)
     return float(notes.note("length on ground", value, "m", "derived", how))
 

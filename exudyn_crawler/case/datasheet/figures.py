@@ -53,12 +53,17 @@ def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
     return on_ground, float(np.max(ends) - np.min(ends))
 
 
-def mean_pressure(case: Case, sheet: Datasheet) -> float:
-    """Mean ground pressure of the machine as it was assembled, as datasheets print it, Pa."""
+def contact_area(case: Case, sheet: Datasheet) -> float:
+    """Contact area of both tracks of the machine as it was assembled, as datasheets print it, m2."""
     row = typical.row_of("pressure_share", sheet.kind)
     share = getattr(sheet.typical, row.name)
     counts = rules.ground_length(*lengths(case, sheet), row.value if share is None else share)
-    return rules.ground_pressure(machine_mass(case), case.shoe.width, counts, case.gravity)
+    return 2.0 * case.shoe.width * counts
+
+
+def mean_pressure(case: Case, sheet: Datasheet) -> float:
+    """Mean ground pressure of the machine as it was assembled, as datasheets print it, Pa."""
+    return machine_mass(case) * case.gravity / contact_area(case, sheet)
 
 
 def figures(case: Case, sheet: Datasheet) -> list[Figure]:
@@ -88,6 +93,10 @@ def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
         ("length over shoes", over_shoes, sheet.crawler_length),
     ):
         yield Figure(name, value, stated, "m", _verdict(value, stated, OF_LENGTH))
+    if sheet.contact_area is not None:
+        area = contact_area(case, sheet)
+        verdict = _verdict(area, sheet.contact_area, CLOSE)
+        yield Figure("contact area", area, sheet.contact_area, "m2", verdict)
     pressure = mean_pressure(case, sheet)
     stated = sheet.ground_pressure
     verdict = _verdict(pressure, stated, CLOSE)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any, Literal, NamedTuple
 
 from exudyn_crawler.case.datasheet import typical
+from exudyn_crawler.case.parameters import fields
 
 Origin = Literal["given", "derived", "assumed"]
 
@@ -62,10 +63,10 @@ class Notes:
         if row is None:
             self.note(path, value, unit, "derived", f"{name} of the file")
         else:
-            low = row.low * size
-            high = row.high * size
-            span = f"{name} {row.value:g}, so that it may be {low:.4g} to {high:.4g} {unit}"
-            self.note(path, value, unit, "assumed", f"{span}; {row.source} [{row.known}]")
+            bounds = tuple(float(f"{bound * size:.4g}") for bound in (row.low, row.high))
+            span = fields.value_text(bounds, unit).replace(", ", " to ")
+            how = f"{name} {row.value:g}, {span}; {row.source} [{row.known}]"
+            self.note(path, value, unit, "assumed", how)
         return value
 
     def note(self, path: str, value: Any, unit: str, origin: Origin, how: str) -> Any:

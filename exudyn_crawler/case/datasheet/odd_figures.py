@@ -15,6 +15,8 @@ SHARES = {
 """Forces over the weight that machines have: pulls of 0.4 to 1.5 (typical values); others chosen here."""
 PRESSURE = (0.4, 3.0)
 """Printed ground pressure over weight by width and length on ground of both tracks. Chosen here."""
+AREA = 1.0 / 3.0, 2.5
+"""Printed contact area over width by length on ground of both tracks: those of the pressure."""
 
 
 def odd_values(case_file: CaseFile) -> Iterator[str]:
@@ -37,9 +39,18 @@ def odd_figures(sheet: Datasheet) -> Iterator[str]:
         share = f"{force / weight:.3g} of the weight of {1e-3 * weight:.4g} kN"
         yield f"datasheet.{name}: {1e-3 * force:.4g} kN are {share}, outside of {least:g} to {greatest:g}"
     length = sheet.length_on_ground or sheet.crawler_length
-    if sheet.ground_pressure is None or length is None or "ground_pressure" in named:
+    if length is None:
         return
-    mean = weight / (2.0 * sheet.shoe_width * length)
+    area = 2.0 * sheet.shoe_width * length
+    if sheet.contact_area is not None and "contact_area" not in named:
+        least, greatest = AREA
+        if not least <= sheet.contact_area / area <= greatest:
+            printed = f"{sheet.contact_area:.4g} m2"
+            by_length = f"width by length is {area:.4g} m2"
+            yield f"datasheet.contact_area: {printed} are no area of both tracks, {by_length}"
+    if sheet.ground_pressure is None or "ground_pressure" in named:
+        return
+    mean = weight / area
     least, greatest = PRESSURE
     if not least <= sheet.ground_pressure / mean <= greatest:
         printed = f"{1e-3 * sheet.ground_pressure:.4g} kPa"

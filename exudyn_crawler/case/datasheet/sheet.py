@@ -1,6 +1,6 @@
 """Datasheet of a machine on two tracks: what makers print, of which any subset will do that determines it."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator
 
@@ -49,6 +49,8 @@ class Datasheet(Parameters):
     ground.
     """
 
+    listed_by: ClassVar[str] = "exudyn-crawler machine --keys"
+
     kind: Kind = option("of machine, whose typical values it has", "excavator")
     operating_weight: base.Mass = quantity("kg", "of the whole machine", (1e3, 2e6))
     length_on_ground: base.Length | None = quantity(
@@ -63,7 +65,12 @@ class Datasheet(Parameters):
     sprocket_height: base.Length | None = quantity(
         "m", "of its axis above the ground; none: as low as the rollers let it", (0.1, 3.0), default=None
     )
-    idler_height: base.Length | None = quantity("m", "the same of the idler's", (0.1, 3.0), default=None)
+    idler_height: base.Length | None = quantity(
+        "m",
+        "of the idler's axis above the ground; none: as low as the rollers let it",
+        (0.1, 3.0),
+        default=None,
+    )
     first_roller: base.Length | None = quantity(
         "m",
         "from the sprocket's axis to that of the roller or road wheel next to it",
@@ -137,24 +144,31 @@ class Datasheet(Parameters):
     )
     sprocket: Literal["rear", "front"] = option("end at which the sprocket is", "rear")
     ground_pressure: makers.Pressure | None = quantity(
-        "Pa", "mean, as printed", (1e4, 5e5), ge=1e3, le=1e7, default=None
+        "Pa", "mean below both tracks, as printed", (1e4, 5e5), ge=1e3, le=1e7, default=None
+    )
+    contact_area: float | None = quantity(
+        "m2", "of both tracks on the ground, as printed", (0.3, 100.0), ge=0.01, le=1e4, default=None
     )
     drawbar_pull: makers.Force | None = quantity(
-        "N", "greatest, of both tracks", (1e3, 1e7), ge=1.0, le=1e9, default=None
+        "N", "greatest pull of both tracks", (1e3, 1e7), ge=1.0, le=1e9, default=None
     )
-    travel_speed: base.Speed | None = quantity("m/s", "greatest", (0.1, 20.0), default=None)
-    gradeability: makers.Slope | None = quantity("1", "rise over run", (0.1, 1.0), gt=0, le=2, default=None)
+    travel_speed: base.Speed | None = quantity("m/s", "greatest, on the level", (0.1, 20.0), default=None)
+    gradeability: makers.Slope | None = quantity(
+        "1", "steepest grade that it climbs, rise over run", (0.1, 1.0), gt=0, le=2, default=None
+    )
     power: float | None = quantity(
         "W", "of the engine or of the travel drives", (1e4, 3e6), ge=1.0, le=1e9, default=None
     )
-    ground_clearance: base.Length | None = quantity("m", "below the car body", (0.1, 3.0), default=None)
+    ground_clearance: base.Length | None = quantity("m", "of the car body", (0.1, 3.0), default=None)
     upper_weight: base.Mass | None = quantity(
         "kg",
         "of the upper structure with its front, or of what is above the track frames",
         (100.0, 1.5e6),
         default=None,
     )
-    upper_com: base.Three | None = quantity("m", "its COM, straight ahead", (-20.0, 20.0), default=None)
+    upper_com: base.Three | None = quantity(
+        "m", "COM of the upper structure with its front straight ahead", (-20.0, 20.0), default=None
+    )
     com_ahead: base.Place | None = quantity(
         "m", "COM of the whole machine ahead of the middle", (-3.0, 3.0), default=None
     )
@@ -206,11 +220,11 @@ class Datasheet(Parameters):
         unknown = [name for name in self.remembered if name not in known]
         if unknown:
             yield f"remembered must be names of the datasheet's values, got {fields.shown(unknown)}"
-        on_track = (self.length_on_ground, self.crawler_length, self.ground_pressure)
+        on_track = (self.length_on_ground, self.crawler_length, self.contact_area, self.ground_pressure)
         if not any(on_track) and self.shoes is None:
             yield (
-                "length_on_ground must be given, or one of crawler_length, ground_pressure and shoes, "
-                "of which it follows"
+                "length_on_ground must be given, or one of crawler_length, contact_area, ground_pressure and "
+                "shoes, of which it follows"
             )
 
     @property
@@ -220,6 +234,19 @@ class Datasheet(Parameters):
             return self.gauge
         assert self.width_over_shoes is not None
         return self.width_over_shoes - self.shoe_width
+
+    def counted_length(self, gravity: float) -> tuple[float, str] | None:
+        """Length of a track (m) that counts as its contact, and its rule.
+
+        It is that of the printed area, or else of the printed pressure; None without these.
+        """
+        if self.contact_area is not None:
+            return self.contact_area / (2.0 * self.shoe_width), "length that the contact area says, A / (2 b)"
+        if self.ground_pressure is not None:
+            force = self.operating_weight * gravity
+            length = force / (2.0 * self.shoe_width * self.ground_pressure)
+            return length, "length that the ground pressure says, m g / (2 b p)"
+        return None
 
     @property
     def has_arms(self) -> bool:

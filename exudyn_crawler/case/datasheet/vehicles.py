@@ -112,13 +112,12 @@ def with_running_gear(sheet: Datasheet, notes: Notes) -> Datasheet:
 
 
 def _on_ground(sheet: Datasheet, notes: Notes) -> float | None:
-    """Length between the outer road wheels, m: printed, by pressure or chain; None without these."""
+    """Length between the outer road wheels, m: printed, by area, pressure or chain; None without these."""
     if sheet.length_on_ground is not None:
         return sheet.length_on_ground
-    if sheet.ground_pressure is not None:
-        width = 2.0 * sheet.shoe_width
-        value = sheet.operating_weight * ph4100c.GRAVITY / (width * sheet.ground_pressure)
-        how = "length that the ground pressure says, m g / (2 b p)"
+    counted = sheet.counted_length(ph4100c.GRAVITY)
+    if counted is not None:
+        value, how = counted
         return float(notes.note("length on ground", value, "m", "derived", how))
     if sheet.shoes is None or sheet.pitch is None:
         return None

@@ -16,6 +16,7 @@ from exudyn_crawler.errors import ParameterError
 MOST_ERRORS = 100  # that are named
 LISTED = 300  # characters of allowed names, beyond which a list is cut
 NAMED = 5  # values that one table lacks, or keys that it does not know, which are named
+LISTED_BY = "listed_by"  # of a class: the command that lists its keys
 OF_TABLES = ("missing", "extra_forbidden")
 WORDS = (
     *(("a valid number", "a number"), ("a valid integer", "a whole number"), ("a valid string", "a text")),
@@ -135,15 +136,17 @@ def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydan
     allowed = fields.file_fields(model) if not table else spots[0].table.model_fields
     nearest = {name: difflib.get_close_matches(name, allowed, n=1) for name in _last_names(spots[:NAMED])}
     meant = [f"did you mean {near[0]} for {name}? " for name, near in nearest.items() if near]
-    return f"{_names(table, spots)}: unknown keys; {''.join(meant)}allowed are {_listed(allowed)}"
+    known = _listed(allowed, getattr(spots[0].table, LISTED_BY, ""))
+    return f"{_names(table, spots)}: unknown keys; {''.join(meant)}allowed are {known}"
 
 
-def _listed(names: Collection[str]) -> str:
-    """Names of a list that is cut where it gets long."""
+def _listed(names: Collection[str], listed_by: str = "") -> str:
+    """Names of a list that is cut where it gets long, with the command that lists all."""
     shown: list[str] = []
     for name in names:
         if sum(len(other) + 2 for other in shown) > LISTED:
-            return f"{', '.join(shown)} and {len(names) - len(shown)} more"
+            how = f"; {listed_by} lists them" if listed_by else ""
+            return f"{', '.join(shown)} and {len(names) - len(shown)} more{how}"
         shown.append(name)
     return ", ".join(shown)
 
@@ -218,7 +221,7 @@ def _message(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseMode
     value = fault["input"]
     if kind == "extra_forbidden":
         allowed = fields.file_fields(model) if len(spot.place) == 1 else spot.table.model_fields
-        return head + unknown_key(spot.place, [*allowed])
+        return head + unknown_key(spot.place, [*allowed], getattr(spot.table, LISTED_BY, ""))
     if kind == "missing":
         return _missing(spot, fault, head)
     if kind == "value_error":
@@ -286,10 +289,17 @@ RENAMED = {
 """Keys of older case files, and where their values are now."""
 
 
-def unknown_key(path: fields.KeyPath, allowed: Sequence[str]) -> str:
-    """Say what is wrong with a path whose last name is none of those that are allowed there."""
+def unknown_key(path: fields.KeyPath, allowed: Sequence[str], listed_by: str = "") -> str:
+    """Say what is wrong with a path whose last name is none of those that are allowed there.
+
+    `listed_by` is the command that lists all of these.
+    """
     if len(path) == 1 and path[0] in RENAMED:
         return RENAMED[str(path[0])]
     near = difflib.get_close_matches(str(path[-1]), allowed, n=1)
     meant = fields.path_text((*path[:-1], *near))
-    return f"unknown key; did you mean {meant}?" if near else f"unknown key; allowed are {_listed(allowed)}"
+    return (
+        f"unknown key; did you mean {meant}?"
+        if near
+        else f"unknown key; allowed are {_listed(allowed, listed_by)}"
+    )

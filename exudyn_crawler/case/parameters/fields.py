@@ -224,7 +224,7 @@ def is_number(value: object) -> TypeGuard[int | float]:
 
 
 ENGINEERING = (
-    *(("N( m)?$", "k", 1e3), ("Pa", "G", 1e10), ("Pa", "M", 1e4)),
+    *(("N( m)?$", "k", 1e3), ("Pa", "G", 1e10), ("Pa", "M", 1e6), ("Pa", "k", 1e3)),
     *(("N/|N s", "M", 1e6), ("N/|N s", "k", 1e3)),
 )
 """Units for reading, kN, MPa, MN/m: begin of a unit, its prefix, and the least number that has it."""

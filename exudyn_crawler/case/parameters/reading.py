@@ -28,7 +28,9 @@ LINE = re.compile(r"\(at line (\d+),")
 """Place that the reader of TOML names."""
 COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
 """Number with a decimal comma in a line of TOML."""
-NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
+PARTING = "[ '\u00a0\u202f]"
+"""Marks between thousands that are no decimal marks anywhere."""
+NUMBER = rf"[+-]?(?:\d{{1,3}}(?:{PARTING}\d{{3}})+(?:\.\d*)?|\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
 NAME = r"[a-zµ°%_]+(?:\^?-?\d(?:\.\d+)?)?"
 UNIT = rf"(?:1/)?{NAME}(?:\s*[*/ ]\s*{NAME})*"
 TEXT = re.compile(rf"\s*({NUMBER})(?:\s*(?=[a-zµ°%])|\s+(?=1/))({UNIT})\s*", re.IGNORECASE)
@@ -229,6 +231,6 @@ def number_of(value: object, unit: str) -> object:
         return value
     # what is wrong with a unit raises all kinds of errors
     try:
-        return float(Fraction(match[1]) * _size(match[2], unit))
+        return float(Fraction(re.sub(PARTING, "", match[1])) * _size(match[2], unit))
     except Exception:
         return value
