@@ -1,5 +1,6 @@
 """A maker's file of a shoe becomes a mesh and a case: what follows from the shape, and what is assumed."""
 
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -107,7 +108,9 @@ def shoe_of(
             f"{frequencies[0]:.3g} Hz: parts of it hang together at edges or corners alone"
         )
     surface = "whole top" if "whole top" in mesh.surfaces else "underside"
-    shoe = Shoe.from_mesh(mesh, load_surface=surface)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fem.MeshWarning)  # the check above has warned, with the file's name
+        shoe = Shoe.from_mesh(mesh, load_surface=surface)
     case_file = _case_file(recognized, mesh, shoe, name)
     return ShoeFile(
         recognized,
@@ -181,12 +184,11 @@ def _table(
     rear, front = recognized.axes.pins.lines
     scale = recognized.axes.scale
     of_mesh = quality.mesh_quality(mesh)
-    box = recognized.surfaces.box("underside")
     words = ", ".join(f"{value:.4g}" for value in frequencies)
     rows: list[tuple[str, object, str]] = [
         ("unit of the file", recognized.axes.unit, ""),
         ("mass", f"{body.mass:.5g}", "kg"),
-        ("COM above the underside", f"{-box[0, 2]:.5g}", "m"),
+        ("COM above the underside", f"{shoe.com_height:.5g}", "m"),
         ("length, width, height", " x ".join(f"{side:.4g}" for side in size), "m"),
         ("inertia xx, yy, zz", ", ".join(f"{moment:.4g}" for moment in np.diag(inertia)), "kg m2"),
         (

@@ -9,6 +9,7 @@ from fem.mesh import Floats, Integers, Mesh, MeshError, MeshWarning
 from fem.surfaces import surface_weights
 from meshes.geometry import JOINT_CENTERS
 from meshes.load_surfaces import LOAD_SURFACES
+from meshes.undersides import SAME_HEIGHT
 
 LARGEST = 50.0
 """m, greatest extent of any shoe."""
@@ -118,7 +119,8 @@ def _is_all_above_pins(mesh: Mesh) -> bool:
     corners = mesh.nodes[mesh.boundary[:, :3]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     sizes = np.linalg.norm(normals, axis=1)
-    above = (normals[:, 2] > LOOKS_UP * sizes) & (corners[..., 2].mean(axis=1) > pins)
+    # pads of links between the pins are as high as these
+    above = (normals[:, 2] > LOOKS_UP * sizes) & (corners[..., 2].mean(axis=1) > pins + SAME_HEIGHT)
     top = set(_keys(mesh.surfaces["whole top"]))
     is_top = np.array([key in top for key in _keys(mesh.boundary)])
     return bool(sizes[above & ~is_top].sum() < BESIDE_TOP * sizes[is_top].sum())

@@ -19,8 +19,10 @@ class GroundOutline(NamedTuple):
 
     Attributes
     ----------
-    low, high : array (3,)
-        Corners of the underside's box.
+    low, high : array (2,)
+        Least and greatest x and y of the underside.
+    level : float
+        z of most of its area: of a plate, below which grousers at its edges belong to it.
     share : float
         Part of its rectangle that presses on the ground, without holes and gaps; what reaches below the
         underside, such as grousers that are sunk in, presses with it.
@@ -30,6 +32,7 @@ class GroundOutline(NamedTuple):
 
     low: Floats
     high: Floats
+    level: float
     share: float
     strip_length: float
 
@@ -43,22 +46,37 @@ def ground_outline(mesh: Mesh) -> GroundOutline:
         If the mesh has no surface "underside".
     """
     under = mesh.nodes[mesh.nodes_of("underside")]
-    low = under.min(axis=0)
-    high = under.max(axis=0)
+    low = under[:, :2].min(axis=0)
+    high = under[:, :2].max(axis=0)
+    level = _level(mesh.nodes[mesh.surface("underside")[:, :3]])
     corners = mesh.nodes[mesh.boundary[:, :3]]
     downward = -0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
     middles = corners.mean(axis=1)[:, :2]
-    pressing = (corners[..., 2] <= high[2] + SAME_HEIGHT).all(axis=1)
-    pressing &= ((middles >= low[:2]) & (middles <= high[:2])).all(axis=1)
+    pressing = (corners[..., 2] <= max(level, under[:, 2].max()) + SAME_HEIGHT).all(axis=1)
+    pressing &= ((middles >= low) & (middles <= high)).all(axis=1)
     area = float(downward[pressing].sum())
-    share = min(area / float(np.prod((high - low)[:2])), 1.0)
+    share = min(area / float(np.prod(high - low)), 1.0)
     strips = _spans(corners[pressing & (downward > 0.0)][..., 0])
     return GroundOutline(
         low,
         high,
+        level,
         1.0 if share > 1.0 - WHOLE else share,
         float(np.diff(strips, axis=1).mean()) if len(strips) > 1 else 0.0,
     )
+
+
+def _level(corners: Floats) -> float:
+    """Least z of what of triangles with corners (n, 3, 3) is level with most of their area, m."""
+    areas = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
+        axis=1,
+    )
+    heights = corners[..., 2].min(axis=1)
+    order = np.argsort(heights)
+    share = np.cumsum(areas[order])
+    most = heights[order][np.searchsorted(share, 0.5 * share[-1])]
+    return float(heights[heights > most - SAME_HEIGHT].min())
 
 
 def _spans(x: Floats) -> Floats:

@@ -211,6 +211,19 @@ def test_a_resting_shoe_presses_with_its_weight_over_tips_or_plate(grousers, on_
     assert pressures[1] / pressures[0] == pytest.approx(0.23 / 0.02, rel=2e-2)
 
 
+def test_grousers_at_a_plates_edges_belong_to_its_rectangle():
+    x = (-0.15, -0.12, 0.12, 0.15)
+    mesh = strips(x[:2], x[2:])
+    corners = mesh.nodes[mesh.boundary[:, :3]]
+    down = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] < 0.0
+    plate = down & (np.abs(corners[..., 2]) < 1e-9).all(axis=1)
+    tips = mesh.surface("underside")
+    with_edges = ground_outline(mesh.with_surfaces({"underside": np.vstack((mesh.boundary[plate], tips))}))
+    np.testing.assert_allclose((with_edges.low, with_edges.high), [(-0.15, -0.25), (0.15, 0.25)])
+    assert (with_edges.level, with_edges.share, with_edges.strip_length) == (0.0, 1.0, 0.0)
+    assert ground_outline(mesh).level == pytest.approx(-0.03)
+
+
 def strips(*ends):
     """Mesh of a plate of 0.3 x 0.5 m on strips between such x, whose underside are the strips' tips."""
     x = np.unique([-0.15, 0.15, *np.ravel(ends)])

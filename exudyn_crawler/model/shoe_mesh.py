@@ -9,6 +9,7 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from fem import Interface, Mesh, ReducedBody
 from meshes.checks import check_extent, named_surfaces
 from meshes.rails import rail_outline, station_weights
+from meshes.undersides import ground_outline
 
 PIN_TOLERANCE = 1e-3
 """m, between the axis of a bore and the pin."""
@@ -52,10 +53,8 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
 
 def check_fit(mesh: Mesh, name: str, shoe: Shoe, rails: Rails | None) -> None:
     """Refuse a mesh whose underside is not that of the rigid shoes, or whose rails are not these, if any."""
-    under = mesh.nodes[mesh.nodes_of("underside")]
-    low = under.min(axis=0)
-    high = under.max(axis=0)
-    edges = [low[0], high[0], low[1], high[1], low[2]]
+    under = ground_outline(mesh)
+    edges = [under.low[0], under.high[0], under.low[1], under.high[1], under.level]
     compared = [("underside of the case's shoes", EDGES, edges, shoe.footprint.tolist())]
     if rails is not None:
         try:

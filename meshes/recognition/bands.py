@@ -38,6 +38,12 @@ def level_parts(local: Triangles, sign: float) -> list[Integers]:
     return sorted(local.patches(level), key=lambda part: -float(local.areas[part].sum()))
 
 
+def _is_parted(local: Triangles, parts: list[Integers]) -> bool:
+    """True for level parts between which there is a gap along x."""
+    ends = np.array(sorted(tuple(outline(local, part)[:, 0]) for part in parts))
+    return bool((ends[1:, 0] > np.maximum.accumulate(ends[:-1, 1]) + SAME_HEIGHT).any())
+
+
 def two_rails(
     local: Triangles, parts: list[Integers], pitch: float, sign: float = 1.0
 ) -> tuple[Integers | None, str]:
@@ -58,9 +64,12 @@ def two_rails(
         sides.append(np.concatenate(chosen))
         boxes.append(outline(local, sides[-1]))
         length, width = np.ptp(boxes[-1], axis=0)[:2]
-        least = LINK_FILL if length > LINK_LENGTH * pitch else RAIL_FILL
+        is_of_links = length > LINK_LENGTH * pitch
+        least = LINK_FILL if is_of_links else RAIL_FILL
         if local.areas[sides[-1]].sum() < least * length * width:
             return None, "the highest level parts are no bands"
+        if is_of_links and _is_parted(local, chosen):
+            return None, "between the highest level parts in front and behind nothing carries a roller"
     right, left = boxes
     sizes = np.ptp(right, axis=0)[:2] - np.ptp(left, axis=0)[:2]
     if np.abs(sizes).max() > EQUAL_RAILS or np.abs(right[:, 0] - left[:, 0]).max() > EQUAL_RAILS:

@@ -153,10 +153,20 @@ def _underside(
             asked.append(Question("--footprint tips", f"{words}; the plate was taken"))
     else:
         sole = "plate"
-    chosen = tips if sole == "tips" or not has_grousers else plate
+    chosen = tips if sole == "tips" or not has_grousers else plate | _beyond_plate(local, parts, plate)
     faces["underside"] = np.concatenate([part for part, is_in in zip(parts, chosen, strict=True) if is_in])
     area = float(areas[chosen].sum())
     return sole, area, asked
+
+
+def _beyond_plate(local: Triangles, parts: list[Integers], plate: np.ndarray) -> np.ndarray:
+    """True for level parts below the plate, (parts,), that reach over its outline: grousers at its edges."""
+    boxes = np.array([outline(local, part) for part in parts])
+    low = boxes[plate, 0].min(axis=0)
+    high = boxes[plate, 1].max(axis=0)
+    beside = ((boxes[:, 0, :2] < low[:2] - PARTED) | (boxes[:, 1, :2] > high[:2] + PARTED)).any(axis=1)
+    areas = np.array([local.areas[part].sum() for part in parts])
+    return np.asarray(beside & (boxes[:, 1, 2] < low[2] - SAME_HEIGHT) & (areas > PLATE * areas[0]))
 
 
 def _top(
@@ -171,23 +181,31 @@ def _top(
     bores = [outline(local, chosen) for name, chosen in faces.items() if name.startswith("bore")]
     height = max(float(axes.place_of(line)[2]) for line in axes.pins.lines)
     large = [part for part in parts if local.areas[part].sum() > least]
-    above = [part for part in large if local.middles[part, 2].mean() > height]
-    # on shoes of links the rails are on the lugs themselves
-    above = [
-        part for part in above if not any(_is_on_lug(outline(local, part), box) for box in bores)
-    ] or above
+    above = [part for part in large if local.middles[part, 2].mean() > height + SAME_HEIGHT]
+    pitch = axes.pins.pitch * axes.scale
+    others = [part for part in above if not any(_is_on_lug(outline(local, part), box) for box in bores)]
+    # on shoes of links the rails are on the lugs themselves, and nothing is higher
+    if others and not _is_highest(local, others, above) and two_rails(local, above, pitch)[0] is not None:
+        others = above
+    above = others or above
     if not above:
         above = [part for part in large if local.middles[part, 2].mean() > local.points[:, 2].min()]
         if not above:
             return {}
         remarks.append("no level part is above the pins: the top is what of the shoe looks up level")
     named = {"top": np.concatenate(above)}
-    rails, why = two_rails(local, above, axes.pins.pitch * axes.scale)
+    rails, why = two_rails(local, above, pitch)
     if rails is not None:
         named["roller path"] = rails
     else:
         remarks.append(f"no rails: {why}")
     return named
+
+
+def _is_highest(local: Triangles, parts: list[Integers], every: list[Integers]) -> bool:
+    """True where one of some level parts is as high as the highest of all."""
+    heights = [max(float(local.middles[part, 2].mean()) for part in chosen) for chosen in (parts, every)]
+    return heights[0] > heights[1] - SAME_HEIGHT
 
 
 def _is_on_lug(part: Floats, bore: Floats) -> bool:

@@ -46,10 +46,10 @@ TRIANGLES = {name: boundary_of(own) for name, own in SHOES.items()}
 
 
 def moved(triangles, seed):
-    """Triangles after a random rigid motion, in a random unit, and the turn, with the unit's name."""
+    """Triangles (mm) after a random rigid motion, in a random unit, and the turn, with the unit's name."""
     rng = np.random.default_rng(seed)
     turn = Rotation.random(random_state=rng).as_matrix()
-    unit = rng.choice(["mm", "m", "inch"])
+    unit = rng.choice(["mm", "m", "inch", "cm"])
     points = (triangles.points @ turn.T + rng.normal(0.0, 3e3, 3)) * 1e-3 / UNITS[unit]
     if rng.random() < 0.5:
         points = points.astype(np.float32).astype(float)

@@ -12,8 +12,10 @@ from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from fem.borders import bore_beyond, boundary_of, flat_beyond
 from fem.surfaces import surface_weights
 from meshes.checks import check_surfaces, check_whole
+from meshes.recognition.solids import second_order
 from tests.fem.bodies import box_mesh, tube
 from tests.fem.refusals import refused
+from tests.meshes.solid_shoes import box, occ, rod
 
 
 def area(mesh: fem.Mesh, faces: np.ndarray) -> float:
@@ -71,6 +73,43 @@ def test_a_bore_goes_on_along_its_axis_and_round_it(order, divisions):
         0.75 * whole
     )
     assert len(bore_beyond(boundary_of(half), bore, [0.0, 0.0, 1.0])[0]) == 0
+
+
+def pocketed(kind):
+    """Mesh of a lug with a bore of 1 along y, over 0..1.2, and of a pad beside that nearly touches it."""
+    pad = box((0.98, 2.0), (1.2, 2.0), (-1.5, 0.0))
+    body = box((-1.8, 1.8), (0.0, 1.2), (-1.5, 1.8)) + pad - rod((0.0, -0.1, 0.0), "Y", 1.0, 1.35)
+    if kind == "round":
+        # the pocket's far wall is as near to the bore's
+        body -= rod((0.5, 0.6, 0.0), "Z", 0.48, 3.0)
+    if kind == "oil hole":
+        body -= rod((0.0, 0.6, 0.0), "X", 0.12, 3.0)
+    mesh = occ().OCCGeometry(body).GenerateMesh(maxh=2.0, curvaturesafety=1.0, optsteps3d=0)
+    mesh.SecondOrder()
+    nodes, elements, _ = second_order(mesh)
+    return fem.Mesh(nodes, elements, {})
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["flat", pytest.param("round", marks=pytest.mark.slow), pytest.param("oil hole", marks=pytest.mark.slow)],
+)
+def test_a_bore_is_whole_up_to_the_pockets_and_holes_that_break_into_it(kind):
+    mesh = pocketed(kind)
+    places = mesh.nodes[mesh.boundary[:, :3]]
+    is_bore = (np.abs(np.linalg.norm(places[..., ::2], axis=2) - 1.0) < 1e-3).all(axis=1)
+    middle = places.mean(axis=1)
+    normals = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
+    looks = np.einsum("kc,kc->k", normals[:, ::2], middle[:, ::2])
+    is_bore &= looks < -0.95 * np.linalg.norm(normals, axis=1) * np.linalg.norm(middle[:, ::2], axis=1)
+    boundary = boundary_of(mesh)
+    joined, apart = bore_beyond(boundary, mesh.boundary[is_bore])
+    assert len(joined) == len(apart) == 0
+    behind = is_bore & (middle[:, 0] < 0.0)
+    joined, apart = bore_beyond(boundary, mesh.boundary[behind])
+    assert area(mesh, joined) + area(mesh, apart) == pytest.approx(
+        area(mesh, mesh.boundary[is_bore & ~behind]), rel=1e-9
+    )
 
 
 @pytest.fixture(scope="module")

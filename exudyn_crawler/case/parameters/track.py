@@ -135,16 +135,16 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
             raise ValueError(
                 f"{checks.the_mesh(name)} must have its origin at its COM within {ORIGIN_TOLERANCE} m, {com}"
             )
-        low, high, share, strip_length = undersides.ground_outline(shoe_mesh)
+        low, high, level, share, strip_length = undersides.ground_outline(shoe_mesh)
         weights = body.surface_weights(load_surface)
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia.tolist()
         return cls(
             mass=body.mass,
             inertia=(xx, yy, zz, yz, xz, xy),
-            com_height=-low[2],
+            com_height=-level,
             length=high[0] - low[0],
             width=high[1] - low[1],
-            underside_center=tuple((0.5 * (low + high)[:2]).tolist()),
+            underside_center=tuple((0.5 * (low + high)).tolist()),
             ground_share=share,
             strip_length=strip_length,
             load_point=tuple((weights @ shoe_mesh.nodes / weights.sum()).tolist()),
