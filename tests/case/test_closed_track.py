@@ -100,6 +100,22 @@ def test_take_up_of_a_slack_chain_is_short_of_that_of_a_taut_one():
     assert slack.sag > 0.05
 
 
+def test_pins_along_arcs_lines_and_a_sagging_one_are_a_pitch_apart():
+    """Within a piece their places are by formulas, across its ends by a search."""
+    wheels = [(0.0, 0.5, 0.6), (1.0, 0.0, 0.4), (6.0, 0.0, 0.4), (7.0, 0.5, 0.5), (3.5, 1.2, 0.2)]
+    pieces = assembly.belt(wheels, sag=0.15)
+    pitch = 0.21
+    places = assembly.pins_along(pieces, pitch, 110)
+    assert places == sorted(places)
+    assert places[-1] > len(pieces) + 2.0  # round it and on
+    points = np.array([assembly.point_at(pieces, place) for place in places])
+    np.testing.assert_allclose(np.hypot(*np.diff(points, axis=0).T), pitch, rtol=0.0, atol=1e-14)
+    # none is left out: a chord is less than the way along the belt, and on these arcs not by a tenth
+    ways = [assembly.surplus(pieces, pitch, count) for count in range(1, 111)]
+    assert np.all(np.diff(ways) >= pitch - 1e-12)
+    assert np.all(np.diff(ways) < 1.1 * pitch)
+
+
 def test_tension_at_rest_is_a_sag_or_a_pretension_or_a_place_of_the_idler():
     """Estimates of where it stands: twice the sag takes four times the slack, and pulls half as hard."""
 

@@ -13,6 +13,8 @@ from scipy.optimize import brentq
 
 CLOSED = 1e-9  # m, by which the ends of an assembled chain may be apart; what is reached is rounding
 FIRST_PIN = 0.5  # its place on the belt, see `point_at`
+TINY = 1e-12  # m or rad, least length of a piece that is divided by
+ROUNDING = 1e-9  # share of a piece
 MARCH = 0.25  # of a pitch, steps along the belt in which the next pin is sought
 
 Point = tuple[float, float]
@@ -58,6 +60,16 @@ class Piece(NamedTuple):
             return self.x + self.radius * math.cos(angle), self.z + self.radius * math.sin(angle)
         z = self.z + t * (self.end - self.z) - 4.0 * self.sag * t * (1.0 - t)
         return self.x + t * (self.begin - self.x), z
+
+    def share_ahead(self, t: float, chord: float) -> float:
+        """Share at a chord (m) ahead of a share t, above 1 where that is beyond; NaN of a sagging line."""
+        if self.sag != 0.0:
+            return math.nan
+        if self.radius == 0.0:
+            return t + chord / max(self.length, TINY)
+        if chord > 2.0 * self.radius:
+            return math.inf
+        return t + 2.0 * math.asin(0.5 * chord / self.radius) / max(self.end - self.begin, TINY)
 
     @property
     def length(self) -> float:
@@ -123,15 +135,21 @@ def point_at(pieces: Sequence[Piece], u: float) -> Point:
 def pins_along(pieces: Sequence[Piece], pitch: float, count: int) -> list[float]:
     """Places (see `point_at`) of count + 1 pins, each a pitch from the one before."""
     pins = [FIRST_PIN]
-    steps = [MARCH * pitch / max(piece.length, 1e-12) for piece in pieces]
+    steps = [MARCH * pitch / max(piece.length, TINY) for piece in pieces]
     for _ in range(count):
+        number = math.floor(pins[-1])
+        share = pieces[number % len(pieces)].share_ahead(pins[-1] - number, pitch)
+        if share <= 1.0:
+            pins.append(number + share)
+            continue
         x, z = point_at(pieces, pins[-1])
 
         def beyond(u: float, x: float = x, z: float = z) -> float:
             there = point_at(pieces, u)
             return math.hypot(there[0] - x, there[1] - z) - pitch
 
-        low = pins[-1]
+        # a piece is left only where rounding leaves no doubt
+        low = pins[-1] if math.isnan(share) else max(pins[-1], number + 1.0 - ROUNDING)
         while True:
             k = math.floor(low + 1e-13)
             high = min(k + 1.0, low + steps[k % len(pieces)] + 1e-9)
