@@ -110,10 +110,9 @@ def test_pins_along_arcs_lines_and_a_sagging_one_are_a_pitch_apart():
     assert places[-1] > len(pieces) + 2.0  # round it and on
     points = np.array([assembly.point_at(pieces, place) for place in places])
     np.testing.assert_allclose(np.hypot(*np.diff(points, axis=0).T), pitch, rtol=0.0, atol=1e-14)
-    # none is left out: a chord is less than the way along the belt, and on these arcs not by a tenth
+    # none is left out: chords are as long as the way along the belt, within 3 % on arcs and the sagging line
     ways = [assembly.surplus(pieces, pitch, count) for count in range(1, 111)]
-    assert np.all(np.diff(ways) >= pitch - 1e-12)
-    assert np.all(np.diff(ways) < 1.1 * pitch)
+    np.testing.assert_allclose(np.diff(ways), pitch, rtol=0.03)
 
 
 def test_tension_at_rest_is_a_sag_or_a_pretension_or_a_place_of_the_idler():
