@@ -181,7 +181,8 @@ FAKES = {
         "exudyn_crawler.views.pages.life.life_lines": result(["90 % of the shoes see no crack"]),
     },
     "check shoe.toml": {
-        "exudyn_crawler.life_run.check_cases": result(SimpleNamespace(worst_cycles=CYCLES, check=CHECK))
+        "exudyn_crawler.life_run.check_cases": result(SimpleNamespace(worst_cycles=CYCLES, check=CHECK)),
+        "exudyn_crawler.views.pages.life.check_lines": result(["first to crack: wings"]),
     },
     "scatter sample.toml": {"exudyn_crawler.sweep.running.run_sweep": result(swept("sample", 1.2345678e6))},
     "spread .": {"exudyn_crawler.spread_run.spread": result(SimpleNamespace(by_shoe=lambda: SPREAD))},

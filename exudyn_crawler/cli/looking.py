@@ -1,6 +1,5 @@
 """The commands that look into runs: page, film, stress, forces and loads of one, two compared, and lives."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -10,13 +9,13 @@ import exudyn_crawler as crawler
 from exudyn_crawler.cli import application, datasheets
 from exudyn_crawler.cli.commands import command
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.views.tables import cell_text, print_table, write_table
+from exudyn_crawler.views.tables import print_table, write_table
 
 COMPARED = ("quantity", "axis", "greatest in A", "greatest in B", "change in %", "unit")
 """Columns of what differs between two runs that are shown where not all fit, as `print_rows` takes them."""
 LIVES = ("region", "life in h at least", "life in h at most", "verdict", "main part", "node")
 """Same of shortest lives."""
-CRACKED = ("to", "from", "region", "cycles to a crack", "an hour", "bores, not to be used")
+CRACKED = ("to", "from", "region", "cycles to a crack", "an hour", "above yield", "bores, not to be used")
 """Same of a check's cycles to a crack."""
 ASSESSED = ("item", "utilisation", "within", "load case", "group", "number", "limit", "unit")
 """Same of an assessment."""
@@ -303,14 +302,6 @@ def shoe(
     typer.echo(f"{paths['case']}: what cracks it: exudyn-crawler check {paths['case']}")
 
 
-def first_crack(worst: Mapping[str, object]) -> str:
-    """Say which region of a shoe cracks first, in which case and after how many cycles."""
-    often = cell_text(worst["cycles to a crack"])
-    return (
-        f"first to crack: {worst['region']}, after {often} cycles from {worst['from']!r} to {worst['to']!r}"
-    )
-
-
 @command("exudyn-crawler check overhanging.toml --no-pictures")
 def check(
     file: Annotated[
@@ -353,9 +344,10 @@ def check(
     elif (unit, flip_front, flip_up, footprint, body, pins) != (None, False, False, None, None, 1):
         raise ValueError(f"flags of a shoe's shape must go with a maker's file, got {file}")
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
+    from exudyn_crawler.views.pages.life import check_lines
+
+    typer.echo("\n".join(check_lines(result)))
     worst = result.worst_cycles
-    if len(worst):
-        typer.echo(first_crack(worst.iloc[0]))
     shown = worst[[name for name in CRACKED if name in worst]]
     hours = f"how many an hour crack within {result.check.hours:g} h"
     print_table(shown.head(40), f"{result.check.name}, {result.check.material.name}; an hour: {hours}")

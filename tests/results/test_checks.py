@@ -38,7 +38,7 @@ from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.stress.recovery import node_stress
 from exudyn_crawler.views.figures import roller_path_figure
 from exudyn_crawler.views.outputs import write_tables
-from exudyn_crawler.views.pages.life import write_check_page
+from exudyn_crawler.views.pages.life import check_lines, write_check_page
 from exudyn_crawler.views.pages.report import report_page
 from fem.defects import Defect, growth
 from fem.stress import von_mises
@@ -134,6 +134,37 @@ def test_bores_head_no_cycles_to_a_crack_and_are_named_behind():
     np.testing.assert_array_equal(worst[AT_BORES], [np.nan, 1e4, np.nan])
     apart = cycles[cycles["to"] == "turn"]
     assert AT_BORES not in CheckResults.worst_cycles.fget(SimpleNamespace(cycles=apart))
+
+
+def test_what_yields_is_told_before_what_cracks_first_below_yield():
+    cycles = pd.DataFrame(
+        [
+            (UNLOADED, "strike", "wings", 4.7, "yes"),
+            (UNLOADED, "stone", "wings", 2e4, ""),
+            (UNLOADED, "stone", "bores", 1e2, "yes"),
+            (UNLOADED, "pull", "bores", 1.0, "yes"),
+        ],
+        columns=["from", "to", "region", CYCLES, "above yield"],
+    )
+    peaks = [("strike", "wings", 2936.0, "resolved"), ("stone", "wings", 300.0, "mesh-limited: refine here")]
+    table = pd.DataFrame(peaks, columns=["case", "region", "von Mises in MPa", "verdict"])
+    check = SimpleNamespace(material=FatigueMaterial.cast_nicrmo())
+
+    def lines(rows):
+        worst = CheckResults.worst_cycles.fget(SimpleNamespace(cycles=rows))
+        return check_lines(SimpleNamespace(worst_cycles=worst, table=table, check=check))
+
+    above, below = lines(cycles)
+    assert above.startswith(
+        "yields: wings, up to 2936 MPa of linear stress in 'strike', 4.3 times the 690 MPa"
+    )
+    assert "yields; 1 of 2 cycles do" in above
+    assert below == (
+        "first to crack below yield: wings, after 20 000 cycles from 'unloaded' to 'stone'; stress there "
+        "mesh-limited: refine here"
+    )
+    assert len(lines(cycles[:1])) == 1
+    assert lines(cycles[1:])[0].startswith("first to crack: wings, after 20 000")
 
 
 def test_ground_pushes_in_balance_and_never_pulls(shoe):

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case.parameters.fields import case_rows
-from exudyn_crawler.results.checks.solve import CheckResults
+from exudyn_crawler.results.checks.solve import CYCLES, CheckResults
 from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours
 from exudyn_crawler.results.stress.hot_spots import BORES, flat_triangles
 from exudyn_crawler.views import style
@@ -182,6 +182,40 @@ def damage_parts(lives: LifeResults) -> pd.DataFrame:
     return lives.table[["region", "node"]].assign(**columns)
 
 
+def check_lines(checked: CheckResults) -> list[str]:
+    """Lines that say what of a checked shoe yields, and what cracks first of what does not.
+
+    Bores, whose stress is not to be used, are none of both. Above yield linear stress is none of a shoe that
+    bends for good, and cycles to a crack are formal.
+    """
+    worst = checked.worst_cycles
+    worst = worst[worst["region"] != BORES]
+    peaks = checked.table.set_index(["case", "region"])
+    is_above = (worst["above yield"] == "yes").to_numpy()
+    lines = []
+    if is_above.any():
+        row = worst[is_above].iloc[0]
+        stress = max(
+            float(peaks["von Mises in MPa"].get((row[end], row["region"]), 0.0)) for end in ("from", "to")
+        )
+        strength = checked.check.material.yield_strength / style.MEGA
+        lines.append(
+            f"yields: {row['region']}, up to {cell_text(stress)} MPa of linear stress in {row['to']!r}, "
+            f"{stress / strength:.2g} times the {cell_text(strength)} MPa at which "
+            f"{checked.check.material.name} yields; {int(is_above.sum())} of {len(worst)} cycles do, "
+            "whose numbers to a crack are formal"
+        )
+    if not is_above.all():
+        row = worst[~is_above].iloc[0]
+        verdict = peaks["verdict"].get((row["to"], row["region"]), "")
+        lines.append(
+            f"first to crack{' below yield' if lines else ''}: {row['region']}, after "
+            f"{cell_text(row[CYCLES])} cycles from {row['from']!r} to {row['to']!r}"
+            f"{verdict and f'; stress there {verdict}'}"
+        )
+    return lines
+
+
 def check_solid(
     checked: CheckResults, colourings: list[scene.Colouring], bend: np.ndarray | float = 0.0
 ) -> scene.Solid:
@@ -208,6 +242,7 @@ def write_check_page(checked: CheckResults, path: Path, overwrite: bool = False)
         page.Section("peaks", "Peaks by region", page.table(checked.table)),
     ]
     lead = [
+        *check_lines(checked),
         f"{len(checked.cases)} static cases, mesh {checked.check.mesh}, {checked.check.material.name}",
         f"an hour: how many crack 2.5 % of the shoes in {cell_text(checked.check.hours)} h; worst regions",
     ]
