@@ -139,6 +139,16 @@ def test_a_law_of_the_ground_is_drawn_from_its_file(told, refused, tmp_path):
         assert all(word in err for word in words), err
 
 
+def test_a_line_that_repeats_a_broken_file_loses_its_middle(refused, tmp_path):
+    (tmp_path / "shoe.stl").write_text(
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex " + "[" * 5000 + " 0 0\n"
+    )
+    err = refused("shoe", "shoe.stl")
+    assert err.startswith("error: shoe.stl must be an STL file that can be read: ")
+    assert "[[[ ... [[[" in err
+    assert len(err.strip()) < 600
+
+
 @pytest.mark.filterwarnings("default::exudyn_crawler.errors.ImplausibleWarning")
 def test_a_law_that_no_ground_has_is_drawn_with_a_warning(call, tmp_path):
     text = 'model = "bekker"\nbase = "lete_sand"\nk_phi = 5e12\nfriction_angle = 0.0\n'
