@@ -400,6 +400,15 @@ def test_stress_of_the_structure_is_that_of_the_node_below_the_tread(bent):
     assert (table["cast NiCrMo to shakedown"] <= alone * (1.0 + 5e-3)).all()
 
 
+def test_a_case_to_be_checked_must_have_flexible_shoes(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "closed"\nduration = 1.0\n')
+    with pytest.raises(ValueError, match=r"mine\.toml: flexible must be given, whose mesh is checked"):
+        read_check(path)
+    path.write_text('base = "stress"\nduration = 1.0\n')
+    assert read_check(path).mesh == "study"
+
+
 def test_a_track_without_rollers_has_no_roller_path(translation):
     with pytest.raises(
         ValueError, match="need a side frame on an open track, or a closed track's flexible shoes"

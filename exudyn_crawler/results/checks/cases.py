@@ -171,6 +171,10 @@ class ShoeCheck(Parameters):
             yield f"cases: names must differ, got {double} twice"
 
 
+OF_CASES = {"base", "flexible", "gear", "terrain", "datasheet"}
+"""Keys that case files have, of which one at least, and those of checks none."""
+
+
 def check_of(case: Case) -> ShoeCheck:
     """Check of the flexible shoes of a case on its own track; forces go with the load on its shoes.
 
@@ -188,8 +192,11 @@ def read_check(path: str | Path) -> ShoeCheck:
     path = Path(path)
     with reading.errors_named(path, ShoeCheck):
         content = reading.toml_content(path, "check file") if path.suffix == ".toml" else {}
-    if "flexible" in content:
-        return check_of(read_case(path).case)
+    if content.keys() & OF_CASES:
+        case = read_case(path).case
+        if case.flexible is None:
+            raise ValueError(f"{path}: flexible must be given, whose mesh is checked; or check a mesh itself")
+        return check_of(case)
     named = {"name": path.stem}
     check = reading.read_parameters(path, ShoeCheck, "check file", lambda content: named | content)
     beside = path.parent / check.mesh
