@@ -1,9 +1,14 @@
 """Static equilibrium before a run: nothing accelerates and the ground carries the weight."""
 
+import time
+
 import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Terrain, simulate
+from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
@@ -103,3 +108,21 @@ def test_a_shoe_that_is_pulled_at_a_point_is_held_there(point):
 def test_every_shoe_sinks_about_as_deep_as_the_papers_say(translation):
     depth = translation.penetration.isel(time=0)[np.isin(translation.contact_shoe, [3, 10, 12])]
     assert depth.values == pytest.approx(np.full(3, 0.0657), rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        (Case.rolled().on_cells(BekkerSoil.lete_sand()), r"a shoe of 0\.404 m would sink by [\d.]+ m$"),
+        (Case.closed(), r"a shoe of 0\.404 m would sink by [\d.]+ m into units that sink by [\d.]+ m$"),
+    ],
+)
+def test_a_machine_that_no_ground_carries_is_not_searched_a_rest_for(case, words):
+    """Creeping had no end where shoes sank by 100 of their heights: 84 of them took over 10 minutes."""
+    heavy = case.with_({"gear.mass": 9e8})
+    start = time.process_time()
+    with pytest.raises(EquilibriumError, match=rf"^no static equilibrium of case .*{words}"):
+        static_equilibrium(heavy)
+    assert time.process_time() - start < 5.0
+    # three times the weight still has a place where shoes may rest
+    assert checks.bottomless(case.with_({"gear.mass": 3.0 * case.gear.mass})) is None

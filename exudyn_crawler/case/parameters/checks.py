@@ -18,6 +18,7 @@ _newtons = partial(fields.in_units, units={"GN": 1e9, "MN": 1e6, "kN": 1e3, "N":
 LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7  # N, mean load of the machine on a shoe
 LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0  # m, radii of gyration of a shoe
 SHALLOWEST = 1e-5  # m that a shoe plausibly sinks into a unit at least
+BOTTOMLESS = 5.0  # heights of a shoe, or of a unit, beyond which nothing that sinks there rests. Chosen here
 DEEPEST = 0.5  # of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit
 GREATEST_SAG = 0.5  # of a unit's height: how far its weight and its share of the track press it down
 
@@ -55,6 +56,23 @@ def _inertia(case: Case) -> Iterator[str]:
     yield from sizes.thin_inertia("shoe", case.shoe.mass, case.shoe.inertia)
 
 
+def _unit_sag(case: Case) -> float:
+    """Way (m) by which a unit of the ground sinks under itself and the mean load of a shoe."""
+    terrain = case.terrain
+    return float((case.mean_load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness)
+
+
+def bottomless(case: Case) -> str | None:
+    """Line about shoes that would sink so far that there is no such ground; None where it carries them."""
+    height = case.shoe.com_height + case.shoe.load_point[2]
+    depth = case.settled_penetration
+    sag = 0.0 if case.terrain.model == "cells" else _unit_sag(case)
+    if depth <= BOTTOMLESS * height and (not sag or sag <= BOTTOMLESS * case.terrain.unit_height):
+        return None
+    how = f"by {depth:.3g} m" + (f" into units that sink by {sag:.3g} m" if sag else "")
+    return f"under the mean load of {_newtons(case.mean_load)} a shoe of {height:.3g} m would sink {how}"
+
+
 def _gear(case: Case) -> Iterator[str]:
     """Inertias of a machine's parts, and teeth, that do not go with the rest of it."""
     yield from case.gear.implausible(case.shoe, case.track)
@@ -72,7 +90,7 @@ def _sinking(case: Case) -> Iterator[str]:
     terrain = case.terrain
     if terrain.model == "cells":
         return
-    sag = (load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness
+    sag = _unit_sag(case)
     if sag > GREATEST_SAG * terrain.unit_height:
         half = f"more than half its height of {terrain.unit_height:g} m; the stiffness is in N/m"
         yield f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, {half}"

@@ -5,8 +5,10 @@ from contextlib import suppress
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.engine.rest import exudyn_rest, rest_from
 from exudyn_crawler.engine.system import ExudynSystem
+from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground import terrain
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.model.diagnostics import NewtonError, no_rest
@@ -29,8 +31,10 @@ def static_equilibrium(case: Case) -> np.ndarray:
 
     Laid out as `model.state` says: m and rad, from the places at t = 0 before settling. EquilibriumError
     where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
-    shoe that the ground carries least.
+    shoe that the ground carries least. Where the ground has no bottom for the shoes none is searched for.
     """
+    if (sinks := checks.bottomless(case)) is not None:
+        raise EquilibriumError(f"no static equilibrium of case {case.name!r} is searched for: {sinks}")
     if case.terrain.model == "cells":
         return _compiled_rest(case)
     if not isinstance(terrain.terrain_coordinates(case), terrain.TerrainModes):
