@@ -82,7 +82,8 @@ def shoe_stresses(
 
     Passes have the greatest roller load of the first group's load cases that go straight, of all of the group
     if none does. Check cases are solved once; ground without steps answers in proportion to forces, so that a
-    load case scales them (`docs/check-cases.md`). Bores are left out: pins hold them by spiders.
+    load case scales them (`docs/check-cases.md`). That of turns has the pull and the roller load of the turn
+    that needs the greatest pull. Bores are left out: pins hold them by spiders.
     """
     normal = [row for row in loads if row.group == loads[0].group]
     travel = [row for row in normal if row.drive == "straight"] or normal
@@ -91,8 +92,13 @@ def shoe_stresses(
     shoe = solve.CheckedShoe(check)
     below = _below(shoe.outline.beside)
     wanted = {name for names in below.values() for name in names} | {TURNED, DRIVEN}
-    cases = tuple(case for case in ready.ready_cases(shoe.outline, force) if case.name in wanted)
-    answers = solve.solve_cases(check.with_(cases=cases), shoe, say)
+    cases = {case.name: case for case in ready.ready_cases(shoe.outline, force)}
+    turning = max((row for row in loads if row.drive == "turn"), key=lambda row: row.needed, default=None)
+    if turning is not None:
+        turned = ready.ready_cases(shoe.outline, 0.5 * turning.roller, turning.needed / ready.PULL)
+        cases |= {case.name: case for case in turned if case.name == TURNED}
+    chosen = tuple(case for name, case in cases.items() if name in wanted)
+    answers = solve.solve_cases(check.with_(cases=chosen), shoe, say)
     greatest = {}
     outside = np.flatnonzero(shoe.regions != BORES)
     for case, stress in zip(answers.cases, answers.stress, strict=True):
@@ -102,8 +108,8 @@ def shoe_stresses(
     rows = []
     for row in loads:
         scales = dict.fromkeys(below[row.support], 0.5 * row.roller / force)
-        if row.drive == "turn":
-            scales[TURNED] = row.needed / ready.PULL
+        if turning is not None and row.drive == "turn":
+            scales[TURNED] = row.needed / turning.needed
         if row.drive in ("stall", "blocked"):
             scales[DRIVEN] = row.needed / ready.PULL
         rows += [

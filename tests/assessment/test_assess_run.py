@@ -258,6 +258,19 @@ def test_an_own_shoe_is_checked_by_the_mesh_of_its_case(tmp_path):
     assert even[1].stress == pytest.approx(even[0].stress / size**2, rel=0.05)
 
 
+@pytest.mark.slow
+def test_a_twentieth_of_all_forces_makes_a_twentieth_of_all_stresses():
+    """As on a small machine, whose shoe the pull of the papers' would tip."""
+    check = ShoeCheck(name="light", mesh="coarse", levels=())
+    loads = assessment_of(Case.shovel(), BARE).loads
+    light = [row._replace(roller=0.05 * row.roller, needed=0.05 * row.needed) for row in loads]
+    whole, part = (shoe_stresses(rows, check, lambda _: None)[0] for rows in (loads, light))
+    assert {"turn", "stall"} <= {row.drive for row in loads}
+    names = [(row.load_case, row.check_case) for row in whole]
+    assert [(row.load_case, row.check_case) for row in part] == names
+    assert [row.stress for row in part] == pytest.approx([0.05 * row.stress for row in whole], rel=1e-3)
+
+
 def test_a_shoe_is_checked_by_its_mesh_or_not_at_all():
     case = Case.shovel()
     settings = AssessmentSettings()
