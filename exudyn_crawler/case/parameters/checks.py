@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import drive, fields, sizes
+from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.errors import ImplausibleWarning
 
 logger = logging.getLogger("exudyn_crawler")
@@ -56,20 +57,24 @@ def _inertia(case: Case) -> Iterator[str]:
     yield from sizes.thin_inertia("shoe", case.shoe.mass, case.shoe.inertia)
 
 
-def _unit_sag(case: Case) -> float:
+def _unit_sag(case: Case, terrain: Terrain) -> float:
     """Way (m) by which a unit of the ground sinks under itself and the mean load of a shoe."""
-    terrain = case.terrain
-    return float((case.mean_load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness)
+    weight = terrain.unit_mass * case.gravity_vector()[2]
+    return float((case.mean_load - weight) / terrain.heave_stiffness)
 
 
 def bottomless(case: Case) -> str | None:
     """Line about shoes that would sink so far that there is no such ground; None where it carries them."""
     height = case.shoe.com_height + case.shoe.load_point[2]
     depth = case.settled_penetration
-    sag = 0.0 if case.terrain.model == "cells" else _unit_sag(case)
-    if depth <= BOTTOMLESS * height and (not sag or sag <= BOTTOMLESS * case.terrain.unit_height):
+    how = f"by {depth:.3g} m"
+    deepest = depth / height
+    if case.terrain.model != "cells":
+        sag = _unit_sag(case, case.terrain)
+        how += f" into units that sink by {sag:.3g} m"
+        deepest = max(deepest, sag / case.terrain.unit_height)
+    if deepest <= BOTTOMLESS:
         return None
-    how = f"by {depth:.3g} m" + (f" into units that sink by {sag:.3g} m" if sag else "")
     return f"under the mean load of {_newtons(case.mean_load)} a shoe of {height:.3g} m would sink {how}"
 
 
@@ -90,7 +95,7 @@ def _sinking(case: Case) -> Iterator[str]:
     terrain = case.terrain
     if terrain.model == "cells":
         return
-    sag = _unit_sag(case)
+    sag = _unit_sag(case, terrain)
     if sag > GREATEST_SAG * terrain.unit_height:
         half = f"more than half its height of {terrain.unit_height:g} m; the stiffness is in N/m"
         yield f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, {half}"
