@@ -166,7 +166,7 @@ def _history(work: _Work) -> History:
         return _simulated(work, None)
     points = checkpoints.Checkpoints(path, folder.say)
     if folder.holds is record.Holds.HISTORY:
-        folder.say(f"{case.name}: simulated already, going on with what is made of it")
+        folder.say(f"{case.name}: simulated already, continuing with tables, figures and page")
     else:
         try:
             _simulated(work, points)

@@ -100,7 +100,7 @@ class FilePanel:
                 self.name = ui.input("name of the file", suffix=".toml")
                 self.name.props('outlined dense data-testid="name"')
                 ui.button("Save", icon="save", on_click=self._save).props('data-testid="save-as"')
-            ui.label("The form and this file are the same. What is typed here is taken with the button.")
+            ui.label("The form and this file are the same case. The button takes over what you type here.")
             self.text = ui.textarea().classes("text").props('outlined spellcheck="false" data-testid="text"')
             ui.button("Take this text", on_click=self._take).props('data-testid="take-text"')
             self.error = ui.label().classes("refused console")

@@ -107,7 +107,7 @@ class Page:
     def run(self) -> None:
         """Let a run of the case as it stands wait for its turn."""
         if self.document.errors:
-            ui.notify("some values are refused: they stand in red in the form", type="warning")
+            ui.notify("some values are refused: the form marks them in red", type="warning")
             return
         name = self.runs.add(self.document.case_file, self.document.name)
         self.tabs.set_value(RUN)

@@ -179,7 +179,7 @@ def assessment_of(
     elif check is None:
         left_out.append(
             "left out: the shoe's stress: the machine's shoe is not the ready one of the 4100C, and the case "
-            "has no mesh of its own, which [flexible] names"
+            "has no mesh of it in [flexible]"
         )
     else:
         say(f"check cases of the shoe, mesh {check.mesh}")

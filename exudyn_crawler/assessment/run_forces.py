@@ -14,19 +14,19 @@ from exudyn_crawler.results.history.catalogue import rotation_matrices
 LEAST_PART = 0.05
 """Of the greatest force on a shoe, from which on it counts as standing on the ground."""
 REASONS = {
-    "greatest pressure": "a run's is that of a shoe: those under rollers bear more than those between",
-    "track load": "statics in both; pins beside the middle of their shoes move some of it",
-    "greatest roller load": "rollers of a run stand now on a shoe's middle, where they bear half more, now "
-    "where two shoes give way; and a machine that surges pitches",
-    "chain tension at the tumbler": "mean of a run at the end of its taut run; ground takes and gives some "
-    "of the pull between the rollers",
-    "greatest chain tension": "the formula is of steady travel: a machine that starts within a second surges "
-    "on its chains, by several times the mean torque; pins below rollers bear part of their load, too",
-    "torque of a tumbler": "the chain of a run has no loss in its pins; in a turn on units friction is that "
-    "of the slip speeds, above that of fast slip, and friction against yaw adds to that along and across",
-    "force across a shoe": "in a turn the formula has all friction of the most loaded shoe across the track, "
-    "on a slope the shoe's share by its load",
-    "resultant inside of the nearest edge": "statics in both; greatest pressure and tipping follow from it",
+    "greatest pressure": "a run has that of single shoes: shoes under rollers bear more than those between",
+    "track load": "both are statics; pins beside the middle of their shoes shift some load to one track",
+    "greatest roller load": "in a run a roller on a shoe's middle bears half more than its mean, and less "
+    "where two shoes meet; and a machine that surges pitches",
+    "chain tension at the tumbler": "a run has the mean at the end of the taut part of the chain; the ground "
+    "takes and gives some of the pull between the rollers",
+    "greatest chain tension": "the formula is for steady travel: a machine that starts within a second "
+    "surges on its chains with several times the mean torque; pins below rollers bear some of their load",
+    "torque of a tumbler": "the chain of a run has no loss in its pins; in a turn on units friction at the "
+    "slip speeds is above that of fast slip, and a friction torque against yaw comes on top",
+    "force across a shoe": "in a turn the formula takes all friction of the most loaded shoe across the "
+    "track, on a slope the shoe's share by its load",
+    "resultant inside of the nearest edge": "both are statics; greatest pressure and tipping follow from it",
 }
 """Why a run and a formula may differ, by quantity."""
 
@@ -217,7 +217,7 @@ def _number_of(loads: list[CaseLoads], run: RunForces, wanted: str | None) -> in
         load = "with" if run.loaded else "without"
         raise ValueError(
             f"run {run.name} (drive {run.drive!r}, {run.lies}, {load} payload or bank, support {support!r}) "
-            "is of no load case by itself; name the one that it stands for, 'LOAD CASE=RUN'"
+            "fits no load case; name its load case, 'LOAD CASE=RUN'"
         )
     return fits[0]
 

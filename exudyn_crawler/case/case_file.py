@@ -161,7 +161,7 @@ def _head(entry: fields.Entry) -> list[str]:
 
 def _bases(*kinds: type[BaseModel]) -> list[str]:
     names = dict.fromkeys(f'"{name}"' for kind in kinds for name in fields.named_values(kind))
-    return [f"{fields.BASE} = {' or '.join(names)} gives all that is left out"] if names else []
+    return [f"{fields.BASE} = {' or '.join(names)} gives all values that are not stated"] if names else []
 
 
 def typed_text(entry: fields.Entry) -> str:

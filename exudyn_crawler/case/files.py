@@ -218,14 +218,20 @@ class _FileSchema(GenerateJsonSchema):
         table = super().model_schema(schema)
         table.pop("required", None)
         if issubclass(kind, terrain.SoilLaw):
-            table["properties"][CYCLE] = {"type": "string", "description": "law file with what is left out"}
+            table["properties"][CYCLE] = {
+                "type": "string",
+                "description": "law file with the values that are not stated",
+            }
         if kind is track.Shoe:
             words = (
                 "coarse, study, fine or a mesh's file: shoe, pins and flexible shoes are those of the mesh"
             )
             table["properties"][shoe_of_file.KEY] = {"type": "string", "description": words}
         if names := sorted(fields.named_values(kind)):
-            table["properties"][fields.BASE] = {"enum": names, "description": "gives all that is left out"}
+            table["properties"][fields.BASE] = {
+                "enum": names,
+                "description": "gives all values that are not stated",
+            }
         return table
 
     def float_schema(self, schema: Any) -> dict[str, Any]:

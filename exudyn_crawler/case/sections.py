@@ -70,7 +70,9 @@ class Sections(Parameters):
         None,
     )
     gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
-    machine: MachineCycle | None = option("what the machine does on the side frame; none: its weight", None)
+    machine: MachineCycle | None = option(
+        "force and moment of the machine on the side frame; none: its weight alone", None
+    )
 
     flexible_shoes = _part("flexible", FlexibleShoes)
     running_gear = _part("gear", RunningGear)

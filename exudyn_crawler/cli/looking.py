@@ -298,7 +298,7 @@ def shoe(
         paths = write_shoe(recognised, out, overwrite)
     print_table(recognised.table, f"{name}: shoe of {file}")
     typer.echo("\n".join(recognised.lines()))
-    typer.echo(f"{paths['picture']}: look whether every surface has its colour")
+    typer.echo(f"{paths['picture']}: check that every surface has its colour")
     typer.echo(f"{paths['case']}: what cracks it: exudyn-crawler check {paths['case']}")
 
 

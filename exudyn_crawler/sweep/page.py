@@ -25,11 +25,11 @@ LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
 HEIGHT, ACROSS = 420, 6  # pixels of a row of panels, and panels in it at most
 FEW_TICKS = {"nticks": 4, "tickangle": 0}
 SCATTER = {
-    "quantiles": "Quantiles of the finished runs; least and most hold at 95 % for independent "
-    "draws. Where those of a quarter and of half of the runs lie beyond them, draw more.",
+    "quantiles": "Quantiles of the finished runs; least and most are their 95 % bounds for "
+    "independent draws. Where those of a quarter or of half of the runs lie beyond these bounds, draw more.",
     "failures": "Shoes that crack, by answers of life: every run is a shoe.",
-    "sensitivities": "Rank correlations (Spearman): 1 or -1 where one thing decides. How often chance alone "
-    "would show as much is in sensitivities.csv.",
+    "sensitivities": "Rank correlations (Spearman): 1 or -1 where one value alone decides. The probability "
+    "of as great a correlation by chance is in sensitivities.csv.",
 }
 
 
@@ -112,7 +112,9 @@ def _scatter(sweep: AnySweep, table: pd.DataFrame) -> Markup:
 def _figures(sweep: AnySweep, table: pd.DataFrame) -> list[page.Section]:
     labels = [answer.label for answer in sweep.answers]
     effects = results.main_effects(sweep, table)
-    means = page.paragraph("Means over all else that varies; bars reach to the least and the greatest.")
+    means = page.paragraph(
+        "Means over all other values that vary; bars reach from the least to the greatest."
+    )
     curves = [page.plot(response_curves(sweep, table, label)) for label in labels]
     bars = [page.plot(effect_figure(sweep, table, effects, label)) for label in labels]
     return [
@@ -125,7 +127,9 @@ def _indices(sweep: AnySweep, table: pd.DataFrame) -> Markup:
     indices, method = results.sobol_indices(sweep, table)
     if indices.empty:
         return page.paragraph(f"None: {method}.")
-    said = f"Shares of the variance that each makes alone (first) and in all (total): {method}."
+    said = (
+        f"Shares of the variance by each value alone (first) and with all its interactions (total): {method}."
+    )
     return page.together(page.paragraph(said), page.table(indices.dropna(axis="columns", how="all")))
 
 

@@ -112,7 +112,7 @@ def test_a_run_stands_for_the_load_case_that_is_named(aside):
         assessment_of(aside.case, BARE, runs=[("dig", run)])
     # with a payload none of the load cases stands without one
     loaded = BARE.with_(work={"payload": 9e4, "reach": 17.0})
-    with pytest.raises(ValueError, match=r"is of no load case by itself; name .*LOAD CASE=RUN"):
+    with pytest.raises(ValueError, match=r"fits no load case; name .*LOAD CASE=RUN"):
         assessment_of(aside.case, loaded, runs=[(None, run)])
 
 

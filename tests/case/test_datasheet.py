@@ -448,10 +448,10 @@ def test_a_vehicles_chain_that_closes_nowhere_is_refused_with_shoes_that_do():
         ({"drawbar_pull": 264.0}, "datasheet.drawbar_pull: 264 N is outside of 1000 to 1e+07 N"),
         ({"drawbar_pull": 2.64e3}, "datasheet.drawbar_pull: 2.64 kN are 0.00761 of the weight of 347 kN"),
         ({"recoil_force": 2e6}, "datasheet.recoil_force: 2000 kN are 5.76 of the weight of 347 kN"),
-        ({"contact_area": 69.4}, "datasheet.contact_area: 69.4 m2 are no area of both tracks, width by"),
+        ({"contact_area": 69.4}, "datasheet.contact_area: 69.4 m2 is not the area of both tracks, width by"),
         (
             {"ground_pressure": 4e5},
-            "datasheet.ground_pressure: 400 kPa is no mean one, weight over both tracks is",
+            "datasheet.ground_pressure: 400 kPa is not the mean pressure, weight over both tracks is",
         ),
         ({"travel_speed": 50.0}, "datasheet.travel_speed: 50 m/s is outside of 0.1 to 20 m/s"),
     ],

@@ -68,7 +68,7 @@ def test_intervals_of_many_shear_tests_come_from_leaving_them_out():
 def test_plates_of_one_width_give_the_modulus_of_that_width_alone():
     fit = fit_soil(plates(0.01, widths=(0.1,)), shear())
     remark = fit.remarks[0]
-    assert "k_c and k_phi are not told apart by plates of one width" in remark
+    assert "k_c and k_phi cannot be separated by plates of one width" in remark
     assert "100 mm alone" in remark
     assert fit.law.k_c == 0.0
     assert fit.law.k_phi == pytest.approx(SOIL.k_c / 0.1 + SOIL.k_phi, rel=0.05)
@@ -209,8 +209,8 @@ def test_the_command_warns_of_what_is_open(call, tmp_path):
     (tmp_path / "plates.csv").write_text(plate_text(plates(0.01, widths=WIDTHS[:1])))
     code, _, err = call("fit-soil", "plates.csv", "--base", "lete_sand")
     assert code == 0
-    assert err.startswith("warning: k_c and k_phi are not told apart")
-    assert "# k_c and k_phi are not told apart" in (tmp_path / "plates_law.toml").read_text()
+    assert err.startswith("warning: k_c and k_phi cannot be separated")
+    assert "# k_c and k_phi cannot be separated" in (tmp_path / "plates_law.toml").read_text()
 
 
 @pytest.mark.parametrize(

@@ -310,7 +310,7 @@ def test_page_of_a_machine_from_its_datasheet_says_where_every_value_comes_from(
     html = write_report(tmp_path).read_text()
     assert 'id="origins"' in html
     assert "track.pitch" in html
-    assert "a chain of so many shoes closes" in html
+    assert "the chain of N shoes closes" in html
     assert "remembered: not seen in a source" in html
     assert f"{machine.datasheet.source}" in html
     # it has a section of its own

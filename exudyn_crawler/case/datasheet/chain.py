@@ -154,9 +154,9 @@ def _closing_pitch(sheet: Datasheet, shoes: int, notes: Notes, gravity: float) -
     if on_ground is not None and over_shoes is not None:
         pitch = rules.pitch_of_loop(on_ground, over_shoes, shoes, depth, grouser)
         if pitch > 0.0:
-            how = "a chain of so many shoes closes: (2 C + pi (L - C - 2 grouser)) / (N + 2 pi depth)"
+            how = "the chain of N shoes closes: (2 C + pi (L - C - 2 grouser)) / (N + 2 pi depth)"
             return pitch, how
-    wheels = "a chain of so many shoes closes about wheels of a sprocket's size"
+    wheels = "the chain of N shoes closes about wheels of a sprocket's size"
     gaps = _gaps(sheet, notes)
     if on_ground is not None:
         return rules.pitch_of_gaps(on_ground, shoes, gaps), f"{wheels}: 2 C / (N - pi / sin(pi / z))"

@@ -47,7 +47,7 @@ def odd_figures(sheet: Datasheet) -> Iterator[str]:
         if not least <= sheet.contact_area / area <= greatest:
             printed = f"{sheet.contact_area:.4g} m2"
             by_length = f"width by length is {area:.4g} m2"
-            yield f"datasheet.contact_area: {printed} are no area of both tracks, {by_length}"
+            yield f"datasheet.contact_area: {printed} is not the area of both tracks, {by_length}"
     if sheet.ground_pressure is None or "ground_pressure" in named:
         return
     mean = weight / area
@@ -55,4 +55,4 @@ def odd_figures(sheet: Datasheet) -> Iterator[str]:
     if not least <= sheet.ground_pressure / mean <= greatest:
         printed = f"{1e-3 * sheet.ground_pressure:.4g} kPa"
         by_area = f"weight over both tracks is {1e-3 * mean:.4g} kPa"
-        yield f"datasheet.ground_pressure: {printed} is no mean one, {by_area}"
+        yield f"datasheet.ground_pressure: {printed} is not the mean pressure, {by_area}"

@@ -63,7 +63,7 @@ def shoe_of_mesh(name: str) -> MeshShoe:
     front, rear = (_pin(mesh, end) for end in ("front", "rear"))
     if abs(front[2] - rear[2]) > SAME_PITCH:
         raise DatasheetError(
-            f"shoe_mesh {name} must have front and rear pins at one height, the front ones are "
+            f"shoe_mesh {name} must have front and rear pins at one height, the front pins are "
             f"{1e3 * (front[2] - rear[2]):+.3g} mm higher"
         )
     return MeshShoe(

@@ -73,7 +73,7 @@ def _recoil(sheet: Datasheet, pitch: float, notes: Notes) -> Recoil | None:
         weight = sheet.operating_weight * ph4100c.GRAVITY
         force = notes.sized(f"{path}.preload", "recoil_force", weight, "N")
     pressed = pitch * notes.typical("recoil_pressed")
-    how = "installed force over the way by which it is pressed, recoil_pressed"
+    how = "installed force over its compression as installed, recoil_pressed"
     stiffness = notes.note(f"{path}.stiffness", force / pressed, "N/m", "derived", how)
     mass = notes.sized(f"{path}.mass", "idler_mass", pitch**3, "kg")
     notes.note(f"{path}.damping", None, "", "assumed", f"{RECOIL_DAMPING:g} of critical, chosen")

@@ -122,7 +122,7 @@ def _on_ground(sheet: Datasheet, notes: Notes) -> float | None:
     if sheet.shoes is None or sheet.pitch is None:
         return None
     value = sheet.shoes * sheet.pitch / notes.typical("loop")
-    how = "a chain is 3.4 times as long as what is on the ground"
+    how = "the chain is 3.4 times as long as its part on the ground"
     return float(notes.note("length on ground", value, "m", "assumed", how))
 
 
@@ -132,7 +132,7 @@ def _pitch(sheet: Datasheet, on_ground: float, notes: Notes) -> float:
         return sheet.pitch
     if sheet.shoes is not None:
         pitch = on_ground * notes.typical("loop") / sheet.shoes
-        how = "a chain of so many shoes is 3.4 times as long as what is on the ground"
+        how = "the chain of N shoes is 3.4 times as long as its part on the ground"
     else:
         pitch = rules.pitch_by_mass(sheet.operating_weight, notes.typical("pitch_by_mass"))
         how = "pitch_by_mass (weight / t)^(1/3)"

@@ -50,7 +50,10 @@ class ClosedFrame(RunningGear):
         "m", "x of rear and front end, z of the top of slides under the upper run, rear to front", default=()
     )
     slide_step: base.Length = quantity(
-        "m", "of the lines across a slide on which rails rub, so round as carriers", (0.1, 2.0), default=0.45
+        "m",
+        "of the lines across a slide on which rails rub, with a carrier's radius",
+        (0.1, 2.0),
+        default=0.45,
     )
     slide_friction: base.Coefficient = quantity(
         "1", "of rails on slides, 0 at rest as rolling is", (0.05, 0.8), default=ph4100c.SLIDE_FRICTION

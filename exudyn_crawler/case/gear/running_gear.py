@@ -66,7 +66,9 @@ class RunningGear(Gear):
     damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
     damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
     rolling_resistance: base.Coefficient = quantity("1", "of a wheel over its normal force", (0.0, 0.2))
-    resistance_speed: base.Speed = quantity("m/s", "over the rail at which it has 0.7 of it", (1e-5, 0.1))
+    resistance_speed: base.Speed = quantity(
+        "m/s", "of a wheel over the rail at which its resistance is 0.7 of the full one", (1e-5, 0.1)
+    )
 
     @property
     def parts(self) -> tuple[str, ...]:

@@ -293,11 +293,10 @@ class FlexibleShoes(Parameters):
     com_node: base.Three = quantity(
         "m", "place in the shoe's frame whose nearest mesh node a drive may move", default=(0.0, 0.0, 0.0)
     )
-    load_mode: bool = option(
-        "whether both bases have the static answer to the machine load, which modes lack else", False
-    )
+    load_mode: bool = option("whether both bases include the static response to the machine load", False)
     static_fields: bool = option(
-        "whether stress has static answers to all loads: left-out modes lack their inertia alone", True
+        "whether stress includes the static response to all loads; left out is the inertia of further modes",
+        True,
     )
     highest_frequency: float | None = quantity(
         "Hz", "above which integrated modes are left out", (50.0, 1e6), gt=0, le=1e12, default=None

@@ -29,10 +29,10 @@ CLOSE = 0.99
 """Correlation from which on two parameters are hard to tell apart. Chosen here."""
 
 ONE_WIDTH = (
-    "k_c and k_phi are not told apart by plates of one width: k_c = 0, and k_phi holds for {:.4g} mm alone"
+    "k_c and k_phi cannot be separated by plates of one width: k_c = 0, and k_phi holds for {:.4g} mm alone"
 )
-ONE_PRESSURE = "cohesion and friction are not told apart by shear under one pressure: cohesion = 0 is taken"
-ONE_DEPTH = "reload_stiffness and reload_growth are not told apart by unloading from one sinkage: growth = 0"
+ONE_PRESSURE = "cohesion and friction cannot be separated by shear under one pressure: cohesion = 0 is taken"
+ONE_DEPTH = "reload_stiffness and reload_growth cannot be separated by unloading from one sinkage: growth = 0"
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def fit_plates(tests: PlateTests) -> tuple[PartFit, list[str]]:
         )
         result = fitted(False)
     elif several and result.span("k_c")[0] <= 0.0:
-        remarks.append("k_c is not told apart from zero")
+        remarks.append("k_c does not differ from zero within its interval")
     if result.number("k_phi") < 1e-6 * max(1.0, result.value[0]):
         raise ValueError("k_phi must be greater than zero, the plates give none: k_c alone carries them")
     wider = "a wider range of sinkages would determine it"
@@ -248,7 +248,7 @@ def _close(result: PartFit) -> list[str]:
     rows, columns = np.nonzero(np.triu(np.abs(result.correlation) > CLOSE, k=1))
     return [
         f"{result.names[a]} and {result.names[b]} are correlated by {result.correlation[a, b]:.3f}: "
-        "take them together"
+        "use both together, and replace none of them alone"
         for a, b in zip(rows, columns, strict=True)
     ]
 

@@ -33,7 +33,7 @@ class Standing(NamedTuple):
             if not LEAST_SAG <= share <= GREATEST_SAG:
                 side = f"{chain.side} chain" if chain.side else "chain"
                 how = "tauter" if share < LEAST_SAG else "slacker"
-                sags = f"it sags by {1e3 * chain.sag:.3g} mm in {chain.span:.3g} m before the idler"
+                sags = f"it sags by {1e3 * chain.sag:.3g} mm in {chain.span:.3g} m behind the idler"
                 makers = f"{100.0 * LEAST_SAG:g} to {100.0 * GREATEST_SAG:g} %"
                 yield (
                     f"gear.idler: the {side} is {how} than makers ask for: {sags}, "

@@ -14,8 +14,8 @@ SHORT = ["item", "load case", "group", "utilisation", "number", "limit", "unit",
 HOW = ["item", "formula", "source", "mark", "factor", "factor from"]
 MARKS = "Marks: S seen in a text of the source, D derived, R remembered: to be checked before it is used."
 NO_CONFORMITY = (
-    "These are formulas, with factors of named sources as far as they are known. It is no conformity with "
-    "any standard: what is followed and what is left out stands below."
+    "These are formulas, with factors of named sources as far as they are known. They claim no conformity "
+    "with any standard: the clauses that are followed and those left out are listed below."
 )
 DRAWN = {
     "pressure": ("Ground pressure", ("ground pressure over slew", "pressure along the tracks")),

@@ -23,24 +23,24 @@ LEAST_DECADES = 2  # powers of ten of life that the colours span at least
 DRAWN, POINTS = 3, 2000
 """Nodes of the table whose growing damage is drawn, and points of a drawn curve at most."""
 BENT = 0.05  # m, at which the greatest elastic displacement of a check is drawn at most
-BY_CASE = "Colours are the stress of a case, on a scale of its own."
+BY_CASE = "Colours show the stress of a case, with a separate scale for each case."
 VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
 WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
 UNKNOWN = (
-    "Where the drive pulls at a single node the life is not known. A verdict is of the changes of stress: "
-    "what mesh, left-out fields and spread leave open of them."
+    "Where the drive pulls at a single node the life is unknown. A verdict judges the stress ranges: their "
+    "uncertainty by the mesh, left-out static fields and the spread."
 )
 SHARES = (
-    "The share of a load is its part of the ranges of stress, weighted by their damage; a load that relieves "
-    "has a negative one. Lives by single criteria leave out what goes from run to run."
+    "The contribution of a load is its part of the stress ranges, weighted by their damage; that of a load "
+    "that relieves is negative. Lives by single criteria leave out the cycles from run to run."
 )
 CAUSES = (
-    "Machine hours after which each thing that happens would crack a region by itself: the darker, the "
-    "sooner. With stages of wear it is what a thing does in all of them until the crack."
+    "Machine hours after which each run or check case alone would crack a region: the darker, the sooner. "
+    "With stages of wear the damage of all stages until the crack counts."
 )
 CONTACT = (
-    "Contact below the treads, in the last stage: to yield and to shakedown are the factors by which "
-    "stresses may grow until the steel flows, and until it flows in every pass. No life above counts it."
+    'Contact below the treads, in the last stage: "to yield" and "to shakedown" are the factors by which '
+    "stresses may grow until the steel flows once, and in every pass. The lives above leave it out."
 )
 
 
@@ -97,7 +97,7 @@ def life_lines(lives: LifeResults) -> list[str]:
     factors = material.factors()
     strength = material.curve(lives.duty.miner).strength / style.MEGA
     return [
-        f"{survival:g} % of the shoes see no crack at their worst node outside of rigid spiders "
+        f"{survival:g} % of the shoes have no crack at their worst node, rigid pin couplings left out "
         f"({worst['region']}) before {shortest} machine hours{mean}"
         f"{worn and f'; stages{worn[1:]}, the last goes on'}",
         f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
@@ -244,7 +244,7 @@ def write_check_page(checked: CheckResults, path: Path, overwrite: bool = False)
     lead = [
         *check_lines(checked),
         f"{len(checked.cases)} static cases, mesh {checked.check.mesh}, {checked.check.material.name}",
-        f"an hour: how many crack 2.5 % of the shoes in {cell_text(checked.check.hours)} h; worst regions",
+        f"an hour: cycles that crack 2.5 % of the shoes in {cell_text(checked.check.hours)} h; worst regions",
     ]
     html = _coloured_page(f"Check of {checked.check.name}", lead, sections, check_solid(checked, colourings))
     return page.write_page(html, path, overwrite)

@@ -97,5 +97,5 @@ def machines_page(case_files: dict[str, CaseFile]) -> str:
             page.paragraph(f"exudyn-crawler init mine --machine {name}"),
         )
         sections.append(Section(name, f"{case_file.case.name}, {sheet.kind}", body))
-    lead = ["Each is a datasheet with its sources; all that it does not say follows by a rule or is typical."]
+    lead = ["Each is a datasheet with its sources; all other values follow by a rule or are typical."]
     return page.page(TITLE, lead, sections)

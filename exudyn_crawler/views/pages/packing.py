@@ -151,8 +151,8 @@ def packed_curves(
     most = max((run.time.size for run in histories.values()), default=0)
     said = (
         f"Of the {most} stored times each curve keeps the least and the greatest value in every one of "
-        f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; in between it is thinner "
-        "than what was computed."
+        f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; times between "
+        "these are left out."
     )
     labels = {label for series in offered.values() for label in series}
     first = [next(choice for choice in each if choice in labels) for each in FIRST] if cases else []
