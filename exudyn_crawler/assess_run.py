@@ -1,6 +1,6 @@
 """One assessment into one folder: tables, drawings and a page; forces of runs where those are named."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from exudyn_crawler import files
@@ -27,6 +27,7 @@ ASSESSED_TABLES = {
     "clauses.csv": "clauses",
 }
 COMPARED = "run.csv"
+LEAST_PAYLOAD = 1e-3  # of the machine's mass, as none has beside no payload at all. Chosen here
 
 
 def assess(
@@ -79,12 +80,21 @@ def assess(
         given = asked.given if settings is None else ()
         known = {key: (row.origin, row.how) for key, row in origins(asked.machine).items()}
         settings = settings or asked.settings
-    checks.warn_of(checks.out_of_range(settings))
+    checks.warn_of([*checks.out_of_range(settings), *_odd_payload(case, settings)])
     runs = [_forces(named) for named in ([run] if isinstance(run, str | Path) else run)]
     found = assessment_of(case, settings, given=given, origins=known, runs=runs, say=say)
     if folder is not None:
         write_assessment(found, files.writable_folder(folder), overwrite)
     return found
+
+
+def _odd_payload(case: Case, settings: AssessmentSettings) -> Iterator[str]:
+    """Line about a payload that is next to nothing beside the machine."""
+    payload = settings.work.payload
+    mass = sum(part.mass for part in case.frame_parts) + case.track.shoe_count * case.shoe.mass
+    if 0.0 < payload < LEAST_PAYLOAD * mass:
+        share = f"{payload:g} kg is {payload / mass:.2g} of the machine's {mass:.4g} kg"
+        yield f"work.payload: {share}; is it in t? It has to be in kg"
 
 
 def _forces(named: str | Path) -> tuple[str | None, run_forces.RunForces]:

@@ -213,7 +213,10 @@ def read_scatter(path: str | Path) -> AnySweep:
     path = Path(path)
 
     def values(content: reading.Content) -> reading.Content:
-        duty = read_duty(path.parent / str(content.pop("duty")))
+        duty_file = path.parent / str(content.pop("duty"))
+        if not duty_file.is_file():
+            raise ValueError(f"duty: there is no file {duty_file}")
+        duty = read_duty(duty_file)
         bare_duty = duty.with_(survivals=duty.survivals[-1:], plane_nodes=0)
         return content | {"duty": bare_duty.model_dump(mode="json")}
 

@@ -14,6 +14,7 @@ from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import check_of, shoe_stresses
 from exudyn_crawler.case import Drive, Heights, Ridge, Track
 from exudyn_crawler.case.datasheet import library
+from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.results.checks.cases import ShoeCheck
 from fem import Mesh, write_mesh
@@ -259,6 +260,12 @@ def test_an_own_shoe_is_checked_by_the_mesh_of_its_case(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_payload_in_tonnes_is_asked_about():
+    tonnes = BARE.with_({"work.payload": 90.7, "work.reach": 17.0})
+    with pytest.warns(ImplausibleWarning, match=r"^work\.payload: 90\.7 kg is 6.*e-05 of .* is it in t\?"):
+        assess(Case.shovel(), settings=tonnes)
+
+
 def test_a_twentieth_of_all_forces_makes_a_twentieth_of_all_stresses():
     """As on a small machine, whose shoe the pull of the papers' would tip."""
     check = ShoeCheck(name="light", mesh="coarse", levels=())

@@ -223,6 +223,12 @@ def test_the_command_warns_of_what_is_open(call, tmp_path):
             "point 4 has a sinkage of 44 m, more than 2 m: is its unit right?",
         ),
         (plates(), "pressure", -3e5, "point 4 has a pressure of -3e+05 Pa, against all others"),
+        (
+            plates(),
+            "pressure",
+            200.0,
+            "point 4 has a pressure of 200 Pa beside ",
+        ),
         (plates(), "width", 50.0, "point 4 has a plate of 50 m, more than 3 m: is its unit right?"),
         (shear(), "displacement", 60.0, "point 4 has a displacement of 60 m, more than 1 m"),
         (

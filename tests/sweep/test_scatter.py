@@ -307,6 +307,7 @@ def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
         ("low = 0.8", "low = -0.8", r"cases\[0\].load"),
         ('"cases[0].load"', '"cases[4].load"', "cases has 2 items"),
         ("runs = 12", "", "runs must be given"),
+        ('"duty.toml"', '"other.toml"', r"scatter.toml: duty: there is no file .*other.toml"),
     ],
 )
 def test_faults_of_what_is_drawn_are_told(drawn_duty, old, new, told):

@@ -20,6 +20,7 @@ LIFTED = 0.02
 
 DEEPEST, WIDEST, FARTHEST = 2.0, 3.0, 1.0
 """m, sinkage, size of plates and displacement in shear, beyond which a unit is not what its head says."""
+OFF = 10.0  # times more or less pressure than both neighbours
 HIGHEST = 1e7  # Pa, of a pressure or a stress
 STEEPEST, STICKIEST = 3.0, 1e5
 """Of a shear stress: slope over the pressure, and Pa without any, beyond which no soil shears."""
@@ -60,6 +61,22 @@ class PlateTests:
         yield from _beyond("plate", self.width, WIDEST, "m")
         yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
         yield from _other_sign("pressure", self.pressure, "Pa")
+        for points in self.each():
+            yield from self._off_neighbours(points)
+
+    def _off_neighbours(self, points: np.ndarray) -> Iterator[str]:
+        """Line about the first point of a test that deeper and shallower neighbours leave far behind."""
+        sinkage = self.sinkage[points]
+        before, pressure, after = (self.pressure[points][k : len(points) - 2 + k] for k in range(3))
+        # of an unloading the plate comes up
+        sinks = (np.diff(sinkage) > 0.0)[:-1] & (np.diff(sinkage) > 0.0)[1:]
+        low = OFF * pressure < np.minimum(before, after)
+        high = pressure > OFF * np.maximum(before, after)
+        wrong = np.flatnonzero(sinks & (np.minimum(before, after) > 0.0) & (low | high))
+        if len(wrong):
+            row = int(wrong[0])
+            beside = f"beside {before[row]:.4g} and {after[row]:.4g} Pa: is its decimal point right?"
+            yield f"point {points[row + 1] + 1} has a pressure of {pressure[row]:.4g} Pa {beside}"
 
     def of(self, points: np.ndarray) -> Self:
         """Some of the points, by their numbers or as a mask."""
