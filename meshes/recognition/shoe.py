@@ -243,7 +243,15 @@ def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> File
     """Solid of a STEP file: bores found on a quick mesh of its faces get small elements."""
     solid = solids.StepSolid(path, choices.body)
     triangles, face = solid.quick()
-    guess = axes_of(triangles, choices, "mm")
+    try:
+        guess = axes_of(triangles, choices, "mm")
+    except ValueError as error:
+        if not solid.questions:
+            raise
+        raise ValueError(
+            f"{error}; {solid.questions[0].words}: pins and bushes among them fill bores, "
+            f"{solid.questions[0].flag} takes a single one"
+        ) from error
     pair: PinPair = guess.pins
     for line in pair.lines:
         solid.refine(face[line.faces], size.of_bores * line.radius)

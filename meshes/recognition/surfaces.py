@@ -140,6 +140,7 @@ def _underside(
     tips = np.abs(heights - heights[stands].min()) < SAME_HEIGHT
     plate = np.abs(heights - heights[0]) < SAME_HEIGHT
     plate &= (areas > PLATE * areas[0]) | tips
+    plate |= _beyond_plate(local, parts, plate)
     drop = float(heights[0] - heights[stands].min())
     asked: list[Question] = []
     has_grousers = drop > SAME_HEIGHT
@@ -153,7 +154,7 @@ def _underside(
             asked.append(Question("--footprint tips", f"{words}; the plate was taken"))
     else:
         sole = "plate"
-    chosen = tips if sole == "tips" or not has_grousers else plate | _beyond_plate(local, parts, plate)
+    chosen = tips if sole == "tips" or not has_grousers else plate
     faces["underside"] = np.concatenate([part for part, is_in in zip(parts, chosen, strict=True) if is_in])
     area = float(areas[chosen].sum())
     return sole, area, asked
@@ -198,7 +199,8 @@ def _top(
     if rails is not None:
         named["roller path"] = rails
     else:
-        remarks.append(f"no rails: {why}")
+        area = float(local.areas[named["top"]].sum())
+        remarks.append(f"no rails: {why}; the machine presses on all of the top, {area:.3g} m2")
     return named
 
 

@@ -233,6 +233,19 @@ def test_solids_that_touch_are_fused_and_others_chosen_from(tmp_path):
         recognize_file(apart)
 
 
+def test_pins_that_fill_bores_are_told_of_with_the_flag_that_leaves_them_out(tmp_path):
+    occ = pytest.importorskip("netgen.occ")
+    body = plate_shoe(occ)
+    pin = occ.Cylinder(occ.Pnt(100, -160, 60), occ.Y, 15, 320)
+    path = tmp_path / "pinned.step"
+    occ.Compound([body, pin]).WriteStep(str(path))
+    words = "round bores .* 2 solids were fused .*: pins and bushes among them fill bores, --body N takes"
+    with pytest.raises(ValueError, match=words):
+        recognize_file(path, size="coarse")
+    triangles, _ = StepSolid(path, "1").quick()
+    assert axes_of(triangles, Choices(), "mm").pins.pitch == pytest.approx(200.0, abs=1e-3)
+
+
 def test_broken_step_files_are_refused(tmp_path):
     occ = pytest.importorskip("netgen.occ")
     path = tmp_path / "box.step"
