@@ -77,13 +77,13 @@ def pulled(case, slips=(0.02, 0.2), **changes):
     return changed.case, changed.duration
 
 
-def test_slips_rise_and_are_held_as_long_as_a_shoe_takes_from_front_to_rear():
+def test_slips_rise_and_are_held_until_the_machine_goes_steadily():
     case, duration = pulled(closed_case(), height=0.5)
     passage = even_track(case).length / SPEED
     slip = case.drive.slip
     assert slip.values == (0.0, 0.02, 0.02, 0.2, 0.2)
-    assert slip.times[0] == pytest.approx(2.0 + 1.35 * passage)
-    assert np.diff(slip.times) == pytest.approx([0.15 * passage, 1.35 * passage] * 2)
+    assert slip.times[0] == pytest.approx(2.0 + 2.85 * passage)
+    assert np.diff(slip.times) == pytest.approx([0.15 * passage, 2.85 * passage] * 2)
     assert duration == slip.times[-1]
     assert case.drive.drawbar_height == 0.5
     case.check_support(duration)
@@ -197,11 +197,10 @@ def test_work_of_the_drive_is_that_of_the_pull_of_slip_and_of_resistance(springi
 
 @pytest.mark.simulation
 @pytest.mark.slow
-@pytest.mark.parametrize(("stays", "part"), [(True, 0.665), (False, 1.0)])
+@pytest.mark.parametrize(("stays", "part"), [(True, 0.72), (False, 1.0)])
 def test_a_rut_takes_pull_at_little_slip(stays, part):
     law = BekkerSoil.lete_sand()
     law = law if stays else law.with_(reload_stiffness=0.0)
-    # held at once; after 1 % docs/measured.md has 0.71
     case, duration = pulled(closed_case(law), (0.02,))
     _, ratio = even(simulate(case, duration, progress=False))
     assert ratio[0] == pytest.approx(part, abs=0.03)
