@@ -167,7 +167,7 @@ def pull_trends(say: Callable[[str], None]) -> list[Trend]:
             "high tension in the belt raises it slightly",
             f"550 kN of pretension in place of 90: {100.0 * (by_tension - 1.0):+.1f} %, in place of some "
             f"250: {100.0 * (tight[0] / usual[0] - 1.0):+.1f} %",
-            1.0 < by_tension < 1.1,
+            slack[0] < usual[0] < tight[0] < 1.1 * usual[0],
         ),
     ]
 
