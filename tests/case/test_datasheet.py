@@ -461,6 +461,40 @@ def test_figures_of_no_machine_are_told_by_the_datasheets_keys(changes, words):
     assert next(iter(odd_figures(sheet.with_(**changes)))).startswith(words)
 
 
+def test_a_mini_excavator_is_plausible(written):
+    """Of 1.7 t by eight figures: its shoes weigh less than any that a file would have by mistake in t."""
+    mini = """
+    [datasheet]
+    operating_weight = "1735 kg"
+    width_over_shoes = "1240 mm"
+    shoe_width = "230 mm"
+    length_on_ground = "1230 mm"
+    crawler_length = "1590 mm"
+    """
+    assert list(odd_values(read_case(written(mini)))) == []
+    assert any(
+        line.startswith("shoe.mass: 3 kg")
+        for line in odd_values(read_case(written(f"{mini}[shoe]\nmass = 3.0\n")))
+    )
+
+
+def test_a_dozer_with_an_elevated_sprocket_is_told_to_be_built_low():
+    """Of 66 t with 44 shoes of 281 mm on 3.885 m, which go up to the sprocket."""
+    values = {"kind": "dozer", "operating_weight": 66.5e3, "gauge": 2.55, "shoe_width": 0.61, "pitch": 0.281}
+    sheet = Datasheet(**values, length_on_ground=3.885, shoes=44)
+    (line,) = odd_figures(sheet)
+    assert line.startswith("datasheet.shoes: 44 leave a sprocket of 16.")
+    assert "is it elevated?" in line
+    assert list(odd_figures(sheet.with_(shoes=41))) == []
+
+
+def test_tanks_with_short_shoes_are_built():
+    """Of 97 shoes of 137 mm: 42 pitches from sprocket to idler."""
+    values = {"kind": "vehicle", "operating_weight": 41.5e3, "gauge": 2.79, "length_on_ground": 4.27}
+    case = derived(Datasheet(**values, shoe_width=0.58, shoes=97, pitch=0.137, lower_rollers=6)).case
+    assert case.gear.rollers[-1] - case.gear.rollers[0] == pytest.approx(4.27)
+
+
 @pytest.mark.parametrize("name", machines())
 def test_figures_of_the_librarys_machines_are_plausible(name):
     assert list(odd_values(read_case(machines()[name]))) == []

@@ -5,13 +5,17 @@ import pytest
 
 from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import Drive
+from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.gear.closed_frame import LEAST_SAG, MAKERS_SAG
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.history.summary import difference_table, key_results
 from exudyn_crawler.results.history.tension import depth_below_edge
+from exudyn_crawler.run.solve import rest
 from exudyn_crawler.run.solve.standing import standing
 from exudyn_crawler.run.solve.tension import chains_at_rest, tensioned
+from tests.case.random_datasheets import drawn
 from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
@@ -67,6 +71,25 @@ def test_sag_less_than_that_of_the_tautest_chain_is_refused():
     )
     with pytest.raises(EquilibriumError, match=words):
         tensioned(with_idler(Case.closed(), sag=0.005))
+
+
+@pytest.mark.slow
+def test_a_long_chain_that_slips_back_over_its_wheels_comes_to_rest_soon(monkeypatch):
+    """Of 684 t without carriers: its upper run of 11.6 m creeps on with as many iterations in each step."""
+    case = derived(Datasheet(**drawn(126))).case
+    inner = rest._creeping_step
+    steps = []
+
+    def counted(*arguments):
+        steps.append(arguments[5])
+        return inner(*arguments)
+
+    monkeypatch.setattr(rest, "_creeping_step", counted)
+    whole = tensioned(case)
+    assert len(steps) < 5000
+    # on the ground of either track, under its half of the machine
+    for chain in chains_at_rest(whole):
+        assert chain.sag == pytest.approx(MAKERS_SAG * chain.span, rel=0.02)
 
 
 @pytest.mark.slow

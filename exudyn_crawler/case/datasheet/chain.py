@@ -14,7 +14,7 @@ LOOSE = 0.01  # of a chain's length, by which lengths of a datasheet may disagre
 PLAUSIBLE_GAPS = 8, 18  # of sprockets for which a number of shoes, or a pitch by mass, is taken
 IDLER_SIZES = 0.8, 1.2
 """Times a printed sprocket's circle: mean of sprocket and idler with which it closes a chain."""
-LONGEST, SHORTEST = 40.0, 5.0  # pitches of a length on ground
+LONGEST, SHORTEST = 60.0, 5.0  # pitches of a length on ground
 HALF_PITCH: tuple[Kind, ...] = ("excavator", "dozer", "loader", "drill", "paver")
 """Kinds of machines whose sprockets have an odd number of teeth, of which a chain uses every second gap."""
 
@@ -74,7 +74,8 @@ def chain_of(sheet: Datasheet, notes: Notes, gravity: float, depth: float | None
             "derived",
             "length of the loop, 2 C + pi d, over the pitch",
         )
-    _check_lengths(on_ground, pitch, shoes)
+    what = "length on ground" if sheet.sprocket_to_idler is None else "way from sprocket to idler"
+    _check_lengths(on_ground, pitch, shoes, what)
     if sheet.sprocket_to_idler is None:
         _check_closing(sheet, pitch, shoes, on_ground, diameter)
     gaps = sheet.sprocket_gaps
@@ -230,12 +231,12 @@ def _on_ground(
     return float(notes.note("length on ground", value, "m", "derived", how))
 
 
-def _check_lengths(on_ground: float, pitch: float, shoes: int) -> None:
+def _check_lengths(on_ground: float, pitch: float, shoes: int, what: str) -> None:
     """Refuse lengths that no track of this pitch has."""
     if not SHORTEST * pitch <= on_ground <= LONGEST * pitch:
         least, most = (_length(on_ground / bound) for bound in (LONGEST, SHORTEST))
         raise DatasheetError(
-            f"a length on ground of {on_ground:.3g} m is {on_ground / pitch:.3g} shoes of {_length(pitch)}; "
+            f"a {what} of {on_ground:.3g} m is {on_ground / pitch:.3g} shoes of {_length(pitch)}; "
             f"{SHORTEST:g} to {LONGEST:g} can be built, with a pitch of {least} to {most}"
         )
     if not 10 <= shoes <= MOST_SHOES // 2:

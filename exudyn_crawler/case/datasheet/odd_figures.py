@@ -3,6 +3,9 @@
 from collections.abc import Iterator
 
 from exudyn_crawler.case.case_file import CaseFile
+from exudyn_crawler.case.datasheet import typical
+from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.provenance import provenance
 from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.parameters.checks import implausible, out_of_range
 from exudyn_crawler.case.ph4100c import GRAVITY
@@ -21,9 +24,14 @@ AREA = 1.0 / 3.0, 2.5
 
 def odd_values(case_file: CaseFile) -> Iterator[str]:
     """Lines about all values of a case file that no machine and no ground has, those of a datasheet first."""
-    if case_file.datasheet is not None:
-        yield from odd_figures(case_file.datasheet)
-    yield from implausible(case_file.case, case_file.duration)
+    lines = implausible(case_file.case, case_file.duration)
+    if case_file.datasheet is None:
+        yield from lines
+        return
+    yield from odd_figures(case_file.datasheet)
+    # what follows by a rule is in no wrong unit: shoes of a small machine weigh less than any of a file do
+    by_rule = {row.key for row in provenance(case_file.case, case_file.datasheet) if row.origin != "given"}
+    yield from (line for line in lines if line.split(":")[0] not in by_rule)
 
 
 def odd_figures(sheet: Datasheet) -> Iterator[str]:
@@ -31,6 +39,7 @@ def odd_figures(sheet: Datasheet) -> Iterator[str]:
     lines = [*out_of_range(sheet)]
     yield from (f"datasheet.{line}" for line in lines)
     named = {line.split(":")[0] for line in lines}
+    yield from _odd_sprocket(sheet)
     weight = sheet.operating_weight * GRAVITY
     for name, (least, greatest) in SHARES.items():
         force = getattr(sheet, name)
@@ -56,3 +65,16 @@ def odd_figures(sheet: Datasheet) -> Iterator[str]:
         printed = f"{1e-3 * sheet.ground_pressure:.4g} kPa"
         by_area = f"weight over both tracks is {1e-3 * mean:.4g} kPa"
         yield f"datasheet.ground_pressure: {printed} is not the mean pressure, {by_area}"
+
+
+def _odd_sprocket(sheet: Datasheet) -> Iterator[str]:
+    """Line about a dozer whose chain is longer than one about a low sprocket: an elevated one lifts it."""
+    if sheet.kind != "dozer" or sheet.shoes is None or sheet.sprocket_gaps is not None:
+        return
+    greatest = typical.row_of("sprocket_gaps", sheet.kind).high
+    gaps = derived(sheet).chain.gaps
+    if gaps > greatest:
+        yield (
+            f"datasheet.shoes: {sheet.shoes} leave a sprocket of {gaps:.3g} shoes a turn, dozers have up to "
+            f"{greatest:g}; is it elevated? It is built low, on the ground's length"
+        )

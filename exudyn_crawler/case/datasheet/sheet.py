@@ -78,10 +78,10 @@ class Datasheet(Parameters):
         default=None,
     )
     roller_diameter: base.Length | None = quantity(
-        "m", "of the treads of lower rollers or road wheels", (0.1, 1.5), default=None
+        "m", "of the treads of lower rollers or road wheels", (0.06, 1.5), default=None
     )
     idler_diameter: base.Length | None = quantity("m", "of the idler's treads", (0.1, 2.5), default=None)
-    carrier_diameter: base.Length | None = quantity("m", "of the carriers' treads", (0.05, 1.0), default=None)
+    carrier_diameter: base.Length | None = quantity("m", "of the carriers' treads", (0.04, 1.0), default=None)
     crawler_length: base.Length | None = quantity(
         "m", "over the shoes of one crawler", (1.2, 20.0), default=None
     )
@@ -91,9 +91,9 @@ class Datasheet(Parameters):
     )
     shoe_width: base.Length = quantity("m", "of a shoe", (0.2, 4.0))
     shoes: int | None = quantity("1", "shoes of one track", (25, 120), ge=10, le=500, default=None)
-    pitch: base.Length | None = quantity("m", "of the chain", (0.1, 1.0), default=None)
+    pitch: base.Length | None = quantity("m", "of the chain", (0.08, 1.0), default=None)
     shoe_weight: base.Mass | None = quantity(
-        "kg", "of a shoe with its link, pin and bush", (5.0, 1e4), default=None
+        "kg", "of a shoe with its link, pin and bush", (2.0, 1e4), default=None
     )
     shoe_kind: Literal["single grouser", "double grouser", "triple grouser", "plain", "mining"] | None = (
         option("of the ready shoe that the command `shoe` fits to it; none: as its kind has", None)

@@ -41,11 +41,11 @@ class ClosedFrame(RunningGear):
     )
     tumbler: Tumbler
     idler: Idler
-    roller_radius: base.Length = quantity("m", "radius of the rollers' treads", (0.05, 1.5))
+    roller_radius: base.Length = quantity("m", "radius of the rollers' treads", (0.03, 1.5))
     carriers: tuple[Wheel, ...] = quantity(
         "m", "x and z of carrier rollers under the upper run, rear to front; none: it hangs", default=()
     )
-    carrier_radius: base.Length = quantity("m", "radius of their treads", (0.03, 1.0), default=0.25)
+    carrier_radius: base.Length = quantity("m", "radius of their treads", (0.02, 1.0), default=0.25)
     slides: tuple[base.Three, ...] = quantity(
         "m", "x of rear and front end, z of the top of slides under the upper run, rear to front", default=()
     )

@@ -205,7 +205,7 @@ class Track(base.PH4100C, values=ph4100c.TRACK):
 
     shoe_count: int = quantity("1", "number of shoes, of all tracks", (2, 200), ge=2, le=MOST_SHOES)
     first_com: base.Two = quantity("m", "x and y of the COM of shoe 1 at t = 0")
-    pitch: Length = quantity("m", "distance of the COMs of neighbours in x", (0.1, 2.0))
+    pitch: Length = quantity("m", "distance of the COMs of neighbours in x", (0.08, 2.0))
     pin_ahead: Length = quantity("m", "x of the front pins ahead of the COM", (0.02, 2.0))
     pin_height: float = quantity("m", "z of the pins above the COM", (-1.0, 1.0), ge=-100, le=100)
     spherical_y: Place = quantity("m", "y of the spherical joints, global, at t = 0")

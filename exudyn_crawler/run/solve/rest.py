@@ -32,7 +32,8 @@ class Creep(NamedTuple):
     """Creeping of a track to its rest."""
 
     drag: float  # 1/s, force over momentum that slows every body in the end, so that shoes slip slowly
-    first_drag: float  # 1/s, to start with; it falls by half with every step that is found with some ease
+    first_drag: float  # 1/s, to start with; it falls by half with every step that is found with some ease,
+    # and after some that are not
     first_step: float  # s
     on_level: float  # s of it on level, even units, after which what still creeps is held by friction
     on_edges: float  # s in which shoes settle on uneven cells
@@ -53,9 +54,13 @@ CREEPS = {
 MOST_DRAG = 1e9
 """1/s, beyond which steps become shorter where Newton's method fails."""
 
-PATIENCE = 100
+PATIENCE = 20
 """Failures of Newton's method that more drag answers before a shorter step does: a shoe that just touches a
 wheel may come and go from one iteration to the next whatever the drag."""
+
+ENOUGH = 10
+"""Steps with one drag after which it falls however many iterations they took: a long chain that slips back
+over its wheels takes as many in each, and creeps far too slowly with the drag that it has by then."""
 
 LONGEST_STEP = 0.2
 """s, of creeping."""
@@ -185,6 +190,7 @@ def creep(
     least, drag, step, *_ = CREEPS[system.case.gear.kind]
     time = 0.0
     failures = 0
+    steps = 0  # with this drag
     multipliers = np.zeros(system.tables.multipliers)
     # wheels resist motion alone: against them creeping would last longer, to the same rest
     inputs = _still(system)._replace(resists=0.0)
@@ -194,13 +200,16 @@ def creep(
             accepted()
             q = state[0]
             multipliers = after
-            if drag > least:
-                drag = max(least, 0.5 * drag) if iterations < FAIR else drag
-            else:
+            steps += 1
+            if drag > least and (iterations < FAIR or steps == ENOUGH):
+                drag = max(least, 0.5 * drag)
+                steps = 0
+            elif drag == least:
                 time += step
                 step = min(1.5 * step, LONGEST_STEP) if iterations < EASY else step
             continue
         failures += 1
+        steps = 0
         if least < drag < MOST_DRAG and failures % PATIENCE:
             drag *= 4.0
         else:
