@@ -105,7 +105,7 @@ def shoe_of(
     if frequencies[0] < MECHANISM * frequencies[-1]:
         raise fem.MeshError(
             f"{path}: the mesh must be one stiff body, its first free-free frequency is "
-            f"{frequencies[0]:.3g} Hz: parts of it hang together at edges or corners alone"
+            f"{frequencies[0]:.3g} Hz: parts of it are joined at edges or corners alone"
         )
     surface = "whole top" if "whole top" in mesh.surfaces else "underside"
     with warnings.catch_warnings():
@@ -209,7 +209,7 @@ def _table(
     rows.append(("rails", "two" if "roller path" in mesh.surfaces else "none", ""))
     rows.append(("nodes, elements", f"{len(mesh.nodes)}, {len(mesh.elements)}", ""))
     rows.append(("shape of elements, least and mean", f"{of_mesh.least:.2f}, {of_mesh.mean:.2f}", "of 1"))
-    wall = "none of a single element"
+    wall = "no wall is a single element thick"
     if of_mesh.thinnest is not None:
         share = 100.0 * of_mesh.thin_share
         wall = f"{1e3 * of_mesh.thinnest:.3g} mm, 1 element thick, as at {share:.0f} % of the surface"

@@ -176,7 +176,7 @@ class OneSidedBed:
         inside = bool((edges @ np.append(point, 1.0) < 0.0).all())
         if not inside:
             raise ValueError(
-                f"the resultant of the loads must lie inside of what supports the body, or it tips over, got "
+                f"the resultant of the loads must lie inside the support of the body, or it tips over, got "
                 f"x = {point[0]:.4g} m, y = {point[1]:.4g} m"
             )
 

@@ -86,10 +86,10 @@ def _shoes(history: History) -> _Motion:
 def _side_frame(history: History) -> _Motion:
     """Motion of the side frame, or of the machine on two tracks; ValueError if bogies or arms swing in it."""
     if history.case.drive.slip is not None:
-        raise ValueError("balances know no drawbar: drive.slip must be none")
+        raise ValueError("balances leave out drawbars: drive.slip must be none")
     for kind in ("bogie", "arm"):
         if history.has(f"{kind}_angle"):
-            raise ValueError(f"balances know no {kind}s: gear.{kind}s must be empty")
+            raise ValueError(f"balances leave out {kind}s: gear.{kind}s must be empty")
     parts = history.case.frame_parts
     mass = sum(part.mass for part in parts)
     center = sum(part.mass * part.com for part in parts) / mass
@@ -354,7 +354,9 @@ def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     terrain = history.case.unit_terrain()
     law = history.case.contact
     if law.model != "pair":
-        raise ValueError("powers need a history of contact.model 'pair' or 'cells', which say what they take")
+        raise ValueError(
+            "powers need a history of contact.model 'pair' or 'cells', whose contacts have a power"
+        )
     depth = history.penetration.values
     rate = history.penetration_rate.values
     normal = np.linalg.norm(history.normal_force.values, axis=-1)

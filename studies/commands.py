@@ -58,7 +58,7 @@ Variants = Annotated[
     bool, typer.Option("--variants", help="show instead every row under variants of the contact and the shoe")
 ]
 Choices = Annotated[
-    bool, typer.Option("--choices", help="show instead what the study's open choices do, over 8 s")
+    bool, typer.Option("--choices", help="show instead the effect of the study's open choices, over 8 s")
 ]
 
 
@@ -127,7 +127,7 @@ def stress(
             "the others follow without inertia"
         ),
     ] = None,
-    cycle: Annotated[Path | None, typer.Option(help="file of an own load cycle, TOML or CSV")] = None,
+    cycle: Annotated[Path | None, typer.Option(help="file of your load cycle, TOML or CSV")] = None,
     out: Out = RESULTS / "stress",
     overwrite: Overwrite = False,
     choices: Choices = False,
@@ -208,7 +208,7 @@ def rollers(
     from studies.rollers import open_choices, study
 
     if choices:
-        print_table(open_choices(min(duration or 8.0, 8.0)), "What the open choices of the rollers do")
+        print_table(open_choices(min(duration or 8.0, 8.0)), "Effect of the open choices of the rollers")
         return
     _, regions = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
     keys = ("case", "region", "von Mises in MPa", "time in s", "verdict", "shoe")

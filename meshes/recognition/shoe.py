@@ -96,7 +96,7 @@ class RecognizedShoe:
         if abs(front - rear) > SAME_PIN_HEIGHT:
             raise ValueError(
                 "front and rear pins must be at one height above the underside within "
-                f"{1e3 * SAME_PIN_HEIGHT:g} mm, as shoes on a plane have them, the front ones are "
+                f"{1e3 * SAME_PIN_HEIGHT:g} mm, as in a level track, the front pins are "
                 f"{1e3 * (front - rear):+.3g} mm higher"
             )
         return 0.5 * (rear + front)
@@ -177,7 +177,7 @@ def recognize_solid(solid: FileSolid, choices: Choices) -> RecognizedShoe:
     known = sorted(set(with_known_names(others).surfaces) & set(named))
     remarks = [*solid.remarks, *surfaces.remarks]
     if known:
-        remarks.append(f"surfaces of the file that the shape says again are replaced: {', '.join(known)}")
+        remarks.append(f"surfaces of the file that the shape also gives are replaced: {', '.join(known)}")
     return RecognizedShoe(
         others.with_surfaces(named) if not known else Mesh(nodes, solid.elements, others_of_file | named),
         axes,
@@ -297,7 +297,7 @@ def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileS
     nodes, elements = tetrahedra.with_middles(nodes, corners)
     remarks = [
         f"filled by netgen: {len(nodes)} nodes, {len(elements)} elements; an STL file has flat triangles "
-        "alone, on which edges are straight: bores and fillets are as coarse as it has them"
+        "alone, on which edges are straight: bores and fillets are as coarse as in the file"
     ]
     if flattest < FLAT:
         remarks.append(

@@ -77,12 +77,12 @@ def find_surfaces(triangles: Triangles, axes: ShoeAxes, footprint: Sole | None) 
         faces |= _sides_of_bores(local, end, line, middle)
         if ((spans[end][:, 0] < middle - PARTED) & (spans[end][:, 1] > middle + PARTED)).any():
             remarks.append(
-                f"a {end} bore reaches over y = {middle:.4g} m: it is parted there in right and left"
+                f"a {end} bore reaches over y = {middle:.4g} m: it is divided there into right and left"
             )
         off = np.abs(np.sort(2.0 * middle - spans[end].ravel()) - spans[end].ravel()).max()
         if off > MIRRORED * np.ptp(every):
             remarks.append(
-                f"the {end} lugs are not alike on the right and on the left, by {1e3 * off:.3g} mm: look "
+                f"the {end} lugs are not alike on the right and on the left, by {1e3 * off:.3g} mm: check "
                 "whether the picture has all of their bores"
             )
     joint_y, words = _joints(local, faces)
@@ -151,7 +151,7 @@ def _underside(
             f"{areas[plate].sum():.4g} m2 or their tips of {areas[tips].sum():.4g} m2"
         )
         if footprint is None:
-            asked.append(Question("--footprint tips", f"{words}; the plate was taken"))
+            asked.append(Question("--footprint tips", f"{words}; the plate was chosen"))
     else:
         sole = "plate"
     chosen = tips if sole == "tips" or not has_grousers else plate
@@ -193,7 +193,7 @@ def _top(
         above = [part for part in large if local.middles[part, 2].mean() > local.points[:, 2].min()]
         if not above:
             return {}
-        remarks.append("no level part is above the pins: the top is what of the shoe looks up level")
+        remarks.append("no level part is above the pins: the top is made of all level faces that look up")
     named = {"top": np.concatenate(above)}
     rails, why = two_rails(local, above, pitch)
     if rails is not None:
