@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from exudyn_crawler import History, recover_stresses
+from exudyn_crawler import Case, History, recover_stresses, simulate
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
 from exudyn_crawler.results.history.summary import HELD, key_results
 from exudyn_crawler.run.folder.record import note_file
@@ -120,6 +120,24 @@ def test_the_first_screen_says_what_was_simulated_and_answers(stress_page, histo
         history.over_time(["contact_force"])["contact_force"].pipe(np.linalg.norm, axis=-1).max()
     )
     assert f"{100.0 * greatest / carried:.3g} % of what the ground carries at first" in head
+
+
+def test_answers_of_a_closed_track_say_each_thing_once():
+    """The force of a link is there the tension of the chain; pressure and torque come before it."""
+    case = Case.closed().with_({"gear.torque_limit": 2e6})
+    history = simulate(case, 0.004, progress=False)
+    results = key_results(history)
+    head = str(first_screen(history, results))
+    names = re.findall("<dt>(.*?)</dt>", head)
+    assert names[:4] == [
+        "greatest tension of the chain",
+        "greatest force on a roller",
+        "greatest ground pressure below a shoe",
+        "greatest torque of the drive",
+    ]
+    assert len(names) == 5
+    torque = results.set_index("result").loc["greatest torque of the drive", "value"]  # kN m
+    assert f"{100.0 * torque / 2e3:.3g} % of the drive" in head
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import pandas as pd
 import xarray as xr
 from markupsafe import Markup
@@ -17,6 +18,15 @@ from exudyn_crawler.views.scenes import pictures, shoes, track
 from fem import trust
 
 ANSWERS = 5  # of the first screen; the rest of the key results is in a table
+ASKED = (
+    "highest von Mises stress",
+    summary.HELD,
+    "greatest tension of the chain",
+    "greatest force on a roller",
+    "greatest ground pressure below a shoe",
+    "greatest torque of the drive",
+)
+"""Answers that come first, as far as a run has them; then the others in their order."""
 WIDTH = 11.0  # inches, of the picture
 LEVEL = 1e-6  # grade of ground that is level
 ROOM = 0.8  # inches, of a picture for its title and labels
@@ -29,7 +39,9 @@ def first_screen(history: History, results: pd.DataFrame, stress: xr.Dataset | N
     """
     case = history.case
     now = track.instants(history, [results["at"].iloc[0]])
-    answers = [_answer(result, history, stress) for result in results.head(ANSWERS).itertuples()]
+    rank = [ASKED.index(name) if name in ASKED else len(ASKED) for name in results["result"]]
+    first = results.iloc[np.argsort(rank, kind="stable")].head(ANSWERS)
+    answers = [_answer(result, history, stress) for result in first.itertuples()]
     parts = [
         page.figure_picture(f"{case.name} from the right", machine_figure(now)),
         page.paragraph(sentence(history, results)),
@@ -80,6 +92,8 @@ def _answer(result: Any, history: History, stress: xr.Dataset | None) -> tuple[s
     limit = ""
     if result.unit == "kN":
         limit = f"{1e5 * result.value / _carried(history):.3g} % of what the ground carries at first"
+    elif result.unit == "kN m" and (most := getattr(history.case.gear, "torque_limit", None)) is not None:
+        limit = f"{1e5 * result.value / most:.3g} % of the drive's limit"
     elif result.unit == "MPa" and stress is not None:
         is_held = result.result == summary.HELD
         chosen = stress.peak_verdict == trust.HELD if is_held else _usable(stress)
