@@ -12,7 +12,7 @@ from exudyn_crawler.app.ground import GroundPanel
 from exudyn_crawler.app.machine import Drawing, FilePanel, MachinePanel
 from exudyn_crawler.app.results import CheckPanel, ResultsPanel
 from exudyn_crawler.app.running import RunPanel
-from exudyn_crawler.app.runs import Runs
+from exudyn_crawler.run.folder.queue import Runs
 
 STYLE = Path(__file__).with_name("page.css")
 POLL = 0.5

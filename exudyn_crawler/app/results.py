@@ -9,11 +9,11 @@ import tomlkit
 from nicegui import ui
 
 from exudyn_crawler.app.document import Document
-from exudyn_crawler.app.runs import COMMAND, Runs
 from exudyn_crawler.app.serving import FILES
 from exudyn_crawler.case import write_case
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.run.folder.queue import COMMAND, Runs
 
 SAVED = (".html", ".csv", ".png", ".mp4", ".nc", ".toml", ".pdf", ".svg")
 """Ends of the names of files that are offered."""

@@ -8,11 +8,11 @@ import xarray as xr
 from nicegui import run as threads, ui
 
 from exudyn_crawler.app.document import Document
-from exudyn_crawler.app.runs import GOES_ON, RUNNING, WAITING, Run, Runs
 from exudyn_crawler.case.case_file import run_lines
 from exudyn_crawler.results.history.summary import greatest_over_time
 from exudyn_crawler.run.folder import checkpoints
 from exudyn_crawler.run.folder.progress import rule_of_thumb, times_line
+from exudyn_crawler.run.folder.queue import GOES_ON, RUNNING, WAITING, Run, Runs
 from exudyn_crawler.views.scenes.plots import curve_figure
 
 LIVE = ("link_tension", "wheel_force", "roller_force", "drive_moment", "contact_force")

@@ -1,7 +1,7 @@
 """Runs of a folder as processes of their own, one after the other; their folders say all of them.
 
-A run that waits, works or has ended is the same for every page and for the next start of the program: a
-closed page ends none, and neither does the end of the program.
+A run that waits, works or has ended is the same for every program that looks at its folder; the end of the
+program that has started it ends none.
 """
 
 import json

@@ -8,12 +8,9 @@ import time
 
 import pytest
 
-pytest.importorskip("nicegui", reason="the extra `app` is not installed")
-
-from exudyn_crawler.app import runs as module
-from exudyn_crawler.app.runs import DONE, FAILED, RUNNING, STOPPED, WAITING, Runs
 from exudyn_crawler.case import Case, CaseFile, read_case
-from exudyn_crawler.run.folder import record
+from exudyn_crawler.run.folder import queue, record
+from exudyn_crawler.run.folder.queue import DONE, FAILED, RUNNING, STOPPED, WAITING, Runs
 
 CASE = CaseFile(case=Case.translation(), duration=0.02)
 
@@ -48,7 +45,7 @@ def test_a_case_waits_in_a_folder_of_its_name_and_can_be_taken_out(runs):
 
 def test_a_folder_says_how_its_run_is(runs):
     home = runs.folder / runs.add(CASE, "mine")
-    (home / module.WAITS).unlink()
+    (home / queue.WAITS).unlink()
     assert runs.named("mine").status == FAILED
     noted(home, status="running", process=ended_process())
     assert runs.named("mine").status == STOPPED
@@ -75,7 +72,7 @@ def test_runs_start_one_after_the_other_as_processes_that_outlive_the_page(runs,
         "(home / 'run.json').write_text(json.dumps({'status': 'running', 'process': os.getpid()}));"
         "print('at work', flush=True); time.sleep(60)"
     )
-    monkeypatch.setattr(module, "COMMAND", (sys.executable, "-c", script))
+    monkeypatch.setattr(queue, "COMMAND", (sys.executable, "-c", script))
     for name in ("first", "second"):
         runs.add(CASE, name)
     runs.start_next()
