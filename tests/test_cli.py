@@ -580,6 +580,14 @@ def test_a_unit_of_co_simulation_is_written_once(told, refused):
     assert "mine.fmu" in refused("fmu", "mine.toml")
 
 
+@pytest.mark.filterwarnings("default::exudyn_crawler.errors.ImplausibleWarning")
+def test_a_unit_of_a_case_that_there_is_none_of_is_written_with_a_warning(call, tmp_path):
+    (tmp_path / "mine.toml").write_text('base = "rolled"\nduration = 1.0\n[gear]\nstiffness = 1e6\n')
+    code, out, err = call("fmu", "mine.toml")
+    assert (code, out[:8]) == (0, "mine.fmu")
+    assert err.startswith("warning: gear.stiffness: ")
+
+
 @pytest.mark.parametrize("command", ["sweep", "fmu"])
 def test_commands_without_what_they_need_say_how_to_get_it(refused, soils, monkeypatch, command):
     monkeypatch.setattr(commands, "find_spec", lambda name: None)

@@ -278,8 +278,11 @@ def fmu(
     if find_spec("pythonfmu") is None:
         raise ValueError("units of co-simulation need pythonfmu: pip install 'exudyn-crawler[fmu]'")
     case_file = crawler.read_case(case, changes or ())
+    from exudyn_crawler.case.datasheet.odd_figures import odd_values
+    from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.co_simulation import write_fmu
 
+    checks.warn_of(odd_values(case_file))
     written = write_fmu(case_file, out or case.with_suffix(".fmu"), overwrite)
     typer.echo(
         f"{written}: takes speed, force and moment; gives motion of the frame, forces of pins and ground"
