@@ -188,7 +188,7 @@ def write_life(lives: results.LifeResults, folder: Path, overwrite: bool = False
     }
     fields |= {
         "life may be shorter or longer by the factor": data.life_factor,
-        "open part of the changes of stress": data.stress_error,
+        "uncertainty of the stress range": data.stress_error,
         "verdict": data.verdict,
         "damage an hour": data.damage_an_hour[-1],
     }

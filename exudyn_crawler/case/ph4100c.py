@@ -1,8 +1,9 @@
 """Numbers of the P&H 4100C BOSS and of the papers on its crawler track, once, in SI units.
 
-K-chapter and K-paper are those on kinematics, F-paper that on forces, S-paper that on stress. What they leave
-open and is chosen here is marked so. Pitch, pins and outline of the shoe stand in `meshes.geometry`, which
-makes its mesh of them. A mapping holds the values of one parameter class by the names of its fields.
+K-chapter and K-paper are those on kinematics, F-paper that on forces, S-paper that on stress. Values
+that they do not state are assumed here and marked so. Pitch, pins and outline of the shoe are in
+`meshes.geometry`, from which its mesh is made. A mapping holds the values of one parameter class by the names
+of its fields.
 """
 
 import math
@@ -79,11 +80,11 @@ COARSE_TERRAIN: Mapping[str, Any] = {
     "unit_length": 7.0,  # m
     "unit_width": 7.0,
     "unit_height": 2.0,
-    # open in the papers' words; the F-paper's shoe 10 has a normal force without x and with a steady y of
+    # not stated in the papers; the F-paper's shoe 10 has a normal force without x and with a steady y of
     # 0.0015 of it, so that its unit rolls and does not pitch
     "tilt": "roll",
     "springs_per_unit": 2,
-    # m from the unit's centre. Open in the papers' words; at the unit's edges that y force comes out as
+    # m from the unit's centre. Not stated in the papers; at the unit's edges that y force comes out as
     # 0.0019 of the normal force, and anywhere within them as more
     "spring_offset": 3.5,
     "column_tilt": False,
@@ -159,26 +160,27 @@ CRAWLER_LENGTH, TRACK_DISTANCE = 11.6, 12.8 - ShoeDimensions.width
 """m (K-chapter): length of a crawler; between the tracks' middles, from the width over both."""
 _CARRIED = 0.5 * MACHINE_MASS - SHOES_ON_GROUND * SHOE["mass"]
 ROLLER_RADIUS, TREAD_WIDTH = 0.4, 0.18
-"""m. Open; treads are within the rails."""
+"""m. Assumed; treads are within the rails."""
 UNDERCARRIAGE: Mapping[str, Any] = {
     "mass": _CARRIED,  # kg: mass on one track without the shoes that touch the ground
-    # kg m2. Open: radii of gyration of 1.5 m in roll, which the other track resists, and 4 m in pitch and yaw
+    # kg m2. Assumed: radii of gyration of 1.5 m in roll, which the other track resists, and 4 m in pitch and
+    # yaw
     "inertia": (_CARRIED * 1.5**2, _CARRIED * 4.0**2, _CARRIED * 4.0**2, 0.0, 0.0, 0.0),
-    "com": (0.0, 0.0, 0.5),  # m. Open: where the car body rests on the side frame
+    "com": (0.0, 0.0, 0.5),  # m. Assumed: where the car body rests on the side frame
     "start": 15.8,  # m. Chosen here: the whole frame is over shoes
     "ends": (-0.5 * CRAWLER_LENGTH, 0.5 * CRAWLER_LENGTH),
-    # m. Open: no public source has number, spacing and radius of the lower rollers; 8 over 8.75 m
+    # m. Assumed: no public source has number, spacing and radius of the lower rollers; 8 over 8.75 m
     "rollers": tuple(1.25 * (k - 3.5) for k in range(8)),
     "radius": ROLLER_RADIUS,
     "tread_width": TREAD_WIDTH,
-    # N/m. Open: of the order of Hertz's line contact; the local indentation is beyond the shoe's mesh
+    # N/m. Assumed: of the order of Hertz's line contact; the local indentation is beyond the shoe's mesh
     "stiffness": 1.0e9,
     "damping": 3.0e5,  # N s/m. Chosen here: a tenth of critical for a shoe under one roller
     "damping_depth": 1.0e-4,  # m. Chosen here
-    "rolling_resistance": 0.03,  # Open: a few per cent
+    "rolling_resistance": 0.03,  # Assumed: a few per cent
     "resistance_speed": 5.0e-3,  # m/s. Chosen here: a twentieth of the propel speed
-    "tumbler": -5.0,  # m. Open: at the rear
-    # N. Open. Chosen here: an open chain without tension may fold up under the rollers, where a machine's is
+    "tumbler": -5.0,  # m. Assumed: at the rear
+    # N. Assumed: an open chain without tension may fold up under the rollers, where a machine's is
     # held by its wheels
     "end_tension": 5.0e5,
 }
@@ -187,15 +189,15 @@ UNDERCARRIAGE: Mapping[str, Any] = {
 SHOVEL: Mapping[str, Any] = {
     # kg: the machine without the shoes that touch the ground; what is in no part below is on the swing axis
     "mass": 2.0 * _CARRIED,
-    "upper": 800e3,  # kg. Open: machinery deck with counterweight, without the front
-    "upper_place": (-2.5, 4.0),  # m ahead of the swing axis and above the rollers' axes. Open
-    "front": 130e3,  # kg at the dipper. Open: dipper, handle and their part of the boom
-    "lower_height": 0.5,  # m above the rollers' axes: what is on the swing axis. Open
+    "upper": 800e3,  # kg. Assumed: machinery deck with counterweight, without the front
+    "upper_place": (-2.5, 4.0),  # m ahead of the swing axis and above the rollers' axes. Assumed
+    "front": 130e3,  # kg at the dipper. Assumed: dipper, handle and their part of the boom
+    "lower_height": 0.5,  # m above the rollers' axes: what is on the swing axis. Assumed
 }
 """Masses of the shovel and their places."""
 _PAYLOAD = 2.0 * DIPPER_LOAD / GRAVITY  # kg: the dipper's load on both tracks
 SHOVEL_POSES: tuple[tuple[Any, ...], ...] = (
-    # end in s (S-paper); swing in rad, reach and height in m, payload in kg, force of the bank in N: open
+    # end in s (S-paper); swing in rad, reach and height in m, payload in kg, force of the bank in N: assumed
     ("propel", PROPEL_END, 0.0, 14.0, 6.0, 0.0),
     ("dig", DIG_END, 0.0, 17.0, 4.0, 0.5 * _PAYLOAD, (-4e5, -4e5)),
     ("hoist and swing", SWING_END, 0.5 * math.pi, 15.0, 9.0, _PAYLOAD),
@@ -205,55 +207,55 @@ SHOVEL_POSES: tuple[tuple[Any, ...], ...] = (
 """Upper structure at the ends of the phases of a cycle."""
 
 # closed track
-CLOSED_SHOES = 38  # Open: 38 of this pitch go round wheels 9 m apart, which the crawler's length leaves
+CLOSED_SHOES = 38  # Assumed: 38 of this pitch go round wheels 9 m apart, which the crawler's length leaves
 _TUMBLER_TEETH = 10
 _TUMBLER_MASS = 20e3
 _PIN_CIRCLE = PITCH / (2.0 * math.sin(math.pi / _TUMBLER_TEETH))
 _RAIL_RISE = RAILS["height"] - PIN_HEIGHT  # m, of the rails above the pins
 _LOWER_PINS = -(UNDERCARRIAGE["radius"] + _RAIL_RISE)  # m, of the lower run below the rollers' axes
 TUMBLER: Mapping[str, Any] = {
-    # m. x: the crawler's length (K-chapter) less the shoes' outside, all that is known; z open: its lowest
+    # m. x: the crawler's length (K-chapter) less the shoes' outside, all that is known; z assumed: its lowest
     # pins are 0.15 m above those under the rollers
     "place": (-4.5, _LOWER_PINS + 0.15 + _PIN_CIRCLE),
-    "teeth": _TUMBLER_TEETH,  # Open
-    "mass": _TUMBLER_MASS,  # kg. Open
-    # kg m2. Open: a ring on the pins' circle, half of it
+    "teeth": _TUMBLER_TEETH,  # Assumed
+    "mass": _TUMBLER_MASS,  # kg. Assumed
+    # kg m2. Assumed: a ring on the pins' circle, half of it
     "inertia": tuple(share * _TUMBLER_MASS * _PIN_CIRCLE**2 for share in (0.3, 0.5, 0.3, 0.0, 0.0, 0.0)),
-    "depth": 0.2,  # m. Open, as the three below: teeth that leaving lugs get free of
+    "depth": 0.2,  # m. Assumed, as the three below: teeth that leaving lugs get free of
     "reach": 0.12,  # m
     "lug_radius": 0.09,  # m
     "backlash": 0.0,  # m
-    "stiffness": 2.5e8,  # N/m. Open: 3.4 mm under 1.7 MN on both sides
+    "stiffness": 2.5e8,  # N/m. Assumed: 3.4 mm under 1.7 MN on both sides
     "damping": 1.0e6,  # N s/m. Chosen here
     "damping_depth": 2.0e-4,  # m. Chosen here
 }
 """Drive tumbler."""
 IDLER: Mapping[str, Any] = {
-    "place": (4.5, _LOWER_PINS + 0.06 + 0.9 + _RAIL_RISE),  # m. x by the crawler's length; z open
-    "radius": 0.9,  # m. Open
-    # the shims leave no slack. Open: tensions at rest follow from it, 0.6 to 0.8 MN on the papers' ground
-    "range": (-0.4, 0.4),  # m. Open
+    "place": (4.5, _LOWER_PINS + 0.06 + 0.9 + _RAIL_RISE),  # m. x by the crawler's length; z assumed
+    "radius": 0.9,  # m. Assumed
+    # the shims leave no slack. Assumed: tensions at rest follow from it, 0.6 to 0.8 MN on the papers' ground
+    "range": (-0.4, 0.4),  # m. Assumed
 }
 """Front idler on shims."""
 SLIDE_FRICTION = 0.42
 """Hard steel sliding dry on hard steel (Marks' Standard Handbook for Mechanical Engineers, table of friction;
-greasy 0.03 to 0.12). Open for rails of a shovel, and so is where slides are."""
+greasy 0.03 to 0.12). Assumed for rails of a shovel, as are the places of slides."""
 _CARRIER_RADIUS = 0.25
 CLOSED_TRACK: Mapping[str, Any] = {
     "mass": 0.5 * MACHINE_MASS - CLOSED_SHOES * SHOE["mass"] - _TUMBLER_MASS,  # kg
     "inertia": UNDERCARRIAGE["inertia"],
     "com": UNDERCARRIAGE["com"],
-    "rollers": tuple(0.95 * (k - 3.0) for k in range(7)),  # m. Open: 7 between tumbler and idler
+    "rollers": tuple(0.95 * (k - 3.0) for k in range(7)),  # m. Assumed: 7 between tumbler and idler
     "roller_radius": UNDERCARRIAGE["radius"],
-    # m. Open: without carriers 9 m of chain would hang with 1.4 MN for 0.5 m of sag
+    # m. Assumed: without carriers 9 m of chain would hang with 1.4 MN for 0.5 m of sag
     "carriers": tuple(
         (1.8 * (k - 1.5), TUMBLER["place"][1] + _PIN_CIRCLE + 0.03 - _RAIL_RISE - _CARRIER_RADIUS)
         for k in range(4)
     ),
-    "carrier_radius": _CARRIER_RADIUS,  # m. Open
+    "carrier_radius": _CARRIER_RADIUS,  # m. Assumed
     **{name: UNDERCARRIAGE[name] for name in ("tread_width", "stiffness", "damping", "damping_depth")},
     **{name: UNDERCARRIAGE[name] for name in ("rolling_resistance", "resistance_speed")},
-    "guide_play": 0.01,  # m. Open, as all of the guides
+    "guide_play": 0.01,  # m. Assumed, as all of the guides
     "guide_height": 0.05,  # m
     "guide_stiffness": 1.0e8,  # N/m
     "guide_damping": 1.0e6,  # N s/m
@@ -261,18 +263,18 @@ CLOSED_TRACK: Mapping[str, Any] = {
 """Side frame with its wheels in a closed track."""
 
 # machine on two closed tracks
-SIDE_FRAME_MASS, _UPPER_MASS = 100e3, 650e3  # kg. Open: each side frame with its wheels; upper structure
+SIDE_FRAME_MASS, _UPPER_MASS = 100e3, 650e3  # kg. Assumed: each side frame with its wheels; upper structure
 _CAR_BODY_MASS = 2.0 * CLOSED_TRACK["mass"] - 2.0 * SIDE_FRAME_MASS - _UPPER_MASS
 CAR_BODY: Mapping[str, Any] = {
     "track_distance": TRACK_DISTANCE,
     "mass": _CAR_BODY_MASS,  # kg: what is left of the machine
-    # kg m2. Open: radii of gyration of 3 m in yaw, 2.5 m in roll and pitch
+    # kg m2. Assumed: radii of gyration of 3 m in yaw, 2.5 m in roll and pitch
     "inertia": (_CAR_BODY_MASS * 2.5**2, _CAR_BODY_MASS * 2.5**2, _CAR_BODY_MASS * 3.0**2, 0.0, 0.0, 0.0),
-    "com": (0.0, 0.0, 0.5),  # m. Open
+    "com": (0.0, 0.0, 0.5),  # m. Assumed
     "upper_mass": _UPPER_MASS,
-    # kg m2. Open: radii of gyration of 4.5 m in roll, 6 m in pitch, 6.5 m in yaw
+    # kg m2. Assumed: radii of gyration of 4.5 m in roll, 6 m in pitch, 6.5 m in yaw
     "upper_inertia": (_UPPER_MASS * 4.5**2, _UPPER_MASS * 6.0**2, _UPPER_MASS * 6.5**2, 0.0, 0.0, 0.0),
-    # m. Open: the counterweight outweighs an empty dipper
+    # m. Assumed: the counterweight outweighs an empty dipper
     "upper_com": (-1.0, 0.0, 4.5),
 }
 """Car body and upper structure. The side frame's radii of gyration stay those of `UNDERCARRIAGE`."""
