@@ -35,7 +35,7 @@ class Closed(ClosedFrame):
 
     @classmethod
     def ph4100c(cls) -> Self:
-        """Closed track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
+        """Closed track of the P&H 4100C BOSS; `case.ph4100c` marks what is assumed."""
         return cls(tumbler=Tumbler.ph4100c(), idler=Idler.ph4100c(), **ph4100c.CLOSED_TRACK)
 
     @property

@@ -42,7 +42,7 @@ class Machine(Closed):
 
     @classmethod
     def ph4100c(cls) -> Self:
-        """Machine of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
+        """Machine of the P&H 4100C BOSS; `case.ph4100c` marks what is assumed."""
         half = Closed.ph4100c()
         mass = ph4100c.SIDE_FRAME_MASS
         inertia = tuple(value * mass / half.mass for value in half.inertia)

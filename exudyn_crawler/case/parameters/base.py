@@ -172,5 +172,5 @@ class PH4100C(Parameters):
 
     @classmethod
     def ph4100c(cls) -> Self:
-        """Those of the P&H 4100C BOSS; `case.ph4100c` has their sources and says what is open."""
+        """Those of the P&H 4100C BOSS; `case.ph4100c` has their sources and marks what is assumed."""
         return cls(**cls._of_ph4100c)

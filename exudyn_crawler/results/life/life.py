@@ -106,7 +106,7 @@ def life_of(
     worst = np.union1d(known.index[known > 0.0][: duty.plane_nodes], shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, groups, worst)
-    say("what the mesh leaves open")
+    say("uncertainty by the mesh")
     values = {
         "place_damage": damage,
         "damage_an_hour": mean,
