@@ -162,7 +162,8 @@ class MachineCycle(loads.Cycle):
         """Phases at whose ends, and so ever, a roller would have to pull.
 
         `parts` are those of the side frame, or the machine, that stands on `rollers` (x, m) and tips where
-        its weight acts more than `aside` (m) beside the middle; gravity: (3,), m/s2.
+        its weight acts more than `aside` (m) beside the middle; gravity: (3,), m/s2. Shoes are no parts: the
+        chain lies on the ground and holds no roller down.
         """
         weight = sum(part.mass for part in parts) * gravity
         rear = rollers[0]
@@ -177,7 +178,8 @@ class MachineCycle(loads.Cycle):
             x, y = moment[1] / -force[2], -moment[0] / -force[2]
             if not rear <= x <= front:
                 span = f"rollers are from {rear:g} to {front:g} m"
-                yield f"{pose_end} tips: its weight acts at x = {x:.3g} m, {span}"
+                carried = f"what they carry, {-force[2]:.4g} N without the chain on the ground,"
+                yield f"{pose_end} tips: {span}, {carried} acts at x = {x:.3g} m"
             if abs(y) > aside:
                 beside = f"{y:.3g} m beside the middle of the track, more than {aside:.4g} m"
                 yield f"{pose_end}s weight acts {beside}: the side frame tips"
