@@ -17,6 +17,8 @@ from exudyn_crawler.run.folder.queue import COMMAND, Runs
 
 SAVED = (".html", ".csv", ".png", ".mp4", ".nc", ".toml", ".pdf", ".svg")
 """Ends of the names of files that are offered."""
+BUSY = "computing, for a minute or two"
+"""Said while a command works: a moving picture takes half of a core where software draws it."""
 MADE = "pages"
 """Folder, beside the runs, of pages that are made of several or of none."""
 
@@ -40,8 +42,8 @@ class PageFrame:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.spinner = ui.spinner(size="lg")
-        self.spinner.set_visibility(False)
+        self.busy = ui.label(BUSY).classes("quiet")
+        self.busy.set_visibility(False)
         self.words = ui.label().classes("console")
         self.save = ui.expansion("Save: everything that was made").classes("section")
         self.save.props('data-testid="saved"').set_visibility(False)
@@ -70,9 +72,9 @@ class PageFrame:
         self.frame.set_visibility(False)
         self.save.set_visibility(False)
         self.words.set_text("")
-        self.spinner.set_visibility(True)
+        self.busy.set_visibility(True)
         is_made, said = await command(self.folder, *words)
-        self.spinner.set_visibility(False)
+        self.busy.set_visibility(False)
         if is_made:
             self.show(page)
         else:

@@ -8,7 +8,7 @@ from nicegui import events, ui
 from exudyn_crawler.app.document import Document
 from exudyn_crawler.app.form import refuse
 from exudyn_crawler.app.machine import load
-from exudyn_crawler.app.results import command
+from exudyn_crawler.app.results import BUSY, command
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.shoe_file import paths_of
 from exudyn_crawler.views.scenes.recognized import shoe_figure
@@ -55,12 +55,12 @@ class ShoePanel:
                     self.selects[option] = select.props("outlined dense").classes("choice")
             self.asked.set_visibility(False)
             self.clicked = ui.row().classes("items-center").props('data-testid="clicked"')
-            self.spinner = ui.spinner(size="lg")
+            self.busy = ui.label(BUSY).classes("quiet")
             self.plot = ui.plotly({}).classes("shoe-view").props('data-testid="shoe"')
             self.plot.on("plotly_click", self._click, js_handler=CURVE)
             self.take = ui.button("Work on a track of this shoe", on_click=self._take).props("no-caps")
             self.words = ui.label().classes("console")
-            for element in (self.spinner, self.plot, self.take):
+            for element in (self.busy, self.plot, self.take):
                 element.set_visibility(False)
 
     async def _fit(self) -> None:
@@ -91,9 +91,9 @@ class ShoePanel:
         """Make a shoe of a name of a file, and show it."""
         self.paths = paths_of(name, source.parent)
         self.clicked.clear()
-        self.spinner.set_visibility(True)
+        self.busy.set_visibility(True)
         is_made, said = await command(self.document.folder, "shoe", source, *options)
-        self.spinner.set_visibility(False)
+        self.busy.set_visibility(False)
         self.words.set_text(said)
         self.take.set_visibility(is_made)
         # what was recognized before stays, so that a click takes a wrong correction back
