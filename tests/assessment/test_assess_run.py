@@ -59,6 +59,7 @@ def test_tracks_of_a_run_bear_what_statics_says(aside):
     assert force @ place / force.sum() == pytest.approx(stands.ahead[0], abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.simulation
 def test_pressure_along_a_track_of_a_run(aside):
     """Trapezoid over the whole shoes below the rollers: each within a tenth of the mean.
@@ -266,6 +267,7 @@ def test_a_payload_in_tonnes_is_asked_about():
         assess(Case.shovel(), settings=tonnes)
 
 
+@pytest.mark.slow
 def test_a_twentieth_of_all_forces_makes_a_twentieth_of_all_stresses():
     """As on a small machine, whose shoe the pull of the papers' would tip."""
     check = ShoeCheck(name="light", mesh="coarse", levels=())

@@ -379,7 +379,7 @@ def test_a_dragged_track_rests_on_a_map_as_on_the_waves_in_it(tmp_path, seed):
 
 
 @pytest.mark.simulation
-@pytest.mark.parametrize("formulation", ["compiled", "engine"])
+@pytest.mark.parametrize("formulation", ["compiled", pytest.param("engine", marks=pytest.mark.slow)])
 def test_a_shoe_that_leaves_a_map_ends_the_run_with_its_place(tmp_path, monkeypatch, formulation):
     monkeypatch.setattr(MeasuredGrid, "misfit", lambda *_: "")
     np.save(tmp_path / "flat.npy", np.zeros((40, 20)))

@@ -42,7 +42,13 @@ def test_pull_acts_on_frame_and_chain_alike():
     assert -forces[-2] == pytest.approx(lever, abs=0.2)
 
 
-@pytest.mark.parametrize("case", [small_case(), small_flexible_case()], ids=["rigid", "flexible"])
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(small_case(), id="rigid"),
+        pytest.param(small_flexible_case(), id="flexible", marks=pytest.mark.slow),
+    ],
+)
 def test_resistance_of_wheels_takes_power_in_any_motion_and_is_none_at_rest(case):
     """Power of what it adds to the equations, by the rates of all coordinates; the drive is to travel."""
     resisting = compiled_system(case)

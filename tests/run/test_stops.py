@@ -69,7 +69,7 @@ def not_again(monkeypatch):
 @pytest.mark.parametrize(
     ("place", "stop"),
     [
-        ("run.folder.checkpoints._write", interrupt),
+        pytest.param("run.folder.checkpoints._write", interrupt, marks=pytest.mark.slow),
         pytest.param("run.folder.checkpoints.save_joined", no_room, marks=pytest.mark.slow),
         ("run.folder.checkpoints.Checkpoints.hand_over", interrupt),
         # between the places beside them
@@ -123,13 +123,8 @@ def test_an_interrupted_simulation_keeps_what_it_had_until_it_has_ended(staged, 
     assert_same(tmp_path, staged)
 
 
-@pytest.mark.parametrize(
-    "stopped_within",
-    [
-        pytest.param(None, marks=pytest.mark.slow),  # a part of what the other one does
-        "exudyn_crawler.run.folder.checkpoints.save_joined",
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("stopped_within", [None, "exudyn_crawler.run.folder.checkpoints.save_joined"])
 def test_a_finished_run_is_made_longer_and_gives_what_the_longer_one_gives(
     staged, tmp_path, monkeypatch, stopped_within
 ):
