@@ -201,7 +201,8 @@ def run_lines(case_file: CaseFile) -> list[str]:
     end = float(case_file.duration)
     shoes = case.track.shoe_count
     shoe = case.shoe
-    track = f"track: {shoes} shoes of {shoe.mass / 1e3:.4g} t"
+    weight = f"{shoe.mass / 1e3:.4g} t" if shoe.mass >= 1e3 else f"{shoe.mass:.4g} kg"
+    track = f"track: {shoes} shoes of {weight}"
     if not case.frame_parts:
         loads = shoes * case.mean_load
         pressure = loads / (shoes * shoe.ground_area)

@@ -68,7 +68,8 @@ def show_values(case_file: "crawler.CaseFile", title: str) -> None:
     counts = ", ".join(
         f"{sum(row.origin == origin for row in rows)} {origin}" for origin in ("given", "derived", "assumed")
     )
-    print_rows(COLUMNS, rows, f"{title}: {counts}", keys=COLUMNS[:3], whole="in the datasheet's page")
+    heading = f"{title}: {counts}; exudyn-crawler machine {title} has the datasheet's figures"
+    print_rows(COLUMNS, rows, heading, keys=COLUMNS[:3], whole="in the datasheet's page")
 
 
 def show_machine(history: "crawler.History") -> None:

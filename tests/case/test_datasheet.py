@@ -195,6 +195,7 @@ def test_typical_values_can_be_given():
         ({"sag": 0.25}, r"a sag of 250 mm lets the idler back into the wheel next to it; \d+ mm do"),
         ({"gauge": 0.7}, r"gauge must be greater than the shoes' width, .* got 0.7 m with shoes of 0.8 m"),
         ({"gauge": None}, "gauge must be given, or width_over_shoes"),
+        ({"motor_speed": 200.0}, "gear_ratio must be given with motor_speed"),
         ({"sag": 0.02, "chain_tension": 1e4}, "sag and chain_tension must not be given together"),
         ({"remembered": ("gage",)}, r"remembered must be names of the datasheet's values, got \['gage'\]"),
     ],
@@ -363,6 +364,24 @@ def test_a_printed_contact_area_is_that_of_the_machine_that_follows():
     assert figures.mean_pressure(case, sheet) == pytest.approx(71640.0 * case.gravity / 4.856, rel=0.01)
     (figure,) = [figure for figure in figures.figures(case, sheet) if figure.name == "contact area"]
     assert figure.verdict == "agrees"
+
+
+def test_speed_and_pull_are_those_of_the_motors_by_their_gears():
+    """A motor of 1900 rpm and 800 N m by 52 to 1 gives a sprocket 3.83 rad/s and 41.6 kN m."""
+    motor = {"motor_speed": 1900.0 * 2.0 * np.pi / 60.0, "motor_torque": 800.0, "gear_ratio": 52.0}
+    sheet = Datasheet(**PC300, **motor, travel_speed=5.0 / 3.6)
+    case = derived(sheet).case
+    radius = 10.5 * case.track.pitch / (2.0 * np.pi)
+    built = {figure.name: figure for figure in figures.figures(case, sheet)}
+    assert built["speed by the motors"].value == pytest.approx(motor["motor_speed"] / 52.0 * radius)
+    assert built["speed by the motors"].verdict == "agrees"
+    # as rules have it: 0.925 of a sprocket's torque pulls
+    pull = 2.0 * 0.925 * 800.0 * 52.0 / radius
+    assert built["drawbar pull by the motors"].value == pytest.approx(pull)
+    assert case.gear.torque_limit == pytest.approx(800.0 * 52.0)
+    printed = sheet.with_(drawbar_pull=1.2 * pull)
+    built = {figure.name: figure for figure in figures.figures(derived(printed).case, printed)}
+    assert built["drawbar pull by the motors"].verdict == "differs by -16.7 %"
 
 
 def test_an_unknown_figure_is_refused_with_the_command_that_lists_all(written):

@@ -184,6 +184,8 @@ def test_before_a_run_it_is_said_what_it_comes_to():
     track, run = run_lines(CaseFile(case=Case.translation(), duration=10.0))
     # 13 shoes with 386.4 kN each and their own weight, on 13 undersides of 0.655742 m x 3.505 m
     carried = 13 * (386.4 + 4.68167 * 9.81)
+    light = CaseFile(case=Case.translation().with_({"shoe.mass": 50.29}), duration=1.0)
+    assert run_lines(light)[0].startswith("track: 13 shoes of 50.29 kg; ")
     assert f"13 shoes of 4.682 t; the ground carries {carried / 1e3:.4g} MN at the start, " in track
     assert f"{carried / (13 * 0.655742 * 3.505):.4g} kPa below the shoes, which sink by about 65." in track
     assert run.startswith("run: 10 s, 0.75 m of travel by the drive, 5000 steps of 2 ms, ")

@@ -55,9 +55,7 @@ def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
 
 def contact_area(case: Case, sheet: Datasheet) -> float:
     """Contact area of both tracks of the machine as it was assembled, as datasheets print it, m2."""
-    row = typical.row_of("pressure_share", sheet.kind)
-    share = getattr(sheet.typical, row.name)
-    counts = rules.ground_length(*lengths(case, sheet), row.value if share is None else share)
+    counts = rules.ground_length(*lengths(case, sheet), _typical(sheet, "pressure_share"))
     return 2.0 * case.shoe.width * counts
 
 
@@ -69,6 +67,12 @@ def mean_pressure(case: Case, sheet: Datasheet) -> float:
 def figures(case: Case, sheet: Datasheet) -> list[Figure]:
     """All figures that the datasheet lets be checked."""
     return [*_built(case, sheet), *_travelling(case, sheet)]
+
+
+def _typical(sheet: Datasheet, name: str) -> float:
+    """Typical value of a name, or the datasheet's in its place."""
+    other = getattr(sheet.typical, name)
+    return typical.row_of(name, sheet.kind).value if other is None else float(other)
 
 
 def _verdict(value: float, printed: float | None, most: float) -> str:
@@ -119,9 +123,12 @@ def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
         yield Figure(
             "speed of the sprockets", turns, None, "rad/s", f"{rpm:.3g} rpm at {3.6 * speed:.3g} km/h"
         )
+    yield from _of_motors(sheet, radius)
     if pull is not None:
         need = f"takes a coefficient of traction of {pull / weight:.2f}"
         yield Figure("drawbar pull over weight", pull / weight, None, "1", need)
+        torque = rules.sprocket_torque(pull, radius, _typical(sheet, "chain_efficiency"))
+        yield Figure("torque of a sprocket", torque, None, "N m", "at the drawbar pull")
     if pull is not None and speed is not None:
         words = "at once they take this power: "
         power = pull * speed
@@ -137,6 +144,21 @@ def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
         yield Figure("pull times speed", power, None, "W", words)
     if sheet.gradeability is not None:
         yield from _grade(sheet.gradeability, pull, weight)
+
+
+def _of_motors(sheet: Datasheet, radius: float) -> Iterator[Figure]:
+    """Travel speed and pull of the travel motors, by their gears and the radius (m) of the pins."""
+    ratio = sheet.gear_ratio
+    if ratio is None:
+        return
+    printed = sheet.travel_speed
+    if sheet.motor_speed is not None:
+        speed = sheet.motor_speed / ratio * radius
+        yield Figure("speed by the motors", speed, printed, "m/s", _verdict(speed, printed, OF_LENGTH))
+    printed = sheet.drawbar_pull
+    if sheet.motor_torque is not None:
+        pull = 2.0 * sheet.motor_torque * ratio * _typical(sheet, "chain_efficiency") / radius
+        yield Figure("drawbar pull by the motors", pull, printed, "N", _verdict(pull, printed, OF_LENGTH))
 
 
 def _grade(slope: float, pull: float | None, weight: float) -> Iterator[Figure]:

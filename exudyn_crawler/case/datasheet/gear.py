@@ -157,9 +157,12 @@ def _idler(
 
 
 def _torque(sheet: Datasheet, radius: float, notes: Notes) -> float | None:
-    """Greatest torque of a sprocket, N m; None where no pull is printed."""
+    """Greatest torque of a sprocket, N m: by pull or motor; None where neither is printed."""
     if sheet.drawbar_pull is None:
-        return None
+        if sheet.motor_torque is None or sheet.gear_ratio is None:
+            return None
+        torque = sheet.motor_torque * sheet.gear_ratio
+        return float(notes.note("gear.torque_limit", torque, "N m", "derived", "motor_torque by gear_ratio"))
     torque = rules.sprocket_torque(sheet.drawbar_pull, radius, notes.typical("chain_efficiency"))
     return float(
         notes.note("gear.torque_limit", torque, "N m", "derived", "half of the drawbar pull at the pins")

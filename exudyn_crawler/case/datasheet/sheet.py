@@ -159,6 +159,15 @@ class Datasheet(Parameters):
     power: float | None = quantity(
         "W", "of the engine or of the travel drives", (1e4, 3e6), ge=1.0, le=1e9, default=None
     )
+    motor_speed: float | None = quantity(
+        "rad/s", "greatest, of a travel motor", (20.0, 800.0), ge=0.1, le=1e4, default=None
+    )
+    motor_torque: float | None = quantity(
+        "N m", "greatest, of a travel motor", (10.0, 3e4), ge=0.1, le=1e7, default=None
+    )
+    gear_ratio: float | None = quantity(
+        "1", "speed of the travel motor over that of the sprocket", (5.0, 500.0), ge=1.0, le=1e4, default=None
+    )
     ground_clearance: base.Length | None = quantity("m", "of the car body", (0.1, 3.0), default=None)
     upper_weight: base.Mass | None = quantity(
         "kg",
@@ -202,6 +211,9 @@ class Datasheet(Parameters):
         needed = ("shoes", "pitch", "idler_diameter", "sprocket_gaps", "length_on_ground", "first_roller")
         if free and (missing := [name for name in needed if getattr(self, name) is None]):
             yield f"{', '.join(missing)} must be given with sprocket_to_idler: all set the chain's path"
+        motor = [name for name in ("motor_speed", "motor_torque") if getattr(self, name) is not None]
+        if motor and self.gear_ratio is None:
+            yield f"gear_ratio must be given with {' and '.join(motor)}: the sprocket is behind it"
         if self.suspension != "arms" and self.kind != "vehicle":
             arm = [
                 name
