@@ -97,8 +97,8 @@ def life_lines(lives: LifeResults) -> list[str]:
     factors = material.factors()
     strength = material.curve(lives.duty.miner).strength / style.MEGA
     return [
-        f"{survival:g} % of the shoes have no crack at their worst node, rigid pin couplings left out "
-        f"({worst['region']}) before {shortest} machine hours{mean}"
+        f"{shortest} machine hours until a crack at the worst node ({worst['region']}; rigid pin couplings "
+        f"left out), which {survival:g} % of the shoes survive{mean}"
         f"{worn and f'; stages{worn[1:]}, the last goes on'}",
         f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
         f"{lives.duty.criterion}, Miner {lives.duty.miner}; {material.name}: strength at the "
