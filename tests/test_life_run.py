@@ -68,7 +68,7 @@ def test_everything_is_written_and_agrees(pit):
 def test_the_page_shows_life_table_and_duty(pit):
     page = (pit[0] / "life" / "life.html").read_text()
     shortest = cell_text(life_words(float(np.nanmin(pit[1].dataset.life[-1]))))
-    for words in ("Life in 3D", "stays at place 13", f"before {shortest} machine hours", "fatigue_strength"):
+    for words in ("Life in 3D", "stays at place 13", f"{shortest} machine hours until", "fatigue_strength"):
         assert words in page
     assert "http://" not in page.split("<main>")[0]
     # what is inside a spider is not to be used, and does not stand at the head
