@@ -75,7 +75,7 @@ def test_the_page_shows_life_table_and_duty(pit):
     found = pit[1]
     held = found.table.assign(flag=["in spider", *[""] * (len(found.table) - 1)])
     line = life_lines(dataclasses.replace(found, table=held))[0]
-    assert f"({held['region'][1]}) before" in line
+    assert f"at the worst node ({held['region'][1]};" in line
 
 
 def test_no_name_is_markup_or_script_of_a_lifes_page(pit, history, tmp_path):
