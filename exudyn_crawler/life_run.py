@@ -74,9 +74,15 @@ def check_cases(
     FileNotFoundError if there is no such file; FileExistsError, before anything is solved, if the folder has
     results and `overwrite` is false; ValueError, naming it, if a case is not in balance or has no support.
     """
+    path = None if isinstance(check, cases.ShoeCheck) else Path(check)
     check = check if isinstance(check, cases.ShoeCheck) else cases.read_check(check)
     folder = _folder(check, out, (*CHECK_TABLES, CHECK_PAGE), overwrite)
-    solution = solve.solve_cases(check, solve.CheckedShoe(check), say)
+    try:
+        solution = solve.solve_cases(check, solve.CheckedShoe(check), say)
+    except ValueError as error:
+        if path is None or str(path) in str(error):
+            raise
+        raise ValueError(f"{path}: {error}") from error
     if folder is None:
         return solution
     files.writable_folder(folder)

@@ -400,6 +400,21 @@ def test_stress_of_the_structure_is_that_of_the_node_below_the_tread(bent):
     assert (table["cast NiCrMo to shakedown"] <= alone * (1.0 + 5e-3)).all()
 
 
+def test_a_check_case_without_loads_is_refused(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('mesh = "coarse"\n[[cases]]\nname = "idle"\n')
+    with pytest.raises(CaseFileError, match=r"mine\.toml: cases\[0\].*: treads, pressures or pins must be"):
+        read_check(path)
+
+
+@pytest.mark.slow
+def test_a_check_case_out_of_balance_is_refused_with_its_file(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('mesh = "coarse"\n[[cases]]\nname = "apart"\ntreads = [{ side = "left", force = 5e5 }]\n')
+    with pytest.raises(ValueError, match=r"mine\.toml: case 'apart': loads must be in balance"):
+        check_cases(path)
+
+
 def test_a_case_to_be_checked_must_have_flexible_shoes(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('base = "closed"\nduration = 1.0\n')

@@ -115,6 +115,8 @@ class CheckCase(Parameters):
     )
 
     def _errors(self) -> base.Errors:
+        if not (self.treads or self.pressures or self.pins):
+            yield "treads, pressures or pins must be given: nothing loads the shoe"
         lacking = self.ground is None or not self.pressures or not self.treads or self.held_by
         if self.energy is not None and lacking:
             yield "energy needs treads, pressures and ground, and no pins that hold"
