@@ -69,7 +69,7 @@ def predict(
     h = solver.it.currentStepSize
     before = solver.GetStartOfStepStateAAlgorithmic()
     after = solver.GetAAlgorithmic()
-    if np.array_equal(before, after):
+    if (before == after).all():
         solver.ComputeNewtonUpdate(mbs, settings, True)
         state[0], state[1] = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
     else:
