@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, StepProfile, assess, simulate
-from exudyn_crawler.assessment import forces, pressure, run_forces, travel
+from exudyn_crawler.assessment import forces, pressure, run_forces, stability, travel
 from exudyn_crawler.assessment.assessment import assessment_of
 from exudyn_crawler.assessment.inputs import numbers_of
 from exudyn_crawler.assessment.settings import AssessmentSettings
@@ -127,6 +127,57 @@ def test_the_resultant_of_a_run_is_as_far_from_the_edge_as_statics_says(aside):
     foot = run_forces.forces_of_run(aside, "aside").foot[-1]
     assert foot[0] + numbers.weights.swing_axis == pytest.approx(stands.ahead[0], abs=0.01)
     assert foot[1] == pytest.approx(stands.aside[0], abs=0.05)
+
+
+def leaning(degrees, seconds):
+    """Roll (rad) over time and loads (N) of the left rollers of a top-heavy machine across a slope."""
+    case = Case.shovel()
+    x, y, z = case.gear.car_body.upper_com
+    case = case.with_(
+        {"gear.car_body.upper_com": (x, y, z + 20.0), "terrain.side_slope": np.tan(np.radians(degrees))},
+        drive=STILL,
+    )
+    history = simulate(case.on_cells(FLOOR.with_(friction=0.9)), seconds, progress=False)
+    wheels = history.wheel_force.transpose("time", "wheel", "axis")
+    left = [name.startswith("left roller") for name in wheels.wheel.values.tolist()]
+    roll = history.side_frame_angles.values.reshape(len(history.time), -1)[:, 0]
+    return case, roll, np.linalg.norm(wheels.values[:, left], axis=-1)
+
+
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+@pytest.mark.simulation
+@pytest.mark.slow
+def test_a_machine_across_a_slope_tips_where_statics_says():
+    """It leaves the upper track's rollers at the angle about the lower track's middle, within a degree.
+
+    It stands on the outer treads, to whose edges the resultant has a third of a metre more, and tips beyond.
+    """
+    case, steady, held = leaning(19.5, 0.5)
+    numbers = numbers_of(case, BARE)
+    level = forces.forces_at(
+        numbers.weights, numbers.work, np.zeros(1), forces.gravity_on_slope(9.81, 0.0, 0.0)
+    )
+    outer = case.shoe.rails.left + 0.5 * case.gear.tread_width
+    # treads are on rails, above the ground from which heights count
+    lift = case.shoe.com_height + case.shoe.rails.height
+    on_rails = level._replace(place=level.place - np.array([0.0, 0.0, lift]))
+    edges = numbers.edges._replace(right=numbers.edges.right + outer)
+    side = stability.EDGES.index("right")
+    leaves = np.degrees(stability.tipping(level, numbers.edges).angle[0, side])
+    tips = np.degrees(stability.tipping(on_rails, edges).angle[0, side])
+    assert leaves == pytest.approx(20.5, abs=0.1)
+    assert tips == pytest.approx(22.5, abs=0.3)
+    assert held[-1].sum() > 5e-3 * 9.81 * numbers.weights.lower_mass
+    _, stands, lifted = leaning(21.5, 3.0)
+    # as it rocks they touch the rails again
+    assert lifted[-1].sum() < 1e-3 * 9.81 * numbers.weights.lower_mass
+    # it rocks on the treads as the chain of the upper track lifts off
+    assert np.degrees(stands.max()) < 1.0
+    _, falls, _ = leaning(tips + 3.0, 6.0)
+    late = falls[len(falls) // 2 :]
+    assert np.degrees(late[-1]) > 20.0
+    assert (np.diff(late) > 0.0).all()
+    assert np.degrees(np.ptp(steady)) < 0.01
 
 
 @pytest.mark.simulation
