@@ -18,9 +18,10 @@ A changed file is at fault where it
 
 How silence was judged: of a thousand changes that were read and run, 746 were refused as they were read, 25
 as they ran, 3 runs stopped, 2 had no end (a rest on ground that carries nothing, which none is searched for
-since) and 224 were taken. The list of those taken was looked through, with their keys and first warnings, and
-each key of `ANY` was tried with all `FACTORS`: most of the silent ones change a comment, a name or a bit in such text, leave out a line whose default is the same, or are
-a number of `ANY`, a height of a map or one point of many in a table.
+since) and 224 were taken. The list of those taken was looked through, with their keys and first warnings,
+and each key of `ANY` was tried with all `FACTORS`: most of the silent ones change a comment, a name or a
+bit in such text, leave out a line whose default is the same, or are a number of `ANY`, a height of a map or
+one point of many in a table.
 """
 
 import argparse
