@@ -1,8 +1,9 @@
-"""Choice of the modes of flexible shoes."""
+"""Modes of flexible shoes, and their damping."""
 
 import pytest
 
-from exudyn_crawler import FlexibleShoes
+from exudyn_crawler import FlexibleShoes, StepProfile
+from exudyn_crawler.errors import ParameterError
 from studies.stress import with_modes
 
 COARSE = FlexibleShoes.ph4100c("coarse")
@@ -31,3 +32,18 @@ def test_modes_are_chosen_by_kind_or_number():
 def test_modes_that_do_not_exist_are_refused(choice, message):
     with pytest.raises(ValueError, match=message):
         with_modes(COARSE, choice)
+
+
+@pytest.mark.parametrize(
+    ("profile", "told"),
+    [
+        (
+            StepProfile(times=(-1000.0, 10000.0), values=(0.005, 1.0)),
+            "damping frequencies must not be negative",
+        ),
+        (StepProfile(times=(1000.0, 10000.0), values=(-0.005, 1.0)), "damping ratios must not be negative"),
+    ],
+)
+def test_damping_has_neither_negative_frequencies_nor_ratios(profile, told):
+    with pytest.raises(ParameterError, match=told):
+        COARSE.with_(damping=profile)

@@ -311,6 +311,8 @@ class FlexibleShoes(Parameters):
     def _errors(self) -> Errors:
         if min(self.damping.values) < 0.0:
             yield f"damping ratios must not be negative, got {fields.shown(self.damping.values)}"
+        if min(self.damping.times) < 0.0:
+            yield f"damping frequencies must not be negative, got {fields.shown(self.damping.times)} Hz"
         most = self.recovered_modes
         if self.fixed_modes > most:
             yield f"fixed_modes must not exceed recovered_modes = {most}, got {self.fixed_modes}"
