@@ -237,8 +237,8 @@ def test_roller_on_a_ridge_beside_a_run():
     """Where both tracks roll over a ridge of hard floor one roller bears all that its track does.
 
     So it is within a tenth as the COM passes over the ridge, 13 s after the start: the machine bounces on it,
-    and 5.3 to 6.8 MN of 7.2 follow each other within half a second. Before, it leans back on its rear rollers,
-    and a second later it swings down ahead.
+    and 5.3 to 6.8 MN of 7.2 follow each other within half a second. Before, it leans back on its rear
+    rollers, and a second later it swings down ahead.
     """
     drive = Drive(speed=StepProfile(times=(0.0, 1.0), values=(0.0, 0.3)))
     case = Case.shovel().with_({"solver.output_interval": 0.02}, drive=drive)
