@@ -61,6 +61,7 @@ ANY = {
     "drive": "a drive may go rearward, or stand",
     "terrain.spring_stiffness": "from soil to rock; how far units sink is judged",
     "terrain.relief": "heights may be any",
+    "gear.com": "the COM of a frame may be below its origin, and behind it",
     "gear.damping_depth": "a depth over which damping fades",
     "shoe.rails.height": "rails may lie low",
     "shoe.underside_center": "an underside may be in the middle",

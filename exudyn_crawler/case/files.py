@@ -45,7 +45,10 @@ def case_of(entry: Any, path: Path) -> CaseFile:
     if isinstance(entry, str) and entry in fields.named_values(Case):
         entry = {fields.BASE: entry}
     if isinstance(entry, str):
-        return read_case(path.parent / entry)
+        named = path.parent / entry
+        if not named.exists():
+            raise FileNotFoundError(f"{path}: there is no case file {named}")
+        return read_case(named)
     if not isinstance(entry, dict):
         got = "" if entry is None else f", got {entry!r}"
         raise ValueError(f"case must be a case file, the name of a case, or a table of one{got}")

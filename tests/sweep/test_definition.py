@@ -293,7 +293,7 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path, text, told):
 def test_files_that_are_not_there_are_told(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"no sweep file .*sweep\.toml"):
         read_sweep(tmp_path / "sweep.toml")
-    with pytest.raises(FileNotFoundError, match=r"no case file .*other\.toml"):
+    with pytest.raises(FileNotFoundError, match=r"^.*sweep\.toml: there is no case file .*other\.toml"):
         read_sweep(written(tmp_path, f'case = "other.toml"\n{VARIED}{ANSWERED}'))
 
 
