@@ -41,6 +41,7 @@ class TimedInputs:
         profiles = [*case.loads.of_shoes, case.drive.speed, turn, case.loads.side_shift, slip, *machine]
         self._profiles = profiles_of(profiles)
         self._middles = case.gear.middles
+        self._still = case.gear.motors(self._speeds_of_tracks(np.zeros(2)), case.track)
         turned = case.drive.turn_rate is not None
         drawn = case.drive.slip is not None
         self._active = {
@@ -55,11 +56,12 @@ class TimedInputs:
         case = self._case
         count = self._case.track.shoe_count
         shoes, speeds, machine = self._applied(time)
-        of_tracks = self._speeds_of_tracks(speeds)
         loads = np.zeros((self._load_count, 6))
-        loads[:count, :3] = np.outer(shoes, self._down)
+        loads[:count, :3] = shoes[:, None] * self._down
         loads[count:] = case.gear.wrenches(machine)
-        motors = case.gear.motors(of_tracks, case.track)
+        motors = self._still
+        if motors.size:
+            motors = case.gear.motors(self._speeds_of_tracks(speeds), case.track)
         # a drawbar lets the frame go slower than its tracks
         speeds[0] *= 1.0 - speeds[3]
         return Inputs(self._gravity, loads, float(speeds[2]), self._active[driven], speeds[:2], 1.0, motors)

@@ -175,14 +175,17 @@ def test_travel_a_radian_is_that_of_the_pitches(rig):
 
 
 def test_a_worn_chain_travels_further_a_radian():
-    """By its growth: over a pitch of the tumbler its hanging shoes go a grown pitch."""
+    """By its growth: over five pitches of the tumbler its hanging shoes go five grown ones.
+
+    They swing, so that over a single pitch they go up to 0.3 % more or less.
+    """
     growth = 0.01
     case = Case.closed().with_(ON_POSTS | TAUT | {"gear.pitch_growth": growth})
-    data, teeth = driven(case, 0.3, 0.5, 3.6).dataset, case.gear.tumbler.teeth
+    data, teeth = driven(case, 0.3, 0.5, 14.0).dataset, case.gear.tumbler.teeth
     place = data.position.values - data.tumbler_position.values[:, None]
     hanging = (place[..., 2] < 0.0) & (abs(place[..., 0] - 4.2) < 3.0)
     speed = np.mean(abs(data.velocity.values[..., 0]), axis=1, where=hanging)
-    last = data.tumbler_angle.values > data.tumbler_angle.values[-1] - 2.0 * math.pi / teeth
+    last = data.tumbler_angle.values > data.tumbler_angle.values[-1] - 5.0 * 2.0 * math.pi / teeth
     travel = speed[last].mean() / data.tumbler_speed.values[last].mean()
     assert travel == pytest.approx((1.0 + growth) * teeth * case.track.pitch / (2.0 * math.pi), rel=2e-3)
 
@@ -238,16 +241,22 @@ def test_compliance_of_pins_across_hardly_changes_forces_in_the_chains_plane():
         for name in ("joint_force", "tooth_force", "wheel_load"):
             apart = (other.dataset[name] - first.dataset[name]).sel(axis=["x", "z"])
             assert float(abs(apart).max()) < 2e-3 * greatest
+        # the moment of these forces about the tumbler's axis
         torque = first.drive_moment.values
-        assert other.drive_moment.values == pytest.approx(torque, abs=1e-3 * torque.max())
+        lever = first.case.gear.travel_per_angle(first.case.track)
+        assert other.drive_moment.values == pytest.approx(torque, abs=2e-3 * greatest * lever)
         moment = float(abs(first.joint_torque).max())
         assert float(abs(other.joint_torque - first.joint_torque).max()) > 0.1 * moment
 
 
 def test_sand_carries_a_closed_track_and_each_shoe_is_in_balance():
-    """Cells with memory below all shoes, from the first instant on."""
-    history = simulate(Case.closed().on_cells(BekkerSoil.lete_sand()), 0.1, progress=False)
-    case = history.case
+    """Cells with memory below all shoes, from the first instant on.
+
+    Work is summed over stored times: with twice the step the imbalance is 2.6 times as large.
+    """
+    steps = {"solver.step": 1e-3, "solver.output_interval": 1e-3}
+    case = Case.closed().on_cells(BekkerSoil.lete_sand()).with_(steps)
+    history = simulate(case, 0.1, progress=False)
     mass = case.gear.mass + case.gear.tumbler.mass + case.track.shoe_count * case.shoe.mass
     carried = (history.normal_force + history.friction_force).sel(axis="z").sum("contact").values
     assert carried == pytest.approx(mass * case.gravity, rel=1e-3)
@@ -361,8 +370,8 @@ def test_drive_with_a_limited_torque_keeps_to_it():
         ({"tension_limit": 2.8e6}, 0.3, r"link \d+-\d+ broke: its tension of 2\.[89]\d*e\+06 N.*too taut"),
         # wheels that are packed with dirt hold a slack chain back, which piles up on them
         (
-            {"idler.slack": 0.05, "rolling_resistance": 0.7},
-            2.0,
+            {"idler.slack": 0.15, "rolling_resistance": 0.7},
+            4.0,
             r"the chain folded: shoes \d+ and \d+ are at .* beyond gear.fold_limit = 1 rad; likely",
         ),
         # teeth that reach 10 mm beyond the pins
