@@ -257,10 +257,10 @@ class CompiledSystem(track_system.TrackSystem):
     def _hand_over(self, to: "exu.ConfigurationType") -> None:
         """Write coordinates, rates and accelerations into Exudyn's system."""
         data: Any = self.mbs.systemData
-        places = data.GetODE2Coordinates, data.GetODE2Coordinates_t, data.GetODE2Coordinates_tt
-        for place, row in zip(places, self._state, strict=True):
-            # into Exudyn's own memory: what sets coordinates takes them number by number
-            place(to, copy=False)[:] = row
+        # into Exudyn's own memory, not a copy: what sets coordinates takes them number by number
+        data.GetODE2Coordinates(to, False)[:] = self._state[0]
+        data.GetODE2Coordinates_t(to, False)[:] = self._state[1]
+        data.GetODE2Coordinates_tt(to, False)[:] = self._state[2]
 
     @property
     def pin_rows(self) -> int:
