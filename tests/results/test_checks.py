@@ -287,7 +287,8 @@ def test_a_check_leaves_tables_and_a_picture_of_each_case_of_its_file(tmp_path):
     with pytest.raises(FileExistsError):
         check_cases(tmp_path / "mine.toml", out)
     assert read_check(tmp_path / "mine.toml").name == "mine"
-    (tmp_path / "mine.toml").write_text('mesh = "coarse"\n[[cases]]\nname = "a"\n[[cases]]\nname = "a"\n')
+    twice = '[[cases]]\nname = "a"\ntreads = [{ side = "left", force = 4e6 }]\n'
+    (tmp_path / "mine.toml").write_text(f'mesh = "coarse"\n{twice}{twice}')
     with pytest.raises(CaseFileError, match="names must differ"):
         read_check(tmp_path / "mine.toml")
 
@@ -422,6 +423,11 @@ def test_a_case_to_be_checked_must_have_flexible_shoes(tmp_path):
         read_check(path)
     path.write_text('base = "stress"\nduration = 1.0\n')
     assert read_check(path).mesh == "study"
+
+
+def test_a_duty_is_no_check():
+    with pytest.raises(ValueError, match=r"duty\.toml is a duty, for the command life"):
+        read_check("studies/duty.toml")
 
 
 def test_a_track_without_rollers_has_no_roller_path(translation):

@@ -175,6 +175,8 @@ class ShoeCheck(Parameters):
 
 OF_CASES = {"base", "flexible", "gear", "terrain", "datasheet"}
 """Keys that case files have, of which one at least, and those of checks none."""
+OF_DUTIES = {"runs", "survivals", "stages", "plane_nodes"}
+"""Same of duties."""
 
 
 def check_of(case: Case) -> ShoeCheck:
@@ -199,6 +201,8 @@ def read_check(path: str | Path) -> ShoeCheck:
         if case.flexible is None:
             raise ValueError(f"{path}: flexible must be given, whose mesh is checked; or check a mesh itself")
         return check_of(case)
+    if content.keys() & OF_DUTIES:
+        raise ValueError(f"{path} is a duty, for the command life; a check has mesh, levels and cases")
     named = {"name": path.stem}
     check = reading.read_parameters(path, ShoeCheck, "check file", lambda content: named | content)
     beside = path.parent / check.mesh
