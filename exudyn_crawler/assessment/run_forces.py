@@ -17,7 +17,7 @@ REASONS = {
     "greatest pressure": "a run has that of single shoes: shoes under rollers bear more than those between",
     "track load": "both are statics; pins beside the middle of their shoes shift some load to one track",
     "greatest roller load": "in a run a roller on a shoe's middle bears half more than its mean, and less "
-    "where two shoes meet; and a machine that surges pitches",
+    "where two shoes meet; a machine that surges pitches, and one that drives over a ridge bounces on it",
     "chain tension at the tumbler": "a run has the mean at the end of the taut part of the chain; the ground "
     "takes and gives some of the pull between the rollers",
     "greatest chain tension": "the formula is for steady travel: a machine that starts within a second "

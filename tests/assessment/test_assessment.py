@@ -59,6 +59,24 @@ def test_pressure_straight_ahead_by_hand(found):
     assert row["ahead in m"] == pytest.approx(place)
 
 
+def test_a_rigid_plate_stands_beside_the_beams(found):
+    """With payload: ahead and astern it is two beams; at 30 degrees P / A + M c / I of both rectangles."""
+    table = found.plate.set_index("slew in deg")
+    plate = table["plate on linear ground in kPa"]
+    for angle in (0.0, 180.0):
+        assert plate[angle] == pytest.approx(table.loc[angle, "beams in kPa"], rel=1e-3)
+    states = found.over_slew
+    row = states[(states["slew in deg"].round() == 30.0) & (states["state"] == "with payload")].iloc[0]
+    gauge, length, width = found.numbers.fewest
+    along = 2.0 * width * length**3 / 12.0
+    across = 2.0 * (width * length * gauge**2 / 4.0 + length * width**3 / 12.0)
+    change = (
+        row["ahead in m"] * 0.5 * length / along + row["to the left in m"] * 0.5 * (gauge + width) / across
+    )
+    weight = found.numbers.weight + 90724.8 * GRAVITY
+    assert plate[30.0] == pytest.approx(weight * (0.5 / (width * length) + change) / 1e3, rel=3e-3)
+
+
 def test_length_on_the_ground_is_that_below_the_rollers(found):
     """7 rollers 0.95 m apart, 0.655742 m of pitch: 5.7 m and a pitch; at least nine whole shoes."""
     assert found.numbers.footprints.length == pytest.approx(5.7 + 0.655742)
