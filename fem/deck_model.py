@@ -227,8 +227,16 @@ def _reference(deck: Deck, text: str, scope: str) -> tuple[str, str]:
     return scope, unquoted(text)
 
 
+def _named(keyword: Keyword, option: str) -> str:
+    """Name of a set or a surface; a MeshError if it has none."""
+    name = keyword.options.get(option, "")
+    if not name:
+        raise MeshError(f"*{keyword.name} ({keyword.place}) must have a name, {option}=...")
+    return name
+
+
 def _take_set(deck: Deck, keyword: Keyword) -> None:
-    members = deck.set_named(keyword.options.get("ELSET", ""), deck.scope)
+    members = deck.set_named(_named(keyword, "ELSET"), deck.scope)
     members.internal = members.internal and "INTERNAL" in keyword.options
     scope = _scope_of(deck, keyword)
     for row in keyword.rows():
@@ -245,7 +253,7 @@ def _take_set(deck: Deck, keyword: Keyword) -> None:
 
 
 def _take_surface(deck: Deck, keyword: Keyword) -> None:
-    name = keyword.options.get("NAME", "")
+    name = _named(keyword, "NAME")
     surface = deck.surfaces.setdefault((deck.scope, label(name)), Surface(unquoted(name)))
     combined = keyword.options.get("COMBINE", "UNION").upper()
     type_ = keyword.options.get("TYPE", "ELEMENT").upper()

@@ -25,7 +25,7 @@ from exudyn_crawler.co_simulation import SteppedRun
 from exudyn_crawler.ground.cells.laws import bekker, read_law
 from exudyn_crawler.model import flexible_shoes
 from exudyn_crawler.results.checks.cases import read_check
-from exudyn_crawler.results.measured import drawbar, series, soil_fit, soil_tests
+from exudyn_crawler.results.measured import drawbar, series, soil_fit
 from exudyn_crawler.run.solve.standing import standing
 from exudyn_crawler.shoe_file import shoe_of
 from exudyn_crawler.sweep.definition import Sweep
@@ -170,12 +170,11 @@ def _compare(path: Path) -> None:
 
 
 def _fit_plates(path: Path) -> None:
-    soil_fit.warn(soil_fit.fit_soil(soil_tests.read_plates(path), None, bekker.BekkerSoil.lete_sand()))
+    soil_fit.warn(soil_fit.fit_files(path, base=bekker.BekkerSoil.lete_sand()))
 
 
 def _fit_shear(path: Path) -> None:
-    plates = soil_tests.read_plates(path.with_name("plates.csv"))
-    soil_fit.warn(soil_fit.fit_soil(plates, soil_tests.read_shear(path)))
+    soil_fit.warn(soil_fit.fit_files(path.with_name("plates.csv"), path))
 
 
 def _shoe(path: Path) -> None:

@@ -23,18 +23,14 @@ def fit_soil(
 ) -> None:
     """Fit the soil law to plate and shear tests: parameters with intervals, a law file and a figure."""
     from exudyn_crawler.files import refuse_existing
-    from exudyn_crawler.results.measured import law_file, soil_fit as fits, soil_tests
+    from exudyn_crawler.results.measured import law_file, soil_fit as fits
     from exudyn_crawler.views import measured, style
 
     path = out or plates.with_name(f"{plates.stem}_law.toml")
     figure_path, table_path = (path.with_name(path.stem + ending) for ending in (".png", ".csv"))
     for target in (path, figure_path, table_path):
         refuse_existing(target, overwrite)
-    result = fits.fit_soil(
-        soil_tests.read_plates(plates),
-        None if shear is None else soil_tests.read_shear(shear),
-        None if base is None else fits.named_soil(base),
-    )
+    result = fits.fit_files(plates, shear, None if base is None else fits.named_soil(base))
     fits.warn(result)
     table = law_file.parameter_table(result)
     sources = [name.name for name in (plates, shear) if name is not None]

@@ -170,6 +170,32 @@ def test_a_netcdf_file_may_have_a_band_and_any_order(netcdf):
     assert_allclose(heights(netcdf(("easting", "northing"), places=named)), GRID, atol=1e-14)
 
 
+def test_depths_are_no_heights(netcdf):
+    with pytest.raises(ParameterError, match="it has depths, which are positive down: heights are needed"):
+        netcdf(attributes={"z": {"positive": "down"}})
+
+
+def test_a_file_that_is_no_netcdf_is_refused_in_words_of_the_project(tmp_path):
+    (tmp_path / "a.nc").write_text(ascii_text())
+    with pytest.raises(ParameterError, match=r"a\.nc cannot be used: it is no NetCDF file that can be read$"):
+        MeasuredGrid(file=tmp_path / "a.nc")
+
+
+def test_a_head_has_a_corner_or_a_centre(asc):
+    with pytest.raises(ParameterError, match="must have xllcorner or xllcenter, got both"):
+        asc("xllcenter 0\nxllcorner 0\n" + ascii_text())
+
+
+@pytest.mark.parametrize("kind", ["float16", ">f4", "int16", "uint8", "longdouble"])
+def test_numbers_of_an_array_may_have_any_kind(tmp_path, kind):
+    z = np.arange(40)[:, None] % 3 * np.ones(40)
+    np.save(tmp_path / "a.npy", z.astype(kind))
+    grid = MeasuredGrid(file=tmp_path / "a.npy", spacing=10.0, smoothing=10.0)
+    np.save(tmp_path / "b.npy", z)
+    expected = MeasuredGrid(file=tmp_path / "b.npy", spacing=10.0, smoothing=10.0)
+    assert_allclose(heights(grid), heights(expected), atol=1e-12)
+
+
 def test_rounded_places_are_even_within_their_rounding(tmp_path):
     """Float32 has northings to half a metre."""
     x, y = (first + 0.5 * np.arange(40) for first in (415630.25, 5759380.25))

@@ -344,6 +344,8 @@ REFUSED = {
     "*HEADING\nnothing\n": r"a deck must have \*NODE and \*ELEMENT",
     "\0\1": "a deck must be text",
     "*ELSET, ELSET=x, GENERATE\n1, 9, 0\n": r"\*ELSET .* must not be zero",
+    "*ELSET\n1\n": r"\*ELSET \(shoe.inp, line 1\) must have a name, ELSET=",
+    "*SURFACE, TYPE=ELEMENT\n1, S1\n": r"\*SURFACE \(shoe.inp, line 1\) must have a name, NAME=",
     "*INSTANCE, NAME=j\n*END INSTANCE\n*ELSET, ELSET=x, INSTANCE=i\n1\n": "must have the instance 'i'",
     ONE.replace("D4", "D8R") + "1, 1, 1, 1, 1, 1, 1, 1, 1\n": "must hold tetrahedra .* got 1 hexahedron",
 }

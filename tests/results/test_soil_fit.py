@@ -111,6 +111,55 @@ def test_what_is_not_determined_is_refused():
         fit_plates(tests.of(tests.sinkage > 0.041))
 
 
+def written(folder, tests):
+    path = folder / "plates.csv"
+    path.write_text(plate_text(tests))
+    return path
+
+
+def test_a_sinkage_that_its_neighbours_leave_behind_is_named(tmp_path):
+    tests = plates()
+    for row, value, words in (
+        (5, 0.05 * tests.sinkage[4], r"point 6 has a sinkage of 0\.0003571 m beside .* decimal point"),
+        (0, -tests.sinkage[60], r"point 1 has a sinkage of -0\.0\d+ m, against all others"),
+    ):
+        changed = dataclasses.replace(tests, sinkage=tests.sinkage.copy())
+        changed.sinkage[row] = value
+        with pytest.warns(ImplausibleWarning, match=words):
+            read_plates(written(tmp_path, changed))
+    # a first point has no neighbour before it: the law is far off there
+    changed = dataclasses.replace(tests, sinkage=tests.sinkage.copy())
+    changed.sinkage[0] *= 1e-3
+    (remark,) = fit_plates(changed.split()[0])[1]
+    assert "at 0.002 mm of test '0.05 0' is" in remark
+
+
+@pytest.mark.parametrize(("name", "value"), [("displacement", 1e-5), ("stress", 40.0)])
+def test_a_point_of_shear_that_its_neighbours_leave_behind_is_named(tmp_path, name, value):
+    tests = shear()
+    values = getattr(tests, name).copy()
+    values[5] = value
+    path = tmp_path / "shear.csv"
+    path.write_text(shear_text(dataclasses.replace(tests, **{name: values})))
+    with pytest.warns(ImplausibleWarning, match=rf"point 6 has a {name} of .* beside .* decimal point right"):
+        read_shear(path)
+
+
+def test_unloading_that_gives_no_modulus_is_refused_with_the_table(tmp_path):
+    """Pressure that falls as the plate goes deeper: neither stiffness nor growth are positive."""
+    tests = plates()
+    changed = dataclasses.replace(tests, sinkage=tests.sinkage.copy())
+    for points in tests.each():
+        for loop in (slice(15, 31), slice(46, 54)):
+            inside = points[loop]
+            begins = tests.sinkage[inside[0] - 1]
+            changed.sinkage[inside] = 2.0 * begins - tests.sinkage[inside]
+    base = soil_fit.named_soil("lete_sand")
+    path = written(tmp_path, changed)
+    with pytest.raises(ValueError, match=r"plates\.csv: the pressure must fall while a plate is unloaded"):
+        soil_fit.fit_files(path, base=base)
+
+
 def test_more_pressure_under_wider_plates_is_not_hidden():
     """Of dry sand in public: pressed plates carry the more the wider they are, unlike in Bekker's law."""
     tests = read_plates(PUBLIC / "plates_large_box.csv")

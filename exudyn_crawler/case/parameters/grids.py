@@ -155,6 +155,9 @@ def _head_values(head: Mapping[str, str]) -> tuple[int, int, list[float], list[f
     ]
     if missing:
         raise ValueError(f"its head has no {' and no '.join(missing)}")
+    for axis in "xy":
+        if {f"{axis}llcorner", f"{axis}llcenter"} <= head.keys():
+            raise ValueError(f"its head must have {axis}llcorner or {axis}llcenter, got both")
     counts = [_number(name, head[name]) for name in ("ncols", "nrows")]
     for name, count in zip(("ncols", "nrows"), counts, strict=True):
         if count != int(count) or count < 1:
@@ -223,7 +226,7 @@ def _npy(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     if z.ndim != 2:
         raise ValueError(f"its array must have 2 axes, got {z.ndim}")
     x, y = (units.spacing * np.arange(count) for count in z.shape)
-    return x, y, z * (1.0 if units.height is None else size_of(units.height, "heights"))
+    return x, y, z.astype(float) * (1.0 if units.height is None else size_of(units.height, "heights"))
 
 
 def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -232,7 +235,11 @@ def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarra
     from fem.hdf5 import check_objects
 
     check_objects(path)
-    with xarray.open_dataset(path, decode_times=False) as data:
+    try:
+        opened = xarray.open_dataset(path, decode_times=False)
+    except ValueError:
+        raise ValueError("it is no NetCDF file that can be read") from None
+    with opened as data:
         maps = []
         for variable in data.squeeze().data_vars.values():
             axes = {_axis_of(data, str(dimension)): dimension for dimension in variable.dims}
@@ -244,6 +251,8 @@ def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarra
         (field,) = maps
         if not field.size:
             raise ValueError(f"it has no heights: {' x '.join(map(str, field.shape))} of them")
+        if str(field.attrs.get("positive", "")).lower() == "down":
+            raise ValueError("it has depths, which are positive down: heights are needed")
         places = [_netcdf_places(field, str(dimension), units) for dimension in field.dims]
         height = units.height or field.attrs.get("units") or "m"
         z = field.values.astype(float) * size_of(str(height).strip(), "heights")

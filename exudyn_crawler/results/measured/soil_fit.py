@@ -9,8 +9,9 @@ squares of the stresses themselves; these are taken, together with the strength 
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -18,7 +19,15 @@ from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.shear import COHESION_PRESSURE
 from exudyn_crawler.results.measured.least_squares import Parameter, PartFit, Problem, fit, part
-from exudyn_crawler.results.measured.soil_tests import Loop, PlateTests, ShearTests
+from exudyn_crawler.results.measured.soil_tests import (
+    OFF,
+    PULLS,
+    Loop,
+    PlateTests,
+    ShearTests,
+    read_plates,
+    read_shear,
+)
 
 SAME = 1.2
 """Ratio of widths, pressures or sinkages below which they count as the same. Chosen here."""
@@ -115,10 +124,27 @@ def fit_plates(tests: PlateTests) -> tuple[PartFit, list[str]]:
         remarks.append("k_c does not differ from zero within its interval")
     if result.number("k_phi") < 1e-6 * max(1.0, result.value[0]):
         raise ValueError("k_phi must be greater than zero, the plates give none: k_c alone carries them")
+    remarks += _far_points(result, tests)
     wider = "a wider range of sinkages would determine it"
     _require(result, "exponent", wider)
     _require(result, "k_phi", "more sizes of plates, or a wider range of sinkages, would determine it")
     return result, remarks
+
+
+def _far_points(result: PartFit, tests: PlateTests) -> Iterator[str]:
+    """Remark on the point that is farthest from the law, where that is by more than `OFF`."""
+    k_c = result.number("k_c") if "k_c" in result.names else 0.0
+    law = (k_c / tests.width + result.number("k_phi")) * tests.sinkage ** result.number("exponent")
+    # what touches the ground first has next to no weight, and is far off often
+    matters = tests.pressure > PULLS * tests.pressure.max()
+    off = np.where(matters, np.log(tests.pressure / np.maximum(law, 1e-300)), 0.0)
+    row = int(np.abs(off).argmax())
+    if abs(off[row]) > math.log(OFF):
+        yield (
+            f"{1e-3 * tests.pressure[row]:.4g} kPa at {1e3 * tests.sinkage[row]:.4g} mm of test "
+            f"{str(tests.test[row])!r} is {math.exp(off[row]):.3g} times the law's pressure there; is its "
+            "decimal point right?"
+        )
 
 
 def _sorted(tests: PlateTests) -> tuple[np.ndarray, np.ndarray]:
@@ -162,10 +188,9 @@ def fit_unloading(loops: Sequence[Loop]) -> tuple[PartFit, list[str]]:
     for name in [name for name in slopes if result.number(name) < 0.0][:1]:
         low, high = result.span(name)
         remarks.append(f"{name} would be negative ({low:.4g} to {high:.4g}): 0 is taken, as the law allows")
-        rest = [other for other in slopes if other != name]
-        if not rest:
+        result = solved([other for other in slopes if other != name]) if len(slopes) > 1 else result
+        if result.value.min() < 0.0:
             raise ValueError("the pressure must fall while a plate is unloaded, it rises")
-        result = solved(rest)
     return result, remarks
 
 
@@ -241,6 +266,17 @@ def fit_soil(plates: PlateTests, shear: ShearTests | None = None, base: BekkerSo
     if loops:
         remarks += _floored(law, loops, float(np.median(first.width)))
     return SoilFit(law, results, lacking, tuple(remarks), plates, shear)
+
+
+def fit_files(plates: Path, shear: Path | None = None, base: BekkerSoil | None = None) -> SoilFit:
+    """Soil law of tables of tests, see `fit_soil`; its errors name the tables, too."""
+    tests = read_plates(plates)
+    sheared = None if shear is None else read_shear(shear)
+    try:
+        return fit_soil(tests, sheared, base)
+    except ValueError as error:
+        tables = " and ".join(str(path) for path in (plates, shear) if path is not None)
+        raise ValueError(f"{tables}: {error}") from error
 
 
 def _close(result: PartFit) -> list[str]:

@@ -20,11 +20,11 @@ LIFTED = 0.02
 
 DEEPEST, WIDEST, FARTHEST = 2.0, 3.0, 1.0
 """m, sinkage, size of plates and displacement in shear, beyond which a unit is not what its head says."""
-OFF = 10.0  # times more or less pressure than both neighbours
+OFF = 10.0  # times more or less pressure, or sinkage, than both neighbours
 HIGHEST = 1e7  # Pa, of a pressure or a stress
 STEEPEST, STICKIEST = 3.0, 1e5
 """Of a shear stress: slope over the pressure, and Pa without any, beyond which no soil shears."""
-PULLS = 0.05  # of the greatest pressure or stress, by which it plausibly has the other sign
+PULLS = 0.05  # of the greatest value, by which one plausibly has the other sign, or weighs next to nothing
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,7 @@ class PlateTests:
 
     def each(self) -> Iterator[np.ndarray]:
         """Numbers of the points of every test, in their order."""
-        for name in dict.fromkeys(self.test.tolist()):
-            yield np.flatnonzero(self.test == name)
+        yield from _each(self.test)
 
     def odd(self) -> Iterator[str]:
         """Lines about points that no test has."""
@@ -61,22 +60,13 @@ class PlateTests:
         yield from _beyond("plate", self.width, WIDEST, "m")
         yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
         yield from _other_sign("pressure", self.pressure, "Pa")
+        yield from _other_sign("sinkage", self.sinkage, "m")
         for points in self.each():
-            yield from self._off_neighbours(points)
-
-    def _off_neighbours(self, points: np.ndarray) -> Iterator[str]:
-        """Line about the first point of a test that deeper and shallower neighbours leave far behind."""
-        sinkage = self.sinkage[points]
-        before, pressure, after = (self.pressure[points][k : len(points) - 2 + k] for k in range(3))
-        # of an unloading the plate comes up
-        sinks = (np.diff(sinkage) > 0.0)[:-1] & (np.diff(sinkage) > 0.0)[1:]
-        low = OFF * pressure < np.minimum(before, after)
-        high = pressure > OFF * np.maximum(before, after)
-        wrong = np.flatnonzero(sinks & (np.minimum(before, after) > 0.0) & (low | high))
-        if len(wrong):
-            row = int(wrong[0])
-            beside = f"beside {before[row]:.4g} and {after[row]:.4g} Pa: is its decimal point right?"
-            yield f"point {points[row + 1] + 1} has a pressure of {pressure[row]:.4g} Pa {beside}"
+            # of an unloading the plate comes up
+            sinkage = self.sinkage[points]
+            pressure = self.pressure[points]
+            yield from _off_neighbours("pressure", "Pa", points, pressure, sinkage)
+            yield from _off_neighbours("sinkage", "m", points, sinkage, pressure)
 
     def of(self, points: np.ndarray) -> Self:
         """Some of the points, by their numbers or as a mask."""
@@ -119,6 +109,11 @@ class ShearTests:
         yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
         yield from _other_sign("displacement", self.displacement, "m")
         yield from _other_sign("stress", self.stress, "Pa")
+        for points in _each(self.test):
+            displacement = self.displacement[points]
+            stress = self.stress[points]
+            yield from _off_neighbours("displacement", "m", points, displacement, np.arange(len(points)))
+            yield from _off_neighbours("stress", "Pa", points, stress, displacement)
         over = self.stress - STEEPEST * self.pressure
         row = int(over.argmax())
         if over[row] > STICKIEST:
@@ -136,11 +131,32 @@ class ShearTests:
         return np.array([self.pressure[self.test == name].mean() for name in np.unique(self.test)])
 
 
+def _each(tests: np.ndarray) -> Iterator[np.ndarray]:
+    """Numbers of the points of every test, from the name (points,) of the test of each."""
+    for name in dict.fromkeys(tests.tolist()):
+        yield np.flatnonzero(tests == name)
+
+
 def _beyond(name: str, values: np.ndarray, greatest: float, unit: str) -> Iterator[str]:
     row = int(values.argmax())
     if values[row] > greatest:
         more = f"more than {greatest:g} {unit}: is its unit right?"
         yield f"point {row + 1} has a {name} of {values[row]:.4g} {unit}, {more}"
+
+
+def _off_neighbours(
+    name: str, unit: str, points: np.ndarray, values: np.ndarray, rising: np.ndarray
+) -> Iterator[str]:
+    """Line about the first point of a test that both neighbours leave far behind as another value rises."""
+    before, value, after = (values[k : len(points) - 2 + k] for k in range(3))
+    rises = (np.diff(rising) > 0.0)[:-1] & (np.diff(rising) > 0.0)[1:]
+    low = OFF * value < np.minimum(before, after)
+    high = value > OFF * np.maximum(before, after)
+    wrong = np.flatnonzero(rises & (np.minimum(before, after) > 0.0) & (low | high))
+    if len(wrong):
+        row = int(wrong[0])
+        beside = f"beside {before[row]:.4g} and {after[row]:.4g} {unit}: is its decimal point right?"
+        yield f"point {points[row + 1] + 1} has a {name} of {value[row]:.4g} {unit} {beside}"
 
 
 def _other_sign(name: str, values: np.ndarray, unit: str) -> Iterator[str]:
