@@ -67,7 +67,7 @@ class CellGround:
         """
         missing = tiles.cover(self.tiles, self.shoes, frames, before)
         if missing == tiles.NO_TILE:
-            self._add_tiles(frames)
+            self._add_tiles(frames, before)
             missing = tiles.cover(self.tiles, self.shoes, frames, before)
         if missing == tiles.NO_HEIGHT:
             x, y = frames[:, 0], frames[:, 1]
@@ -138,10 +138,12 @@ class CellGround:
         memory[:, MEMORY.pressure] = earlier["cell_pressure"]
         self.restore({"cells": cells, "memory": memory, "held": nothing})
 
-    def _add_tiles(self, frames: np.ndarray) -> None:
-        """Make the tiles below the bounds of the shoes that are not there yet."""
+    def _add_tiles(self, frames: np.ndarray, before: np.ndarray) -> None:
+        """Make the tiles that are missing below the bounds of shoes, but for those that are astray."""
         rotations = frames[:, 3:12].reshape(-1, 3, 3)
         corners = frames[:, None, :2] + np.einsum("sik,ck->sci", rotations, self.shoes.corners)[..., :2]
+        moved = np.abs(corners - before[:, None, :2]).max(axis=(1, 2))
+        corners = corners[moved < tiles.FARTHEST]
         side = SIDE * self.tiles.cell
         low = np.floor(corners.min(axis=1) / side).astype(np.int64)
         high = np.floor(corners.max(axis=1) / side).astype(np.int64)

@@ -22,8 +22,11 @@ SIDE = 1 << BITS
 """Cells along a side of a tile."""
 LEAST = 1e-9
 """Share of a cell below which a part of it is left out."""
-FARTHEST = 1e7
-"""m, what is farther meets no ground: Newton's method went astray, and cells that far have no numbers."""
+FARTHEST = 100.0
+"""m along x or y from where a shoe was before: farther it meets no ground.
+
+No step is that long. Newton's method went astray, and a map of all tiles up to there would fill the memory.
+"""
 NO_TILE, NO_HEIGHT = -1, -2
 """In place of a number of points: a tile has to be made first; a shoe is beyond all heights."""
 
@@ -102,14 +105,15 @@ def cover(tiles: Tiles, shoes: pressing.ShoePoints, frames: FloatArray, before: 
     total = 0
     for s in range(shoes.counts.shape[0]):
         frame = pressing.frame_at(frames[s])
+        was = pressing.frame_at(before[s])
         meets = frame.R[2][2] >= FACING
         for a in range(4):
             corner = shoes.corners[a]
             place = along(frame.r, 1.0, turned(frame.R, (corner[0], corner[1], corner[2])))
             outline[a, 0] = place[0] / tiles.cell
             outline[a, 1] = place[1] / tiles.cell
-            meets = meets and abs(place[0]) < FARTHEST and abs(place[1]) < FARTHEST
-        count = _cover_shoe(tiles, shoes, s, outline, frame, pressing.frame_at(before[s])) if meets else 0
+            meets = meets and abs(place[0] - was.r[0]) < FARTHEST and abs(place[1] - was.r[1]) < FARTHEST
+        count = _cover_shoe(tiles, shoes, s, outline, frame, was) if meets else 0
         if count < 0:
             tiles.loaded.fill(0.0)
             return count

@@ -51,6 +51,16 @@ def test_a_shoe_that_is_nowhere_meets_no_ground():
         assert not cells.press(frame(place, R)).any()
 
 
+def test_no_map_is_made_up_to_a_shoe_that_went_astray():
+    cells = ground(SAND, shoes=2)
+    before = np.vstack([frame([0.0, y, 0.0]) for y in (0.0, 9.0)])
+    now = np.vstack([frame(place) for place in ([0.01, 0.0, 0.0], [14e3, 780e3, 0.0])])
+    cells.cover(now, before)
+    assert cells.shoes.counts[0] > 0
+    assert cells.shoes.counts[1] == 0
+    assert cells.tiles.table.size < 20
+
+
 CURVED = ROCK.with_(exponent=1.5, stiffness=7e10)  # 2e8 Pa/m at 0.2 mm
 
 
