@@ -17,6 +17,8 @@ from fem.interrupts import interrupts_wait
 if TYPE_CHECKING:
     import xarray as xr
 
+HISTORY = "history.nc"
+"""File of a run in its folder, from which all else that it leaves can be made again."""
 PARTIAL = ".partial-"  # what the names of files begin with that are being written
 
 

@@ -59,7 +59,8 @@ def check_size(case: Case, duration: float) -> None:
         if needed > allowed:
             size = f"{needed / 1e9:.3g} GB of memory, this machine has {allowed / 1e9:.3g} GB"
             raise ValueError(f"terrain: {terrain.unit_count} units would take {size}")
-    stored = case.solver.stored_times(duration) * stored_numbers(case) * NUMBER
+    times = case.solver.stored_times(duration, case.drive.quiet_time(duration))
+    stored = times * stored_numbers(case) * NUMBER
     if stored > GREATEST_HISTORY:
         size = f"{stored / 1e12:.3g} TB, allowed is 1 TB"
         raise ValueError(f"duration: {duration:g} s leave {size}; solver.output_interval makes it less")
@@ -211,11 +212,15 @@ def run_lines(case_file: CaseFile) -> list[str]:
             f"shoes, which sink by about {1e3 * case.settled_penetration:.3g} mm"
         )
     way = float(case.drive.speed.integral(end))
-    steps = end / case.solver.step
+    quiet = case.drive.quiet_time(end)
+    size = f"{1e3 * case.solver.step:g} ms"
+    if quiet and case.solver.quiet_step > case.solver.step:
+        size += f", or {1e3 * case.solver.quiet_step:g} ms while the drive is off"
     lines = [
         track,
-        f"run: {end:g} s, {abs(way):.3g} m of travel by the drive, {steps:.0f} steps of "
-        f"{1e3 * case.solver.step:g} ms, {case.solver.stored_times(end):.0f} stored times",
+        f"run: {end:g} s, {abs(way):.3g} m of travel by the drive, "
+        f"{case.solver.steps(end, quiet):.0f} steps of {size}, "
+        f"{case.solver.stored_times(end, quiet):.0f} stored times",
     ]
     if case.flexible is not None:
         mesh = case.flexible.mesh

@@ -266,6 +266,8 @@ def test_a_drive_tells_when_it_is_on():
     assert [twice.off_since(time) for time in (10.0, 15.0, 19.0, 25.0, 33.0)] == [0.0, 0.0, 4.0, 0.0, 3.0]
     assert twice.travel(20.0) == twice.travel(15.0) == pytest.approx(0.25 + 0.5 + 0.25, rel=1e-12)
     assert twice.travel(40.0) - twice.travel(20.0) == pytest.approx(0.25 + 0.5, rel=1e-12)
+    assert [twice.quiet_time(end) for end in (15.5, 18.0, 30.0, 40.0)] == [0.0, 2.0, 4.0, 13.0]
+    assert Drive.translation().quiet_time(100.0) == 0.0
     assert Drive.translation().drives_after(1e9)
     assert Drive.translation().switch_times == ()
     assert Drive.translation().turn(10.0) == 0.0

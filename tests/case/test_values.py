@@ -189,3 +189,5 @@ def test_before_a_run_it_is_said_what_it_comes_to():
     assert f"13 shoes of 4.682 t; the ground carries {carried / 1e3:.4g} MN at the start, " in track
     assert f"{carried / (13 * 0.655742 * 3.505):.4g} kPa below the shoes, which sink by about 65." in track
     assert run.startswith("run: 10 s, 0.75 m of travel by the drive, 5000 steps of 2 ms, ")
+    _, run, *_ = run_lines(CaseFile(case=Case.stress(), duration=40.0))
+    assert "10400 steps of 2 ms, or 10 ms while the drive is off, 10400 stored times" in run

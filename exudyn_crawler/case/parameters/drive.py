@@ -1,5 +1,6 @@
 """Values over time: a quantity, the drive of the front shoe, and the steps of the integration."""
 
+import math
 from functools import lru_cache
 from typing import ClassVar, Literal, Self
 
@@ -12,6 +13,10 @@ from exudyn_crawler.case.parameters.base import Component, Errors, Parameters, o
 SAME_TIME = 1e-9  # relative difference below which two times are the same
 SHORTEST = 1e-9  # s, of a STEP, whose rates are numbers so
 FASTEST = 100.0  # m/s and rad/s: no track is as fast, and nothing of it could be integrated
+
+
+SETTLING = 1.0
+"""s after the drive goes off until the track is quiet; its shoes swing at 8 Hz and more."""
 
 
 class StepProfile(Parameters):
@@ -152,6 +157,15 @@ class Drive(Parameters):
             return 0.0
         return time - max((end for _, end in self.on or () if end <= time * (1.0 + SAME_TIME)), default=0.0)
 
+    def quiet_time(self, duration: float) -> float:
+        """Part of a run's duration (s) in which the track is quiet, a while after the drive went off, s."""
+        if self.on is None:
+            return 0.0
+        starts = [0.0, *(end for _, end in self.on)]
+        ends = [*(start for start, _ in self.on), math.inf]
+        gaps = zip(starts, ends, strict=True)
+        return sum(max(0.0, min(end, duration) - start - SETTLING) for start, end in gaps)
+
     def drives_after(self, time: float) -> bool:
         """True if the drive is on just after a time (s)."""
         return self.on is None or any(start <= time * (1.0 + SAME_TIME) < end for start, end in self.on)
@@ -183,7 +197,7 @@ class Solver(Parameters):
 
     step: float = quantity("s", "time step", (1e-5, 0.02), ge=1e-9, le=10, default=2.0e-3)
     quiet_step: float = quantity(
-        "s", "step 1 s after the drive went off", (1e-5, 0.1), ge=1e-9, le=10, default=0.01
+        "s", f"step {SETTLING:g} s after the drive went off", (1e-5, 0.1), ge=1e-9, le=10, default=0.01
     )
     minimum_step: float = quantity("s", "least step tried before giving up", ge=1e-15, le=10, default=1.0e-6)
     residual: float = quantity("N", "rms to end Newton's method", (1e-6, 50.0), ge=1e-12, le=1e9, default=0.2)
@@ -200,6 +214,11 @@ class Solver(Parameters):
         if self.minimum_step > self.step:
             yield f"minimum_step must not exceed step = {self.step}, got {self.minimum_step}"
 
-    def stored_times(self, duration: float) -> float:
-        """Stored states of a run (s), about."""
-        return duration / max(self.output_interval, self.step)
+    def steps(self, duration: float, quiet: float) -> float:
+        """Steps of a run (s) of which the track is quiet for a part (s), about."""
+        return (duration - quiet) / self.step + quiet / max(self.step, self.quiet_step)
+
+    def stored_times(self, duration: float, quiet: float) -> float:
+        """Stored states of a run (s) of which the track is quiet for a part (s), about."""
+        driven = (duration - quiet) / max(self.output_interval, self.step)
+        return driven + quiet / max(self.output_interval, self.step, self.quiet_step)

@@ -39,10 +39,10 @@ STEP = {True: 0.6e-3, False: 1.2e-3}  # s a step of so many rigid shoes, with co
 STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # s more of a flexible one
 SLOWER, MORE_FLEXIBLE = {"rolled": 2.5}, {"rolled": 1.0e-3}
 """Times that of rigid shoes, and s more of a flexible one, by kinds of gear of which it differs."""
-RECOVERY = 1.0e-3  # s a stored time of a flexible shoe, whose stresses are recovered
+RECOVERY = 0.25e-3  # s a stored time of a flexible shoe, whose stresses are recovered
 PER_NODE = {REDUCE: 0.6e-3, FIELDS: 0.3e-3, SIMULATE: 1.5e-4, RECOVER: 5e-5}  # s; of each shoe, the last
 COMPILING = 50.0  # s of the equations
-WRITING = {"tables": 0.5, "figures": 5.0, "pictures": 1.0, "page": 4.0}  # s, pictures of each flexible shoe
+WRITING = {"tables": 0.5, "figures": 8.0, "pictures": 1.0, "page": 4.0}  # s, pictures of each flexible shoe
 TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
 
 PROGRESS = "progress.json"
@@ -59,20 +59,22 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
     Compiling takes as much in a second process beside.
     """
     case = case_file.case
-    solver = case_file.case.solver
+    quiet = case.drive.quiet_time(case_file.duration)
+    steps = case.solver.steps(case_file.duration, quiet)
+    stored = case.solver.stored_times(case_file.duration, quiet)
     outputs = case_file.outputs
     flexible = 0 if case.flexible is None else len(case.flexible.shoes)
     step = STEP[case.is_compiled] * SLOWER.get(case.gear.kind, 1.0) * case.track.shoe_count / SHOES
     more = MORE_FLEXIBLE.get(case.gear.kind, STEP_FLEXIBLE[case.is_compiled])
     times = {COMPILE: COMPILING} if case.is_compiled else {}
-    times[SIMULATE] = BEGIN[case.gear.kind] + case_file.duration / solver.step * (step + more * flexible)
+    times[SIMULATE] = BEGIN[case.gear.kind] + steps * (step + more * flexible)
     if case.flexible is not None:
         from meshes import geometry, mesh_named
 
         mesh = case.flexible.mesh
         nodes = geometry.NODES[mesh] if mesh in geometry.NODES else len(mesh_named(mesh).nodes)
         times[SIMULATE] += PER_NODE[SIMULATE] * nodes
-        recovery = RECOVERY * solver.stored_times(case_file.duration) + PER_NODE[RECOVER] * nodes
+        recovery = RECOVERY * stored + PER_NODE[RECOVER] * nodes
         fields = {FIELDS: PER_NODE[FIELDS] * nodes} if case.flexible.static_fields else {}
         times = {REDUCE: PER_NODE[REDUCE] * nodes} | fields | times | {RECOVER: recovery * flexible}
     written = {"pictures": flexible * WRITING["pictures"]}

@@ -8,14 +8,13 @@ from itertools import pairwise
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.drive import SETTLING
 from exudyn_crawler.model.track_system import TrackSystem
 from exudyn_crawler.results.history import History, files, ground_map, states
 from exudyn_crawler.run.folder.checkpoints import Checkpoints, StageEnd
 
 TIME_TOLERANCE = 1e-9
 """Relative difference below which two times are the same."""
-SETTLING = 1.0
-"""s after the drive goes off until the track is quiet; its shoes swing at 8 Hz and more."""
 
 
 def stage_times(case: Case, duration: float) -> list[float]:
