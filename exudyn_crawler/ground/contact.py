@@ -25,6 +25,10 @@ def pair_law(law: PairContact, underside_area: float) -> pairs.PairLaw:
     )
 
 
+STATES_AT_ONCE = 64
+"""Of which contacts are found in one call: Python takes as long for a call as the contacts of a state."""
+
+
 class PairGroundContact:
     """Contact by one contact for every pair of a shoe and a unit; a `GroundContact`.
 
@@ -73,16 +77,19 @@ class PairGroundContact:
         self.size = reference.size + coordinates.size + len(flexible_shoes) * modes
 
     def bodies_at(self, q: np.ndarray, q_t: np.ndarray) -> BodyStates:
-        """Places of all bodies at generalized coordinates and their rates, as the kernel takes them."""
+        """Places of all bodies at generalized coordinates (..., size) and their rates, for kernels."""
         shoes = self.shoe_reference.size
         modes = shoes + self.coordinates.size
+        before = q.shape[:-1]
+        shoe_shape = (*before, *self.shoe_reference.shape)
+        modal_shape = (*before, *self._modal_shape)
         return BodyStates(
-            self.shoe_reference + q[:shoes].reshape(-1, 6),
-            q_t[:shoes].reshape(-1, 6),
-            self.unit_reference + self.coordinates.motion(q[shoes:modes]),
-            self.coordinates.motion(q_t[shoes:modes]),
-            q[modes : self.size].reshape(self._modal_shape),
-            q_t[modes : self.size].reshape(self._modal_shape),
+            self.shoe_reference + q[..., :shoes].reshape(shoe_shape),
+            np.ascontiguousarray(q_t[..., :shoes]).reshape(shoe_shape),
+            self.unit_reference + self.coordinates.motion(q[..., shoes:modes]),
+            self.coordinates.motion(q_t[..., shoes:modes]),
+            np.ascontiguousarray(q[..., modes : self.size]).reshape(modal_shape),
+            np.ascontiguousarray(q_t[..., modes : self.size]).reshape(modal_shape),
         )
 
     def _touching(self, bodies: BodyStates) -> tuple[np.ndarray, np.ndarray]:
@@ -118,15 +125,28 @@ class PairGroundContact:
             np.add.at(modal, self._row[shoe[bent]], np.einsum("ncm,nc->nm", modes[bent], local))
         return np.concatenate((on_shoes.ravel(), self.coordinates.project(on_units), modal.ravel()))
 
-    def results(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray | None = None) -> np.ndarray:
-        """Contacts at a state: array (contacts, RESULTS), columns as in `pairs.RESULT`.
+    def results(
+        self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts at states; see `GroundContact`.
 
         `wrenches` are not needed: the forces in motion are these.
         """
-        rows = self._touching(self.bodies_at(q, q_t))[0].copy()
+        counts = np.zeros(len(q), dtype=int)
+        parts = [np.zeros((0, pairs.RESULTS))]
+        for first in range(0, len(q), STATES_AT_ONCE):
+            states = slice(first, first + STATES_AT_ONCE)
+            bodies = self.bodies_at(q[states], q_t[states])
+            rows = np.empty((len(bodies.shoes), self.greatest_count, pairs.RESULTS))
+            pair_stiffness.touching_over_time(
+                bodies, self.geometry, self._contacts, self._work, rows, counts[states]
+            )
+            has = np.arange(self.greatest_count) < counts[states, None]
+            parts.append(rows[has])
+        results = np.concatenate(parts)
         # strips of an underside, and one with holes, have their places in the rectangle that is met
-        rows[:, pairs.RESULT["area"]] *= self._ground_share
-        return rows
+        results[:, pairs.RESULT["area"]] *= self._ground_share
+        return results, counts
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground along the track's middle at places x (m), with the springs free."""
@@ -137,8 +157,9 @@ GroundContact = PairGroundContact | sphere_contact.SphereGroundContact | CellGro
 """Contacts between all shoes and the ground, read off a state: which there are, and the ground's `surface`.
 
 The coordinates q, with rates q_t: six a shoe (COM displacement from `shoe_reference` and angles), the
-terrain's as `coordinates` has them, the flexible shoes' modes. `results` takes a third argument where a state
-stores what does not follow from these.
+terrain's as `coordinates` has them, the flexible shoes' modes. `results` takes states (times, size), with a
+third argument (times, ...) where they store what does not follow from these. It gives the contacts of all
+times, one after the other (contacts, RESULTS), with columns as in `pairs.RESULT`, and their numbers (times,).
 """
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs, rotations
 from exudyn_crawler.ground.compiled import inlined, inner, kernel
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned_back
-from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3
+from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3, IntArray
 from exudyn_crawler.ground.rotations import Attitude
-from exudyn_crawler.ground.rows import ForceRows, Weights
+from exudyn_crawler.ground.rows import NO_DERIVATIVES, ForceRows, Weights
 from fem.patches import mean_rows
 
 MOTIONS = 4
@@ -324,3 +324,30 @@ def touching_pairs(
                     _write_stiffness(volume, contact, (normal, spin), law, weights, tangent)
                 count += 1
     return count
+
+
+@kernel
+def touching_over_time(
+    bodies: pair_geometry.BodyStates,
+    geometry: pair_geometry.ContactGeometry,
+    contacts: UnitContacts,
+    work: FloatArray,
+    results: Floats3,
+    counts: IntArray,
+) -> None:
+    """Write results of all contacts (times, contacts, RESULTS) and their numbers (times,).
+
+    Arrays of `bodies` have the times before their own dimensions.
+    """
+    for t in range(counts.shape[0]):
+        places = pair_geometry.BodyStates(
+            bodies.shoes[t],
+            bodies.shoe_rates[t],
+            bodies.units[t],
+            bodies.unit_rates[t],
+            bodies.modal[t],
+            bodies.modal_rates[t],
+        )
+        count = touching_pairs(places, geometry, NO_DERIVATIVES, contacts, work)
+        results[t, :count] = contacts.results[:count]
+        counts[t] = count

@@ -97,7 +97,12 @@ class SphereGroundContact:
         """Numbers of the shoes with a sphere whose centre is below its unit's face: nothing holds that up."""
         return (np.flatnonzero((self.depths(q) >= self._radius).any(axis=1)) + 1).tolist()
 
-    def results(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
+    def results(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts at states with `wrenches` (times, shoes, 6); see `contact.GroundContact`."""
+        results = [self._results_at(*state) for state in zip(q, q_t, wrenches, strict=True)]
+        return np.concatenate(results), np.array([len(rows) for rows in results])
+
+    def _results_at(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
         """Contacts at a state, one a shoe that touches: array (contacts, RESULTS), as in `pairs.RESULT`.
 
         `wrenches` (shoes, 6) are Exudyn's contact forces on the shoes and moments about their origins, N and

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.linalg
 
 from exudyn_crawler.case import Case, Terrain
-from exudyn_crawler.ground.compiled import kernel
+from exudyn_crawler.ground.compiled import inner, kernel
 
 REACH = 1.0
 """m round the track at t = 0 within which contact is expected."""
@@ -74,7 +74,7 @@ def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
     return joints
 
 
-@kernel
+@inner
 def modal_motion(heave, tilt, q, out):
     """Write heave and tilt of units (units, 4) by the first of some coordinates, or their rates."""
     for u in range(heave.shape[0]):
@@ -84,6 +84,13 @@ def modal_motion(heave, tilt, q, out):
             a += tilt[u, k] * q[k]
         out[u, 2] = z
         out[u, 3] = a
+
+
+@kernel
+def modal_motions(heave, tilt, states, out):
+    """Write heave and tilt of units (times, units, 4) at states (times, coordinates), or their rates."""
+    for t in range(states.shape[0]):
+        modal_motion(heave, tilt, states[t], out[t])
 
 
 @dataclass(frozen=True)
@@ -103,9 +110,13 @@ class TerrainModes:
         return self.heave.shape[1]
 
     def motion(self, q: np.ndarray) -> np.ndarray:
-        """Displacement (x, y, z) and tilt of the units, or their rates: array (units, 4), m and rad."""
-        units = np.zeros((len(self.heave), 4))
-        modal_motion(self.heave, self.tilt, q, units)
+        """Displacement (x, y, z) and tilt of the units, or their rates: array (..., units, 4), m and rad.
+
+        `q` (..., size) are coordinates, or their rates.
+        """
+        units = np.zeros((*q.shape[:-1], len(self.heave), 4))
+        states = np.ascontiguousarray(q).reshape(-1, self.size)
+        modal_motions(self.heave, self.tilt, states, units.reshape(-1, *units.shape[-2:]))
         return units
 
     def project(self, wrenches: np.ndarray) -> np.ndarray:
@@ -137,9 +148,10 @@ class UnitCoordinates:
         return 6 * self.unit_count
 
     def motion(self, q: np.ndarray) -> np.ndarray:
-        """Displacement and tilt of the units, or their rates: array (units, 4)."""
-        bodies = q.reshape(self.unit_count, 6)
-        return np.column_stack((bodies[:, :3], bodies[:, 3 + self.tilt_axis]))
+        """Displacement and tilt of the units, or their rates: array (..., units, 4)."""
+        bodies = q.reshape(*q.shape[:-1], self.unit_count, 6)
+        # a list as an index would give columns, for which kernels are compiled once more
+        return np.take(bodies, [0, 1, 2, 3 + self.tilt_axis], axis=-1)
 
     def project(self, wrenches: np.ndarray) -> np.ndarray:
         """Generalized forces (size,); moments beside the tilt's only load what holds the units."""

@@ -39,7 +39,7 @@ def compile_equations() -> None:
 def compile_matrix() -> None:
     """Compile the matrix, its elimination and the contacts that a history keeps."""
     system = _compile("matrix")
-    none = np.zeros(system.layout.coordinate_count)
+    none = np.zeros((1, system.layout.coordinate_count))
     system.contact.results(none, none)
 
 

@@ -77,13 +77,14 @@ def test_results_add_up_to_the_forces_on_every_shoe(contact, seed):
     q, q_t = states(contact, seed)
     shoes = contact.shoe_reference + q[:SIX].reshape(-1, 6)
     if isinstance(contact, PairGroundContact):
-        rows, forces = contact.results(q, q_t), contact.forces(q, q_t)
+        rows, _ = contact.results(q[None], q_t[None])
+        forces = contact.forces(q, q_t)
         assert forces.shape == (contact.size,)
         generalized = forces[:SIX].reshape(-1, 6)
         on_shoes = np.hstack((generalized[:, :3], moments_of(shoes[:, 3:], generalized[:, 3:])))
     else:
         on_shoes = wrenches(seed)
-        rows = contact.results(q, q_t, on_shoes)
+        rows, _ = contact.results(q[None], q_t[None], on_shoes[None])
     assert rows.shape[1] == RESULTS
     index = rows[:, RESULT["shoe"]].astype(int)
     force = rows[:, RESULT["normal_force"]] + rows[:, RESULT["friction_force"]]
@@ -110,6 +111,14 @@ def test_shoes_at_the_settled_depth_carry_their_loads(contact, request):
         assert contact.forces(q, np.zeros_like(q))[2:SIX:6][9] == pytest.approx(4.3e5, rel=1e-9)
     else:
         assert depths == pytest.approx(contact.depths(q).mean(axis=1))
+
+
+def test_kernels_get_rows_of_bodies_in_both_formulations(formulations):
+    """Arrays in another order would have the contact compiled once more, 10 s."""
+    for contact in formulations:
+        q = np.zeros((2, contact.size))
+        assert all(array.flags.c_contiguous for array in contact.bodies_at(q, q))
+        assert all(array.flags.c_contiguous for array in contact.bodies_at(q[0], q[0]))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -186,7 +195,8 @@ def settled(contact, x):
 
 def test_shoe_seven_rests_on_two_units_with_the_pair_laws_force_on_each():
     contact = ground_contact(WHOLE)
-    rows = contact.results(*settled(contact, contact.shoe_reference[6, 0]))
+    q, q_t = settled(contact, contact.shoe_reference[6, 0])
+    rows, _ = contact.results(q[None], q_t[None])
     seven = rows[rows[:, RESULT["shoe"]] == 6]
     assert (seven[:, RESULT["unit"]] + 1).tolist() == [7, 12]
     expected = impact_force(pair_law(WHOLE.contact, 1.0).impact, 0.0657, 0.0)

@@ -1,5 +1,7 @@
 """Flexible shoes in the track: statics, stiffness limit, vibration, momentum, stresses; one on supports."""
 
+import weakref
+
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
@@ -10,7 +12,7 @@ from exudyn_crawler.engine.bodies import add_shoe_nodes, add_shoes
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.model.assemble import assemble
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
+from exudyn_crawler.model.flexible_shoes import factors_held, floating_shoe, partition, shoe_model
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.results.loads.load_map import unit_loads
@@ -40,6 +42,16 @@ def history():
     return simulate(track(), 0.1)
 
 
+def test_neither_factors_nor_matrices_outlive_the_reduction():
+    body, interfaces = shoe_model(track().flexible_shoes(), track().track)
+    with factors_held(track()):
+        held = weakref.ref(partition(body, interfaces))
+        assert held() is not None
+        stiffness = weakref.ref(body.stiffness)
+        mass = weakref.ref(body.mass_matrix)
+    assert (held(), stiffness(), mass()) == (None, None, None)
+
+
 def test_only_elastic_modes_are_integrated():
     floating = floating_shoe(track())
     assert floating.mode_count == 24 + 12 - 6
@@ -50,7 +62,8 @@ def test_the_ground_carries_the_weight_of_rigid_and_flexible_shoes():
     case = track()
     system = compiled_system(case)
     q = static_equilibrium(case)
-    carried = system.contact.results(q, 0.0 * q)[:, RESULT["normal_force"]][:, 2].sum()
+    contacts, _ = system.contact.results(q[None], 0.0 * q[None])
+    carried = contacts[:, RESULT["normal_force"]][:, 2].sum()
     flexible = floating_shoe(case).reduced.mass
     weight = 13 * LOAD + (11 * case.shoe.mass + 2 * flexible) * case.gravity
     assert carried == pytest.approx(weight, rel=1e-6)

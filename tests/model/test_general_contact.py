@@ -72,7 +72,7 @@ def test_contact_forces_close_every_shoes_balance(is_turning, general):
 
 def test_a_contact_is_what_the_spheres_of_a_shoe_do_together(rest):
     wrenches = sphere_wrenches(EVEN, rest)
-    results = ground_contact(EVEN).results(rest, np.zeros_like(rest), wrenches)
+    results, _ = ground_contact(EVEN).results(rest[None], np.zeros_like(rest)[None], wrenches[None])
     shoe, point = results[:, RESULT["shoe"]].astype(int), results[:, RESULT["point"]]
     force = results[:, RESULT["normal_force"]] + results[:, RESULT["friction_force"]]
     assert shoe.tolist() == list(range(CASE.track.shoe_count))

@@ -64,7 +64,8 @@ def test_a_long_track_rests_on_normals_that_lean():
     track, terrain = base.track.with_(shoe_count=shoes), base.terrain.with_(columns=8)
     case = base.with_(track=track, terrain=terrain, loads=LoadCycle.constant([386.4e3] * shoes))
     rest, system = static_equilibrium(case), compiled_system(case)
-    carried = system.contact.results(rest, np.zeros_like(rest))[:, RESULT["normal_force"]].sum(axis=0)
+    contacts, _ = system.contact.results(rest[None], np.zeros_like(rest)[None])
+    carried = contacts[:, RESULT["normal_force"]].sum(axis=0)
     assert carried[2] == pytest.approx(shoes * (case.shoe.mass * case.gravity + 386.4e3), rel=1e-6)
 
 

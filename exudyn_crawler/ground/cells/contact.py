@@ -49,9 +49,17 @@ class CellGroundContact:
         """Number of generalized coordinates without modes: six a shoe."""
         return self.shoe_reference.size
 
-    def results(self, _q: np.ndarray, _q_t: np.ndarray, stored: np.ndarray | None = None) -> np.ndarray:
-        """Contacts that a state has stored: one a shoe, of no area where it hangs in the air."""
-        return np.zeros((0, pairs.RESULTS)) if stored is None else stored[:, : pairs.RESULTS]
+    def results(
+        self, q: np.ndarray, _q_t: np.ndarray, stored: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts that states have stored: one a shoe, of no area where it hangs in the air.
+
+        See `ground.contact.GroundContact`.
+        """
+        if stored is None:
+            return np.zeros((0, pairs.RESULTS)), np.zeros(len(q), dtype=int)
+        rows = stored[..., : pairs.RESULTS]
+        return rows.reshape(-1, pairs.RESULTS), np.full(len(rows), rows.shape[1])
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -45,10 +45,6 @@ class _States(NamedTuple):
     def parts(self, names: Iterable[str]) -> np.ndarray:
         """Parts of one shape side by side: (times, names, ...)."""
         return np.stack([self.part(name) for name in names], axis=1)
-
-    def each(self, of: Callable[..., Any], *names: str) -> list[Any]:
-        """Apply a function to some parts of each state."""
-        return [of(*state) for state in zip(*map(self.part, names), strict=True)]
 
 
 def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
@@ -176,7 +172,7 @@ def _terrain(states: _States) -> Arrays:
         if reduced:
             named[f"{files.TERRAIN}{after}"] = rows.copy()
         else:
-            units = np.stack([coordinates.motion(row) for row in rows])
+            units = coordinates.motion(rows)
             named |= {f"unit_heave{after}": units[..., 2], f"unit_tilt{after}": units[..., 3]}
     return named
 
@@ -184,19 +180,21 @@ def _terrain(states: _States) -> Arrays:
 def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
     """Contacts over time, a column for each volume of a pair that ever met; zero while there is none."""
     more = ("contact",) if states.system.layout.contact else ()
-    results = states.each(states.system.contact.results, *COORDINATES, *more)
-    rows = np.concatenate(results)
+    rows, counts = states.system.contact.results(*map(states.part, (*COORDINATES, *more)))
     keys = rows[:, [RESULT[name] for name in ("shoe", "unit", "finger")]].astype(int)
     keys[:, :2] += 1  # shoes and units count from 1
-    pairs, column = np.unique(keys, axis=0, return_inverse=True)
-    when = np.repeat(np.arange(len(results)), [len(contacts) for contacts in results])
+    # one number a pair, in the order of the columns, is sorted far sooner than rows
+    shape = tuple(keys.max(axis=0, initial=0) + 1)
+    numbers, column = np.unique(np.ravel_multi_index(tuple(keys.T), shape), return_inverse=True)
+    pairs = np.column_stack(np.unravel_index(numbers, shape))
+    when = np.repeat(np.arange(len(counts)), counts)
     tables = {}
     for name, quantity in CONTACTS.items():
         if not quantity.lacking(states.system.case):
             values = rows[..., RESULT[name]]
-            tables[name] = np.zeros((len(results), len(pairs), *values.shape[1:]))
+            tables[name] = np.zeros((len(counts), len(pairs), *values.shape[1:]))
             # a history in memory has the numbers of its file
-            tables[name][when, column.ravel()] = values.astype(quantity.dtype)
+            tables[name][when, column] = values.astype(quantity.dtype)
     node_force = catalogue.QUANTITIES["node_force"]
     if not node_force.lacking(states.system.case):
         flexible = np.array(states.system.layout.flexible_shoes) - 1
