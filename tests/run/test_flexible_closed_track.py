@@ -6,7 +6,9 @@ import pytest
 from exudyn_crawler import Case, Duty, FatigueMaterial, FlexibleShoes, StepProfile, recover_stresses, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.assembler import Body
 from exudyn_crawler.model.flexible_shoes import whole_reduction
+from exudyn_crawler.model.parts import shoes
 from exudyn_crawler.results.checks.roller_path import PRESSURE, plane_modulus, roller_path
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
@@ -22,9 +24,9 @@ pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 FLEXIBLE = UNDER_ROLLER, ON_IDLER, ON_TUMBLER = 8, 15, 35
 
 
-def flexible_case(shoes, **values):
+def flexible_case(numbers, **values):
     """Closed track with flexible shoes, which reaches 0.3 m/s in 0.1 s."""
-    flexible = FlexibleShoes.ph4100c("coarse").with_(shoes=shoes, **{"highest_frequency": 1500.0} | values)
+    flexible = FlexibleShoes.ph4100c("coarse").with_(shoes=numbers, **{"highest_frequency": 1500.0} | values)
     drive = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.3)))
     case = Case.closed().with_(drive=drive, flexible=flexible)
     return case.with_(shoe=case.shoe.of_mass(whole_reduction(case).body.mass))
@@ -52,11 +54,22 @@ def balanced_loads(history):
 
 @pytest.mark.filterwarnings("ignore:flexible.youngs_modulus")
 @pytest.mark.parametrize("shoe", [UNDER_ROLLER, ON_TUMBLER])
-def test_stiff_shoe_gives_the_forces_of_a_rigid_one(shoe):
-    """Of all links, as far as the mesh has the inertia of the rigid shoe, whose COM is 1.4 mm off its own.
+def test_stiff_shoe_gives_the_forces_of_a_rigid_one(shoe, monkeypatch):
+    """Of all links, with the inertia of the rigid shoe, whose COM is 1.4 mm off that of the mesh.
 
-    How side loads are shared depends on the compliance of pins, of which a flexible link has two.
+    With its own the shoe on the tumbler has 0.8 kN in place of 0.1. How side loads are shared depends on the
+    compliance of pins, of which a flexible link has two.
     """
+    of_mesh = shoes._bodies
+
+    def of_rigid_shoe(assembler):
+        shoe = assembler.case.shoe
+        return [
+            Body.rigid(body.name, body.mass, shoe.inertia_tensor, body.reference)._replace(bends=body.bends)
+            for body in of_mesh(assembler)
+        ]
+
+    monkeypatch.setattr(shoes, "_bodies", of_rigid_shoe)
     steel = FlexibleShoes.ph4100c("coarse").youngs_modulus
     case = flexible_case((shoe,), youngs_modulus=1e3 * steel, highest_frequency=1500.0 * 1e3**0.5)
     stiff, rigid = (simulate(one, 0.1, progress=False) for one in (case, case.with_(flexible=None)))
@@ -124,9 +137,12 @@ def test_life_counts_cycles_of_the_loop_with_their_causes(bent):
 
 
 def test_a_flexible_shoe_goes_over_the_tumbler():
-    """From the lower run to the upper one at 1 m/s, in balance at every stored time."""
+    """From the lower run to the upper one at 1 m/s, in balance at every stored time.
+
+    Work is summed over stored times: 2 % are missing with 8 ms between them, 0.3, 0.14 and 0.03 with 4, 2, 1.
+    """
     drive = Drive(speed=StepProfile(times=(0.0, 0.5), values=(0.0, 1.0)))
-    case = flexible_case((ON_TUMBLER,)).with_({"solver.output_interval": 0.008}, drive=drive)
+    case = flexible_case((ON_TUMBLER,)).with_(drive=drive)
     history = simulate(case, 3.0, progress=False)
     way = history.position.sel(shoe=ON_TUMBLER, axis="z") - history.side_frame_position.sel(axis="z")
     # below and above the tumbler, whose axis is at 0.6 m

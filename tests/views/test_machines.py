@@ -21,5 +21,6 @@ def test_page_draws_a_machine_with_its_figures_and_sources(name):
 @pytest.mark.slow
 def test_all_machines_are_one_picture():
     figure = machines.library_figure([read_case(path) for path in library.machines().values()])
-    titles = [ax.get_title(loc="left") for ax in figure.axes]
-    assert len(set(titles)) == len(library.machines())
+    titles = {ax.get_title(loc="left") for ax in figure.axes}
+    # of an odd number the last place is empty
+    assert len(titles - {""}) == len(library.machines())
