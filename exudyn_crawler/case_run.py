@@ -143,7 +143,8 @@ def _reduce_shoe(work: _Work) -> None:
             work.folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
         if case.flexible_shoes().static_fields:
             with work.part(parts.FIELDS):
-                basis.static_loads(case)
+                # the run needs none of them
+                basis.store_static_fields(case)
     # the factors lie about until then
     give_back_memory()
 
@@ -165,18 +166,21 @@ def _history(work: _Work) -> History:
     if path is None:
         return _simulated(work, None)
     points = checkpoints.Checkpoints(path, folder.say)
+    history = None
     if folder.holds is record.Holds.HISTORY:
         folder.say(f"{case.name}: simulated already, continuing with tables, figures and page")
     else:
         try:
-            _simulated(work, points)
+            history = _simulated(work, points)
         except errors.SimulationStopped as stop:
             if stop.history is not None:
                 points.hand_over(path / record.STOPPED_HISTORY)
             raise
         points.hand_over(path / record.HISTORY)
         (path / record.STOPPED_HISTORY).unlink(missing_ok=True)
-    history = folders.matching_history(path, case_file)
+    # one that is not in memory is read from where it was before it was handed over
+    if history is None or not history.in_memory:
+        history = folders.matching_history(path, case_file)
     points.settle(case)
     # these are the run's, also where it was stopped after them
     for file in (path / record.HISTORY, path / record.END):

@@ -95,7 +95,10 @@ def check_cases(
         for number, case in enumerate(solution.cases):
             name = "".join(letter if letter.isalnum() or letter in "-." else "_" for letter in case.name)
             path = drawn / f"{number + 1:03d}_{name}.png"
-            style.save_figure(pages.case_figure(solution, number), path, overwrite)
+            figure = pages.case_figure(solution, number)
+            style.save_figure(figure, path, overwrite)
+            # it refers to itself in circles, with its surfaces and images
+            figure.clear()
     return solution
 
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fem.mesh import Floats, Integers, Mesh
+from fem.mesh import Floats, Integers, Mesh, triangle_normals
 
 SAME_PLANE = np.radians(0.1)
 """Angle between neighbouring faces up to which they are flat; the ready shoe's wings bend by 0.3 degrees."""
@@ -56,7 +56,7 @@ class BoundaryFaces(NamedTuple):
 def boundary_of(mesh: Mesh) -> BoundaryFaces:
     """Faces of a mesh's boundary with their neighbours."""
     corners = mesh.nodes[mesh.boundary[:, :3]]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = triangle_normals(corners)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     edges = np.sort(mesh.boundary[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(corners)), 3)

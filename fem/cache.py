@@ -29,7 +29,7 @@ from fem.sources import FEM, source_digest
 FIELDS_SUFFIX = ".fields"
 """Of files of static fields, before the ending; reductions have none."""
 LIMIT = 3e9
-"""Bytes in a folder beyond which the least recently used files are removed. The study mesh takes 0.4e9."""
+"""Bytes in a folder beyond which the least recently used files are removed. The study mesh takes 0.3e9."""
 NAMED_BY = 32
 """Characters of a digest in the name of its file."""
 

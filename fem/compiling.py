@@ -8,7 +8,7 @@ import hashlib
 import inspect
 import sys
 import warnings
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -119,7 +119,7 @@ def _consists_of(thing: Any) -> tuple[set[Path], set[str], list[Any]]:
         named = _named_by(function)
         name = f"{function.__module__}.{function.__qualname__}"
         texts = {f"{name}: {key} = {_text(value)}" for key, value in named if isinstance(value, CONSTANTS)}
-        texts.add(f"{name}: {sorted(getattr(thing, 'targetoptions', {}).items())}")
+        texts.add(f"{name}: {_options(getattr(thing, 'targetoptions', {}))}")
         return {Path(function.__code__.co_filename)}, texts, [value for _, value in named]
     if isinstance(thing, type):
         hints = getattr(thing, "__annotations__", {}).values()
@@ -133,6 +133,12 @@ def _consists_of(thing: Any) -> tuple[set[Path], set[str], list[Any]]:
     if isinstance(thing, CONSTANTS):
         return set(), set(), []
     return set(), set(), [type(thing), *get_args(thing)]
+
+
+def _options(options: Mapping[str, Any]) -> str:
+    """Options of a compiled function; sets, whose order differs from process to process, in order."""
+    ordered = {name: sorted(value) if isinstance(value, set) else value for name, value in options.items()}
+    return str(sorted(ordered.items()))
 
 
 def _text(value: Any) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.damage import TOLERANCE, CountedDamage, Counting
-from fem.mesh import Floats, Integers, Mesh
+from fem.mesh import Floats, Integers, Mesh, triangle_normals
 from fem.rank import NODE_BLOCK, SEGMENT, ModalHistory
 from fem.shapes import Columns
 
@@ -26,8 +26,7 @@ DamageOnPlanes = Callable[[Integers, Floats], Floats]
 
 def surface_normals(mesh: Mesh) -> Floats:
     """Outward unit normals (n, 3) of the nodes of the surface, weighted by area; zero elsewhere."""
-    a, b, c = (mesh.nodes[mesh.boundary[:, k]] for k in range(3))
-    areas = np.cross(b - a, c - a)
+    areas = triangle_normals(mesh.nodes[mesh.boundary[:, :3]])
     sums = np.zeros_like(mesh.nodes)
     for column in mesh.boundary.T:
         np.add.at(sums, column, areas)

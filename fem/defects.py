@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from fem.fatigue import SNCurve
 from fem.mesh import Floats
@@ -76,7 +76,7 @@ def growing_size(hardness: float, stress: Floats, ratio: Floats) -> Floats:
 def growth_law(of_high_ratio: bool, survival: float) -> tuple[tuple[float, float], ...]:
     """Exponent, and m a cycle at 1 Pa m^0.5, of both stages, that a portion of the material survives."""
     return tuple(
-        (exponent, 1e-3 * mean * (upper / mean) ** (0.5 * norm.ppf(survival)) / MM15**exponent)
+        (exponent, 1e-3 * mean * (upper / mean) ** (0.5 * ndtri(survival)) / MM15**exponent)
         for exponent, mean, upper in STAGES[of_high_ratio]
     )
 

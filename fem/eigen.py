@@ -37,13 +37,22 @@ def _orthonormal_in_mass(
     return block, moved
 
 
+def is_small(size: int, count: int) -> bool:
+    """True where dense algebra gives `count` modes of so small a system faster than the iteration."""
+    return size <= max(DENSE, _capacity(count))
+
+
+def _capacity(count: int) -> int:
+    """Vectors of the iteration's basis, at most."""
+    return 4 * count + 12 * BLOCK
+
+
 def lowest_modes(
     stiffness: csr_array,
     mass: csr_array,
     count: int,
     shift: float = 0.0,
     backend: Backend | None = None,
-    solve: Solve | None = None,
 ) -> tuple[Floats, Floats]:
     """Lowest eigenvalues and modes of a symmetric pencil.
 
@@ -57,8 +66,6 @@ def lowest_modes(
         Positive number in 1/s2 that makes K + shift M definite; 0 if K is.
     backend : str, optional
         Of `solver.factorized`.
-    solve : callable, optional
-        Solution of (K + shift M) x = b if it is factorized already.
 
     Returns
     -------
@@ -77,15 +84,30 @@ def lowest_modes(
     n = stiffness.shape[0]
     if not 1 <= count <= n:
         raise ValueError(f"count must be in 1..{n}, the degrees of freedom, got {count}")
-    if n <= max(DENSE, 4 * count + 12 * BLOCK):
+    if is_small(n, count):
         values, vectors = scipy.linalg.eigh(
             stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1)
         )
         return values, vectors
-    if solve is None:
-        solve = factorized(csr_array(stiffness + shift * mass) if shift else stiffness, backend)
+    solve = factorized(csr_array(stiffness + shift * mass) if shift else stiffness, backend)
+    return iterated_modes(solve, mass, count, shift)
+
+
+def iterated_modes(solve: Solve, mass: csr_array, count: int, shift: float = 0.0) -> tuple[Floats, Floats]:
+    """Lowest eigenvalues and modes of a system that is not small, see `is_small`.
+
+    Its stiffness is not needed beside its factors, which take most of the memory.
+
+    Parameters
+    ----------
+    solve : Solve
+        Solution of (K + shift M) x = b.
+    mass, count, shift
+        See `lowest_modes`, whose results and errors these are.
+    """
+    n = mass.shape[0]
     block = np.random.default_rng(SEED).standard_normal((n, BLOCK))
-    capacity = 4 * count + 12 * BLOCK
+    capacity = _capacity(count)
     basis = np.empty((n, capacity), order="F")
     mass_basis = np.empty((n, capacity), order="F")
     projected = np.zeros((capacity, capacity))
@@ -112,5 +134,6 @@ def lowest_modes(
         if (residual <= RESIDUAL * inverse[-count:]).all():
             break
     chosen = slice(size - 1, size - count - 1, -1) if size > count else slice(None, None, -1)
+    del mass_basis
     modes = basis[:, :size] @ coefficients[:, chosen]
     return 1.0 / inverse[chosen] - shift, modes

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, kron
-from skfem import Basis, ElementTetP1, ElementTetP2, MeshTet1, MeshTet2
+from skfem import Basis, ElementTetP1, ElementTetP2, MappingAffine, MappingIsoparametric, MeshTet1, MeshTet2
+from skfem.mapping import Mapping
 
 from fem.mesh import Floats, Mesh
 
@@ -76,14 +77,17 @@ def scalar_basis(mesh: Mesh, order: int | None = None, points: Floats | None = N
     t = np.ascontiguousarray(t.reshape(-1, 4).T)
     linear = MeshTet1(np.ascontiguousarray(mesh.nodes[corners].T), t, sort_t=False)
     grid = linear
+    # the mapping that a mesh makes itself refers to it in a circle, with hundreds of MB that would stay
+    mapping: Mapping = MappingAffine(linear)
     if mesh.order == 2:
-        numbering = Basis(linear, local, quadrature=(np.full((3, 1), 0.25), np.ones(1)))
+        numbering = Basis(linear, local, mapping, quadrature=(np.full((3, 1), 0.25), np.ones(1)))
         positions = np.empty((3, numbering.N))
         positions[:, numbering.element_dofs] = mesh.nodes.T[:, mesh.elements.T]
         grid = MeshTet2(positions, t, sort_t=False)
+        mapping = MappingIsoparametric(grid, grid.elem(), grid.bndelem)
     if points is not None:
-        return Basis(grid, local, quadrature=(points, np.ones(points.shape[1])))
-    return Basis(grid, local, intorder=order)
+        return Basis(grid, local, mapping, quadrature=(points, np.ones(points.shape[1])))
+    return Basis(grid, local, mapping, intorder=order)
 
 
 def _values_and_gradients(basis: Basis) -> tuple[Floats, Floats]:

@@ -1,32 +1,32 @@
 """Extremes of the von Mises stress over a history: of each node over time, and over the nodes at each time.
 
-Each segment of the history is searched at a reduced rank in single precision. If its bound leaves several
-times or nodes as candidates, all of them are recovered again at full rank in double precision: the result is
-that of a search at full rank.
+Each segment of the history is searched at a reduced rank in single precision (`likely`). Where bounds leave
+several times or nodes as candidates, all of them are recovered again at full rank in double precision: the
+result is that of a search at full rank.
 """
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.compiling import compiler
+from fem.likely import CELL, Likely, ScaledShapes, likely_extremes, scaled_shapes
+from fem.memory import give_back_memory
 from fem.mesh import Floats, Integers
-from fem.rank import SEGMENT, TIME_BLOCK, ModalHistory, node_blocks, segments
+from fem.rank import TIME_BLOCK, ModalHistory, checked, node_blocks, segments
 from fem.recovery import Peaks
 from fem.shapes import Columns
 from fem.stress import DEVIATOR
 
-Singles = NDArray[np.float32]
-
 TOLERANCE = 1e-3
-"""Of `fold_stresses`: lower ones need more directions, higher ones leave more candidates to recover again."""
-CELL = 32
-"""Successive times, or nodes, that are recovered again together; a divisor of the blocks' sizes."""
+"""Of the search: lower ones need more directions, higher ones leave more candidates to recover again."""
 MOST = 0.25
 """Part of all cells beyond which the whole search at full rank is faster."""
+SEGMENT = 2**13
+"""Successive times that are searched together: bounds of a node and a block of times take 170 MB for twice as
+many."""
 
 HIGHEST = ("highest", "highest_nodes")
 """What `Extremes` has of each time."""
@@ -39,7 +39,7 @@ class Extremes:
     Parameters
     ----------
     greatest, least : array (n,)
-        In Pa. The least is the stress of an instant, but another may be lower by twice the bound.
+        In Pa.
     greatest_at : int array (n,)
         Rows of the history where the greatest occur; the first of equals.
     highest : array (t,)
@@ -69,6 +69,7 @@ def recover_extremes(
     *,
     ranked: Integers | None = None,
     tolerance: float | None = TOLERANCE,
+    scaled: ScaledShapes | None = None,
 ) -> Extremes:
     """Extremes of the von Mises stress at every node and at every time of a history.
 
@@ -79,7 +80,9 @@ def recover_extremes(
     ranked : int array, optional
         Numbers of the nodes, at least one, among which the highest of each time is searched; all if left out.
     tolerance : float, optional
-        Of the search; None searches at full rank.
+        Error that the search may have over the highest stress; None searches at full rank.
+    scaled : ScaledShapes, optional
+        Of the same `stress_modes`, if they are there already.
     """
     chosen = np.ones(len(stress_modes), dtype=bool)
     if ranked is not None:
@@ -87,7 +90,14 @@ def recover_extremes(
         chosen[ranked] = True
     if not chosen.any():
         raise ValueError("ranked must be at least one node, got none")
-    parts = [_of_segment(stress_modes, rows, chosen, tolerance) for rows in segments(q)]
+    parts = []
+    for rows in segments(q, SEGMENT):
+        if tolerance is None or len(rows) <= TIME_BLOCK:
+            parts.append(fold_stresses(stress_modes, rows, VonMisesExtremes(chosen)))
+            continue
+        if scaled is None:
+            scaled = scaled_shapes(stress_modes)
+        parts.append(_of_segment(stress_modes, rows, chosen, tolerance, scaled))
     if not parts:
         raise ValueError("the history must have at least one row, got none")
     whole = parts[0]
@@ -107,14 +117,17 @@ def recover_extremes(
 
 
 def _of_segment(
-    stress_modes: Columns, rows: Floats, ranked: NDArray[np.bool_], tolerance: float | None
+    stress_modes: Columns,
+    rows: Floats,
+    ranked: NDArray[np.bool_],
+    tolerance: float,
+    scaled: ScaledShapes,
 ) -> Extremes:
-    """Extremes over some rows (t, m) of a history."""
-    if tolerance is not None and len(rows) > TIME_BLOCK:
-        likely = fold_stresses(stress_modes, rows, _LikelyExtremes(ranked), tolerance=tolerance)
-        open_times, open_nodes = likely.open_cells()
-        if open_times.mean() < MOST and open_nodes.mean() < MOST:
-            return _recovered(stress_modes, rows, likely, ranked)
+    """Extremes over rows (t, m) of a history, by a search where its bounds leave few cells open."""
+    likely = likely_extremes(scaled, checked(rows, stress_modes), ranked, tolerance)
+    give_back_memory()
+    if likely.open_part < MOST:
+        return _recovered(stress_modes, rows, likely, ranked)
     return fold_stresses(stress_modes, rows, VonMisesExtremes(ranked))
 
 
@@ -197,99 +210,6 @@ class VonMisesExtremes(Fold[Extremes]):
         )
 
 
-class _Likely(NamedTuple):
-    """Where extremes may be; cells are `CELL` successive times or nodes.
-
-    Attributes
-    ----------
-    upper, lower : array (n, cells), (n,)
-        What a node's stress is below in each cell of times, and what its greatest is above.
-    least : array (n, cells)
-        A node's least stress in each cell of times, within the bound.
-    node_upper, node_lower : array (cells, t), (t,)
-        What the ranked nodes of a cell are below at each time, and what the highest is above.
-    bound : array (n,)
-    """
-
-    upper: Singles
-    lower: Singles
-    least: Singles
-    node_upper: Singles
-    node_lower: Singles
-    bound: Singles
-
-    def open_cells(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Cells of times (n, cells) that may hold a node's greatest, of nodes (cells, t) the highest."""
-        return self.upper >= self.lower[:, None], self.node_upper >= self.node_lower
-
-
-@compiler(nogil=True, fastmath={"contract", "reassoc"})
-def _keep_likely(parts, bound, ranked, upper, least, node_upper, node_lower):
-    """Bounds of a block: of its nodes in cells of times, and of its cells of nodes at each time."""
-    lengths = np.empty(CELL, dtype=np.float32)
-    for k in range(parts.shape[0]):
-        a = parts[k, 0]
-        b = parts[k, 1]
-        c = parts[k, 2]
-        d = parts[k, 3]
-        e = parts[k, 4]
-        off = bound[k]
-        for first in range(0, parts.shape[2], CELL):
-            low = np.float32(np.inf)
-            high = np.float32(0.0)
-            count = min(CELL, parts.shape[2] - first)
-            for i in range(count):
-                t = first + i
-                length = np.sqrt(a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t])
-                lengths[i] = length
-                low = min(low, length)
-                high = max(high, length)
-            upper[k, first // CELL] = high + off
-            least[k, first // CELL] = low
-            for i in range(count if ranked[k] else 0):
-                t = first + i
-                node_upper[k // CELL, t] = max(node_upper[k // CELL, t], lengths[i] + off)
-                node_lower[t] = max(node_lower[t], lengths[i] - off)
-
-
-class _LikelyExtremes(Fold[_Likely]):
-    """Where the extremes of the von Mises stress may be, from stresses with bounds."""
-
-    components = DEVIATOR
-
-    def __init__(self, ranked: NDArray[np.bool_]) -> None:
-        self._ranked = ranked
-
-    def start(self, nodes: Integers, times: int) -> None:
-        """Begin without bounds."""
-        cells = -(-times // CELL)
-        single = np.float32
-        self._upper, self._least = (np.empty((len(nodes), cells), dtype=single) for _ in range(2))
-        self._lower, self._bound = (np.zeros(len(nodes), dtype=single) for _ in range(2))
-        self._node_upper = np.full((-(-len(nodes) // CELL), times), -np.inf, dtype=single)
-        self._node_lower = np.full(times, -np.inf, dtype=single)
-
-    def add(self, block: StressBlock) -> None:
-        """Add a block's bounds."""
-        of = block.nodes
-        times = block.times
-        cells = slice(times.start // CELL, -(-times.stop // CELL))
-        groups = slice(of.start // CELL, -(-of.stop // CELL))
-        bound = block.bound.astype(np.float32)
-        upper = self._upper[of, cells]
-        node_upper = self._node_upper[groups, times]
-        node_lower = self._node_lower[times]
-        _keep_likely(
-            block.stress, bound, self._ranked[of], upper, self._least[of, cells], node_upper, node_lower
-        )
-        self._lower[of] = np.maximum(self._lower[of], upper.max(axis=1) - np.float32(2.0) * bound)
-        self._bound[of] = np.maximum(self._bound[of], bound)
-
-    def finish(self) -> _Likely:
-        """All bounds in Pa."""
-        return _Likely(self._upper, self._lower, self._least, self._node_upper, self._node_lower, self._bound)
-
-
 @compiler(nogil=True, fastmath={"contract", "reassoc"})
 def _square(shapes, q):
     """Square of the von Mises stress of shapes (6, m) with coordinates (m,)."""
@@ -333,9 +253,8 @@ def _search_nodes(stress_modes, q, cells, rows, ranked, best, at, first):
                     at[row] = first + node
 
 
-def _recovered(stress_modes: Columns, q: Floats, likely: _Likely, ranked: NDArray[np.bool_]) -> Extremes:
+def _recovered(stress_modes: Columns, q: Floats, likely: Likely, ranked: NDArray[np.bool_]) -> Extremes:
     """Extremes at full rank, of all nodes and times that may hold them."""
-    open_times, open_nodes = likely.open_cells()
     n = len(stress_modes)
     t = len(q)
     greatest = np.full(n, -np.inf)
@@ -344,14 +263,18 @@ def _recovered(stress_modes: Columns, q: Floats, likely: _Likely, ranked: NDArra
     instants = np.zeros(n, dtype=np.int64)
     places = np.zeros(t, dtype=np.int64)
     rows = np.ascontiguousarray(q)
-    lowest = likely.least.argmin(axis=1)
     for of in node_blocks(n):
         shapes = np.ascontiguousarray(stress_modes[of])
         inside = np.arange(len(shapes))
-        first = of.start // CELL
-        _search_times(shapes, rows, *np.nonzero(open_times[of]), 1.0, greatest[of], instants[of])
-        _search_times(shapes, rows, inside, lowest[of], -1.0, least[of], np.zeros_like(inside))
-        cells = np.nonzero(open_nodes[first : -(-of.stop // CELL)])
-        _search_nodes(shapes, rows, *cells, ranked[of], highest, places, of.start)
-    bound = likely.bound.astype(float)
-    return Extremes(np.sqrt(greatest), instants, np.sqrt(-least), np.sqrt(highest), places, bound)
+        places_of_least = np.zeros_like(inside)
+        open_greatest = likely.upper[of] >= likely.lower[of, None]
+        _search_times(shapes, rows, *np.nonzero(open_greatest), 1.0, greatest[of], instants[of])
+        lowest = likely.least_lower[of].argmin(axis=1)
+        _search_times(shapes, rows, inside, lowest, -1.0, least[of], places_of_least)
+        open_least = likely.least_lower[of] <= np.sqrt(-least[of])[:, None]
+        open_least[inside, lowest] = False
+        _search_times(shapes, rows, *np.nonzero(open_least), -1.0, least[of], places_of_least)
+        groups = slice(of.start // CELL, -(-of.stop // CELL))
+        open_nodes = likely.node_upper[groups] >= likely.node_lower
+        _search_nodes(shapes, rows, *np.nonzero(open_nodes), ranked[of], highest, places, of.start)
+    return Extremes(np.sqrt(greatest), instants, np.sqrt(-least), np.sqrt(highest), places, likely.bound)

@@ -6,14 +6,15 @@ All formulas are pyLife's; values needed thousands of times are computed once an
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import pandas as pd
-from pylife.materiallaws import WoehlerCurve
-from pylife.strength.meanstress import HaighDiagram
 
 from fem.mesh import Floats
+
+if TYPE_CHECKING:
+    from pylife.materiallaws import WoehlerCurve
 
 Miner = Literal["elementary", "haibach", "original"]
 MINERS: tuple[Miner, ...] = ("elementary", "haibach", "original")
@@ -87,7 +88,7 @@ class SNCurve:
         return 2.0 * self.slope - 1.0 if self.miner == "haibach" else self.slope
 
     @property
-    def _woehler(self) -> WoehlerCurve:
+    def _woehler(self) -> "WoehlerCurve":
         """Same curve in pyLife."""
         return _woehler_of(replace(self, residual_stress=0.0))
 
@@ -120,7 +121,10 @@ class SNCurve:
 
 
 @lru_cache(maxsize=64)
-def _woehler_of(curve: SNCurve) -> WoehlerCurve:
+def _woehler_of(curve: SNCurve) -> "WoehlerCurve":
+    # pyLife takes 20 MB, and runs without a life do not need it
+    from pylife.materiallaws import WoehlerCurve
+
     values = {"k_1": curve.slope, "ND": curve.knee, "SD": curve.strength, "TS": curve.scatter}
     woehler = WoehlerCurve(pd.Series(values | {"failure_probability": 1.0 - curve.survival}))
     return getattr(woehler, f"miner_{curve.miner}")()
@@ -133,6 +137,8 @@ def _slope_below(curve: SNCurve) -> float:
 
 @lru_cache(maxsize=64)
 def _mean_factors_of(sensitivity: float) -> Floats:
+    from pylife.strength.meanstress import HaighDiagram
+
     slopes = {"M0": sensitivity, "M1": sensitivity / 3.0, "M2": 0.0, "M3": 0.0, "M4": 0.0}
     diagram = HaighDiagram.five_segment(pd.Series(slopes | {"R12": 0.5, "R23": 0.9}))
     cycles = pd.DataFrame({"range": np.full(len(HAIGH_CORNERS), 2.0), "mean": HAIGH_CORNERS})

@@ -6,12 +6,13 @@ Structural Dynamics, 1981, ch. 15). With the loads themselves as coordinates f o
 ``X q + S f`` lacks nothing but the inertia of what the modes leave out.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
-from scipy.sparse import csr_array, hstack, kron
+from scipy.sparse import csr_array, kron
 
 from fem.body import ElasticBody
 from fem.interfaces import Interface
@@ -22,8 +23,8 @@ from fem.reduction import Partition
 from fem.shapes import Shapes, SideBySide
 from fem.stress import DEVIATOR, stress_at_node
 
-AT_ONCE = 16
-"""Fields that are solved for, or whose stress is recovered, at once."""
+SOLVED_AT_ONCE, AT_ONCE = 16, 8
+"""Fields that are solved for at once, and whose stress is recovered."""
 NOISE = 1e-12
 """Strain energy, over that of the greatest direction, below which a direction is rounding."""
 
@@ -62,10 +63,6 @@ class UnitLoads(NamedTuple):
         """Momentum of modes (n, 3, m) as nodal forces: m coordinates, kg^0.5 m/s2."""
         count = modes.shape[2]
         return cls(csr_array(modes.reshape(-1, count)), np.zeros((6 * len(interfaces), count)), True)
-
-    def forces(self, body: ElasticBody) -> csr_array:
-        """Nodal forces (3n, k) in N on a body."""
-        return csr_array(body.mass_matrix @ self.nodal) if self.by_mass else self.nodal
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,29 +143,41 @@ def static_fields(
                 f"loads of {name!r} must be on {size} displacements and {centers} motions of centres, "
                 f"got {family.nodal.shape[0]} and {family.centers.shape[0]}"
             )
-    give_back_memory()
-    forces = hstack([family.forces(partition.body) for family in families.values()], format="csc")
-    at_centers = np.concatenate([family.centers for family in families.values()], axis=1)
     modes = reduced.modes.reshape(size, -1)
-    work = forces.T @ modes + at_centers.T @ reduced.pilots.reshape(centers, -1)
-    answered = work / (2.0 * np.pi * reduced.frequencies) ** 2
-    rest = np.empty(forces.shape)
-    for first in range(0, rest.shape[1], AT_ONCE):
-        columns = slice(first, first + AT_ONCE)
-        whole = partition.static_response(forces[:, columns].toarray(), at_centers[:, columns])
-        rest[:, columns] = whole - modes @ answered[columns].T
+    pilots = reduced.pilots.reshape(centers, -1)
+    squares = (2.0 * np.pi * reduced.frequencies) ** 2
+    count = sum(family.centers.shape[1] for family in families.values())
+    rest = np.empty((size, count))
+    work = np.empty((count, modes.shape[1]))
+    first = 0
+    for forces, at_centers in _in_blocks(partition.body, families.values()):
+        columns = slice(first, first + forces.shape[1])
+        work[columns] = forces.T @ modes + at_centers.T @ pilots
+        rest[:, columns] = partition.static_response(forces, at_centers)
+        rest[:, columns] -= modes @ (work[columns] / squares).T
+        first = columns.stop
         # beside factors and fields, what each block leaves would make the greatest memory of a study
         give_back_memory()
-    energy = np.empty((rest.shape[1], rest.shape[1]))
-    for first in range(0, rest.shape[1], AT_ONCE):
-        columns = slice(first, first + AT_ONCE)
-        energy[:, columns] = rest.T @ (partition.body.stiffness @ rest[:, columns])
+    energy = np.empty((count, count))
+    stiffness = partition.body.stiffness
+    for first in range(0, count, SOLVED_AT_ONCE):
+        columns = slice(first, first + SOLVED_AT_ONCE)
+        energy[:, columns] = rest.T @ (stiffness @ rest[:, columns])
     return StaticFields(
         {name: family.centers.shape[1] for name, family in families.items()},
         rest.reshape(-1, 3, rest.shape[1]),
         energy,
         work,
     )
+
+
+def _in_blocks(body: ElasticBody, families: Iterable[UnitLoads]) -> Iterator[tuple[Floats, Floats]]:
+    """Nodal forces (3n, k) in N and loads (6 i, k) on joint centres of families, a few loads at a time."""
+    for family in families:
+        for first in range(0, family.nodal.shape[1], SOLVED_AT_ONCE):
+            columns = slice(first, first + SOLVED_AT_ONCE)
+            forces = family.nodal[:, columns].toarray()
+            yield body.mass_matrix @ forces if family.by_mass else forces, family.centers[:, columns]
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,13 +203,29 @@ class FieldColumns:
 
     def beside(self, body: ReducedBody) -> Shapes:
         """Modes of a body and these fields, with coordinates one after the other."""
-        return Shapes(
-            body.mesh,
-            body.material,
-            body.interfaces,
-            SideBySide((body.modes, self.modes)),
-            SideBySide((body.stress_modes, self.stress_modes)),
-        )
+        return _Together(body, self)
+
+
+class _Together(Shapes):
+    """Modes of a body and fields beside them; the stress of the modes is recovered at first use."""
+
+    def __init__(self, body: ReducedBody, fields: FieldColumns) -> None:
+        self.mesh = body.mesh
+        self.material = body.material
+        self.interfaces = body.interfaces
+        self.modes = SideBySide((body.modes, fields.modes))
+        self._body = body
+        self._fields = fields
+
+    @cached_property
+    def stress_modes(self) -> SideBySide:
+        """Nodal stress (n, 6, m) in Pa per unit of a coordinate."""
+        return SideBySide((self._body.stress_modes, self._fields.stress_modes))
+
+    def forget_stress_modes(self) -> None:
+        """Free the stress of the body's modes; it is recovered again when it is asked for."""
+        self.__dict__.pop("stress_modes", None)
+        self._body.forget_stress_modes()
 
 
 def field_columns(
@@ -245,9 +270,16 @@ def field_columns(
     directions = directions[:, ::-1][:, values[::-1] > NOISE * values[-1]]
     turn = into.T @ directions
     back = out @ directions
-    greatest = np.max([np.abs(history @ turn).max(axis=0, initial=0.0) for history in histories], axis=0)
+    greatest = np.zeros(directions.shape[1])
+    for history in histories:
+        amplitudes = history @ turn
+        for extreme in (amplitudes.max(axis=0, initial=0.0), -amplitudes.min(axis=0, initial=0.0)):
+            np.maximum(greatest, extreme, out=greatest)
+    del amplitudes
+    give_back_memory()
     fewest = back.shape[1] if most is None else min(most, back.shape[1])
     nodes = len(fields.displacements)
+    flat = fields.displacements.reshape(3 * nodes, count)
     modes = np.empty((nodes, 3, fewest))
     stress = np.empty((nodes, 6, fewest))
     tail = np.zeros(nodes)
@@ -255,7 +287,7 @@ def field_columns(
     # of the directions beyond the most, memory holds some at a time, from the last to the first
     for first in reversed(range(0, back.shape[1], AT_ONCE)):
         columns = slice(first, min(first + AT_ONCE, back.shape[1]))
-        shapes = fields.displacements @ back[:, columns]
+        shapes = (flat @ back[:, columns]).reshape(nodes, 3, -1)
         of_shapes = body.stress(shapes)
         lengths = np.linalg.norm(DEVIATOR @ of_shapes, axis=1) * greatest[columns]
         tails = tail[:, None] + np.cumsum(lengths[:, ::-1], axis=1)
@@ -265,12 +297,10 @@ def field_columns(
         modes[:, :, columns] = shapes[:, :, :wanted]
         stress[:, :, columns] = of_shapes[:, :, :wanted]
     rank = min(int(np.flatnonzero(bounds <= tolerance)[0]), fewest)
-    return FieldColumns(
-        turn[:, :rank],
-        np.ascontiguousarray(modes[:, :, :rank]),
-        np.ascontiguousarray(stress[:, :, :rank]),
-        float(bounds[rank]),
-    )
+    # one copy after the other
+    modes = np.ascontiguousarray(modes[:, :, :rank])
+    stress = np.ascontiguousarray(stress[:, :, :rank])
+    return FieldColumns(turn[:, :rank], modes, stress, float(bounds[rank]))
 
 
 def _energy_root(energy: Floats) -> tuple[Floats, Floats]:

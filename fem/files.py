@@ -15,7 +15,7 @@ from fem.interfaces import Interface
 from fem.mesh import Mesh
 from fem.reduced import ReducedBody
 
-_ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia", "ritz")
+_ARRAYS = ("frequencies", "modes", "pilots", "center_of_mass", "inertia", "ritz")
 _FIELD_ARRAYS = ("displacements", "energy", "work")
 
 

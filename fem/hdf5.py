@@ -1,12 +1,11 @@
 """HDF5 files: whole or not at all, readable in part with a checksum of every part."""
 
 import io
-import mmap
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 import h5py
 
@@ -17,12 +16,15 @@ if TYPE_CHECKING:
 
 KIND = "format"
 """Attribute with the kind of a file."""
-REDUCED_BODY, STATIC_FIELDS = "fem reduced body 3", "fem static fields 2"
+REDUCED_BODY, STATIC_FIELDS = "fem reduced body 4", "fem static fields 2"
 """Kinds of files of this package."""
 VERSIONS = ("v110", "v110")
 """Of the format: the first one whose indices of parts have a checksum."""
 CHUNK_BYTES = 2**16
 """Size of the parts of an array that is written for single rows to be read."""
+
+SEARCHED_BYTES = 2**20
+"""Size of the parts of a file that are searched."""
 
 HEAP = b"GCOL\x01\0\0\0"
 """Begin of a heap of texts and references; its size follows, then objects with heads of `HEAD` bytes."""
@@ -83,22 +85,38 @@ def check_heaps(path: Path) -> None:
     OSError
         If an object is smaller than its head (HDF5 File Format Specification 3.0, III.E).
     """
-    if path.stat().st_size == 0:
-        return
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        start = content.find(HEAP)
-        while start >= 0:
-            end = start + int.from_bytes(content[start + 8 : start + HEAD], "little")
+    length = path.stat().st_size
+    with path.open("rb") as searched, path.open("rb") as file:
+        for start in _places(searched, HEAP):
+            file.seek(start)
+            end = start + int.from_bytes(file.read(HEAD)[8:], "little")
             place = start + HEAD
-            while place + HEAD <= min(end, len(content)):
-                number = int.from_bytes(content[place : place + 2], "little")
-                size = int.from_bytes(content[place + 8 : place + HEAD], "little")
+            while place + HEAD <= min(end, length):
+                file.seek(place)
+                head = file.read(HEAD)
+                number = int.from_bytes(head[:2], "little")
+                size = int.from_bytes(head[8:], "little")
                 # free space has the number 0, and its head counts
                 size += 0 if number == 0 else HEAD + -size % 8
                 if size < HEAD:
                     raise OSError(f"its heap at byte {start} is broken at byte {place}")
                 place += size
-            start = content.find(HEAP, start + HEAD)
+
+
+def _places(file: BinaryIO, pattern: bytes) -> Iterator[int]:
+    """Bytes at which a pattern begins in a file, of which memory holds a part at a time."""
+    start = 0
+    content = b""
+    while part := file.read(SEARCHED_BYTES):
+        content += part
+        place = content.find(pattern)
+        while place >= 0:
+            yield start + place
+            place = content.find(pattern, place + len(pattern))
+        # a pattern may begin in one part and end in the next
+        rest = content[1 - len(pattern) :]
+        start += len(content) - len(rest)
+        content = rest
 
 
 def write_rows(file: h5py.Group, name: str, array: "Floats | Integers") -> None:

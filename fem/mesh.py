@@ -81,6 +81,15 @@ def listed(numbers: np.ndarray, count: int = 5) -> str:
     return ", ".join(str(number) for number in numbers[:count]) + (", ..." if len(numbers) > count else "")
 
 
+def triangle_normals(corners: Floats) -> Floats:
+    """Normals of triangles by the right hand, twice as long as their areas: array (k, 3).
+
+    `corners` (k, 3 or more, 3) are those of triangles, or of flat faces whose first three count.
+    """
+    first = corners[:, 0]
+    return np.cross(corners[:, 1] - first, corners[:, 2] - first)
+
+
 def boundary_faces(elements: Integers) -> Integers:
     """Triangles of the boundary of tetrahedra, (k, 3) or (k, 6), corners in outward sense."""
     local = TETRA_FACES[:, :3] if elements.shape[1] == 4 else TETRA_FACES

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from pylife.stress.rainflow import FourPointDetector, FullRecorder
 
 from fem.compiling import compiler
 from fem.mesh import Floats, Integers
@@ -90,6 +89,8 @@ class CycleCounter:
         if len(values) < 4:
             self._open[number] = values, rows
             return NO_CYCLES
+        from pylife.stress.rainflow import FourPointDetector, FullRecorder
+
         counted = FourPointDetector(FullRecorder()).process(values)
         loops = counted.recorder
         left = counted.residual_index.astype(np.int64)

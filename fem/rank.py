@@ -46,14 +46,15 @@ class StressHistory(NamedTuple):
     segments: Callable[[], Iterator[Segment]]
 
 
-def segments(q: ModalHistory) -> Iterator[Floats]:
-    """Rows (t, m) of a history, `SEGMENT` of them and the rest, however it comes in parts."""
+def segments(q: ModalHistory, length: int | None = None) -> Iterator[Floats]:
+    """Rows (t, m) of a history, so many of them (`SEGMENT`) and the rest, however it comes in parts."""
+    length = length or SEGMENT
     waiting = np.empty((0, 0))
     for part in [q] if isinstance(q, np.ndarray) else q:
         waiting = np.concatenate((waiting, part)) if len(waiting) else np.atleast_2d(part)
-        while len(waiting) >= SEGMENT:
-            yield waiting[:SEGMENT]
-            waiting = waiting[SEGMENT:]
+        while len(waiting) >= length:
+            yield waiting[:length]
+            waiting = waiting[length:]
     if len(waiting):
         yield waiting
 
@@ -76,22 +77,26 @@ def full_rank(stress_modes: Columns, q: ModalHistory, components: Floats | None)
         combined = np.einsum("ck,nkm->ncm", components, stress_modes[nodes], optimize=True)
         return np.ascontiguousarray(combined)
 
-    def checked() -> Iterator[Segment]:
+    def blocks() -> Iterator[Segment]:
         start = 0
-        modes = stress_modes.shape[2]
         for rows in segments(q):
-            if rows.shape[1] != modes:
-                raise ValueError(f"the history must have {modes} modal coordinates, got {rows.shape[1]}")
-            blocks = [rows[first : first + TIME_BLOCK].T for first in range(0, len(rows), TIME_BLOCK)]
-            for block in blocks:
-                if not np.isfinite(block).all():
-                    last = start + block.shape[1] - 1
-                    raise ValueError(f"the history must be finite, got others in rows {start} to {last}")
-                start += block.shape[1]
-            exact = np.broadcast_to(0.0, (len(stress_modes), len(blocks)))
-            yield start - len(rows), [np.asfortranarray(block) for block in blocks], exact
+            checked(rows, stress_modes, start)
+            columns = [rows[first : first + TIME_BLOCK].T for first in range(0, len(rows), TIME_BLOCK)]
+            exact = np.broadcast_to(0.0, (len(stress_modes), len(columns)))
+            yield start, [np.asfortranarray(block) for block in columns], exact
+            start += len(rows)
 
-    return StressHistory(len(stress_modes), shapes, checked)
+    return StressHistory(len(stress_modes), shapes, blocks)
+
+
+def checked(rows: Floats, stress_modes: Columns, start: int = 0) -> Floats:
+    """Rows (t, m) of a history from one of its rows on; ValueError if not finite, or m is of other modes."""
+    modes = stress_modes.shape[2]
+    if rows.shape[1] != modes:
+        raise ValueError(f"the history must have {modes} modal coordinates, got {rows.shape[1]}")
+    if not (finite := np.isfinite(rows).all(axis=1)).all():
+        raise ValueError(f"the history must be finite, got other numbers in row {start + finite.argmin()}")
+    return rows
 
 
 def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:

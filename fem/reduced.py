@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -30,8 +31,6 @@ class ReducedBody(Shapes):
         In Hz, ascending.
     modes : array (n, 3, m)
         In m per unit of a modal coordinate (kg^-1/2).
-    stress_modes : array (n, 6, m)
-        Nodal stress in Pa per unit, in the order xx, yy, zz, xy, yz, xz.
     pilots : array (i, 6, m)
         Motion of each joint centre, in m and rad per unit.
     mass : float
@@ -54,7 +53,6 @@ class ReducedBody(Shapes):
     interfaces: tuple[Interface, ...]
     frequencies: Floats
     modes: Floats
-    stress_modes: Floats
     pilots: Floats
     mass: float
     center_of_mass: Floats
@@ -74,14 +72,13 @@ class ReducedBody(Shapes):
         parameters: Mapping[str, Any],
         ritz: Floats,
     ) -> Self:
-        """Take a body's properties and recover the stress of its modes."""
+        """Take a body's properties."""
         return cls(
             body.mesh,
             body.material,
             tuple(interfaces),
             frequencies,
             modes,
-            body.stress(modes),
             pilots,
             body.mass,
             body.center_of_mass,
@@ -90,6 +87,18 @@ class ReducedBody(Shapes):
             dict(parameters),
             ritz,
         )
+
+    @cached_property
+    def stress_modes(self) -> Floats:
+        """Nodal stress (n, 6, m) in Pa per unit, in the order xx, yy, zz, xy, yz, xz.
+
+        It takes twice the memory of the modes, which a run does without: it is recovered at first use.
+        """
+        return ElasticBody(self.mesh, self.material).stress(self.modes)
+
+    def forget_stress_modes(self) -> None:
+        """Free the stress modes; they are recovered again when they are asked for."""
+        self.__dict__.pop("stress_modes", None)
 
     @property
     def modal_stiffness(self) -> Floats:
@@ -114,7 +123,6 @@ class ReducedBody(Shapes):
             self,
             frequencies=self.frequencies[chosen],
             modes=self.modes[:, :, chosen],
-            stress_modes=self.stress_modes[:, :, chosen],
             pilots=self.pilots[:, :, chosen],
             parameters=dict(self.parameters) | {"modes": chosen.tolist()},
             ritz=np.zeros((len(chosen), 0)),

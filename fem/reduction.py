@@ -15,7 +15,7 @@ import scipy.linalg
 from scipy.sparse import csr_array
 
 from fem.body import ElasticBody
-from fem.eigen import lowest_modes
+from fem.eigen import is_small, iterated_modes, lowest_modes
 from fem.interfaces import (
     Interface,
     check_interfaces,
@@ -93,7 +93,7 @@ class Partition:
 
     def held_response(self, forces: Floats, refined: bool = True) -> Floats:
         """Solve for displacements (3n, k) in m of forces (3n, k) in N, joint centres held."""
-        return self.of_rest @ self._solver(self.of_rest.T @ forces, refined)
+        return self.of_rest @ self._solver(np.asfortranarray(self.of_rest.T @ forces), refined)
 
     @cached_property
     def constraint_modes(self) -> Floats:
@@ -112,7 +112,11 @@ class Partition:
         """First modes (3n, count) with the joint centres held, orthonormal in mass."""
         if count == 0:
             return np.zeros((self.of_rest.shape[0], 0))
-        _, modes = lowest_modes(self.stiffness, self.mass, count, backend=self.backend, solve=self._solver)
+        mass = self.mass
+        if is_small(mass.shape[0], count):
+            _, modes = lowest_modes(self.stiffness, mass, count)
+        else:
+            _, modes = iterated_modes(self._solver, mass, count)
         return self.of_rest @ modes
 
     def static_response(self, forces: Floats | None = None, center_loads: Floats | None = None) -> Floats:
@@ -310,7 +314,6 @@ def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequ
         body,
         frequencies=np.sqrt(eigenvalues) / (2 * np.pi),
         modes=body.modes @ inside,
-        stress_modes=body.stress_modes @ inside,
         pilots=body.pilots @ inside,
         parameters={"n_fixed_modes": n_fixed_modes, "residual_loads": list(residual_loads)},
         ritz=inside.T @ vectors,

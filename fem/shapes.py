@@ -86,7 +86,6 @@ class Shapes:
     material: Material
     interfaces: tuple[Interface, ...]
     modes: Columns
-    stress_modes: Columns
 
     def __init__(
         self,
@@ -100,7 +99,15 @@ class Shapes:
         self.material = material
         self.interfaces = interfaces
         self.modes = modes
-        self.stress_modes = stress_modes
+        self._stress_modes = stress_modes
+
+    @property
+    def stress_modes(self) -> Columns:
+        """Nodal stress (n, 6, m) in Pa per unit of a coordinate."""
+        return self._stress_modes
+
+    def forget_stress_modes(self) -> None:
+        """Free stress modes that come from the modes; they are recovered again when they are asked for."""
 
     @property
     def nodes(self) -> Floats:

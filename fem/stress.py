@@ -33,8 +33,12 @@ CRITERIA: tuple[Criterion, ...] = (
     "greatest shear",
 )
 
-AT_ONCE = 32
+CORNERS = 4
+AT_ONCE = 16
 """Fields of displacement whose stress is recovered at once."""
+
+ELEMENTS_AT_ONCE = 4096
+"""Elements whose gradients are averaged at the nodes at once."""
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """Tensor indices of the six components."""
@@ -61,39 +65,49 @@ def _extension(order: int) -> tuple[Floats, Floats]:
     return points, np.vstack([corners, corners[TETRA_EDGES].mean(axis=1)])
 
 
-@lru_cache(maxsize=2)
 def element_gradient_operator(mesh: Mesh) -> Floats:
-    """Gradients of the shape functions at the nodes of each element, extrapolated; cached for two meshes.
+    """Gradients of the shape functions at the nodes of each element, extrapolated.
 
     Returns
     -------
     array (e, node, 3, function)
         In 1/m.
     """
-    points, extend = _extension(mesh.order)
-    operator = np.einsum("pq,bieq->epib", extend, shape_gradients(mesh, points), optimize=True)
+    return _gradients_at(mesh, CORNERS + len(TETRA_EDGES))
+
+
+@lru_cache(maxsize=2)
+def corner_gradient_operator(mesh: Mesh) -> Floats:
+    """Rows (e, 4, 3, function) of `element_gradient_operator` at corners; cached for two meshes."""
+    operator = np.ascontiguousarray(_gradients_at(mesh, CORNERS))
     operator.setflags(write=False)
     return operator
 
 
+def _gradients_at(mesh: Mesh, count: int) -> Floats:
+    """Rows of `element_gradient_operator` at the first nodes of each element, of which there may be fewer."""
+    points, extend = _extension(mesh.order)
+    gradients = shape_gradients(mesh, points)
+    return np.asarray(np.einsum("pq,bieq->epib", extend[:count], gradients, optimize=True))
+
+
 def nodal_gradient_operator(mesh: Mesh) -> csr_array:
     """Sparse matrix (3n, n): rows 3 k + i give d/dx_i of a nodal field at node k, averaged."""
+    # four times the memory of the matrix, and not kept beside it
     local = element_gradient_operator(mesh)
-    e, a, _, b = local.shape
     n = len(mesh.nodes)
     count = np.bincount(mesh.elements.ravel(), minlength=n)
-    values = local / count[mesh.elements][:, :, None, None]
-    elements = mesh.elements.astype(np.int32)
-    rows = 3 * elements[:, :, None, None] + np.arange(3, dtype=np.int32)[None, None, :, None]
-    columns = elements[:, None, None, :]
-    shape = (e, a, 3, b)
-    return csr_array(
-        (
-            values.ravel(),
-            (np.broadcast_to(rows, shape).ravel(), np.broadcast_to(columns, shape).ravel()),
-        ),
-        shape=(3 * n, n),
-    )
+    total = csr_array((3 * n, n))
+    # all entries of the elements would take many times the memory of the matrix
+    for first in range(0, len(local), ELEMENTS_AT_ONCE):
+        of = slice(first, first + ELEMENTS_AT_ONCE)
+        elements = mesh.elements[of].astype(np.int32)
+        values = local[of] / count[elements][:, :, None, None]
+        rows = 3 * elements[:, :, None, None] + np.arange(3, dtype=np.int32)[None, None, :, None]
+        columns = elements[:, None, None, :]
+        places = [np.broadcast_to(numbers, values.shape).ravel() for numbers in (rows, columns)]
+        total = total + csr_array((values.ravel(), tuple(places)), shape=total.shape)
+    return total
 
 
 def stress_of_gradient(gradient: Floats, material: Material) -> Floats:
@@ -172,17 +186,21 @@ def element_deviator(
 
     `elements` are the numbers of some, all if left out.
     """
-    operator = element_gradient_operator(mesh)
+    operator = corner_gradient_operator(mesh)
     nodes = mesh.elements
     if elements is not None:
         operator = operator[elements]
         nodes = nodes[elements]
-    count, corners, _, functions = operator.shape
-    gradient = operator.reshape(count, 3 * corners, functions) @ displacement[nodes]
+    count, _, _, functions = operator.shape
+    gradient = operator.reshape(count, 3 * CORNERS, functions) @ displacement[nodes]
     # of each of the nine derivatives
     units = np.eye(9).reshape(9, 3, 3)
     deviators = stress_of_gradient(units, material) @ DEVIATOR.T
-    return (gradient.reshape(-1, 9) @ deviators).reshape(count, corners, -1)
+    corners = (gradient.reshape(-1, 9) @ deviators).reshape(count, CORNERS, -1)
+    if mesh.order == 1:
+        return corners
+    starts, ends = TETRA_EDGES.T
+    return np.concatenate((corners, 0.5 * (corners[:, starts] + corners[:, ends])), axis=1)
 
 
 def von_mises(stress: Floats) -> Floats:

@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from fem.mesh import Floats, Integers, Mesh
+from fem.mesh import Floats, Integers, Mesh, triangle_normals
 
 LEAST_COSINE = 0.9
 """Of the angle between a direction and the outward normal of a face that points along it: 26 degrees."""
@@ -47,7 +47,7 @@ def faces_seen_from(mesh: Mesh, direction: Floats, least_cosine: float = LEAST_C
         raise ValueError(f"least_cosine must lie in (0, 1], got {least_cosine}")
     towards = towards / np.linalg.norm(towards)
     corners = mesh.nodes[mesh.boundary[:, :3]]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = triangle_normals(corners)
     cosines = normals @ towards / np.linalg.norm(normals, axis=1)
     looking = mesh.boundary[cosines >= least_cosine]
     # a line of sight that meets the body enters it through a face that points the other way

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 
 from fem.borders import BoundaryFaces, bore_beyond, boundary_of, flat_beyond
-from fem.mesh import Floats, Integers, Mesh, MeshError, MeshWarning
+from fem.mesh import Floats, Integers, Mesh, MeshError, MeshWarning, triangle_normals
 from fem.surfaces import surface_weights
 from meshes.geometry import JOINT_CENTERS
 from meshes.load_surfaces import LOAD_SURFACES
@@ -117,7 +117,7 @@ def _is_all_above_pins(mesh: Mesh) -> bool:
         return False
     pins = float(np.mean([mesh.nodes[mesh.nodes_of(bore), 2].mean() for bore in bores]))
     corners = mesh.nodes[mesh.boundary[:, :3]]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = triangle_normals(corners)
     sizes = np.linalg.norm(normals, axis=1)
     # pads of links between the pins are as high as these
     above = (normals[:, 2] > LOOKS_UP * sizes) & (corners[..., 2].mean(axis=1) > pins + SAME_HEIGHT)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from fem.mesh import Floats, Mesh
+from fem.mesh import Floats, Mesh, triangle_normals
 from meshes import LOAD_SURFACES, mesh_named, shoe_mesh
 
 COLORS = {"top": "#e8c48a", "roller path": "#d98c3f", "bore": "#b23a48"}
@@ -35,7 +35,7 @@ def draw_surface(
         Towards the light.
     """
     corners = mesh.nodes[mesh.boundary[:, :3]]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = triangle_normals(corners)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     up, around = np.radians([elevation, azimuth])
     viewer = [np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)]

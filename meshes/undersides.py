@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.mesh import Floats, Mesh
+from fem.mesh import Floats, Mesh, triangle_normals
 
 SAME_HEIGHT = 2e-3
 """m above the underside: what of the shoe reaches no higher presses on the ground with it."""
@@ -50,7 +50,7 @@ def ground_outline(mesh: Mesh) -> GroundOutline:
     high = under[:, :2].max(axis=0)
     level = _level(mesh.nodes[mesh.surface("underside")[:, :3]])
     corners = mesh.nodes[mesh.boundary[:, :3]]
-    downward = -0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+    downward = -0.5 * triangle_normals(corners)[:, 2]
     middles = corners.mean(axis=1)[:, :2]
     pressing = (corners[..., 2] <= max(level, under[:, 2].max()) + SAME_HEIGHT).all(axis=1)
     pressing &= ((middles >= low) & (middles <= high)).all(axis=1)
@@ -68,10 +68,7 @@ def ground_outline(mesh: Mesh) -> GroundOutline:
 
 def _level(corners: Floats) -> float:
     """Least z of what of triangles with corners (n, 3, 3) is level with most of their area, m."""
-    areas = np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
-        axis=1,
-    )
+    areas = np.linalg.norm(triangle_normals(corners), axis=1)
     heights = corners[..., 2].min(axis=1)
     order = np.argsort(heights)
     share = np.cumsum(areas[order])

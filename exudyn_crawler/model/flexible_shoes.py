@@ -80,12 +80,17 @@ def partition(body: fem.ElasticBody, interfaces: Sequence[fem.Interface]) -> fem
 
 @contextmanager
 def factors_held(case: Case) -> Iterator[None]:
-    """Within the block, hold the factors of a case's shoe, which its reduction and static fields share."""
-    held = partition(*shoe_model(case.flexible_shoes(), case.track))
+    """Within the block, hold the factors of a case's shoe, which its reduction and static fields share.
+
+    Behind it a run needs neither them nor the matrices.
+    """
+    body, interfaces = shoe_model(case.flexible_shoes(), case.track)
+    held = partition(body, interfaces)
     try:
         yield
     finally:
         del held
+        body.forget_matrices()
 
 
 @lru_cache(maxsize=4)

@@ -1,6 +1,5 @@
 """Writers of what a run leaves beside its history: one for each of the outputs that its case asks for."""
 
-import gc
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree
@@ -19,6 +18,7 @@ from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.scenes import films, gear, pictures, scene, shoes, track
 from fem import Mesh, export, interrupts
+from fem.memory import give_back_memory
 from meshes import mesh_named
 
 Stresses = recovery.StressResults | None  # of the flexible shoes, if there are any
@@ -94,9 +94,10 @@ def write_figures(history: History, stresses: Stresses, folder: Path, outputs: O
     drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count), series)
     for name in [*drawn]:
         file = f"{name.replace(' ', '_')}.{outputs.figure_format}"
-        style.save_figure(drawn.pop(name), folder / file, overwrite=True)
-    # figures refer to themselves in circles, with 10 MB of pixels and curves each
-    gc.collect()
+        figure = drawn.pop(name)
+        style.save_figure(figure, folder / file, overwrite=True)
+        # figures refer to themselves in circles, with 10 MB of pixels and curves each
+        figure.clear()
 
 
 def write_pictures(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
@@ -236,7 +237,7 @@ def write_page(history: History, stresses: Stresses, folder: Path, outputs: Outp
     # what draws pages takes a while to load, and sweeps make none of their runs
     from exudyn_crawler.views.pages.report import write_report
 
-    write_report(folder, overwrite=True)
+    write_report(folder, overwrite=True, loaded={folder / files.HISTORY: history})
 
 
 WRITERS: dict[str, Callable[[History, Stresses, Path, Outputs], None]] = {
@@ -263,4 +264,5 @@ def write_outputs(history: History, stresses: Stresses, folder: Path, outputs: O
         for output, write in WRITERS.items():
             if getattr(outputs, output):
                 write(history, stresses, folder, outputs)
+                give_back_memory()
                 ask()

@@ -47,10 +47,14 @@ def titled_figure(title: str, width: float, height: float) -> Iterator[Figure]:
         yield figure
 
 
+PNG: dict[str, Any] = {"pil_kwargs": {"compress_level": 4}}
+"""How PNG files are written: in two thirds of the time of level 6, a twentieth larger."""
+
+
 def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:
     """Write a figure as the file type that its name says, whole or not at all."""
     with mpl.rc_context(STYLE), whole_file(path, overwrite) as temporary:
-        figure.savefig(temporary)
+        figure.savefig(temporary, **PNG if path.suffix == ".png" else {})
     return path
 
 

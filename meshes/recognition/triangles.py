@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fem.mesh import Floats, Integers
+from fem.mesh import Floats, Integers, triangle_normals
 
 SAME_PLACE = 1e-6
 """Of the size: corners that are nearer to each other are one corner, which STL repeats."""
@@ -51,8 +51,7 @@ class Triangles:
 
     @cached_property
     def _crosses(self) -> Floats:
-        a, b, c = np.moveaxis(self.corners, 1, 0)
-        return np.cross(b - a, c - a)
+        return triangle_normals(self.corners)
 
     @cached_property
     def areas(self) -> Floats:

@@ -1,9 +1,13 @@
 """Elements against formulas: patch test, rigid bodies, rods, beams, cylinders and holes."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
 import fem
+from fem.elasticity import MASS_ORDER, scalar_basis
 from fem.solver import factorized
 from fem.stress import von_mises
 from meshes import STEEL
@@ -142,3 +146,17 @@ def test_von_mises_of_known_states():
 @pytest.mark.parametrize("ratio", [0.5, -1.0, 0.7, float("nan")])
 def test_poissons_ratio_out_of_range(ratio):
     refused("poissons_ratio", fem.Material, 200e9, ratio, 7850.0)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_what_maps_elements_goes_with_their_basis(order):
+    """Hundreds of MB of a shoe's mesh, which would otherwise stay until Python looks for circles."""
+    mesh = box_mesh((2, 2, 2), (1.0, 0.7, 0.5), order=order)
+    gc.disable()
+    try:
+        basis = scalar_basis(mesh, MASS_ORDER[order])
+        mapping = weakref.ref(basis.mapping)
+        del basis
+        assert mapping() is None
+    finally:
+        gc.enable()

@@ -1,5 +1,6 @@
 """Files of reduced bodies, the folder that keeps them, pictures and decks of loads for other programs."""
 
+import io
 import re
 import shutil
 import subprocess
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 
 import fem
+from fem import hdf5
 from fem.hdf5 import Disk
 from fem.interfaces import rigid_motion_of_centers
 from meshes import STEEL
@@ -50,6 +52,13 @@ def test_broken_files_are_named(tmp_path, small):
     ):
         path.write_bytes(broken)
         refused(rf"beam\.h5 must be ({words})", fem.load_reduced, path)
+
+
+@pytest.mark.parametrize("size", [1, 3, 8, 1000])
+def test_a_pattern_is_found_across_the_parts_of_a_file(monkeypatch, size):
+    monkeypatch.setattr(hdf5, "SEARCHED_BYTES", size)
+    content = b"GCO" + hdf5.HEAP + b"G" + 2 * hdf5.HEAP + b"GCOL"
+    assert list(hdf5._places(io.BytesIO(content), hdf5.HEAP)) == [3, 12, 20]
 
 
 def test_a_file_that_finds_no_room_leaves_the_old_one(tmp_path, small, monkeypatch):

@@ -1,5 +1,9 @@
 """Reduction: spiders, solvers, exact statics, modes, convergence from above, residual modes."""
 
+import gc
+import tracemalloc
+import weakref
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -7,6 +11,7 @@ import scipy.linalg
 import fem
 from fem.eigen import lowest_modes
 from fem.interfaces import averaging_rows, rigid_motion_of_centers
+from fem.pardiso import Factors
 from fem.solver import default_backend, factorized
 from fem.stress import von_mises
 from meshes import STEEL, joint_interfaces
@@ -50,6 +55,35 @@ def test_solvers_agree(beam):
     superlu, other = (factorized(matrix, backend)(b) for backend in ("superlu", default_backend()))
     assert np.abs(other - superlu).max() < 1e-8 * np.abs(superlu).max()
     np.testing.assert_array_equal(factorized(matrix)(b[:, 0]).shape, (len(b),))
+
+
+def test_a_solution_leaves_neither_matrix_nor_sides_in_memory(beam):
+    """Nothing waits for a search for cycles, such as pointers to arrays are."""
+    solve = factorized(beam.stiffness + beam.shift * beam.mass_matrix)
+    forces = np.ones((beam.stiffness.shape[0], 30))
+    solve(forces)
+    gc.disable()
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        for _ in range(3):
+            solve(forces)
+        assert tracemalloc.get_traced_memory()[0] - before < forces.nbytes
+    finally:
+        tracemalloc.stop()
+        gc.enable()
+
+
+def test_factors_go_with_the_last_that_holds_them(beam, monkeypatch):
+    released = []
+    release = Factors.release
+    monkeypatch.setattr(Factors, "release", lambda factors: released.append(release(factors)))
+    tied = fem.Partition(beam, beam_interfaces(beam))
+    held = weakref.ref(tied._solver)
+    assert held() is not None
+    del tied
+    assert held() is None
+    assert len(released) == (default_backend() == "pardiso")
 
 
 def test_block_lanczos_against_dense():

@@ -251,6 +251,7 @@ def test_a_large_history_is_read_when_it_is_asked_for(translation, tmp_path, mon
     monkeypatch.setattr("exudyn_crawler.results.history.history.MOST_IN_MEMORY", 0)
     large = History.load(path)
     assert not isinstance(large.dataset.variables["position"]._data, np.ndarray)
+    assert not large.in_memory
     assert large.dataset.identical(translation.dataset)
     xr.testing.assert_identical(large.position.sel(shoe=7), translation.position.sel(shoe=7))
     assert not isinstance(large.dataset.variables["position"]._data, np.ndarray)
@@ -259,7 +260,10 @@ def test_a_large_history_is_read_when_it_is_asked_for(translation, tmp_path, mon
     assert found.time.equals(translation.time[::3])
     for name in ("position", "unit_heave", "normal_force"):
         np.testing.assert_array_equal(found.dataset[name].values, large.dataset[name].values[::3])
+    assert found.in_memory
     assert translation.every(1) is translation
+    monkeypatch.undo()
+    assert History.load(path).in_memory
 
 
 def test_ground_pressure_is_the_normal_force_over_the_underside(translation):

@@ -2,6 +2,8 @@
 
 import dataclasses
 import tracemalloc
+import weakref
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -225,6 +227,21 @@ def test_a_file_has_the_numbers_of_its_history(history, tmp_path):
     np.testing.assert_array_equal(found.time, expected.time)
     np.testing.assert_allclose(found.stress, expected.stress, rtol=1e-12, atol=1e-3)
     assert found.attrs == expected.attrs
+
+
+def test_static_fields_are_on_disk_until_the_stress_is_recovered(history):
+    """A quarter of a GB of a large mesh, which a run does without."""
+    held = weakref.ref(static_loads(history.case).fields)
+    stress_basis_module.store_static_fields(history.case)
+    assert held() is None
+    assert static_loads(history.case).path.is_file()
+
+
+def test_static_fields_stay_in_memory_where_the_disk_takes_none(history, monkeypatch):
+    static = static_loads(history.case)._replace(path=Path("nowhere"))
+    monkeypatch.setattr(stress_basis_module, "static_loads", lambda _case: static)
+    monkeypatch.setattr(stress_basis_module, "forget_static_fields", lambda: pytest.fail("forgotten"))
+    stress_basis_module.store_static_fields(history.case)
 
 
 def test_without_static_fields_the_modes_alone_answer(modes_alone):

@@ -14,6 +14,7 @@ from exudyn_crawler.results.checks import cases as ready, roller_path
 from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
 from fem import ElasticBody, Partition, Shapes, defects, interfaces, supports, trust
+from fem.mesh import triangle_normals
 from fem.stress import principal, von_mises
 from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfaces
 from meshes.checks import check_surfaces
@@ -87,8 +88,7 @@ class CheckedShoe:
         """Points of all faces that look one way, those beneath others too."""
         if way not in self._points:
             axis, sign = NORMALS[way]
-            a, b, c = np.moveaxis(self.mesh.nodes[self.mesh.boundary[:, :3]], 1, 0)
-            normal = np.cross(b - a, c - a)
+            normal = triangle_normals(self.mesh.nodes[self.mesh.boundary[:, :3]])
             looking = sign * normal[:, axis] >= 0.9 * np.linalg.norm(normal, axis=1)
             self._points[way] = supports.surface_points(self.mesh, self.mesh.boundary[looking], POINTS)
         return self._points[way]

@@ -66,6 +66,11 @@ class History:
         """Time of the last state, s."""
         return float(self.dataset.time[-1])
 
+    @property
+    def in_memory(self) -> bool:
+        """True unless variables are read from a file whenever they are asked for."""
+        return "source" not in self.dataset.encoding
+
     def has(self, name: str, stress: xr.Dataset | None = None) -> bool:
         """True if `quantity` gives a quantity of the catalogue."""
         quantity = catalogue.QUANTITIES[name]
@@ -146,7 +151,7 @@ class History:
         """Every so many-th of the stored times, from the first on, in memory; itself for 1."""
         if step == 1:
             return self
-        return type(self)(self.case, self.dataset.isel(time=slice(None, None, step)).load())
+        return type(self)(self.case, self.dataset.isel(time=slice(None, None, step)).load().drop_encoding())
 
     def parts(self, stress: xr.Dataset | None = None) -> Iterator[tuple[Self, xr.Dataset | None]]:
         """Consecutive parts with their `stress`: all quantities of one fit into memory together."""
@@ -172,7 +177,7 @@ class History:
             stored = xr.open_dataset(path, engine="h5netcdf", cache=False)
             dataset = files.unpacked(stored)
             if stored.nbytes <= MOST_IN_MEMORY:
-                dataset = files.unpacked(stored.load())
+                dataset = files.unpacked(stored.load().drop_encoding())
                 stored.close()
             _check(case, dataset)
         return cls(case=case, dataset=dataset)

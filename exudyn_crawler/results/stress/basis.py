@@ -10,9 +10,10 @@ these, with the same forces.
 
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ from exudyn_crawler.results.history import History, files
 from exudyn_crawler.results.loads import load_map
 from exudyn_crawler.results.loads.kinds import Kind
 from fem import patches, rank
+from fem.memory import give_back_memory
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
@@ -58,11 +60,19 @@ def rail_stations(mesh: fem.Mesh) -> list[fem.Stations]:
     ]
 
 
+class FieldLoads(NamedTuple):
+    """Unit loads of static fields by family, and the shares (k, f) of these f in a shoe's k."""
+
+    families: dict[str, fem.UnitLoads]
+    shares: csr_array
+
+
 class StaticLoads(NamedTuple):
     """Static fields of a shoe's loads, and the shares (k, f) of their f unit loads in the shoe's k."""
 
     fields: fem.StaticFields
     shares: csr_array
+    path: Path  # file of the fields, unless the disk did not take it
 
 
 def static_loads(case: Case) -> StaticLoads | None:
@@ -77,8 +87,24 @@ def forget_static_fields() -> None:
     _static_loads.cache_clear()
 
 
+def store_static_fields(case: Case) -> None:
+    """Leave the static fields of a case's flexible shoes on disk, and in memory where that takes none."""
+    static = static_loads(case)
+    if static is not None and static.path.is_file():
+        forget_static_fields()
+
+
 @lru_cache(maxsize=2)
 def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> StaticLoads:
+    families, shares = field_loads(units)
+    folder = reductions.reductions_folder()
+    factors = flexible_shoes.partition(units.body, units.whole.interfaces)
+    fields, path, _ = fem.cached_static_fields(folder, factors, whole, families, warn=reductions.warn)
+    return StaticLoads(fields, shares, path)
+
+
+def field_loads(units: load_map.ShoeUnitLoads) -> FieldLoads:
+    """Loads of the static fields that take the place of a shoe's unit loads."""
     mesh = units.body.mesh
     interfaces = units.whole.interfaces
     families = {load_map.JOINTS: fem.UnitLoads.at_centers(len(mesh.nodes), interfaces)}
@@ -100,10 +126,7 @@ def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> 
         blocks.append(kron(shares, eye_array(3)))
     families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
     blocks.append(eye_array(len(units.integrated.body.frequencies)))
-    folder = reductions.reductions_folder()
-    factors = flexible_shoes.partition(units.body, interfaces)
-    cached = fem.cached_static_fields(folder, factors, whole, families, warn=reductions.warn)
-    return StaticLoads(cached.fields, csr_array(block_diag(blocks)))
+    return FieldLoads(families, csr_array(block_diag(blocks)))
 
 
 def _ground_shares(underside: patches.Underside, grid: fem.PressureGrid) -> np.ndarray:
@@ -200,6 +223,22 @@ def _in_files(parts: Iterable[tuple[int, np.ndarray]]) -> dict[int, np.ndarray]:
         return {shoe: np.asarray(memory).reshape(-1, rows.shape[1]) for shoe, memory in maps.items()}
 
 
+@contextmanager
+def _on_disk(parts: Iterable[tuple[int, np.ndarray]]) -> Iterator[Iterable[tuple[int, np.ndarray]]]:
+    """Rows of shoes in a file without a name, of which an iteration has those of one shoe in memory."""
+    with tempfile.TemporaryFile(dir=writable_folder(reductions.reductions_folder())) as file:
+        shoes = []
+        for shoe, rows in parts:
+            np.save(file, rows)
+            shoes.append(shoe)
+
+        def stored() -> Iterator[tuple[int, np.ndarray]]:
+            file.seek(0)
+            return ((shoe, np.load(file)) for shoe in shoes)
+
+        yield _Again(stored)
+
+
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
     """Columns and coordinates of the stress of flexible shoes, by default of all; ValueError for others.
 
@@ -207,27 +246,37 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
     """
     chosen = list(history.case.flexible_shoes().shoes if shoes is None else shoes)
     units = load_map.unit_loads(history.case)
-    static = static_loads(history.case)
     is_long = history.time.size > LONG
     loads: Iterable[tuple[int, Any]] = _Again(lambda: _loads(history, chosen, is_long))
-    acting = loads
-    shapes: fem.Shapes = units.whole
-    answers = of_acting = units.answers
-    bound = None
-    if static is not None:
-        # a static field takes the place of many loads
-        fewer = _Again(lambda: ((shoe, (rows @ static.shares).toarray()) for shoe, rows in loads))
-        acting = fewer if is_long else list(fewer)
+    if not history.case.flexible_shoes().static_fields:
+        coordinates = _coordinates(loads, units.answers, is_long)
+        return StressBasis(units.whole, None, units.answers, coordinates, None, history)
+    # a static field takes the place of many loads
+    shares = field_loads(units).shares
+    fewer = _Again(lambda: ((shoe, (rows @ shares).toarray()) for shoe, rows in loads))
+    most = int(MOST_FIELDS * len(units.whole.frequencies))
+    with nullcontext(fewer) if is_long else _on_disk(fewer) as acting:
+        give_back_memory()
+        static = static_loads(history.case)
+        assert static is not None
         histories: Any = _Again(lambda: (rows for _, rows in acting))
-        most = int(MOST_FIELDS * len(units.whole.frequencies))
         columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
-        of_acting = np.hstack((static.fields.held(units.whole.frequencies), columns.turn))
-        answers = static.shares @ of_acting
-        shapes = columns.beside(units.whole)
-        bound = columns.bound
-    products = ((shoe, rows @ of_acting) for shoe, rows in acting)
-    coordinates = _in_files(products) if is_long else dict(products)
-    return StressBasis(shapes, None, answers, coordinates, bound, history)
+        answers = np.hstack((static.fields.held(units.whole.frequencies), columns.turn))
+        # the few columns take their place
+        del static
+        forget_static_fields()
+        give_back_memory()
+        coordinates = _coordinates(acting, answers, is_long)
+    shapes = columns.beside(units.whole)
+    return StressBasis(shapes, None, shares @ answers, coordinates, columns.bound, history)
+
+
+def _coordinates(
+    loads: Iterable[tuple[int, Any]], answers: np.ndarray, is_long: bool
+) -> dict[int, np.ndarray]:
+    """Coordinates (times, columns) by shoe of loads (times, k) with answers (k, columns) of their units."""
+    products = ((shoe, rows @ answers) for shoe, rows in loads)
+    return _in_files(products) if is_long else dict(products)
 
 
 def unit_stress(case: Case, node: int) -> np.ndarray:

@@ -12,8 +12,9 @@ from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history import History, as_history, catalogue, files, phases
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress import hot_spots
-from exudyn_crawler.results.stress.basis import forget_static_fields, stress_basis, unit_stress
+from exudyn_crawler.results.stress.basis import stress_basis, unit_stress
 from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes, trust
+from fem.likely import scaled_shapes
 from fem.memory import give_back_memory
 from fem.stress import principal, von_mises
 
@@ -55,8 +56,6 @@ def recover_stresses(
     history = as_history(history)
     names = _frames(history, times)
     basis = stress_basis(history)
-    forget_static_fields()
-    give_back_memory()
     whole = basis.shapes
     coordinates = basis.coordinates
     regions = hot_spots.shoe_regions(whole, history.case.track)
@@ -64,9 +63,13 @@ def recover_stresses(
     usable = {
         shoe: np.flatnonzero(~at_load & (regions != hot_spots.BORES)) for shoe, at_load in pulled.items()
     }
+    scaled = scaled_shapes(whole.stress_modes)
+    give_back_memory()
     reached = {
-        shoe: recover_extremes(whole.stress_modes, q, ranked=usable[shoe]) for shoe, q in coordinates.items()
+        shoe: recover_extremes(whole.stress_modes, q, ranked=usable[shoe], scaled=scaled)
+        for shoe, q in coordinates.items()
     }
+    del scaled
     if peak:
         highest = np.max([extremes.highest for extremes in reached.values()], axis=0)
         names.setdefault(int(highest.argmax()), []).append("peak")
@@ -81,6 +84,8 @@ def recover_stresses(
         datasets.append(_of_shoe(history, whole, q, reached[shoe], frames, pulled[shoe]))
         tables[shoe] = hot_spots.ranked_nodes(history, basis, shoe, peaks, regions, ~pulled[shoe])
         by_region[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, usable[shoe], each)
+    # what writes the results needs the mesh alone
+    whole.forget_stress_modes()
     mesh = hot_spots.mesh_dataset(whole)
     dataset = xr.concat(datasets, dim=xr.Variable("shoe", list(coordinates)))
     dataset = dataset.transpose("time", "frame", "shoe", ...).assign(mesh.data_vars)

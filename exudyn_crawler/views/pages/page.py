@@ -119,7 +119,8 @@ def picture_file(path: Path) -> str:
         size = (PICTURE_WIDTH, round(image.height * PICTURE_WIDTH / image.width))
         image = image.resize(size, Image.Resampling.LANCZOS)
     memory = io.BytesIO()
-    image.save(memory, format="webp", quality=85)
+    # its method 4 takes twice as long, and saves a twentieth
+    image.save(memory, format="webp", quality=85, method=2)
     return _address(memory, "webp")
 
 

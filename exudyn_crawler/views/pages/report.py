@@ -40,11 +40,17 @@ HOT_SPOTS = (
 )
 
 
-def write_report(folder: str | Path, out: str | Path | None = None, overwrite: bool = False) -> Path:
+def write_report(
+    folder: str | Path,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    loaded: Mapping[Path, History] | None = None,
+) -> Path:
     """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
 
     Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
     those of the first run with flexible shoes. Returned is the file, `out` or `report.html` in the folder.
+    `loaded` are histories that are in memory, by their files.
 
     A NotADirectoryError if there is no such folder, a FileNotFoundError if it holds neither a history nor a
     comparison, a FileExistsError if the report exists and `overwrite` is false, a ValueError that names the
@@ -55,14 +61,14 @@ def write_report(folder: str | Path, out: str | Path | None = None, overwrite: b
         raise NotADirectoryError(f"no folder {folder}")
     out = folder / REPORT if out is None else Path(out)
     refuse_existing(out, overwrite)
-    return page.write_page(report_page(folder), out, overwrite)
+    return page.write_page(report_page(folder, loaded), out, overwrite)
 
 
-def report_page(folder: Path) -> str:
+def report_page(folder: Path, loaded: Mapping[Path, History] | None = None) -> str:
     """HTML of the report; raises as `write_report`."""
     # a study keeps each of its cases in a folder of its own
     folders = [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
-    histories, homes = runs.histories_in(folders)
+    histories, homes = runs.histories_in(folders, loaded or {})
     stressed = next((path for path in folders if (path / runs.STRESSES).is_file()), folder)
     stress = runs.stress_of(stressed)
     comparison = folder / COMPARISON

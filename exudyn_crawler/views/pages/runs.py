@@ -39,13 +39,15 @@ def contents(path: Path, read: Callable[[Path], T]) -> T:
         raise ValueError(named) from error
 
 
-def histories_in(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]]:
-    """Histories of some folders by case, and the folder of each."""
+def histories_in(
+    folders: list[Path], loaded: Mapping[Path, History]
+) -> tuple[dict[str, History], dict[str, Path]]:
+    """Histories of some folders by case, and the folder of each; `loaded` ones are there already, by file."""
     histories: dict[str, History] = {}
     places: dict[str, Path] = {}
     for folder in folders:
         for path in sorted(folder.glob("history*.nc")):
-            history = History.load(path)
+            history = loaded.get(path) or History.load(path)
             name = history.case.name
             if name in histories:
                 name = f"{folder.name}, {path.stem}"

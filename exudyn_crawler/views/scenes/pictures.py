@@ -1,7 +1,7 @@
 """Scenes on axes of matplotlib, seen in parallel projection: the track from the side and from above.
 
-Solids are painted back to front, which needs neither a display nor OpenGL; curved ones are shaded by
-triangle, flat ones have their edges. The ground's displacement under the track is millimetres, from where its
+Solids are painted back to front, which needs neither a display nor OpenGL, flat ones with their edges; opaque
+ones without edges are `shaded`. The ground's displacement under the track is millimetres, from where its
 own weight leaves it, and can be drawn larger from the side. All that is above is then lifted or lowered with
 the ground beneath it, so that shoes keep their true depth in the ground and rollers theirs in the rails.
 """
@@ -21,14 +21,13 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear, track
 from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, carried, disc, upward
+from exudyn_crawler.views.scenes.shaded import shade, shaded_surface, turned_to_viewer
 
 Window = tuple[float, float, float, float]
 """Least and greatest coordinate to the right, least and greatest upward, m."""
 Drawn = list[mpl.artist.Artist]
 ARROW_WIDTH, FINEST = 0.018, 0.06
 """Inches, width of an arrow's shaft; m, edges of shaded triangles that are painted whole."""
-LIGHT = np.array([0.30, 0.15, 0.94]) / np.linalg.norm([0.30, 0.15, 0.94])
-"""Where light comes from, in the picture's axes: right, up, toward the viewer."""
 FROM_THE_RIGHT = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
 FROM_ABOVE = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
 MARGIN = (0.6, 0.4, 1.0)  # m that are shown beyond the track, beside it and below the ground
@@ -41,27 +40,29 @@ def paint(ax: Axes, solids: list[Solid], view: View, window: Window | None = Non
     """Draw the faces of solids that are turned to the viewer, each in one colour, m; a window: the limits."""
     if window is not None:
         ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
+    drawn: mpl.collections.Collection
+    if any(solid.edges or solid.opacity < 1.0 for solid in solids):
+        drawn = _polygons(solids, view)
+    else:
+        drawn = shaded_surface(solids, view, zorder=1)
+    ax.add_collection(drawn, autolim=False)
+    return drawn
+
+
+def _polygons(solids: list[Solid], view: View) -> mpl.collections.PolyCollection:
+    """Faces of solids that are turned to the viewer, the nearest last."""
     parts: list[_Faces] = []
     for solid in solids:
         points = np.column_stack((view.project(solid.points), solid.values))
         kinds = [points[faces] for faces in solid.faces] if solid.edges else [_fine(points[solid.triangles])]
         parts += [_seen_faces(solid, corners) for corners in kinds]
     order = np.argsort(np.concatenate([part.depths for part in parts]), kind="stable")
-    outlines = _of_one_length([part.outlines for part in parts])[order]
     fills = np.concatenate([part.fills for part in parts])[order]
-    drawn: mpl.collections.Collection
-    # triangles overlap by half a pixel, which shows where they are translucent
-    if any(solid.edges or solid.opacity < 1.0 for solid in solids):
-        # matplotlib's types do not know that it takes an array
-        polygons: Any = outlines
-        lines = np.concatenate([part.lines for part in parts])[order]
-        drawn = mpl.collections.PolyCollection(
-            polygons, facecolors=fills, edgecolors=lines, linewidths=0.7, zorder=1
-        )
-    else:
-        drawn = _Triangles(outlines, fills, zorder=1)
-    ax.add_collection(drawn, autolim=False)
-    return drawn
+    lines = np.concatenate([part.lines for part in parts])[order]
+    # matplotlib's types do not know that it takes an array
+    polygons: Any = _of_one_length([part.outlines for part in parts])[order]
+    how: dict[str, Any] = {"facecolors": fills, "edgecolors": lines, "linewidths": 0.7, "zorder": 1}
+    return mpl.collections.PolyCollection(polygons, **how)
 
 
 class _Faces(NamedTuple):
@@ -76,9 +77,7 @@ class _Faces(NamedTuple):
 def _seen_faces(solid: Solid, points: np.ndarray) -> _Faces:
     """Faces of a solid with corners (m, k, 4): in the picture and toward the viewer, m, and their value."""
     corners = points[..., :3]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    seen = normals[:, 2] > 1e-9
+    normals, seen = turned_to_viewer(corners)
     fills = _fills(solid, points[seen, :, 3].mean(axis=1), normals[seen])
     if solid.edges not in ("", FLAT) and corners.shape[1] > 3:
         lines = np.tile(mpl.colors.to_rgba(solid.edges), (len(fills), 1))
@@ -86,30 +85,6 @@ def _seen_faces(solid: Solid, points: np.ndarray) -> _Faces:
         # opaque faces are drawn to their edges, so that nothing shines through between them
         lines = fills * [1.0, 1.0, 1.0, solid.opacity == 1.0]
     return _Faces(corners[seen, :, :2], fills, lines, corners[seen, :, 2].mean(axis=1))
-
-
-class _Triangles(mpl.collections.Collection):
-    """Triangles (m, 3, 2), m, in colours (m, 4), the first ones behind.
-
-    matplotlib draws them in a tenth of the time of polygons, which may have any corners and edges.
-    """
-
-    def __init__(self, corners: np.ndarray, colours: np.ndarray, **how: Any) -> None:
-        super().__init__(**how)
-        # the axes ask a collection for its paths, of which triangles need none
-        self._paths: list[mpl.path.Path] = []
-        self._corners = corners
-        self._colours = np.repeat(colours[:, None], 3, axis=1)
-
-    @mpl.artist.allow_rasterization
-    def draw(self, renderer: mpl.backend_bases.RendererBase) -> None:
-        """Draw all of them at once."""
-        context = renderer.new_gc()
-        context.set_clip_rectangle(self.get_clip_box())
-        corners = self.get_transform().transform(self._corners.reshape(-1, 2)).reshape(self._corners.shape)
-        renderer.draw_gouraud_triangles(context, corners, self._colours, mpl.transforms.IdentityTransform())
-        context.restore()
-        self.stale = False
 
 
 def _of_one_length(outlines: list[np.ndarray]) -> np.ndarray:
@@ -131,8 +106,7 @@ def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
         )
     colours[:, 3] = solid.opacity
     if not solid.edges:
-        shade = 0.45 + 0.65 * np.clip(normals @ LIGHT, 0.0, 1.0)
-        colours[:, :3] = np.clip(colours[:, :3] * shade[:, None], 0.0, 1.0)
+        colours[:, :3] = np.clip(colours[:, :3] * shade(normals)[:, None], 0.0, 1.0)
     return colours
 
 

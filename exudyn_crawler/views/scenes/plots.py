@@ -9,6 +9,7 @@ import xarray as xr
 from exudyn_crawler.views.scenes.pictures import FROM_THE_RIGHT
 from exudyn_crawler.views.scenes.scene import Solid
 from exudyn_crawler.views.scenes.start import SECTION
+from fem.mesh import triangle_normals
 
 DIGITS = 4  # of places in m: a tenth of a millimetre
 SHOES, GROUND = "shoes", "ground"
@@ -86,7 +87,7 @@ def _outlines(solid: Solid) -> Figure:
     parts = []
     for faces in placed.faces:
         corners = points[faces]
-        turned = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] > 1e-9
+        turned = triangle_normals(corners)[:, 2] > 1e-9
         seen = corners[turned][..., :2]
         closed = np.concatenate((seen, seen[:, :1], np.full((len(seen), 1, 2), np.nan)), axis=1)
         parts.append(closed.reshape(-1, 2))

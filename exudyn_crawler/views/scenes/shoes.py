@@ -192,8 +192,6 @@ def write_stress_pictures(
     for time, frame in enumerate(stress.frame.values.tolist()):
         figure = stress_picture(scene, track.instants(history, [frame]), time, force_scale)
         written.append(style.save_figure(figure, folder / picture_name(frame), overwrite))
-        # 60 MB of triangles, which a figure would hold until Python looks for circles
-        for ax in figure.axes:
-            for drawn in [*ax.collections]:
-                drawn.remove()
+        # it refers to itself in circles, with its surfaces and images
+        figure.clear()
     return written
