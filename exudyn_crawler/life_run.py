@@ -74,8 +74,10 @@ def check_cases(
     FileNotFoundError if there is no such file; FileExistsError, before anything is solved, if the folder has
     results and `overwrite` is false; ValueError, naming it, if a case is not in balance or has no support.
     """
-    path = None if isinstance(check, cases.ShoeCheck) else Path(check)
-    check = check if isinstance(check, cases.ShoeCheck) else cases.read_check(check)
+    path = None
+    if not isinstance(check, cases.ShoeCheck):
+        path = Path(check)
+        check = cases.read_check(path)
     folder = _folder(check, out, (*CHECK_TABLES, CHECK_PAGE), overwrite)
     try:
         solution = solve.solve_cases(check, solve.CheckedShoe(check), say)
@@ -94,9 +96,8 @@ def check_cases(
         drawn = files.writable_folder(folder / PICTURES)
         for number, case in enumerate(solution.cases):
             name = "".join(letter if letter.isalnum() or letter in "-." else "_" for letter in case.name)
-            path = drawn / f"{number + 1:03d}_{name}.png"
             figure = pages.case_figure(solution, number)
-            style.save_figure(figure, path, overwrite)
+            style.save_figure(figure, drawn / f"{number + 1:03d}_{name}.png", overwrite)
             # it refers to itself in circles, with its surfaces and images
             figure.clear()
     return solution

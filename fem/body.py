@@ -56,7 +56,7 @@ class ElasticBody:
     @cached_property
     def _stiffness(self) -> bsr_array:
         """Its blocks (3, 3), in two thirds of the memory; products of the other form are twice as fast."""
-        matrix = bsr_array(stiffness_matrix(self.mesh, self.material), blocksize=(3, 3))
+        matrix = stiffness_matrix(self.mesh, self.material)
         # those of the elements were six times as large
         give_back_memory()
         return matrix

@@ -103,8 +103,8 @@ def shape_gradients(mesh: Mesh, points: Floats) -> Floats:
     return _values_and_gradients(scalar_basis(mesh, points=points))[1]
 
 
-def _blocks_to_csr(mesh: Mesh, blocks: Floats) -> csr_array:
-    """Sum element blocks (e, a, b, k, k) into a (k n, k n) matrix with k rows per node."""
+def _sum_blocks(mesh: Mesh, blocks: Floats) -> bsr_array:
+    """Sum element blocks (e, a, b, k, k) into a (k n, k n) matrix with k rows per node, columns in order."""
     n = len(mesh.nodes)
     k = blocks.shape[-1]
     nodes = mesh.elements
@@ -117,13 +117,11 @@ def _blocks_to_csr(mesh: Mesh, blocks: Floats) -> csr_array:
             data[:, i, j] = np.bincount(place, weights=flat[:, i, j], minlength=len(pairs))
     indptr = np.searchsorted(pairs, np.arange(n + 1) * n).astype(np.int32)
     columns = (pairs % n).astype(np.int32)
-    matrix = csr_array(bsr_array((data, columns, indptr), shape=(k * n, k * n)))
-    matrix.sort_indices()
-    return matrix
+    return bsr_array((data, columns, indptr), shape=(k * n, k * n))
 
 
-def stiffness_matrix(mesh: Mesh, material: Material) -> csr_array:
-    """Stiffness matrix (3n, 3n) in N/m, xyz per node, symmetric."""
+def stiffness_matrix(mesh: Mesh, material: Material) -> bsr_array:
+    """Stiffness matrix (3n, 3n) in N/m of blocks (3, 3), xyz per node, symmetric."""
     lam, mu = material.lame
     basis = scalar_basis(mesh, STIFFNESS_ORDER)
     _, grad = _values_and_gradients(basis)
@@ -136,7 +134,7 @@ def stiffness_matrix(mesh: Mesh, material: Material) -> csr_array:
     trace = mu * np.einsum("eabii->eab", outer)
     for i in range(3):
         blocks[..., i, i] += trace
-    return _blocks_to_csr(mesh, blocks)
+    return _sum_blocks(mesh, blocks)
 
 
 def mass_matrix(mesh: Mesh, density: float) -> csr_array:
@@ -145,4 +143,5 @@ def mass_matrix(mesh: Mesh, density: float) -> csr_array:
     values, _ = _values_and_gradients(basis)
     v = np.ascontiguousarray(values.transpose(1, 0, 2))  # e, a, q
     scalar = np.matmul(v * (density * basis.dx)[:, None, :], v.transpose(0, 2, 1))
-    return csr_array(kron(_blocks_to_csr(mesh, scalar[..., None, None]), np.eye(3), format="csr"))
+    scalars = csr_array(_sum_blocks(mesh, scalar[..., None, None]))
+    return csr_array(kron(scalars, np.eye(3), format="csr"))

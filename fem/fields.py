@@ -23,7 +23,7 @@ from fem.reduction import Partition
 from fem.shapes import Shapes, SideBySide
 from fem.stress import DEVIATOR, stress_at_node
 
-SOLVED_AT_ONCE, AT_ONCE = 16, 8
+SOLVED_AT_ONCE, AT_ONCE = 32, 8
 """Fields that are solved for at once, and whose stress is recovered."""
 NOISE = 1e-12
 """Strain energy, over that of the greatest direction, below which a direction is rounding."""

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import LeftMapError
+from exudyn_crawler.ground import packed
 from exudyn_crawler.ground.cells import pressing, tiles
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, MEMORY, SIDE, Tiles, commit
@@ -48,15 +49,17 @@ class CellGround:
         self._share = share
         self._held = np.zeros(0, dtype=np.int64)
         self._names = np.zeros((0, 2), dtype=np.int64)
-        self.tiles = Tiles(
-            cell,
-            law.kernel.fresh,
-            law.kernel.forgets,
-            np.zeros(2, dtype=np.int64),
-            np.full((0, 0), -1),
-            np.zeros((0, SIDE * SIDE, 4)),
-            np.zeros((0, FIELDS)),
-            np.zeros(0),
+        self._take(
+            Tiles(
+                cell,
+                law.kernel.fresh,
+                law.kernel.forgets,
+                np.zeros(2, dtype=np.int64),
+                np.full((0, 0), -1),
+                np.zeros((0, SIDE * SIDE, 4)),
+                np.zeros((0, FIELDS)),
+                np.zeros(0),
+            )
         )
 
     def cover(self, frames: np.ndarray, before: np.ndarray) -> None:
@@ -65,10 +68,10 @@ class CellGround:
         `frames` (shoes, `pressing.FRAME`) are predicted for the end of the step, those `before` are of the
         last accepted one. LeftMapError if a shoe leaves the ground that has heights.
         """
-        missing = tiles.cover(self.tiles, self.shoes, frames, before)
+        missing = tiles.cover(self._block, frames, before)
         if missing == tiles.NO_TILE:
             self._add_tiles(frames, before)
-            missing = tiles.cover(self.tiles, self.shoes, frames, before)
+            missing = tiles.cover(self._block, frames, before)
         if missing == tiles.NO_HEIGHT:
             x, y = frames[:, 0], frames[:, 1]
             raise LeftMapError(
@@ -90,13 +93,13 @@ class CellGround:
     def commit(self) -> None:
         """Let the cells remember the last `press`: once, where a step is accepted."""
         if self._share == 1.0:
-            self._held = commit(self.tiles, self.shoes, self._held)
+            self._held = commit(self._block, self._held)
             return
         areas = self.shoes.areas
         pressed = areas.copy()
         # cells remember how far the rectangle covered them
         areas[:] /= self._share
-        self._held = commit(self.tiles, self.shoes, self._held)
+        self._held = commit(self._block, self._held)
         areas[:] = pressed
 
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
@@ -173,13 +176,20 @@ class CellGround:
         corner = self._names.min(axis=0)
         table = np.full(self._names.max(axis=0) - corner + 1, -1)
         table[tuple((self._names - corner).T)] = np.arange(len(self._names))
-        self.tiles = self.tiles._replace(
-            corner=corner,
-            table=table,
-            planes=np.concatenate((self.tiles.planes, planes)),
-            memory=memory,
-            loaded=np.zeros(len(memory)),
+        self._take(
+            self.tiles._replace(
+                corner=corner,
+                table=table,
+                planes=np.concatenate((self.tiles.planes, planes)),
+                memory=memory,
+                loaded=np.zeros(len(memory)),
+            )
         )
+
+    def _take(self, larger: Tiles) -> None:
+        """Let a map take the place of the one before, also for compiled functions."""
+        self.tiles = larger
+        self._block = packed.pack(tiles.TilesUnderShoes(larger, self.shoes), tiles.UNDER_SHOES)
 
     def _fresh(self, count: int) -> np.ndarray:
         """Memory of cells that no shoe has touched."""

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground import columns
+from exudyn_crawler.ground import columns, packed
 from exudyn_crawler.ground.cells import law, pressing
 from exudyn_crawler.ground.cells.pressing import BLOCK, POINT, TRIAL
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import FACING, Frame, along, turned
-from exudyn_crawler.ground.packed import FloatArray, IntArray
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, Ints1, Ints2
 
 BITS = 5
 SIDE = 1 << BITS
@@ -52,13 +52,24 @@ class Tiles(NamedTuple):
     cell: float  # side of a cell, m
     fresh: float  # mobilized share of fresh ground
     forgets: bool  # whether cells that are left forget their sinkage
-    corner: IntArray  # (2,): tile of the first entry of the table
-    table: IntArray  # (columns, rows): number of a tile, -1 where there is none
+    corner: Ints1  # (2,): tile of the first entry of the table
+    table: Ints2  # (columns, rows): number of a tile, -1 where there is none
     # (tiles, SIDE * SIDE, 4): normals of cells, and distances from the origin along these, m; NaN where there
     # is no height
-    planes: FloatArray
-    memory: FloatArray  # (tiles * SIDE * SIDE, FIELDS)
-    loaded: FloatArray  # (tiles * SIDE * SIDE,): loaded area of a cell, zero between calls
+    planes: Floats3
+    memory: Floats2  # (tiles * SIDE * SIDE, FIELDS)
+    loaded: Floats1  # (tiles * SIDE * SIDE,): loaded area of a cell, zero between calls
+
+
+class TilesUnderShoes(NamedTuple):
+    """Map with the points of the shoes on it."""
+
+    tiles: Tiles
+    shoes: pressing.ShoePoints
+
+
+UNDER_SHOES = packed.type_of(TilesUnderShoes)
+_read = packed.reader(UNDER_SHOES)
 
 
 @inner
@@ -96,11 +107,14 @@ def gather(tiles: Tiles, shoes: pressing.ShoePoints) -> None:
 
 
 @kernel
-def cover(tiles: Tiles, shoes: pressing.ShoePoints, frames: FloatArray, before: FloatArray) -> int:
+def cover(block: IntArray, frames: FloatArray, before: FloatArray) -> int:
     """List the points of all shoes, with the memory below; return their number, `NO_TILE` or `NO_HEIGHT`.
 
-    The outlines are at `frames` (shoes, FRAME), slip counts from those `before`.
+    `block` are packed `TilesUnderShoes`. The outlines are at `frames` (shoes, FRAME), slip counts from those
+    `before`.
     """
+    tiles = _read(block).tiles
+    shoes = _read(block).shoes
     outline = np.empty((4, 2))
     total = 0
     for s in range(shoes.counts.shape[0]):
@@ -235,13 +249,15 @@ def _release(remembered: FloatArray, mobilized: float) -> None:
 
 
 @kernel
-def commit(tiles: Tiles, shoes: pressing.ShoePoints, held: IntArray) -> IntArray:
-    """Write the trial memory into the cells; return the cells in contact now.
+def commit(block: IntArray, held: IntArray) -> IntArray:
+    """Write the trial memory into the cells of packed `TilesUnderShoes`; return the cells in contact now.
 
     A cell under two shoes keeps the deeper sinkage and the mean shear by area, which loses energy and never
     makes it. A cell that all shoes have left, or without pressure, releases its shear. `held` are the cells
     that were in contact when the last step was accepted.
     """
+    tiles = _read(block).tiles
+    shoes = _read(block).shoes
     memory = tiles.memory
     loaded = tiles.loaded
     now = np.empty(shoes.counts.sum(), dtype=np.int64)
