@@ -23,8 +23,12 @@ from fem.reduction import Partition
 from fem.shapes import Shapes, SideBySide
 from fem.stress import DEVIATOR, stress_at_node
 
-SOLVED_AT_ONCE, AT_ONCE = 32, 8
-"""Fields that are solved for at once, and whose stress is recovered."""
+AT_ONCE = 8
+"""Fields whose stress is recovered at once."""
+MOST_AT_ONCE = 32
+"""Fields that are solved for at once: with more a solution takes hardly less time."""
+BLOCK = 1e7
+"""Bytes of the fields that are solved for at once, of which some copies are in memory."""
 NOISE = 1e-12
 """Strain energy, over that of the greatest direction, below which a direction is rounding."""
 
@@ -149,8 +153,9 @@ def static_fields(
     count = sum(family.centers.shape[1] for family in families.values())
     rest = np.empty((size, count))
     work = np.empty((count, modes.shape[1]))
+    at_once = min(max(int(BLOCK / (8 * size)), 1), MOST_AT_ONCE)
     first = 0
-    for forces, at_centers in _in_blocks(partition.body, families.values()):
+    for forces, at_centers in _in_blocks(partition.body, families.values(), at_once):
         columns = slice(first, first + forces.shape[1])
         work[columns] = forces.T @ modes + at_centers.T @ pilots
         rest[:, columns] = partition.static_response(forces, at_centers)
@@ -160,8 +165,8 @@ def static_fields(
         give_back_memory()
     energy = np.empty((count, count))
     stiffness = partition.body.stiffness
-    for first in range(0, count, SOLVED_AT_ONCE):
-        columns = slice(first, first + SOLVED_AT_ONCE)
+    for first in range(0, count, at_once):
+        columns = slice(first, first + at_once)
         energy[:, columns] = rest.T @ (stiffness @ rest[:, columns])
     return StaticFields(
         {name: family.centers.shape[1] for name, family in families.items()},
@@ -171,11 +176,13 @@ def static_fields(
     )
 
 
-def _in_blocks(body: ElasticBody, families: Iterable[UnitLoads]) -> Iterator[tuple[Floats, Floats]]:
-    """Nodal forces (3n, k) in N and loads (6 i, k) on joint centres of families, a few loads at a time."""
+def _in_blocks(
+    body: ElasticBody, families: Iterable[UnitLoads], at_once: int
+) -> Iterator[tuple[Floats, Floats]]:
+    """Nodal forces (3n, k) in N and loads (6 i, k) on joint centres of families, some loads at a time."""
     for family in families:
-        for first in range(0, family.nodal.shape[1], SOLVED_AT_ONCE):
-            columns = slice(first, first + SOLVED_AT_ONCE)
+        for first in range(0, family.nodal.shape[1], at_once):
+            columns = slice(first, first + at_once)
             forces = family.nodal[:, columns].toarray()
             yield body.mass_matrix @ forces if family.by_mass else forces, family.centers[:, columns]
 

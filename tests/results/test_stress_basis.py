@@ -229,9 +229,16 @@ def test_a_file_has_the_numbers_of_its_history(history, tmp_path):
     assert found.attrs == expected.attrs
 
 
-def test_static_fields_are_on_disk_until_the_stress_is_recovered(history):
+def test_large_static_fields_are_on_disk_until_the_stress_is_recovered(history, monkeypatch):
     """A quarter of a GB of a large mesh, which a run does without."""
-    held = weakref.ref(static_loads(history.case).fields)
+    fields = static_loads(history.case).fields
+    held = weakref.ref(fields)
+    size = fields.displacements.nbytes
+    del fields
+    monkeypatch.setattr(stress_basis_module, "MOST_HELD", size)
+    stress_basis_module.store_static_fields(history.case)
+    assert held() is not None
+    monkeypatch.setattr(stress_basis_module, "MOST_HELD", size - 1)
     stress_basis_module.store_static_fields(history.case)
     assert held() is None
     assert static_loads(history.case).path.is_file()
@@ -239,6 +246,7 @@ def test_static_fields_are_on_disk_until_the_stress_is_recovered(history):
 
 def test_static_fields_stay_in_memory_where_the_disk_takes_none(history, monkeypatch):
     static = static_loads(history.case)._replace(path=Path("nowhere"))
+    monkeypatch.setattr(stress_basis_module, "MOST_HELD", 0)
     monkeypatch.setattr(stress_basis_module, "static_loads", lambda _case: static)
     monkeypatch.setattr(stress_basis_module, "forget_static_fields", lambda: pytest.fail("forgotten"))
     stress_basis_module.store_static_fields(history.case)

@@ -32,6 +32,8 @@ from fem.memory import give_back_memory
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
 MOST_FIELDS = 0.4  # greatest number of fields over that of modes
+MOST_HELD = 1.5e8
+"""Bytes of static fields that stay in memory for what asks for them next; the study mesh's take 2.2e8."""
 LONG, PART = rank.SEGMENT, 2**12
 """Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms; and of a
 longer one, of whose contacts with units there are 30 kB a time."""
@@ -74,6 +76,11 @@ class StaticLoads(NamedTuple):
     shares: csr_array
     path: Path  # file of the fields, unless the disk did not take it
 
+    @property
+    def is_large(self) -> bool:
+        """True for fields that are not to be in memory while nothing needs them."""
+        return self.fields.displacements.nbytes > MOST_HELD
+
 
 def static_loads(case: Case) -> StaticLoads | None:
     """Static fields beside all modes of a case's flexible shoes; cached on disk. None if not asked for."""
@@ -88,9 +95,9 @@ def forget_static_fields() -> None:
 
 
 def store_static_fields(case: Case) -> None:
-    """Leave the static fields of a case's flexible shoes on disk, and in memory where that takes none."""
+    """Leave large static fields of a case's flexible shoes on disk alone, unless that takes none."""
     static = static_loads(case)
-    if static is not None and static.path.is_file():
+    if static is not None and static.is_large and static.path.is_file():
         forget_static_fields()
 
 
@@ -127,6 +134,11 @@ def field_loads(units: load_map.ShoeUnitLoads) -> FieldLoads:
     families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
     blocks.append(eye_array(len(units.integrated.body.frequencies)))
     return FieldLoads(families, csr_array(block_diag(blocks)))
+
+
+@lru_cache(maxsize=2)
+def _field_shares(units: load_map.ShoeUnitLoads) -> csr_array:
+    return field_loads(units).shares
 
 
 def _ground_shares(underside: patches.Underside, grid: fem.PressureGrid) -> np.ndarray:
@@ -252,7 +264,7 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
         coordinates = _coordinates(loads, units.answers, is_long)
         return StressBasis(units.whole, None, units.answers, coordinates, None, history)
     # a static field takes the place of many loads
-    shares = field_loads(units).shares
+    shares = _field_shares(units)
     fewer = _Again(lambda: ((shoe, (rows @ shares).toarray()) for shoe, rows in loads))
     most = int(MOST_FIELDS * len(units.whole.frequencies))
     with nullcontext(fewer) if is_long else _on_disk(fewer) as acting:
@@ -263,8 +275,10 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
         columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
         answers = np.hstack((static.fields.held(units.whole.frequencies), columns.turn))
         # the few columns take their place
+        is_large = static.is_large
         del static
-        forget_static_fields()
+        if is_large:
+            forget_static_fields()
         give_back_memory()
         coordinates = _coordinates(acting, answers, is_long)
     shapes = columns.beside(units.whole)
