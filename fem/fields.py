@@ -26,7 +26,7 @@ from fem.stress import DEVIATOR, stress_at_node
 AT_ONCE = 8
 """Fields whose stress is recovered at once."""
 MOST_AT_ONCE = 32
-"""Fields that are solved for at once: with more a solution takes hardly less time."""
+"""Fields that are solved for, or combined, at once: with more they take hardly less time."""
 BLOCK = 1e7
 """Bytes of the fields that are solved for at once, of which some copies are in memory."""
 NOISE = 1e-12
@@ -65,8 +65,12 @@ class UnitLoads(NamedTuple):
     @classmethod
     def of_inertia(cls, modes: Floats, interfaces: Sequence[Interface]) -> Self:
         """Momentum of modes (n, 3, m) as nodal forces: m coordinates, kg^0.5 m/s2."""
-        count = modes.shape[2]
-        return cls(csr_array(modes.reshape(-1, count)), np.zeros((6 * len(interfaces), count)), True)
+        rows, count = modes.reshape(-1, modes.shape[2]).shape
+        # a conversion of an array without zeros would search it for them
+        columns = np.tile(np.arange(count, dtype=np.int32), rows)
+        ends = count * np.arange(rows + 1, dtype=np.int32)
+        nodal = csr_array((modes.ravel(), columns, ends), shape=(rows, count))
+        return cls(nodal, np.zeros((6 * len(interfaces), count)), True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,15 +296,14 @@ def field_columns(
     tail = np.zeros(nodes)
     bounds = np.zeros(back.shape[1] + 1)
     # of the directions beyond the most, memory holds some at a time, from the last to the first
-    for first in reversed(range(0, back.shape[1], AT_ONCE)):
-        columns = slice(first, min(first + AT_ONCE, back.shape[1]))
-        shapes = (flat @ back[:, columns]).reshape(nodes, 3, -1)
+    for columns, block in _products_from_last(flat, back):
+        shapes = block.reshape(nodes, 3, -1)
         of_shapes = body.stress(shapes)
         lengths = np.linalg.norm(DEVIATOR @ of_shapes, axis=1) * greatest[columns]
         tails = tail[:, None] + np.cumsum(lengths[:, ::-1], axis=1)
         bounds[columns] = tails.max(axis=0)[::-1]
         tail = tails[:, -1]
-        wanted = max(fewest - first, 0)
+        wanted = max(fewest - columns.start, 0)
         modes[:, :, columns] = shapes[:, :, :wanted]
         stress[:, :, columns] = of_shapes[:, :, :wanted]
     rank = min(int(np.flatnonzero(bounds <= tolerance)[0]), fewest)
@@ -308,6 +311,18 @@ def field_columns(
     modes = np.ascontiguousarray(modes[:, :, :rank])
     stress = np.ascontiguousarray(stress[:, :, :rank])
     return FieldColumns(turn[:, :rank], modes, stress, float(bounds[rank]))
+
+
+def _products_from_last(flat: Floats, back: Floats) -> Iterator[tuple[slice, Floats]]:
+    """Columns of ``flat @ back`` with their places, `AT_ONCE` at a time, from the last to the first.
+
+    Every product reads all of `flat`, so that it makes `MOST_AT_ONCE` of them.
+    """
+    for first in reversed(range(0, back.shape[1], MOST_AT_ONCE)):
+        products = flat @ back[:, first : first + MOST_AT_ONCE]
+        for start in reversed(range(0, products.shape[1], AT_ONCE)):
+            block = products[:, start : start + AT_ONCE]
+            yield slice(first + start, first + start + block.shape[1]), block
 
 
 def _energy_root(energy: Floats) -> tuple[Floats, Floats]:

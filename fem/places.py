@@ -23,7 +23,7 @@ QUADRATURE_CELL = 0.02
 """m, greatest side of such a cell: the elements are several times as large."""
 INSIDE = 1e-9
 """Part of a rectangle by which samples stay off its edges, since rounding may put them beside these."""
-AT_ONCE = 256
+AT_ONCE = 1024
 """Points whose faces are searched at once: the search tries all faces near any of them on each."""
 LEVEL = 1e-6
 """Greatest difference of a level surface's heights over the extent of the body."""

@@ -62,13 +62,6 @@ def rail_stations(mesh: fem.Mesh) -> list[fem.Stations]:
     ]
 
 
-class FieldLoads(NamedTuple):
-    """Unit loads of static fields by family, and the shares (k, f) of these f in a shoe's k."""
-
-    families: dict[str, fem.UnitLoads]
-    shares: csr_array
-
-
 class StaticLoads(NamedTuple):
     """Static fields of a shoe's loads, and the shares (k, f) of their f unit loads in the shoe's k."""
 
@@ -103,42 +96,46 @@ def store_static_fields(case: Case) -> None:
 
 @lru_cache(maxsize=2)
 def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> StaticLoads:
-    families, shares = field_loads(units)
+    families = field_families(units)
     folder = reductions.reductions_folder()
     factors = flexible_shoes.partition(units.body, units.whole.interfaces)
     fields, path, _ = fem.cached_static_fields(folder, factors, whole, families, warn=reductions.warn)
-    return StaticLoads(fields, shares, path)
+    return StaticLoads(fields, field_shares(units), path)
 
 
-def field_loads(units: load_map.ShoeUnitLoads) -> FieldLoads:
-    """Loads of the static fields that take the place of a shoe's unit loads."""
+def field_families(units: load_map.ShoeUnitLoads) -> dict[str, fem.UnitLoads]:
+    """Loads of the static fields by family, which take the place of a shoe's unit loads."""
     mesh = units.body.mesh
     interfaces = units.whole.interfaces
     families = {load_map.JOINTS: fem.UnitLoads.at_centers(len(mesh.nodes), interfaces)}
-    blocks = [eye_array(6 * len(interfaces))]
     for name, family in units.spread.items():
         if name == load_map.GROUND and units.underside is not None:
-            grid = ground_grid(mesh)
-            weights = grid.weights
-            shares = csr_array(_ground_shares(units.underside, grid))
+            weights = ground_grid(mesh).weights
         elif name == load_map.RAILS and units.strips is not None:
-            stations = rail_stations(mesh)
-            weights = hstack([station.weights for station in stations])
-            shares = _rail_shares(units.strips, stations)
+            weights = hstack([station.weights for station in rail_stations(mesh)])
         else:
             weights = np.zeros((len(mesh.nodes), len(family.weights)))
-            shares = eye_array(len(family.weights))
             weights[family.nodes] = family.weights.T
         families[name] = fem.UnitLoads.spread(csr_array(weights), interfaces)
-        blocks.append(kron(shares, eye_array(3)))
     families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
-    blocks.append(eye_array(len(units.integrated.body.frequencies)))
-    return FieldLoads(families, csr_array(block_diag(blocks)))
+    return families
 
 
 @lru_cache(maxsize=2)
-def _field_shares(units: load_map.ShoeUnitLoads) -> csr_array:
-    return field_loads(units).shares
+def field_shares(units: load_map.ShoeUnitLoads) -> csr_array:
+    """Shares (k, f) of the f loads of static fields in the k unit loads of a shoe."""
+    mesh = units.body.mesh
+    blocks = [eye_array(6 * len(units.whole.interfaces))]
+    for name, family in units.spread.items():
+        if name == load_map.GROUND and units.underside is not None:
+            shares = csr_array(_ground_shares(units.underside, ground_grid(mesh)))
+        elif name == load_map.RAILS and units.strips is not None:
+            shares = _rail_shares(units.strips, rail_stations(mesh))
+        else:
+            shares = eye_array(len(family.weights))
+        blocks.append(kron(shares, eye_array(3)))
+    blocks.append(eye_array(len(units.integrated.body.frequencies)))
+    return csr_array(block_diag(blocks))
 
 
 def _ground_shares(underside: patches.Underside, grid: fem.PressureGrid) -> np.ndarray:
@@ -264,7 +261,7 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
         coordinates = _coordinates(loads, units.answers, is_long)
         return StressBasis(units.whole, None, units.answers, coordinates, None, history)
     # a static field takes the place of many loads
-    shares = _field_shares(units)
+    shares = field_shares(units)
     fewer = _Again(lambda: ((shoe, (rows @ shares).toarray()) for shoe, rows in loads))
     most = int(MOST_FIELDS * len(units.whole.frequencies))
     with nullcontext(fewer) if is_long else _on_disk(fewer) as acting:
