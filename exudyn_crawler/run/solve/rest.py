@@ -103,10 +103,11 @@ def newton_rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
     held = [] if system.sticks else [front + k for k in HELD]
     start = pulled_place(system, np.zeros(count))
     holds = 1 + len(held)
+    undriven = system.inputs(0.0)._replace(active=np.zeros(2))
 
     def balance(x: np.ndarray) -> np.ndarray:
         q, multipliers, forces_held = np.split(x, [count, len(x) - holds])
-        residual, pulled = at_rest(system, q, multipliers)
+        residual, pulled = at_rest(system, q, multipliers, undriven)
         residual[:count] += forces_held[0] * pulled
         residual[held] += forces_held[1:]
         gaps = [pulled_place(system, q) - start, *q[held]]
@@ -146,8 +147,10 @@ def pulled_place(system: CompiledSystem, q: np.ndarray) -> float:
     return float(front[0] + system.point.arm(front[3:], modal)[0])
 
 
-def at_rest(system: CompiledSystem, q: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Residual at rest at t = 0 without the drive, and the drive's direction, as generalized force.
+def at_rest(
+    system: CompiledSystem, q: np.ndarray, multipliers: np.ndarray, undriven: Inputs
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residual at rest under loads without the drive, and the drive's direction, as generalized force.
 
     Of coordinates and the pins' multipliers (pin_rows,), N and N m. Gives arrays (coordinates + pin_rows,),
     see `equations.residual`, and (coordinates,).
@@ -155,7 +158,6 @@ def at_rest(system: CompiledSystem, q: np.ndarray, multipliers: np.ndarray) -> t
     state = np.zeros((3, len(q)))
     state[0] = q
     system.cover(state)
-    undriven = system.inputs(0.0)._replace(active=np.zeros(2))
     out = system.residual(state, undriven, np.concatenate((multipliers, np.zeros(2))))
     case = system.case
     count = 6 * system.layout.shoes
