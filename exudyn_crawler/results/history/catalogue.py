@@ -272,23 +272,26 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
     derived = [name for name in wanted if QUANTITIES[name].derived_from]
     stored = dict.fromkeys([source for name in wanted for source in QUANTITIES[name].derived_from or (name,)])
     shoes = dataset.shoe.values
-    depth = dataset.penetration.compute()
     contacts = [_slice_of(np.flatnonzero(dataset.contact_shoe.values == shoe)) for shoe in shoes]
-
-    def of_shoe(values: xr.DataArray, chosen: slice | np.ndarray, how: str) -> xr.DataArray:
-        parts = values.isel(contact=chosen)
-        # shoes that never touch the ground, as those above in a closed track, have nothing to choose of
-        if how == "sum" or not parts.sizes["contact"]:
-            return parts.sum("contact", skipna=False, keep_attrs=True)
-        return parts.isel(contact=depth.isel(contact=chosen).argmax("contact", skipna=False))
+    depth = dataset.penetration.transpose("time", "contact").values
+    # shoes that never touch the ground, as those above in a closed track, have nothing to choose of
+    deepest = [depth[:, chosen].argmax(axis=1) if depth[:, chosen].size else None for chosen in contacts]
 
     columns = {}
     for name in stored:
         # of a history that stays in its file a variable is read once, not once a shoe
-        whole = dataset[name].compute().drop_vars(CONTACT_KEYS, errors="ignore")
-        parts = [of_shoe(whole, chosen, QUANTITIES[name].by_shoe) for chosen in contacts]
-        columns[name] = xr.concat(parts, dim="shoe", coords="minimal", compat="override")
-    result = xr.Dataset(columns).assign_coords(shoe=shoes).drop_vars(CONTACT_KEYS, errors="ignore")
+        whole = dataset[name].compute().transpose("time", "contact", ...)
+        coordinates = {key: of for key, of in whole.coords.items() if "contact" not in of.dims}
+        parts = []
+        for chosen, place in zip(contacts, deepest, strict=True):
+            of_shoe = whole.values[:, chosen]
+            if QUANTITIES[name].by_shoe == "sum" or place is None:
+                parts.append(of_shoe.sum(axis=1))
+            else:
+                parts.append(of_shoe[np.arange(len(of_shoe)), place])
+        dims = ["shoe", "time", *whole.dims[2:]]
+        columns[name] = xr.DataArray(np.stack(parts), coordinates, dims, attrs=whole.attrs)
+    result = xr.Dataset(columns).assign_coords(shoe=shoes)
     result = result.assign(
         {name: with_meaning(name, DERIVED[name](case, result, result)) for name in derived}
     )
