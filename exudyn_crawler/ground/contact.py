@@ -110,12 +110,10 @@ class PairGroundContact:
         torque = rows[:, pairs.RESULT["friction_torque"]]
         on_shoes = np.zeros_like(bodies.shoes)
         on_units = np.zeros((len(bodies.units), 6))
-        for places, index, sign, out in (
-            (bodies.shoes, shoe, 1.0, on_shoes),
-            (bodies.units, unit, -1.0, on_units),
-        ):
-            moment = torque + np.cross(point - places[index, :3], force)
-            np.add.at(out, index, sign * np.hstack((force, moment)))
+        arms = point - np.stack((bodies.shoes[shoe, :3], bodies.units[unit, :3]))
+        moments = torque + np.cross(arms, force)
+        np.add.at(on_shoes, shoe, np.hstack((force, moments[0])))
+        np.add.at(on_units, unit, -np.hstack((force, moments[1])))
         on_shoes[:, 3:] = rotations.moments_on_angles(bodies.shoes[:, 3:], on_shoes[:, 3:])
         modal = np.zeros(self._modal_shape)
         if modal.size:
