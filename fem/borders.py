@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fem.mesh import Floats, Integers, Mesh, triangle_normals
+from fem.mesh import Floats, Integers, Mesh, sorted_rows, triangle_normals
 
 SAME_PLANE = np.radians(0.1)
 """Angle between neighbouring faces up to which they are flat; the ready shoe's wings bend by 0.3 degrees."""
@@ -60,8 +60,7 @@ def boundary_of(mesh: Mesh) -> BoundaryFaces:
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     edges = np.sort(mesh.boundary[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(corners)), 3)
-    order = np.lexsort(edges.T)
-    same = (edges[order[1:]] == edges[order[:-1]]).all(axis=1)
+    order, same = sorted_rows(edges)
     pairs = np.column_stack((owner[order[:-1]], owner[order[1:]]))[same]
     return BoundaryFaces(mesh, corners, normals, pairs, _hollows(corners, normals, pairs))
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fem.mesh import Floats, Integers, triangle_normals
+from fem.mesh import Floats, Integers, sorted_rows, triangle_normals
 
 SAME_PLACE = 1e-6
 """Of the size: corners that are nearer to each other are one corner, which STL repeats."""
@@ -70,9 +70,8 @@ class Triangles:
         owner = np.repeat(np.arange(len(self.faces)), 3)
         far = self.faces[:, [2, 0, 1]].ravel()
         keys = np.sort(edges, axis=1)
-        order = np.lexsort(keys.T)
-        keys = keys[order]
-        same = np.flatnonzero((keys[1:] == keys[:-1]).all(axis=1))
+        order, is_same = sorted_rows(keys)
+        same = np.flatnonzero(is_same)
         _, counts = np.unique(keys, axis=0, return_counts=True)
         first = order[same]
         second = order[same + 1]
