@@ -8,6 +8,14 @@ GOES_ON = "run the same command again to continue"  # what a user does then
 ASK_TO_OVERWRITE = "allow overwriting (--overwrite, in Python overwrite=True)"
 """What a user may do about earlier results."""
 ENDED_FROM_OUTSIDE = 130  # exit code of a command that an interrupt ended outside of a simulation
+LONGEST_LINE = 560  # characters of a line on the console
+LINE_BEGIN = 400
+LINE_END = 120
+
+
+def cut_line(line: str) -> str:
+    """Return a line without its middle where it is too long to be read: libraries repeat a broken file."""
+    return line if len(line) <= LONGEST_LINE else f"{line[:LINE_BEGIN]} ... {line[-LINE_END:]}"
 
 
 class CrawlerError(Exception):

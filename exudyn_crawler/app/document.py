@@ -32,6 +32,7 @@ class Document:
         self.refused: dict[str, Any] = {}
         self.errors: dict[str, list[str]] = {}
         self.saved = ""
+        self.copies: dict[Path, bytes] = {}  # of files that were dropped, as they were then
         self.start_from(FIRST)
 
     def start_from(self, machine: str) -> None:
@@ -47,6 +48,26 @@ class Document:
         self.take_text(text, path.stem)
         if path.parent == self.folder:
             self.saved = self.text
+
+    def store(self, name: str, content: bytes) -> Path:
+        """Write a file that was dropped into the folder, and return its path.
+
+        Its name gets a number where the folder has another file of the name, unless that is the copy of an
+        earlier drop: a file that was corrected takes the place of its own copy.
+        """
+        path = first = self.folder / Path(name).name
+        number = 1
+        while path.exists() and not self._is_copy(path, content):
+            number += 1
+            path = first.with_name(f"{first.stem}_{number}{first.suffix}")
+        with whole_file(path, overwrite=True) as temporary:
+            temporary.write_bytes(content)
+        self.copies[path] = content
+        return path
+
+    def _is_copy(self, path: Path, content: bytes) -> bool:
+        """Return True for a file with a content, or with that of an earlier drop."""
+        return path.is_file() and path.read_bytes() in (content, self.copies.get(path))
 
     def take_text(self, text: str, name: str = "") -> None:
         """Take a whole text in place of the one that is there; raises as `read_case`."""

@@ -82,11 +82,14 @@ class MachinePanel:
         load(self.document, self.document.folder / name)
 
     async def _dropped(self, event: events.UploadEventArguments) -> None:
-        path = self.document.folder / Path(event.file.name).name
-        if path.exists():
-            ui.notify(f"{path.name} is in the folder already: it was taken from there")
-        else:
-            await event.file.save(path)
+        content = await event.file.read()
+        try:
+            path = self.document.store(event.file.name, content)
+        except OSError as error:
+            refuse(error)
+            return
+        if path.name != Path(event.file.name).name:
+            ui.notify(f"{event.file.name} in the folder is another file and stays: this one is {path.name}")
         load(self.document, path)
 
 

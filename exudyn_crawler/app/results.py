@@ -42,6 +42,8 @@ class PageFrame:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.page: Path | None = None
+        self.shown = ""  # its address as it was shown
         self.busy = ui.label(BUSY).classes("quiet")
         self.busy.set_visibility(False)
         self.words = ui.label().classes("console")
@@ -53,7 +55,9 @@ class PageFrame:
     def show(self, page: Path) -> None:
         """Show a page and what is beside it."""
         self.words.set_text("")
-        self.frame.props["src"] = self._address(page)
+        self.page = page
+        self.shown = self._version(page)
+        self.frame.props["src"] = self.shown
         self.frame.update()
         self.frame.set_visibility(True)
         self.save.set_visibility(True)
@@ -64,11 +68,21 @@ class PageFrame:
                     name = f"{page.parent.name}_{path.name}"
                     ui.link(path.name, self._address(path)).props(f'download="{name}"')
 
+    def refresh(self) -> None:
+        """Show the page anew where its file was written again."""
+        if self.page is not None and self.page.is_file() and self._version(self.page) != self.shown:
+            self.show(self.page)
+
+    def _version(self, page: Path) -> str:
+        """Return the address of a page as it is now: a browser loads an address that it shows only once."""
+        return f"{self._address(page)}?written={page.stat().st_mtime_ns}"
+
     def _address(self, path: Path) -> str:
         return f"{FILES}/{quote(path.relative_to(self.folder).as_posix())}"
 
     async def show_made(self, page: Path, *words: object) -> None:
         """Show a page that a command makes, else what it says is wrong."""
+        self.page = None
         self.frame.set_visibility(False)
         self.save.set_visibility(False)
         self.words.set_text("")
@@ -105,6 +119,7 @@ class ResultsPanel:
         if names != self.run.options:
             self.run.set_options(names)
             self.choose(self.run.value or next(iter(names), None))
+        self.frame.refresh()
 
     def choose(self, name: str | None) -> None:
         """Show the results of a run of a name."""

@@ -1,6 +1,7 @@
 """Serving of the page on this computer alone: an address with a token, and a guard before it."""
 
 import hmac
+import logging
 import secrets
 import socket
 import webbrowser
@@ -12,8 +13,10 @@ from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 from nicegui import app as pages, ui
 from starlette.datastructures import MutableHeaders
-from starlette.responses import PlainTextResponse
+from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from exudyn_crawler.errors import cut_line
 
 HOST = "127.0.0.1"
 NAMES = (HOST, "localhost")
@@ -40,6 +43,16 @@ HEADERS = {
 FOREIGN = 1008  # code with which a websocket is refused
 
 
+class ShortLines(logging.Filter):
+    """Filter that cuts messages which repeat a long address of a request."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Cut the message of a record, and let it pass."""
+        record.msg = cut_line(record.getMessage())
+        record.args = ()
+        return True
+
+
 class Guard:
     """Application that hands on what this computer's browser asks for with the token, and refuses all else.
 
@@ -62,9 +75,13 @@ class Guard:
         if any(origin != f"http://{hosts[0]}" for origin in origins):
             return "this page answers no other site"
         begin = scope["path"][: len(self.start)]
-        if not hmac.compare_digest(begin.encode("utf-8"), self.start.encode("utf-8")):
+        if not _same(begin, self.start) and not self.lacks_slash(scope):
             return "the address must be that which exudyn-crawler app has shown, with its token"
         return "hidden files are not shown" if "/." in scope["path"] else ""
+
+    def lacks_slash(self, scope: Scope) -> bool:
+        """Return True for the page's address without the slash at its end, as it is copied from a line."""
+        return scope["type"] == "http" and _same(scope["path"] + "/", self.start)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request of a browser, or refuse it."""
@@ -79,13 +96,20 @@ class Guard:
             await send(message)
 
         reason = self.refusal(scope) if scope["type"] != "lifespan" else ""
-        if not reason:
+        if not reason and scope["type"] != "lifespan" and self.lacks_slash(scope):
+            await RedirectResponse(self.start)(scope, receive, send_guarded)
+        elif not reason:
             await self.app(scope, receive, send_guarded)
         elif scope["type"] == "websocket":
             await receive()
             await send({"type": "websocket.close", "code": FOREIGN, "reason": reason})
         else:
             await PlainTextResponse(reason, 403)(scope, receive, send_guarded)
+
+
+def _same(first: str, second: str) -> bool:
+    """Return True for equal texts, after a time that does not tell how much of them is equal."""
+    return hmac.compare_digest(first.encode("utf-8"), second.encode("utf-8"))
 
 
 def serve(
@@ -98,11 +122,20 @@ def serve(
     """Serve the page of a folder until the process is interrupted.
 
     `build` fills a page, for which files of the folder are below `FILES`. `port` None takes a free one;
-    OSError if another program has it. `show` opens the browser; `say` gets the address.
+    ValueError if another program has it. `show` opens the browser; `say` gets the address.
     """
     listening = socket.socket()
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    listening.bind((HOST, port or 0))
+    try:
+        listening.bind((HOST, port or 0))
+        listening.listen()
+    except OSError as error:
+        listening.close()
+        raise ValueError(
+            f"--port must be a free one, got {port}, which another program uses ({error.strerror}): name "
+            "another, or leave --port out"
+        ) from error
+    logging.getLogger("nicegui").addFilter(ShortLines())
     port = listening.getsockname()[1]
     token = secrets.token_urlsafe(24)
     # links that lead out of the folder are not followed

@@ -78,9 +78,6 @@ def report_made(path: Path, what_now: str = "") -> None:
 
 OTHER, BAD_INPUT, STOPPED = 1, 2, 3  # exit codes
 OF_PATHS = FileNotFoundError, FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError
-LONGEST_LINE = 560  # characters of an error or a warning
-LINE_BEGIN = 400
-LINE_END = 120
 BAD_INPUT_ERRORS = (ValueError, BlockingIOError, *OF_PATHS)
 CASES = "exudyn_crawler.cases"  # entry points of cases to start from: functions that return a `CaseFile`
 
@@ -163,17 +160,12 @@ def call(app: typer.Typer) -> None:
         except (Exception, KeyboardInterrupt) as error:
             lines, code = _lines(error)
     for line in lines:
-        print(f"error: {_cut(line)}", file=sys.stderr)
+        print(f"error: {errors.cut_line(line)}", file=sys.stderr)
     sys.exit(code)
 
 
 def _show_warning(message: Warning | str, *_where: Any, **_how: Any) -> None:
-    print(f"warning: {_cut(' '.join(str(message).split()))}", file=sys.stderr)
-
-
-def _cut(line: str) -> str:
-    """Line without its middle where it is too long to be read: libraries repeat what a broken file has."""
-    return line if len(line) <= LONGEST_LINE else f"{line[:LINE_BEGIN]} ... {line[-LINE_END:]}"
+    print(f"warning: {errors.cut_line(' '.join(str(message).split()))}", file=sys.stderr)
 
 
 def _lines(error: BaseException) -> tuple[list[str], int]:

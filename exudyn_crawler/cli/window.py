@@ -21,15 +21,19 @@ def app(
     if find_spec("nicegui") is None:
         raise ValueError("the page to work in needs NiceGUI: pip install 'exudyn-crawler[app]'")
     from exudyn_crawler.files import writable_folder
+    from exudyn_crawler.run.folder.queue import Runs
 
-    writable_folder(folder)
-    from exudyn_crawler.app.page import build
-    from exudyn_crawler.app.serving import serve
+    home = writable_folder(folder).resolve()
 
     def say(address: str) -> None:
         typer.echo(f"{address}\nopen it in a browser on this computer; Ctrl-C ends the page, runs go on")
 
     try:
-        serve(folder.resolve(), build(folder.resolve()), port, show, say)
+        with Runs(home).held():
+            # what draws the page takes seconds to load
+            from exudyn_crawler.app.page import build
+            from exudyn_crawler.app.serving import serve
+
+            serve(home, build(home), port, show, say)
     except KeyboardInterrupt:
         typer.echo("the page has ended; runs that had begun go on")

@@ -158,3 +158,30 @@ def test_a_machine_that_digs_stands_and_travels_again(document):
     assert document.change(PICKED["propel backward"](document.case_file))
     assert document.case_file.case.machine is None
     assert document.case_file.case.drive.speed.integral(5.0) < 0.0
+
+
+def test_a_file_that_is_dropped_again_after_a_correction_is_read_anew(document):
+    wrong = document.text.replace('operating_weight = "', 'operating_weight = "-').encode()
+    right = document.text.encode()
+    path = document.store("mine.toml", wrong)
+    with pytest.raises(CaseFileError):
+        document.load(path)
+    assert document.store("mine.toml", right) == path
+    assert path.read_bytes() == right
+    document.load(path)
+    assert document.name == "mine"
+
+
+def test_a_dropped_file_takes_the_place_of_no_other_one(document):
+    own = document.folder / "mine.toml"
+    own.write_text("duration = 1.0\n")
+    content = document.text.encode()
+    assert document.store("../mine.toml", content) == document.folder / "mine_2.toml"
+    assert own.read_text() == "duration = 1.0\n"
+    # the same content is the same file
+    assert document.store("mine_2.toml", content) == document.folder / "mine_2.toml"
+    document.load(document.folder / "mine_2.toml")
+    document.type("duration", "2 s")
+    document.save("mine_2")
+    assert document.store("mine_2.toml", content) == document.folder / "mine_2_2.toml"
+    assert read_case(document.folder / "mine_2.toml").duration == 2.0

@@ -1,13 +1,15 @@
 """Who is answered: this computer's browser with the token, about files of the folder, and nobody else."""
 
 import asyncio
+import logging
+import socket
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `app` is not installed")
 
-from exudyn_crawler.app.serving import Guard
+from exudyn_crawler.app.serving import Guard, ShortLines, serve
 
 HOST = "127.0.0.1:5000"
 PATH = "/secret/files/mine.toml"
@@ -84,3 +86,28 @@ def test_files_of_the_folder_get_none_of_the_rights_of_the_page():
     assert b"default-src data:" in headers[b"content-security-policy"]
     assert b"sandbox" in headers[b"content-security-policy"]
     assert headers[b"cache-control"] == b"no-store"
+
+
+def test_the_address_without_its_last_slash_leads_to_the_page():
+    first, *_ = asked("/secret")
+    assert first["status"] == 307
+    assert dict(first["headers"])[b"location"] == b"/secret/"
+    assert asked("/secret", kind="websocket")[0]["type"] == "websocket.close"
+    assert asked("/secret", origin="http://attacker.example")[0]["status"] == 403
+
+
+def test_a_taken_port_is_named_with_its_flag(tmp_path):
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        with pytest.raises(ValueError, match=rf"--port must be a free one, got {port}, .* leave --port out"):
+            serve(tmp_path, list, port, show=False)
+
+
+def test_long_addresses_are_cut_on_the_console():
+    record = logging.makeLogRecord({"msg": "%s not found", "args": ("http://here/" + 10_000 * "x",)})
+    assert ShortLines().filter(record)
+    assert len(record.getMessage()) < 600
+    assert record.getMessage().startswith("http://here/x")
+    assert record.getMessage().endswith("x not found")

@@ -90,3 +90,14 @@ def test_runs_start_one_after_the_other_as_processes_that_outlive_the_page(runs,
     later.stop("first")
     runs._started["first"].wait(10)
     assert later.named("first").status == STOPPED
+
+
+def test_one_process_has_the_queue_of_a_folder(runs):
+    with (
+        runs.held(),
+        pytest.raises(BlockingIOError, match=f"{runs.folder.parent} has a page .* process {os.getpid()}"),
+        Runs(runs.folder.parent).held(),
+    ):
+        pass
+    with Runs(runs.folder.parent).held():
+        assert runs.all() == []

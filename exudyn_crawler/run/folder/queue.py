@@ -9,9 +9,12 @@ import os
 import signal
 import subprocess
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
+
+from filelock import FileLock, Timeout
 
 from exudyn_crawler import files
 from exudyn_crawler.case import CaseFile, write_case
@@ -20,6 +23,9 @@ from exudyn_crawler.run.folder.progress import PROGRESS
 
 RESULTS = "results"
 WAITS = "waits"  # empty file of a run that waits for its turn
+QUEUE_LOCK = ".queue.lock"
+SERVER = ".queue.json"
+"""Process that has the queue, and since when; beside its lock, in the folder of the runs."""
 CONSOLE = "console.txt"
 """Lines that a run has written for its user."""
 LINES = 3  # of it that are shown of a run that has failed
@@ -81,6 +87,31 @@ class Runs:
     def __init__(self, folder: Path) -> None:
         self.folder = folder / RESULTS
         self._started: dict[str, subprocess.Popen[bytes]] = {}
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Hold the queue, so that runs of it start one after the other.
+
+        BlockingIOError, naming the process, if another one holds it; the lock ends with its process.
+        """
+        lock = FileLock(files.writable_folder(self.folder) / QUEUE_LOCK)
+        server = self.folder / SERVER
+        try:
+            lock.acquire(timeout=0)
+        except Timeout as error:
+            holder = {"process": "unknown", "started": "just now"}
+            with suppress(OSError, ValueError, TypeError):
+                holder |= json.loads(server.read_text(encoding="utf-8"))
+            raise BlockingIOError(
+                f"{self.folder.parent} has a page already, of process {holder['process']}, started "
+                f"{holder['started']}: use that page, end its process, or choose another folder"
+            ) from error
+        try:
+            record.write_json(server, {"process": os.getpid(), "started": record.timestamp()})
+            yield
+        finally:
+            server.unlink(missing_ok=True)
+            lock.release()
 
     def all(self) -> list[Run]:
         """Every run, the newest first."""
