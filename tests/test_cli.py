@@ -303,6 +303,23 @@ def test_files_of_studies_are_started_from(told, tmp_path):
     assert read_scatter(tmp_path / "weak.toml") == read_scatter(application.study_files()["duty_scatter"])
 
 
+@pytest.mark.parametrize("command", ["run", "assess", "machine", "info", "check", "shoe", "fmu", "drawbar"])
+def test_a_name_of_the_library_where_a_file_is_wanted_says_how_to_begin_from_it(refused, command):
+    begin = (
+        "begin from it with exudyn-crawler init my_pc300lc --machine pc300lc, which writes my_pc300lc.toml"
+    )
+    assert f"pc300lc is a machine of the library: {begin}" in refused(command, "PC300LC")
+
+
+def test_a_name_of_a_study_or_without_its_end_says_which_file_is_meant(refused, tmp_path):
+    assert "exudyn-crawler init my_demo --study demo" in refused("run", "demo.toml")
+    assert "exudyn-crawler init my_scatter --study scatter" in refused("scatter", "scatter")
+    assert "no study: begin from it with --machine pc300lc" in refused("init", "pc300lc")
+    assert "demo is a study: --study demo" in refused("init", "mine", "--machine", "demo")
+    (tmp_path / "mine.toml").touch()
+    assert "there is no file mine; did you mean mine.toml?" in refused("run", "mine")
+
+
 def test_init_refuses_unknown_names_with_the_known_ones(refused, tmp_path):
     known = "study must be of ['closed', 'demo', 'duty', 'duty_scatter', 'forces', 'grounds', "
     assert known in refused("init", "m114")

@@ -4,6 +4,7 @@ Commands import what is heavy in their functions, so that help comes at once.
 """
 
 import inspect
+import os
 import re
 import signal
 import sys
@@ -11,7 +12,7 @@ import tomllib
 import traceback
 import warnings
 from collections.abc import Callable
-from functools import wraps
+from functools import partial, wraps
 from importlib import resources
 from importlib.metadata import EntryPoints, entry_points
 from pathlib import Path
@@ -115,6 +116,32 @@ def study_case(name: str) -> "crawler.CaseFile":
     if name in study_names(cases=True):
         return crawler.read_case(study_files()[name])
     raise ValueError(f"study must be of {study_names(cases=True)}, got {name!r}")
+
+
+def file_named(file: Path | None) -> Path | None:
+    """Return a file as it is named; FileNotFoundError for a name to begin from, with the way to do it."""
+    if file is None or os.path.exists(file):
+        return file
+    name = str(file.with_suffix("") if file.suffix == ".toml" else file)
+    if file.suffix != ".toml" and os.path.exists(f"{name}.toml"):
+        raise FileNotFoundError(f"there is no file {file}; did you mean {name}.toml?")
+    from exudyn_crawler.case.datasheet import library
+
+    kinds = {"machine of the library": ("machine", [*library.machines()])}
+    kinds["study"] = ("study", study_names())
+    for kind, (option, names) in kinds.items():
+        by_folded = {known.casefold(): known for known in names}
+        if known := by_folded.get(name.casefold()):
+            begin = f"exudyn-crawler init my_{known} --{option} {known}"
+            raise FileNotFoundError(
+                f"there is no file {file}; {known} is a {kind}: begin from it with {begin}, which writes "
+                f"my_{known}.toml"
+            )
+    return file
+
+
+file_argument = partial(typer.Argument, callback=file_named)
+"""Argument of a command that is a file of parameters."""
 
 
 def command(app: typer.Typer, example: str) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -96,6 +96,12 @@ def init(
     start = study or path.stem
     known = application.study_names()
     if start not in known:
+        from exudyn_crawler.case.datasheet import library
+
+        if start in library.machines():
+            raise ValueError(
+                f"{start} is a machine of the library, no study: begin from it with --machine {start}"
+            )
         how = "" if study else f"; give {path.stem!r} one to start from, such as --study {START}"
         raise ValueError(f"study must be of {known}, got {start!r}{how}")
     file = application.study_files().get(start)
@@ -131,6 +137,8 @@ def info(
         case_file = crawler.read_case(case, changes or ())
         of_the_base = kept_lines(case, changes or ())
     else:
+        if case not in application.study_names():
+            application.file_named(Path(case))
         raise ValueError(f"case must be a case file or a study of {studies}, got {case!r}")
     if case_file.datasheet is not None:
         datasheets.show_values(case_file, case)
@@ -153,7 +161,7 @@ def info(
 
 @command("exudyn-crawler run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7")
 def run(
-    case: Annotated[Path, typer.Argument(help="case file", metavar="CASE.toml")],
+    case: Annotated[Path, application.file_argument(help="case file", metavar="CASE.toml")],
     out: application.OfName = None,
     reuse: Annotated[
         Path | None, typer.Option(help="folder of a run whose history is used instead of simulating")
@@ -269,7 +277,9 @@ def schema(
 
 @command("exudyn-crawler fmu mine.toml")
 def fmu(
-    case: Annotated[Path, typer.Argument(help="case file of a machine on its track", metavar="CASE.toml")],
+    case: Annotated[
+        Path, application.file_argument(help="case file of a machine on its track", metavar="CASE.toml")
+    ],
     changes: application.Changes = None,
     out: Annotated[Path | None, typer.Option(help="file to write; CASE.fmu, if not given")] = None,
     overwrite: application.Overwrite = False,
@@ -293,7 +303,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
     """Register the command, named and described as `show`, that runs a sweep and shows its results."""
 
     def run(
-        file: Annotated[Path, typer.Argument(help="sweep file", metavar="SWEEP.toml")],
+        file: Annotated[Path, application.file_argument(help="sweep file", metavar="SWEEP.toml")],
         dry_run: Annotated[
             bool, typer.Option("--dry-run", help="show the runs, their number and their time; run none")
         ] = False,

@@ -7,6 +7,7 @@ from typing import Any, Literal, get_args, get_origin
 import typer
 
 import exudyn_crawler as crawler
+from exudyn_crawler.cli import application
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_rows, print_table
 
@@ -21,7 +22,8 @@ def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
 
     known = library.machines()
     if machine not in known:
-        raise ValueError(f"machine must be of {sorted(known)}, got {machine!r}")
+        hint = f"; {machine} is a study: --study {machine}" if machine in application.study_names() else ""
+        raise ValueError(f"machine must be of {sorted(known)}, got {machine!r}{hint}")
     text = known[machine].read_text(encoding="utf-8")
     with whole_file(path, overwrite) as temporary:
         temporary.write_text(NAME.sub(f'name = "{path.stem}"', text, count=1), encoding="utf-8")

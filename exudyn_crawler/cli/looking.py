@@ -215,7 +215,7 @@ def compare_series(run: Path, measured: Path, out: Path | None, shift: float, ov
 
 @command("exudyn-crawler ground oil_sand.toml")
 def ground(
-    file: Annotated[Path, typer.Argument(help="file of a law of the ground", metavar="LAW.toml")],
+    file: Annotated[Path, application.file_argument(help="file of a law of the ground", metavar="LAW.toml")],
     out: Out = None,
     overwrite: application.Overwrite = False,
 ) -> None:
@@ -233,7 +233,7 @@ def ground(
 
 @command("exudyn-crawler life digging.toml --out results/digging")
 def life(
-    duty: Annotated[Path, typer.Argument(help="duty file", metavar="DUTY.toml")],
+    duty: Annotated[Path, application.file_argument(help="duty file", metavar="DUTY.toml")],
     out: application.OfName = None,
     overwrite: application.Overwrite = False,
 ) -> None:
@@ -270,7 +270,9 @@ Size = Annotated[
 def shoe(
     file: Annotated[
         Path,
-        typer.Argument(help="STEP, STL, tetrahedra, or a case file with a datasheet", metavar="FILE"),
+        application.file_argument(
+            help="STEP, STL, tetrahedra, or a case file with a datasheet", metavar="FILE"
+        ),
     ],
     unit: Unit = None,
     flip_front: FlipFront = False,
@@ -305,7 +307,8 @@ def shoe(
 @command("exudyn-crawler check overhanging.toml --no-pictures")
 def check(
     file: Annotated[
-        Path, typer.Argument(help="file of a shoe's check, a case, or a maker's file", metavar="SHOE")
+        Path,
+        application.file_argument(help="file of a shoe's check, a case, or a maker's file", metavar="SHOE"),
     ],
     unit: Unit = None,
     flip_front: FlipFront = False,
@@ -357,7 +360,7 @@ def check(
 @command("exudyn-crawler assess studies/shovel_assessment.toml --run results/turn")
 def assess(
     machine: Annotated[
-        Path, typer.Argument(help="file of a machine, or of an assessment", metavar="MACHINE.toml")
+        Path, application.file_argument(help="file of a machine, or of an assessment", metavar="MACHINE.toml")
     ],
     out: application.OfName = None,
     run: Annotated[

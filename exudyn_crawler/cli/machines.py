@@ -18,7 +18,8 @@ FIGURES = ("figure", "of the machine", "of the datasheet", "verdict")
 @command("exudyn-crawler machine mine.toml")
 def machine(
     file: Annotated[
-        Path | None, typer.Argument(help="case file with a datasheet", metavar="FILE", show_default=False)
+        Path | None,
+        application.file_argument(help="case file with a datasheet", metavar="FILE", show_default=False),
     ] = None,
     keys: Annotated[
         bool, typer.Option("--keys", help="list all figures that a datasheet may have, with their units")

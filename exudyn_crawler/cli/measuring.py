@@ -50,7 +50,7 @@ def fit_soil(
 @command("exudyn-crawler drawbar closed_on_sand.toml --slips 0.02,0.05,0.2")
 def drawbar(
     case: Annotated[
-        Path, typer.Argument(help="case file of a closed track or a machine", metavar="CASE.toml")
+        Path, application.file_argument(help="case file of a closed track or a machine", metavar="CASE.toml")
     ],
     slips: Annotated[str | None, typer.Option(help="to hold, rising; 0.01 to 0.4, if not given")] = None,
     height: Annotated[float, typer.Option(help="m, of the drawbar above the ground")] = 0.0,
