@@ -6,7 +6,8 @@ import numpy as np
 
 import fem
 import meshes
-from fem.stress import von_mises
+from fem.body.element_stress import von_mises
+from fem.body.interfaces import Spider
 
 MACHINE_LOAD = np.array([0.0, 0.0, -386.4e3])
 PIN_LOADS = {
@@ -30,7 +31,7 @@ def convergence(sizes: tuple[str, ...]) -> None:
         peaks_of_pin_loads(body, "averaging")
 
 
-def peaks_of_pin_loads(body: fem.ElasticBody, spider: fem.interfaces.Spider) -> None:
+def peaks_of_pin_loads(body: fem.ElasticBody, spider: Spider) -> None:
     """Print the greatest von Mises stress of each load on the pins, off and on the bores."""
     partition = fem.Partition(body, meshes.joint_interfaces(body.mesh, spider))
     bores = np.unique(np.concatenate([interface.nodes for interface in partition.interfaces]))

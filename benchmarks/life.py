@@ -16,7 +16,7 @@ from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.run.folder.folder import HISTORY
 from exudyn_crawler.views.tables import print_table
 from fem import Counting, critical_planes, damage_on_planes, recover_damage, surface_normals
-from fem.damage import SIGNED_CRITERIA
+from fem.fatigue.damage import SIGNED_CRITERIA
 
 NEGLIGIBLE = 1e-11
 """Damage a pass that may be left out: 1e-9 an hour of a cycle that happens 90 times, about."""

@@ -12,11 +12,11 @@ from scipy.sparse import csr_array, hstack
 
 import fem
 import meshes
-from fem.fields import UnitLoads
-from fem.mesh import Floats
-from fem.places import FlatRectangle, PressureGrid, Stations, flat_parts
-from fem.solver import factorized
-from fem.stress import von_mises
+from fem.body.element_stress import von_mises
+from fem.body.mesh import Floats
+from fem.body.rectangle_loads import FlatRectangle, PressureGrid, Stations, flat_parts
+from fem.body.solver import factorized
+from fem.stress.static_fields import UnitLoads
 
 FORCE = np.array([0.1e6, 0.05e6, -1.0e6])
 """N, of one tread."""

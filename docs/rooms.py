@@ -38,7 +38,7 @@ FACE = PACKAGE
 
 
 def room_of(module: str) -> str:
-    """Room of a module's name: ``exudyn_crawler.run.solve.stages`` is in ``run``, ``fem.mesh`` in ``fem``."""
+    """Return the room of a module: ``run`` of ``exudyn_crawler.run.solve``, ``fem`` of ``fem.files``."""
     parts = module.split(".")
     if parts[0] != PACKAGE:
         return parts[0]

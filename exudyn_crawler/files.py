@@ -119,7 +119,7 @@ def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> 
 def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
     from xarray.backends import H5NetCDFStore, locks
 
-    from fem.hdf5 import VERSIONS
+    from fem.files.hdf5 import VERSIONS
 
     # what was read from a file remembers how it was stored there
     dataset = dataset.drop_encoding().copy()
@@ -157,7 +157,7 @@ def write_netcdf_along(
     """
     import h5netcdf
 
-    from fem.hdf5 import VERSIONS, Disk
+    from fem.files.hdf5 import VERSIONS, Disk
 
     remaining = iter(parts)
     first = next(remaining)

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from fem.distortion import straighten_distorted
-from fem.mesh import Mesh
-from fem.mesh_files import write_mesh
+from fem.body.distortion import straighten_distorted
+from fem.body.mesh import Mesh
+from fem.files.mesh_files import write_mesh
 from meshes.geometry import COM_HEIGHT, JOINT_CENTERS, SHOE_SIZES, ShoeDimensions
 from meshes.solid import build_solid
 

@@ -4,9 +4,9 @@ import warnings
 
 import numpy as np
 
-from fem.borders import BoundaryFaces, bore_beyond, boundary_of, flat_beyond
-from fem.mesh import Floats, Integers, Mesh, MeshError, MeshWarning, triangle_normals
-from fem.surfaces import surface_weights
+from fem.body.mesh import Floats, Integers, Mesh, MeshError, MeshWarning, triangle_normals
+from fem.body.surface_edges import BoundaryFaces, bore_beyond, boundary_of, flat_beyond
+from fem.body.surfaces import surface_weights
 from meshes.geometry import JOINT_CENTERS
 from meshes.load_surfaces import LOAD_SURFACES
 from meshes.undersides import SAME_HEIGHT

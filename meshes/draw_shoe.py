@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from fem.mesh import Floats, Mesh, triangle_normals
+from fem.body.mesh import Floats, Mesh, triangle_normals
 from meshes import LOAD_SURFACES, mesh_named, shoe_mesh
 
 COLORS = {"top": "#e8c48a", "roller path": "#d98c3f", "bore": "#b23a48"}

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple, get_args
 
-from fem.mesh import Mesh
+from fem.body.mesh import Mesh
 from meshes import build_shoe
 from meshes.geometry import PITCH, ShoeDimensions
 from meshes.grouser import REFERENCE, THICKNESSES, GrouserShoe, build_grouser_solid, mesh_grouser_shoe

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from fem.mesh import Mesh
+from fem.body.mesh import Mesh
 from meshes import build_shoe
 from meshes.geometry import PITCH
 from meshes.solid import box, lug, notch_cutter, polygon, throat_cutter

@@ -6,8 +6,8 @@ surfaces are known here in any spelling that a program makes of them.
 
 import numpy as np
 
-from fem.mesh import Integers, Mesh, MeshError
-from fem.surfaces import faces_joined_to, faces_seen_from
+from fem.body.mesh import Integers, Mesh, MeshError
+from fem.body.surfaces import faces_joined_to, faces_seen_from
 from meshes.geometry import JOINT_CENTERS
 
 LOAD_SURFACES = ("rails", "plateau", "whole top")

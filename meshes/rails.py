@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.mesh import Floats, Integers, Mesh
+from fem.body.mesh import Floats, Integers, Mesh
 
 LEVEL = 1e-3
 """m, tolerance within which a rail is level and both rails are equal."""

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from fem.mesh import Mesh
-from fem.mesh_files import read_mesh
+from fem.body.mesh import Mesh
+from fem.files.mesh_files import read_mesh
 from meshes.checks import check_whole
 from meshes.geometry import SHOE_SIZES
 from meshes.load_surfaces import with_load_surfaces

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from fem.elasticity import Material
-from fem.interfaces import Interface, Spider
-from fem.mesh import Mesh
+from fem.body.elasticity import Material
+from fem.body.interfaces import Interface, Spider
+from fem.body.mesh import Mesh
 from meshes.geometry import JOINT_CENTERS
 
 STEEL = Material(youngs_modulus=200e9, poissons_ratio=0.3, density=7847.25)

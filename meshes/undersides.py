@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.mesh import Floats, Mesh, triangle_normals
+from fem.body.mesh import Floats, Mesh, triangle_normals
 
 SAME_HEIGHT = 2e-3
 """m above the underside: what of the shoe reaches no higher presses on the ground with it."""

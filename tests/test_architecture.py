@@ -95,7 +95,9 @@ def test_functions_fit_a_screen(module):
 
 
 def test_texts_that_name_modules_count_as_imports():
-    assert ("tests.one", "fem.mesh") in rooms.imports_of("tests.one", ast.parse("NAME = 'fem.mesh'"))
+    assert ("tests.one", "fem.body.mesh") in rooms.imports_of(
+        "tests.one", ast.parse("NAME = 'fem.body.mesh'")
+    )
 
 
 COMPILED = ("exudyn_crawler.ground", "exudyn_crawler.model", "fem")

@@ -18,7 +18,7 @@ from exudyn_crawler.files import (
     write_netcdf,
     write_netcdf_along,
 )
-from fem.hdf5 import Disk
+from fem.files.hdf5 import Disk
 
 FULL = OSError(errno.ENOSPC, "No space left on device")
 

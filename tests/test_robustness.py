@@ -17,7 +17,7 @@ from exudyn_crawler import Case, History, LoadCycle, run_case, simulate
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.case_file import Outputs, case_text
 from exudyn_crawler.errors import CaseFileError
-from fem.hdf5 import HEAD, HEAP
+from fem.files.hdf5 import HEAD, HEAP
 from studies.stress import study as stress_study
 from tests.case.strategies import TOML
 

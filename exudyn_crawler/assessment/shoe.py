@@ -11,7 +11,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.results.checks import cases as ready, solve
 from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES
-from fem.stress import von_mises
+from fem.body.element_stress import von_mises
 
 TURNED = "turn 70/30, side force at rails"
 DRIVEN = "drive push forward"

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem import line_contact as hertz
+from fem.fatigue import line_contact as hertz
 
 SHARED = 1.5
 """Pull of the more loaded of two hinge joints of a shoe over half of the chain's (assumed)."""
@@ -145,7 +145,7 @@ def roller_contact(
     """Contact of a tread with a force (N) on a rail of a yield strength (Pa), both of steel.
 
     p = sqrt(F E / (2 pi R b (1 - nu^2))), E of both (Hertz; BOStrab TR Sp appendix 4 and FEM 1.001 booklet 4
-    have the same); stresses below it and shakedown by `fem.line_contact` (Johnson).
+    have the same); stresses below it and shakedown by `fem.fatigue.line_contact` (Johnson).
     """
     plane = modulus / (2.0 * (1.0 - poisson**2))
     contact = hertz.line_contact(force / tread.width, tread.radius, plane)

@@ -10,7 +10,7 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Flexible, Outline
 from exudyn_crawler.ground.rows import NO_DERIVATIVES
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, terrain_coordinates
-from fem.patches import Underside
+from fem.body.rectangle_motion import Underside
 
 
 def pair_law(law: PairContact, underside_area: float) -> pairs.PairLaw:

@@ -26,7 +26,7 @@ class Outline(NamedTuple):
 
 
 class Flexible(NamedTuple):
-    """Integrated undersides of the flexible shoes (`fem.patches.Underside`)."""
+    """Integrated undersides of the flexible shoes (`fem.body.rectangle_motion.Underside`)."""
 
     corner: Floats1
     cell: Floats1

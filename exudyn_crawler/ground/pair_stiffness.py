@@ -14,7 +14,7 @@ from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot
 from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3, IntArray
 from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.ground.rows import NO_DERIVATIVES, ForceRows, Weights
-from fem.patches import mean_rows
+from fem.body.rectangle_motion import mean_rows
 
 MOTIONS = 4
 """Displacement of the shoe's side of a contact against the unit's along x, y, z (m) and rotation about the

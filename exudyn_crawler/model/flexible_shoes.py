@@ -11,7 +11,7 @@ import numpy as np
 import fem
 from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.model import reductions, shoe_mesh
-from fem.patches import Underside, integrate_underside
+from fem.body.rectangle_motion import Underside, integrate_underside
 from meshes import mesh_named
 from meshes.checks import check_surfaces
 

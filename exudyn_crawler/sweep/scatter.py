@@ -16,7 +16,7 @@ from exudyn_crawler.results.life import duty_runs, life
 from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyCase, DutyRun, read_duty
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
 from exudyn_crawler.sweep import answers, definition
-from fem.defects import CycleStage
+from fem.fatigue.defects import CycleStage
 
 WORST = 5
 """Nodes of a region that any part of a duty, or all together, damages most: at these draws are counted."""

@@ -17,7 +17,8 @@ from exudyn_crawler.results.history import History, catalogue, ground_map, summa
 from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.scenes import films, gear, pictures, scene, shoes, track
-from fem import Mesh, export, interrupts
+from fem import Mesh, interrupts
+from fem.files import export
 from fem.memory import give_back_memory
 from meshes import mesh_named
 

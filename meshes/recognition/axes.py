@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from fem.mesh import Floats
+from fem.body.mesh import Floats
 from meshes.recognition.bands import level_parts, two_rails
 from meshes.recognition.pins import CLOSE, PinLine, PinPair
 from meshes.recognition.triangles import Triangles

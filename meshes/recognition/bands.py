@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.mesh import Floats, Integers
+from fem.body.mesh import Floats, Integers
 from meshes.recognition.triangles import Triangles
 
 LEVEL = np.radians(0.2)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from fem.mesh import Floats, Integers
+from fem.body.mesh import Floats, Integers
 from meshes.recognition.triangles import Triangles
 
 INWARD_BEND = np.radians(65.0)

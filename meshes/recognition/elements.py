@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fem.mesh import CUBIC_POINTS, CUBIC_WEIGHTS, TETRA_EDGES, Floats, Integers, jacobian_determinants
+from fem.body.mesh import CUBIC_POINTS, CUBIC_WEIGHTS, TETRA_EDGES, Floats, Integers, jacobian_determinants
 
 OPPOSITE = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
 """Corners of the faces opposite to each corner."""

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from fem.mesh import Mesh
+from fem.body.mesh import Mesh
 from meshes.draw_shoe import LIGHT, draw_surface, named_colors
 
 COLORS = {

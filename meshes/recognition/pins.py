@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.mesh import Floats, Integers
+from fem.body.mesh import Floats, Integers
 from meshes.recognition import bores
 from meshes.recognition.bores import Bore
 from meshes.recognition.triangles import Triangles

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.mesh import TETRA_EDGES, Floats, Integers, Mesh, jacobian_determinants
+from fem.body.mesh import TETRA_EDGES, Floats, Integers, Mesh, jacobian_determinants
 from meshes.recognition.triangles import Triangles
 
 OPPOSED = 0.8

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import meshio
 import numpy as np
 
-from fem.mesh import Floats, Integers, Mesh, MeshError, boundary_faces
-from fem.mesh_content import VolumeMesh
-from fem.mesh_files import read_volume
+from fem.body.mesh import Floats, Integers, Mesh, MeshError, boundary_faces
+from fem.files.mesh_content import VolumeMesh
+from fem.files.mesh_files import read_volume
 from meshes.load_surfaces import with_known_names
 from meshes.recognition import bores, elements as tetrahedra, pins, quality, solids
 from meshes.recognition.axes import Choices, Question, ShoeAxes, Unit, find_axes

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.distortion import straighten_distorted
-from fem.mesh import Floats, Integers, MeshError
+from fem.body.distortion import straighten_distorted
+from fem.body.mesh import Floats, Integers, MeshError
 from meshes.build_shoe import FROM_NETGEN
 from meshes.recognition.axes import Question
 from meshes.recognition.triangles import Triangles

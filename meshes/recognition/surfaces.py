@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.mesh import Floats, Integers
+from fem.body.mesh import Floats, Integers
 from meshes.recognition.axes import Question, ShoeAxes, Sole
 from meshes.recognition.bands import SAME_HEIGHT, level_parts, outline, two_rails
 from meshes.recognition.pins import PinLine

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fem.mesh import Floats, Integers, sorted_rows, triangle_normals
+from fem.body.mesh import Floats, Integers, sorted_rows, triangle_normals
 
 SAME_PLACE = 1e-6
 """Of the size: corners that are nearer to each other are one corner, which STL repeats."""

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 
 import fem
-from fem.surfaces import surface_weights
+from fem.body.surfaces import surface_weights
 
 SHELLS = 100_000
 """Number of the first shell of a deck."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem
-from fem.stress import von_mises
+from fem.body.element_stress import von_mises
 from tests.fem.calculix_reference import REFERENCE, pull_forces, roller_forces
 
 pytestmark = pytest.mark.simulation

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 import fem
-from fem import critical_plane, damage, damage_on_planes, extremes, rank
-from fem.critical_plane import critical_planes, normal_stress_rows, plane_normals, surface_normals
-from fem.damage import SIGNED_CRITERIA, Counting, damage_between, recover_damage, signed_signals
-from fem.fatigue import SNCurve
-from fem.stress import evaluate, principal
+from fem import damage_on_planes
+from fem.body.element_stress import evaluate, principal
+from fem.fatigue import critical_plane, damage
+from fem.fatigue.critical_plane import critical_planes, normal_stress_rows, plane_normals, surface_normals
+from fem.fatigue.damage import SIGNED_CRITERIA, Counting, damage_between, recover_damage, signed_signals
+from fem.fatigue.sn_curve import SNCurve
+from fem.stress import extremes, low_rank
 from tests.fem.refusals import refused
 
 CURVE = SNCurve(strength=150e6, slope=5.0, knee=1e6, mean_sensitivity=0.2, scatter=1.3, survival=0.9)
@@ -123,7 +125,7 @@ def test_order_of_nodes_and_size_of_blocks_do_not_matter(spread):
 
 
 def in_segments(monkeypatch, size):
-    for module in (rank, damage, critical_plane, extremes):
+    for module in (low_rank, damage, critical_plane, extremes):
         monkeypatch.setattr(module, "SEGMENT", size)
 
 

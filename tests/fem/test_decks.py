@@ -218,7 +218,7 @@ def test_surfaces_of_a_deck_are_whole(tmp_path, box, shells, write):
 def test_elements_of_the_other_sense_are_turned(tmp_path, box, shells):
     """Programs differ in it; the faces of an element are numbered by its own sense."""
     turned = np.arange(len(box.elements)) % 3 == 0
-    elements = np.where(turned[:, None], box.elements[:, fem.mesh_content.TURNED], box.elements)
+    elements = np.where(turned[:, None], box.elements[:, fem.files.mesh_content.TURNED], box.elements)
     raw = type("Raw", (), {"nodes": box.nodes, "elements": elements, "surface": box.surface})()
     text = f"{solids_text(raw)}*SURFACE, NAME=top\n"
     for side, numbers in element_faces(raw, "top").items():
@@ -324,7 +324,7 @@ def test_a_surface_without_any_face_is_noted(tmp_path, box, lines, reason):
 
 def interior_faces(mesh: fem.Mesh) -> set[tuple[int, ...]]:
     """Corners, ascending, of faces between two elements."""
-    faces = np.sort(mesh.elements[:, fem.mesh.TETRA_FACES[:, :3]].reshape(-1, 3), axis=1)
+    faces = np.sort(mesh.elements[:, fem.body.mesh.TETRA_FACES[:, :3]].reshape(-1, 3), axis=1)
     return set(map(tuple, faces.tolist())) - set(map(tuple, np.sort(mesh.boundary[:, :3], axis=1).tolist()))
 
 

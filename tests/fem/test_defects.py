@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 from scipy.stats import norm
 
 from fem import SNCurve
-from fem.defects import (
+from fem.fatigue.defects import (
     GEOMETRY,
     MM15,
     CycleStage,

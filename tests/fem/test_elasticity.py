@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import fem
-from fem.elasticity import MASS_ORDER, scalar_basis
-from fem.solver import factorized
-from fem.stress import von_mises
+from fem.body.elasticity import MASS_ORDER, scalar_basis
+from fem.body.element_stress import von_mises
+from fem.body.solver import factorized
 from meshes import STEEL
 from tests.fem.bodies import box_mesh, tube
 from tests.fem.refusals import refused

@@ -6,8 +6,8 @@ import pytest
 import rainflow
 from pylife.strength.meanstress import HaighDiagram
 
-from fem.fatigue import MINERS, SNCurve
-from fem.rainflow import CycleCounter, Cycles, joined_cycles, repeated_cycles
+from fem.fatigue.rainflow import CycleCounter, Cycles, joined_cycles, repeated_cycles
+from fem.fatigue.sn_curve import MINERS, SNCurve
 from tests.fem.refusals import refused
 
 

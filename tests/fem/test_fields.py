@@ -6,10 +6,10 @@ from scipy.sparse import csr_array, hstack
 
 import fem
 from benchmarks.static_fields import EVERY, newmark, newmark_modes
-from fem.fields import UnitLoads
-from fem.places import PressureGrid, Stations, flat_parts
-from fem.stress import von_mises
-from fem.trust import resolution
+from fem.body.element_stress import von_mises
+from fem.body.rectangle_loads import PressureGrid, Stations, flat_parts
+from fem.stress.static_fields import UnitLoads
+from fem.stress.trust import resolution
 from tests.fem.bodies import beam_body, beam_interfaces, static_stress
 from tests.fem.refusals import refused
 

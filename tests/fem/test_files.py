@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 import fem
-from fem import hdf5
-from fem.hdf5 import Disk
-from fem.interfaces import rigid_motion_of_centers
+from fem.body.interfaces import rigid_motion_of_centers
+from fem.files import hdf5
+from fem.files.hdf5 import Disk
 from meshes import STEEL
 from tests.fem.bodies import beam_interfaces, static_stress
 from tests.fem.calculix_reference import run, stresses_of
@@ -160,7 +160,7 @@ def test_a_folder_that_cannot_be_written_to_costs_the_cache_only(tmp_path, beam,
     kept = fem.cached_craig_bampton(taken, beam, beam_interfaces(beam), 4, warn=lines.append)
     assert len(kept.body.frequencies) == 10
     assert [str(taken) in line for line in lines] == [True, True]
-    monkeypatch.setattr("fem.cache.LIMIT", 0)
+    monkeypatch.setattr("fem.files.cache.LIMIT", 0)
     fem.cached_craig_bampton(tmp_path, beam, beam_interfaces(beam), 4)
     assert fem.cached_files(tmp_path) == []
 

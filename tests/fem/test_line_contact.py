@@ -6,7 +6,7 @@ import skfem
 from scipy.sparse.linalg import splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity, linear_stress
 
-from fem.line_contact import (
+from fem.fatigue.line_contact import (
     DEPTHS,
     PLACES,
     LineContact,

@@ -9,8 +9,8 @@ from skfem import ElementTetP1
 from skfem.quadrature import get_quadrature
 
 import fem
-from fem.elasticity import STIFFNESS_ORDER
-from fem.mesh import STIFFNESS_POINTS
+from fem.body.elasticity import STIFFNESS_ORDER
+from fem.body.mesh import STIFFNESS_POINTS
 from meshes import STEEL
 from tests.fem.bodies import box_mesh
 from tests.fem.refusals import refused

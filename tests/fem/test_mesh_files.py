@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fem
-from fem import deck_lines, mesh_files
+from fem.files import deck_lines, mesh_files
 from tests.fem.bodies import box_mesh
 from tests.fem.decks import Shells, areas, same_faces, solids_text, write_med, write_msh41
 from tests.fem.refusals import refused

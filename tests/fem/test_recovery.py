@@ -5,11 +5,11 @@ import pytest
 from scipy.spatial.distance import pdist
 
 import fem
-from fem import likely
-from fem.blocks import Fold, StressBlock
-from fem.mesh import Floats, Integers
-from fem.rank import NODE_BLOCK, TIME_BLOCK
-from fem.stress import CRITERIA, DEVIATOR, evaluate
+from fem.body.element_stress import CRITERIA, DEVIATOR, evaluate
+from fem.body.mesh import Floats, Integers
+from fem.stress import candidates
+from fem.stress.folds import Fold, StressBlock
+from fem.stress.low_rank import NODE_BLOCK, TIME_BLOCK
 from tests.fem.refusals import refused
 
 TOLERANCE = 1e-3
@@ -194,10 +194,10 @@ def test_a_reduced_rank_finds_what_the_full_one_does(reduced):
 def test_bounds_of_the_search_enclose_the_stress(small, name):
     q = degenerate_histories()[name] / small.frequencies**2
     ranked = np.arange(len(small.nodes)) % 3 > 0
-    found = likely.likely_extremes(likely.scaled_shapes(small.stress_modes), q, ranked, TOLERANCE)
+    found = candidates.find_candidates(candidates.scaled_shapes(small.stress_modes), q, ranked, TOLERANCE)
     exact = small.von_mises(q)
-    starts = range(0, len(q), likely.CELL)
-    groups = range(0, len(small.nodes), likely.CELL)
+    starts = range(0, len(q), candidates.CELL)
+    groups = range(0, len(small.nodes), candidates.CELL)
     slack = 1e-7 * exact.max()
     for bounds, values in (
         ((found.lower, found.upper.max(axis=1)), exact.max(axis=0)),

@@ -9,11 +9,11 @@ import pytest
 import scipy.linalg
 
 import fem
-from fem.eigen import lowest_modes
-from fem.interfaces import averaging_rows, rigid_motion_of_centers
-from fem.pardiso import Factors
-from fem.solver import default_backend, factorized
-from fem.stress import von_mises
+from fem.body.eigen import lowest_modes
+from fem.body.element_stress import von_mises
+from fem.body.interfaces import averaging_rows, rigid_motion_of_centers
+from fem.body.pardiso import Factors
+from fem.body.solver import default_backend, factorized
 from meshes import STEEL, joint_interfaces
 from tests.fem.bodies import BACKWARD, DOWN, beam_interfaces, box_mesh, static_stress
 from tests.fem.refusals import refused

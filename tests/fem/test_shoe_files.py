@@ -5,7 +5,7 @@ import pytest
 
 import fem
 import meshes
-from fem.surfaces import surface_weights
+from fem.body.surfaces import surface_weights
 from tests.fem.bodies import static_stress
 from tests.fem.decks import Shells, areas, element_faces, lines_of, solids_text, write_msh41
 
@@ -88,7 +88,7 @@ def test_its_static_stress_is_that_of_the_ready_file(written, partition):
     """The machine's load on the whole top, held up by pressure on the underside."""
     np.testing.assert_array_equal(written.elements, partition.body.mesh.elements)
     pair = (written, meshes.mesh_named("coarse"))
-    stresses = [fem.stress.von_mises(static_stress(partition, _forces(mesh))) for mesh in pair]
+    stresses = [fem.body.element_stress.von_mises(static_stress(partition, _forces(mesh))) for mesh in pair]
     np.testing.assert_allclose(stresses[0], stresses[1], rtol=1e-6, atol=1.0)
     assert stresses[1].max() > 1e6
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import fem
-from fem.patches import CELL, Underside, hat_grid, integrate_underside, mean_rows
-from fem.places import FlatRectangle, PressureGrid, Stations, flat_parts
+from fem.body.rectangle_loads import FlatRectangle, PressureGrid, Stations, flat_parts
+from fem.body.rectangle_motion import CELL, Underside, hat_grid, integrate_underside, mean_rows
 from tests.fem.bodies import box_mesh, tube
 from tests.fem.refusals import refused
 
@@ -21,7 +21,7 @@ def overhang() -> fem.Mesh:
 
 
 def area(mesh: fem.Mesh, faces: np.ndarray) -> float:
-    return float(fem.surfaces.surface_weights(mesh, faces).sum())
+    return float(fem.body.surfaces.surface_weights(mesh, faces).sum())
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 import fem
-from fem.stress import von_mises
-from fem.trust import MESH_LIMIT, judged, mesh_error, resolution, resolution_at, resolution_over
+from fem.body.element_stress import von_mises
+from fem.stress.trust import MESH_LIMIT, judged, mesh_error, resolution, resolution_at, resolution_over
 from meshes import STEEL
 from tests.fem.bodies import BACKWARD, box_mesh, tube
 from tests.fem.refusals import refused

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import meshes
-from fem.mesh import Mesh, boundary_faces
+from fem.body.mesh import Mesh, boundary_faces
 from meshes.recognition import shoe
 from meshes.recognition.axes import UNITS, Choices, rails_up
 from meshes.recognition.bores import find_bores

@@ -8,7 +8,7 @@ import pytest
 import fem
 import meshes
 from exudyn_crawler import Shoe
-from fem.distortion import straighten_distorted
+from fem.body.distortion import straighten_distorted
 from meshes import LOAD_SURFACES, STEEL, ShoeDimensions
 from meshes.build_shoe import main
 from meshes.geometry import NODES, VOLUMES
@@ -270,7 +270,7 @@ def test_without_netgen_it_is_told_how_to_get_it(monkeypatch):
 
 def test_an_element_that_a_curved_edge_turns_inside_out_gets_straight_edges():
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    middles = corners[fem.mesh.TETRA_EDGES].mean(axis=1)
+    middles = corners[fem.body.mesh.TETRA_EDGES].mean(axis=1)
     elements = np.arange(10)[None]
     bent = np.vstack((corners, middles))
     bent[4] += (0.0, 0.6, 0.6)

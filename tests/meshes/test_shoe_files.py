@@ -6,7 +6,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import fem
-from fem.mesh import boundary_faces
+from fem.body.mesh import boundary_faces
 from meshes.recognition.axes import Choices
 from meshes.recognition.elements import peeled
 from meshes.recognition.quality import mesh_quality

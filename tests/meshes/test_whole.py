@@ -9,8 +9,8 @@ import fem
 import meshes
 from exudyn_crawler import Track
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
-from fem.borders import bore_beyond, boundary_of, flat_beyond
-from fem.surfaces import surface_weights
+from fem.body.surface_edges import bore_beyond, boundary_of, flat_beyond
+from fem.body.surfaces import surface_weights
 from meshes.checks import check_surfaces, check_whole
 from meshes.recognition.solids import second_order
 from tests.fem.bodies import box_mesh, tube

@@ -18,7 +18,7 @@ from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem import Partition, write_mesh
-from fem.stress import von_mises
+from fem.body.element_stress import von_mises
 from studies.grounds import plain
 from studies.stress import with_modes
 from tests.modal_loads import modal_loads, whole_coordinates

@@ -40,9 +40,9 @@ from exudyn_crawler.views.figures import roller_path_figure
 from exudyn_crawler.views.outputs import write_tables
 from exudyn_crawler.views.pages.life import check_lines, write_check_page
 from exudyn_crawler.views.pages.report import report_page
-from fem.defects import Defect, growth
-from fem.stress import von_mises
-from fem.supports import section, surface_points
+from fem.body.element_stress import von_mises
+from fem.body.supports import section, surface_points
+from fem.fatigue.defects import Defect, growth
 from meshes import ShoeDimensions
 from tests.fem.calculix_reference import run, sample_nodes, stresses_of
 from tests.stress_results import by_modes_alone

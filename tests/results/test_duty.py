@@ -15,7 +15,7 @@ from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, case_shap
 from exudyn_crawler.results.life.duty import DutyCase, DutyRun, DutyStage
 from exudyn_crawler.results.life.life import BETWEEN, BEYOND, hours_in_stages, life_of, life_of_stages
 from fem import Shapes
-from fem.defects import CycleStage, Defect, growth
+from fem.fatigue.defects import CycleStage, Defect, growth
 from meshes.shoe import STEEL, joint_interfaces
 
 TEXT = """

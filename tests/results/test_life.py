@@ -20,8 +20,8 @@ from exudyn_crawler.results.stress.hot_spots import REGIONS, hot_spot_table
 from exudyn_crawler.results.stress.recovery import StressResults, node_stress
 from exudyn_crawler.spread_run import FIRST as START, spread_of
 from exudyn_crawler.views.tables import cell_text
-from fem.stress import von_mises
-from fem.trust import HELD, LIMITED, OPEN, VERDICTS
+from fem.body.element_stress import von_mises
+from fem.stress.trust import HELD, LIMITED, OPEN, VERDICTS
 from tests.stress_results import WEAK
 
 HALF = 0.03

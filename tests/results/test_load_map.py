@@ -32,7 +32,7 @@ from exudyn_crawler.results.loads.load_map import GROUND, RAILS, coordinates, lo
 from exudyn_crawler.results.loads.places import OnTread
 from exudyn_crawler.results.stress.basis import ground_grid, rail_stations, static_loads
 from fem import Partition
-from fem.stress import von_mises
+from fem.body.element_stress import von_mises
 from studies.balance import (
     energies,
     powers,

@@ -10,7 +10,7 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import Partition
-from fem.stress import von_mises
+from fem.body.element_stress import von_mises
 from tests.modal_loads import modal_loads, whole_coordinates
 
 pytestmark = pytest.mark.simulation

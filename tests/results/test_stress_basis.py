@@ -26,12 +26,14 @@ from exudyn_crawler.results.stress.basis import (
     stress_basis,
 )
 from exudyn_crawler.results.stress.recovery import node_stress, node_table, peak_time, recover_stresses
-from fem import Partition, critical_plane, damage, extremes, field_columns, rank, recover_peaks
-from fem.stress import von_mises
+from fem import Partition, field_columns, recover_peaks
+from fem.body.element_stress import von_mises
+from fem.fatigue import critical_plane, damage
+from fem.stress import extremes, low_rank
 from tests.rolled import small_flexible_case
 
 SEGMENT = 40
-FOLDED = tuple((module, "SEGMENT") for module in (rank, damage, critical_plane, extremes))
+FOLDED = tuple((module, "SEGMENT") for module in (low_rank, damage, critical_plane, extremes))
 """Where the length of a segment stands in what folds stresses."""
 NEAR = {"rtol": 1e-6, "atol": 1.0}
 """Sums over segments round otherwise, and so do the static fields that are chosen by them."""

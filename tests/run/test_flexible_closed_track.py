@@ -15,7 +15,7 @@ from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.loads.actions import actions
 from exudyn_crawler.results.loads.exports import roller_loads, shoe_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from fem.elasticity import Material
+from fem.body.elasticity import Material
 from studies.balance import energy_balance, shoe_actions, shoe_imbalance
 from tests.modal_loads import kinds_of_gear_on_modes
 

@@ -10,7 +10,7 @@ from exudyn_crawler.views.pages.packing import SceneArrays
 from exudyn_crawler.views.pages.report import packed_track, write_report
 from exudyn_crawler.views.scenes.gear import wheel_solids
 from exudyn_crawler.views.scenes.shoes import STRESS, TRUST
-from fem.trust import VERDICTS
+from fem.stress.trust import VERDICTS
 from tests.views.browser import Reader
 from tests.views.test_figures import BANDS, NAMES, PHASES
 

@@ -7,7 +7,7 @@ import pytest
 
 from exudyn_crawler.views.pages.life import write_life_page
 from exudyn_crawler.views.tables import cell_text
-from fem.trust import VERDICTS
+from fem.stress.trust import VERDICTS
 from tests.views.browser import Reader
 
 VIEW = "#life-view"

@@ -232,7 +232,7 @@ def _npy(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     import xarray
 
-    from fem.hdf5 import check_objects
+    from fem.files.hdf5 import check_objects
 
     check_objects(path)
     try:

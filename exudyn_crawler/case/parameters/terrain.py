@@ -359,7 +359,7 @@ class CellTerrain(Ground):
             return {}
         import xarray
 
-        from fem.hdf5 import check_objects
+        from fem.files.hdf5 import check_objects
 
         names = ("cell_column", "cell_row", "cell_sinkage", "cell_pressure")
         try:

@@ -11,7 +11,7 @@ from exudyn_crawler.model.bodies import Modes
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, shoe_model
 from exudyn_crawler.model.forces.cells import CellTable
 from exudyn_crawler.model.state import pin_name
-from fem.patches import hat_grid
+from fem.body.rectangle_motion import hat_grid
 
 ACROSS_CHAIN = np.array([0.0, 1.0, 0.0, 1.0, 1.0])
 """Equations of a pin that are redundant in a closed chain."""

@@ -1,8 +1,9 @@
 """Roller path: line contact of treads on rails, of check cases and of every pass of a run.
 
-Hertz gives pressure and stress below the surface, shakedown is Melan's (`fem.line_contact`). Left out are
-the hardened layer, plastic flow itself, sliding across (with a coefficient of 0.3 it lowers the limit of 4 k
-to about 3.3 k), and the free edges of rails, where a contact is no half space's and lips flow earlier.
+Hertz gives pressure and stress below the surface, shakedown is Melan's (`fem.fatigue.line_contact`). Left
+out are the hardened layer, plastic flow itself, sliding across (with a coefficient of 0.3 it lowers the
+limit of 4 k to about 3.3 k), and the free edges of rails, where a contact is no half space's and lips flow
+earlier.
 """
 
 from collections.abc import Iterable, Mapping
@@ -11,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-import fem.line_contact as hertz
+import fem.fatigue.line_contact as hertz
 from exudyn_crawler.case import Case, RunningGear
 from exudyn_crawler.files import blocks
 from exudyn_crawler.ground.rotations import rotation_matrices

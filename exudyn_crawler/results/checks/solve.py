@@ -13,9 +13,12 @@ from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases as ready, roller_path
 from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
-from fem import ElasticBody, Partition, Shapes, defects, interfaces, supports, trust
-from fem.mesh import triangle_normals
-from fem.stress import principal, von_mises
+from fem import ElasticBody, Partition, Shapes
+from fem.body import interfaces, supports
+from fem.body.element_stress import principal, von_mises
+from fem.body.mesh import triangle_normals
+from fem.fatigue import defects
+from fem.stress import trust
 from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfaces
 from meshes.checks import check_surfaces
 

@@ -22,7 +22,7 @@ from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, saved_case
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.history.catalogue import CONTACT_KEYS, QUANTITIES, select
-from fem.hdf5 import check_heaps
+from fem.files.hdf5 import check_heaps
 from fem.interrupts import interrupts_wait
 
 CASE = "case"  # attribute of a file

@@ -17,7 +17,7 @@ from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Survival, option, quantity
 from exudyn_crawler.case.parameters.reading import read_parameters
 from exudyn_crawler.results.stress.hot_spots import Region
-from fem import defects, fatigue
+from fem.fatigue import defects, sn_curve
 
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
 PYLIFE_CLASSES = dict(
@@ -158,7 +158,7 @@ class FatigueMaterial(Parameters):
         return known.get(region, known.get("all", Casting()))
 
     def defect_life(
-        self, region: str, miner: fatigue.Miner, stages: Sequence[defects.CycleStage], survival: float
+        self, region: str, miner: sn_curve.Miner, stages: Sequence[defects.CycleStage], survival: float
     ) -> float:
         """Time to a crack from a region's defect by the cycles of stages; NaN without one."""
         size = self.casting(region).defect_size
@@ -169,10 +169,10 @@ class FatigueMaterial(Parameters):
         sound = replace(curve, strength=curve.strength * self.casting_factor)
         return defects.defect_life(defects.Defect(size, hardness, self.crack_size), sound, stages, survival)
 
-    def curve(self, miner: fatigue.Miner = "elementary", region: str = "") -> fatigue.SNCurve:
+    def curve(self, miner: sn_curve.Miner = "elementary", region: str = "") -> sn_curve.SNCurve:
         """S-N curve of the part's surface by local stresses, in a region with its residual stress."""
         factors = self.factors()
-        return fatigue.SNCurve(
+        return sn_curve.SNCurve(
             strength=factors["fatigue_strength"] / factors["design"] / self.casting_factor,
             slope=self.slope,
             knee=self.knee,
@@ -272,7 +272,7 @@ class DamageOptions(Parameters):
         "the principal stress of the greatest magnitude",
         "signed von mises",
     )
-    miner: fatigue.Miner = option(
+    miner: sn_curve.Miner = option(
         "what cycles below the knee do: elementary as much as the slope says (the safest), haibach less "
         "(slope 2 k - 1), original nothing",
         "elementary",

@@ -13,8 +13,9 @@ from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
 from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.stress.basis import StressBasis, parts_of, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
-from fem import Counting, Cycles, Shapes, SNCurve, damage
-from fem.rainflow import repeated_cycles
+from fem import Counting, Cycles, Shapes, SNCurve
+from fem.fatigue import damage
+from fem.fatigue.rainflow import repeated_cycles
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
 LEAST_TIMES = 3  # stored times that can hold a cycle

@@ -20,8 +20,10 @@ from exudyn_crawler.results.history import History, catalogue
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_cases, used_runs
 from exudyn_crawler.results.stress import hot_spots
-from fem import Shapes, SNCurve, critical_plane, defects, rank, trust
-from fem.damage import SIGNED_CRITERIA, damage_between, recover_damage
+from fem import Shapes, SNCurve
+from fem.fatigue import critical_plane, defects
+from fem.fatigue.damage import SIGNED_CRITERIA, damage_between, recover_damage
+from fem.stress import low_rank, trust
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
@@ -369,8 +371,8 @@ def _life_trust(
 def _changes(coordinates: Mapping[int, Any]) -> Iterator[np.ndarray]:
     """Coordinates of a run's shoes less their means, in segments."""
     for q in coordinates.values():
-        mean = sum(rows.sum(axis=0) for rows in rank.segments(q)) / len(q)
-        yield from (rows - mean for rows in rank.segments(q))
+        mean = sum(rows.sum(axis=0) for rows in low_rank.segments(q)) / len(q)
+        yield from (rows - mean for rows in low_rank.segments(q))
 
 
 def life_hours(damage: np.ndarray | float) -> np.ndarray:

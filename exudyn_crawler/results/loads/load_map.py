@@ -36,7 +36,8 @@ from exudyn_crawler.model import flexible_shoes, shoe_mesh
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions
 from exudyn_crawler.results.loads.kinds import Kind
-from fem import ElasticBody, Nested, ReducedBody, patches
+from fem import ElasticBody, Nested, ReducedBody
+from fem.body import rectangle_motion
 
 JOINTS = "joints"
 MACHINE = "machine"
@@ -84,7 +85,7 @@ class ShoeUnitLoads:
     body: ElasticBody
     whole: ReducedBody  # all M modes that the stress is made of
     integrated: Nested  # the m of them that a run integrates
-    underside: patches.Underside | None  # grid of the family "ground"; None on cells
+    underside: rectangle_motion.Underside | None  # grid of the family "ground"; None on cells
     strips: StripStations | None  # stations of "rails"; None where no rollers run
     spread: Mapping[str, NodalShares]  # families whose forces nodes share
 
@@ -155,8 +156,8 @@ def _unit_loads(
     under = mesh.nodes_of("underside")
     # of each node its own integrals: products with modes are those of the equations
     each = np.eye(len(under))[:, None]
-    underside = patches.integrate_underside(mesh.nodes[under, :2], each, shoe.footprint)
-    ground = patches.hat_grid(underside, COARSE)[1] if cells else underside.integral
+    underside = rectangle_motion.integrate_underside(mesh.nodes[under, :2], each, shoe.footprint)
+    ground = rectangle_motion.hat_grid(underside, COARSE)[1] if cells else underside.integral
     # forces by a unit over the loaded surface, and what a metre of shift adds
     even = whole.weights(flexible.load_surface)
     machine = np.column_stack((even, flexible_shoes.weights_a_metre(even, whole.nodes)))

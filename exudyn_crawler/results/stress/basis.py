@@ -26,15 +26,16 @@ from exudyn_crawler.model import flexible_shoes, reductions
 from exudyn_crawler.results.history import History, files
 from exudyn_crawler.results.loads import load_map
 from exudyn_crawler.results.loads.kinds import Kind
-from fem import patches, rank
+from fem.body import rectangle_motion
 from fem.memory import give_back_memory
+from fem.stress import low_rank
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
 MOST_FIELDS = 0.4  # greatest number of fields over that of modes
 MOST_HELD = 1.5e8
 """Bytes of static fields that stay in memory for what asks for them next; the study mesh's take 2.2e8."""
-LONG, PART = rank.SEGMENT, 2**12
+LONG, PART = low_rank.SEGMENT, 2**12
 """Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms; and of a
 longer one, of whose contacts with units there are 30 kB a time."""
 GROUND_SPACING = 0.2  # m, at most, between points of the ground's grid: a fifth of a unit
@@ -138,7 +139,7 @@ def field_shares(units: load_map.ShoeUnitLoads) -> csr_array:
     return csr_array(block_diag(blocks))
 
 
-def _ground_shares(underside: patches.Underside, grid: fem.PressureGrid) -> np.ndarray:
+def _ground_shares(underside: rectangle_motion.Underside, grid: fem.PressureGrid) -> np.ndarray:
     """Tractions (p, points of a grid) nearest to a unit over each rectangle from the underside's corner."""
     numbers = np.indices(underside.integral.shape[:2]).reshape(2, -1)
     sides = numbers.T * underside.cell

@@ -14,9 +14,10 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.shoe_mesh import pulled_node
 from exudyn_crawler.results.history import History, catalogue, phases
 from exudyn_crawler.results.stress.basis import StressBasis
-from fem import OneOfEach, Peaks, Shapes, critical_plane, damage, hot_spots, judged
-from fem.stress import von_mises
-from fem.trust import IN_SPIDER
+from fem import OneOfEach, Peaks, Shapes, hot_spots, judged
+from fem.body.element_stress import von_mises
+from fem.fatigue import critical_plane, damage
+from fem.stress.trust import IN_SPIDER
 
 HOT_SPOTS = 5  # rows of the S-paper's hot-spot tables
 

@@ -13,10 +13,11 @@ from exudyn_crawler.results.history import History, as_history, catalogue, files
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress import hot_spots
 from exudyn_crawler.results.stress.basis import stress_basis, unit_stress
-from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes, trust
-from fem.likely import scaled_shapes
+from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes
+from fem.body.element_stress import principal, von_mises
 from fem.memory import give_back_memory
-from fem.stress import principal, von_mises
+from fem.stress import trust
+from fem.stress.candidates import scaled_shapes
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 

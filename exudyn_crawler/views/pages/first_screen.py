@@ -15,7 +15,7 @@ from exudyn_crawler.results.history import History, summary
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.scenes import pictures, shoes, track
-from fem import trust
+from fem.stress import trust
 
 ANSWERS = 5  # of the first screen; the rest of the key results is in a table
 ASKED = (

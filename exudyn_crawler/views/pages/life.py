@@ -17,7 +17,7 @@ from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import packing, page
 from exudyn_crawler.views.scenes import pictures, scene, shoes
 from exudyn_crawler.views.tables import cell_text
-from fem.stress import von_mises
+from fem.body.element_stress import von_mises
 
 LEAST_DECADES = 2  # powers of ten of life that the colours span at least
 DRAWN, POINTS = 3, 2000

@@ -9,7 +9,7 @@ import xarray as xr
 from exudyn_crawler.views.scenes.pictures import FROM_THE_RIGHT
 from exudyn_crawler.views.scenes.scene import Solid
 from exudyn_crawler.views.scenes.start import SECTION
-from fem.mesh import triangle_normals
+from fem.body.mesh import triangle_normals
 
 DIGITS = 4  # of places in m: a tenth of a millimetre
 SHOES, GROUND = "shoes", "ground"

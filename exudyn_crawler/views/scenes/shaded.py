@@ -10,8 +10,8 @@ import numpy as np
 
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes.scene import Solid, View
+from fem.body.mesh import triangle_normals
 from fem.compiling import compiler
-from fem.mesh import triangle_normals
 
 LIGHT = np.array([0.30, 0.15, 0.94]) / np.linalg.norm([0.30, 0.15, 0.94])
 """Where light comes from, in the picture's axes: right, up, toward the viewer."""

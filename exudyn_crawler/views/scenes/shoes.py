@@ -17,7 +17,7 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear, pictures, track
 from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid, View
-from fem.trust import VERDICTS
+from fem.stress.trust import VERDICTS
 
 LONGEST_OF_SHOE, LONGEST_OF_PAIR, BENT = 0.7, 0.4, 0.04
 """m, lengths at which the greatest force on a shoe, the greatest of a single contact or tread, and, at most,
@@ -30,7 +30,7 @@ VERDICT_COLOURS = (
     *("#00682f", "#238443", "#41ab5d", "#78c679", "#a6d96a", "#c5e86c", "#e6f598", "#fff3a0"),
     *("#f79440", "#d73027", "#7b3294", "#d9d9d9"),
 )
-"""Of `fem.trust.VERDICTS`, and of what is too low to be judged."""
+"""Of `fem.stress.trust.VERDICTS`, and of what is too low to be judged."""
 LOW = 0.1  # part of the highest stress below which a stress is not judged: its relative error is of no use
 SPREAD, HEADROOM = 3.62, 0.02
 """m that a view of a shoe shows from left to right, and above it; below it is space for arrows."""
@@ -93,7 +93,7 @@ def _trust(stress: xr.Dataset, shoe: int, used: np.ndarray) -> Colouring:
 
 
 def verdict_colouring(numbers: np.ndarray, low: np.ndarray, low_words: str, name: str) -> Colouring:
-    """Colours of verdicts (n,), numbers of `fem.trust.VERDICTS`; those that are `low` (n,) are not judged."""
+    """Colours of verdicts (n,), numbers of `fem.stress.trust.VERDICTS`; those that are `low` (n,) are not judged."""
     judged = np.where(numbers < 0, np.nan, np.where(low, len(VERDICTS), numbers))
     words = (*VERDICTS, low_words)
     return Colouring("verdict", judged[None, None], -0.5, len(VERDICTS) + 0.5, VERDICT_COLOURS, words, name)

@@ -1,0 +1,1 @@
+"""Fatigue: cycles, S-N curves, damage, critical planes, casting defects, rolling contact."""

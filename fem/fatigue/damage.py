@@ -1,0 +1,281 @@
+"""Fatigue damage of every node over a history of stress, as a fold over blocks of its stresses.
+
+The history is one pass of a repeated one. A criterion makes one signal of the six stress components; its
+cycles are counted (`rainflow`) and summed up by Miner's rule (`fatigue`). Cycles and nodes too small to
+matter are left out first: together they do no more than a chosen damage.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from fem.body.mesh import Floats, Integers
+from fem.body.shapes import Columns
+from fem.compiling import compiler
+from fem.fatigue.rainflow import CycleCounter, Cycles, joined_cycles, repeated_cycles
+from fem.fatigue.sn_curve import SNCurve, check_survivals
+from fem.stress.folds import Fold, StressBlock, fold_stresses
+from fem.stress.low_rank import NODE_BLOCK, SEGMENT, ModalHistory
+
+SignedCriterion = Literal["signed von mises", "signed principal"]
+SIGNED_CRITERIA: tuple[SignedCriterion, ...] = ("signed von mises", "signed principal")
+CHORD = np.sqrt(0.75)
+"""Cosine of a third of a right angle."""
+TOLERANCE = 1e-4
+"""Of `fold_stresses`: greatest error of the counted stresses, as part of the highest one."""
+
+
+@dataclass(frozen=True)
+class Counting:
+    """How cycles of t successive times are counted and summed up.
+
+    Parameters
+    ----------
+    curve : SNCurve
+    survivals : tuple of float
+        Survival probabilities of the damages.
+    phase : int array (t,)
+        Number of the phase that each time belongs to, from 0; each end of a cycle has half of its damage.
+    negligible : float
+        Damage of all left-out cycles together, at most, at the greatest of the survivals.
+
+    Raises
+    ------
+    ValueError
+        If the history is too short to hold a cycle, or a value is out of its range.
+    """
+
+    curve: SNCurve
+    survivals: tuple[float, ...]
+    phase: Integers
+    negligible: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_survivals(self.survivals)
+        if len(self.phase) < 3:
+            raise ValueError(f"a history must have at least 3 times to hold a cycle, got {len(self.phase)}")
+        if not self.negligible >= 0.0:
+            raise ValueError(f"negligible must not be negative, got {self.negligible}")
+
+    def check(self, times: int) -> None:
+        """Refuse a history of another number of times by a `ValueError`."""
+        if times != len(self.phase):
+            raise ValueError(f"phase must be of {times} times as the history, got {len(self.phase)}")
+
+    @cached_property
+    def cut(self) -> float:
+        """Amplitude in Pa up to which cycles are left out: as many as there can be are negligible."""
+        if self.negligible == 0.0:
+            return 0.0
+        most = (len(self.phase) + 1) // 2
+        return self.curve.harmless(self.negligible / most, max(self.survivals))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of survivals and phases."""
+        return len(self.survivals), int(self.phase.max()) + 1
+
+    def cycles(self, signal: Floats) -> Cycles:
+        """Cycles of a signal (t,) that are not left out."""
+        return repeated_cycles(signal).larger_than(self.cut)
+
+
+class CountedDamage:
+    """Damage (n, s, p) per pass of n histories whose values come in parts, by survival and phase."""
+
+    def __init__(self, counting: Counting, count: int) -> None:
+        self._counting, self._cycles = counting, CycleCounter(count, counting.cut)
+        self.damage = np.zeros((count, *counting.shape))
+
+    def add(self, of: slice, signals: Floats, start: int) -> None:
+        """Add what the next values (k, t) in Pa of some histories close; `start` is the row of the first."""
+        counting = self._counting
+        counter = self._cycles
+        batches = [
+            (number, counter.add(number, signal, start)) for number, signal in enumerate(signals, of.start)
+        ]
+        if start + signals.shape[1] == len(counting.phase):
+            batches += [(number, counter.close(number)) for number in range(of.start, of.stop)]
+        closed = [(number, batch) for number, batch in batches if len(batch.begin)]
+        if closed:
+            numbers = np.repeat([number for number, _ in closed], [len(batch.begin) for _, batch in closed])
+            cycles = joined_cycles([batch for _, batch in closed])
+            each = counting.curve.damage(cycles.amplitude, cycles.mean, counting.survivals)
+            for end in (cycles.begin_row, cycles.end_row):
+                np.add.at(self.damage.transpose(0, 2, 1), (numbers, counting.phase[end]), 0.5 * each.T)
+
+
+@dataclass(frozen=True)
+class Damage:
+    """Damage of n nodes by one pass of a history.
+
+    Parameters
+    ----------
+    nodes : int array (n,)
+        Their numbers.
+    damage : array (n, s, p)
+        By survival and phase; a crack appears at 1.
+    highest, lowest : array (n,)
+        Extremes in Pa of the signal that was counted.
+    bound : array (n,)
+        Greatest error of the stress, as a length in Pa.
+    """
+
+    nodes: Integers
+    damage: Floats
+    highest: Floats
+    lowest: Floats
+    bound: Floats
+
+
+@compiler(nogil=True)
+def _signed_mises(parts, signals):
+    """Von Mises stress with the sign of the hydrostatic one, of components (k, 6, t) into (k, t)."""
+    for k in range(parts.shape[0]):
+        for t in range(parts.shape[2]):
+            xx = np.float64(parts[k, 0, t])
+            yy = np.float64(parts[k, 1, t])
+            zz = np.float64(parts[k, 2, t])
+            xy = np.float64(parts[k, 3, t])
+            yz = np.float64(parts[k, 4, t])
+            xz = np.float64(parts[k, 5, t])
+            normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+            mises = np.sqrt(0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz))
+            signals[k, t] = -mises if xx + yy + zz < 0.0 else mises
+
+
+@compiler(nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nnan", "nsz"})
+def _signed_principal(parts, signals):
+    """Principal stress of the greatest magnitude, of components (k, 6, t) into (k, t).
+
+    Eigenvalues by their trigonometric form (O. K. Smith, Comm. ACM 4(4), 1961). The cosine c of a third of
+    the angle whose cosine is x solves ``4 c^3 - 3 c = x``: for x in [0, 1] three steps of Newton's method
+    from the chord give it to rounding, without branches, so that several times are done at once.
+    """
+    for k in range(parts.shape[0]):
+        for t in range(parts.shape[2]):
+            xx = np.float64(parts[k, 0, t])
+            yy = np.float64(parts[k, 1, t])
+            zz = np.float64(parts[k, 2, t])
+            xy = np.float64(parts[k, 3, t])
+            yz = np.float64(parts[k, 4, t])
+            xz = np.float64(parts[k, 5, t])
+            mean = (xx + yy + zz) / 3.0
+            xx = xx - mean
+            yy = yy - mean
+            zz = zz - mean
+            shear = xy * xy + yz * yz + xz * xz
+            radius = np.sqrt((xx * xx + yy * yy + zz * zz + 2.0 * shear) / 6.0)
+            volume = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+            third = min(1.0, 0.5 * abs(volume) / max(radius * radius * radius, 1e-300))
+            c = CHORD + (1.0 - CHORD) * third
+            c -= (4.0 * c * c * c - 3.0 * c - third) / (12.0 * c * c - 3.0)
+            c -= (4.0 * c * c * c - 3.0 * c - third) / (12.0 * c * c - 3.0)
+            c -= (4.0 * c * c * c - 3.0 * c - third) / (12.0 * c * c - 3.0)
+            far = 2.0 * radius * c
+            near = radius * (c + np.sqrt(3.0 * max(0.0, 1.0 - c * c)))
+            high = mean + (far if volume >= 0.0 else near)
+            low = mean - (near if volume >= 0.0 else far)
+            signals[k, t] = high if high >= -low else low
+
+
+_SIGNALS = {"signed von mises": _signed_mises, "signed principal": _signed_principal}
+
+
+def signed_signals(criterion: SignedCriterion, stress: Floats) -> Floats:
+    """Signals (k, t) in Pa of a criterion, of stresses (k, 6, t).
+
+    "signed von mises" has the sign of the hydrostatic stress; "signed principal" is the principal stress of
+    the greatest magnitude.
+    """
+    signals = np.empty((stress.shape[0], stress.shape[2]))
+    _SIGNALS[criterion](stress, signals)
+    return signals
+
+
+class DamageOf(Fold[Damage]):
+    """Damage of each node by the cycles of a criterion's signal.
+
+    Parameters
+    ----------
+    criterion : str
+        One of `SIGNED_CRITERIA`.
+    counting : Counting
+    """
+
+    components = None
+
+    def __init__(self, criterion: SignedCriterion, counting: Counting) -> None:
+        self._criterion = criterion
+        self._counting = counting
+
+    def start(self, nodes: Integers, times: int) -> None:
+        """Begin with no damage."""
+        n = len(nodes)
+        self._counting.check(times)
+        self._nodes, self._signals = nodes, np.empty((min(n, NODE_BLOCK), min(times, SEGMENT)))
+        self._counted, self._bound = CountedDamage(self._counting, n), np.zeros(n)
+        self._highest, self._lowest = np.full(n, -np.inf), np.full(n, np.inf)
+
+    def add(self, block: StressBlock) -> None:
+        """Gather the signals of a block of nodes, and count those of a segment."""
+        of = block.nodes
+        times = block.times
+        whole = block.segment
+        signals = self._signals[: of.stop - of.start, : whole.stop - whole.start]
+        signals[:, times.start - whole.start : times.stop - whole.start] = signed_signals(
+            self._criterion, block.stress
+        )
+        self._bound[of] = np.maximum(self._bound[of], block.bound)
+        if times.stop == whole.stop:
+            self._counted.add(of, signals, whole.start)
+            self._highest[of] = np.maximum(self._highest[of], signals.max(axis=1))
+            self._lowest[of] = np.minimum(self._lowest[of], signals.min(axis=1))
+
+    def finish(self) -> Damage:
+        """Damage and extremes of all nodes."""
+        return Damage(self._nodes, self._counted.damage, self._highest, self._lowest, self._bound)
+
+
+def recover_damage(
+    stress_modes: Columns,
+    q: ModalHistory,
+    criterion: SignedCriterion,
+    counting: Counting,
+    nodes: Integers | None = None,
+    tolerance: float | None = TOLERANCE,
+) -> Damage:
+    """Damage of nodes by one pass of a history that is repeated.
+
+    Parameters
+    ----------
+    stress_modes, q, nodes
+        As of `folds.fold_stresses`, whose errors this has too; q (t, m).
+    criterion : str
+        One of `SIGNED_CRITERIA`.
+    counting : Counting
+        Of as many times.
+    tolerance : float, optional
+        Of the stresses that are counted; None counts at full rank and in double precision.
+
+    Raises
+    ------
+    ValueError
+        If the criterion is not known or the phases are of another number of times.
+    """
+    if criterion not in SIGNED_CRITERIA:
+        raise ValueError(f"criterion must be one of {SIGNED_CRITERIA}, got {criterion!r}")
+    return fold_stresses(stress_modes, q, DamageOf(criterion, counting), nodes, tolerance)
+
+
+def damage_between(curve: SNCurve, highest: Floats, lowest: Floats, survivals: Sequence[float]) -> Floats:
+    """Damage (s, n) of one cycle between extremes (n,) in Pa; none where they are equal."""
+    amplitude = 0.5 * (highest - lowest)
+    damage = np.zeros((len(survivals), len(highest)))
+    there = amplitude > 0.0
+    mean = 0.5 * (highest + lowest)[there]
+    damage[:, there] = curve.damage(amplitude[there], mean, survivals)
+    return damage

@@ -1,0 +1,173 @@
+"""Casting defects against cycles of stress: growth of a defect of any size to a crack.
+
+A defect counts by sqrt(area), the root of its area seen along the stress, and is a crack from its first cycle
+on. It grows as a surface crack by the two-stage law of BS 7910 for steels in air (yield up to 700 MPa), whose
+scatter is that between its mean and mean plus two standard deviations. It sleeps up to a stress that falls
+with its size as in Kitagawa and Takahashi's diagram: Murakami's limit of small defects (Y. Murakami, Metal
+Fatigue, 2002, section 6), or that of the guideline's threshold of cracks, 63 to 170 N/mm^1.5, whichever is
+less. Ranges of stress intensity are whole, also with negative stress ratios. Values are as others quote them.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import ndtri
+
+from fem.body.mesh import Floats
+from fem.fatigue.sn_curve import SNCurve
+
+GEOMETRY = 0.65
+"""Of a surface defect: stress intensity over stress sqrt(pi sqrt(area)) (Murakami)."""
+DEPTHS = np.sqrt(0.5 * np.pi)
+"""sqrt(area) of a half disc over its depth, of which the law is."""
+MM15 = 1e6 * 1e-3**0.5
+"""Pa m^0.5 in 1 N/mm^1.5."""
+STAGES = (
+    ((8.16, 1.21e-26, 4.37e-26), (2.88, 3.98e-13, 6.77e-13)),
+    ((5.10, 4.80e-18, 2.10e-17), (2.88, 5.86e-13, 1.29e-12)),
+)
+"""Exponent, and mm a cycle at 1 N/mm^1.5, mean and with two standard deviations; of both stages, of which the
+slower one holds; below R = 0.5 and from there on."""
+HIGH_RATIO = 0.5
+SIZES = 257  # between which a crack's growth is summed up at least
+
+
+class Defect(NamedTuple):
+    """Surface defect of a casting.
+
+    Attributes
+    ----------
+    size : float
+        sqrt(area), m.
+    hardness : float
+        Vickers (HV).
+    crack : float
+        sqrt(area) of what counts as a crack, m.
+    """
+
+    size: float
+    hardness: float
+    crack: float
+
+
+def murakami_limit(size: float, hardness: float, ratio: float | Floats = -1.0) -> Floats:
+    """Amplitude (Pa) that a surface defect of sqrt(area) `size` (m) bears for ever at a stress ratio."""
+    alpha = 0.226 + 1e-4 * hardness
+    part = 0.5 * (1.0 - np.asarray(ratio))
+    return 1.43e6 * (hardness + 120.0) / (1e6 * size) ** (1.0 / 6.0) * part**alpha
+
+
+def threshold(ratio: float | Floats) -> Floats:
+    """Range of stress intensity (Pa m^0.5) up to which cracks do not grow at a stress ratio."""
+    return MM15 * np.clip(170.0 - 214.0 * np.asarray(ratio), 63.0, 170.0)
+
+
+def growing_size(hardness: float, stress: Floats, ratio: Floats) -> Floats:
+    """sqrt(area) (m) from which a defect grows under cycles of ranges of stress (Pa) at stress ratios."""
+    crack = (threshold(ratio) / (GEOMETRY * stress)) ** 2 / np.pi
+    # Murakami's limit falls with the sixth root; ratios below -1 count as -1, on the safe side
+    small = 1e-6 * (2.0 * murakami_limit(1e-6, hardness, np.maximum(ratio, -1.0)) / stress) ** 6
+    return np.minimum(crack, small)
+
+
+@lru_cache(maxsize=64)
+def growth_law(of_high_ratio: bool, survival: float) -> tuple[tuple[float, float], ...]:
+    """Exponent, and m a cycle at 1 Pa m^0.5, of both stages, that a portion of the material survives."""
+    return tuple(
+        (exponent, 1e-3 * mean * (upper / mean) ** (0.5 * ndtri(survival)) / MM15**exponent)
+        for exponent, mean, upper in STAGES[of_high_ratio]
+    )
+
+
+class CycleStage(NamedTuple):
+    """Cycles between two stresses each (n,), Pa, how often each happens, and for how long."""
+
+    begin: Floats
+    end: Floats
+    rate: Floats
+    lasts: float = np.inf
+
+
+def growth(
+    defect: Defect, low: Floats, high: Floats, rate: Floats, survival: float, lasts: float = np.inf
+) -> tuple[float, float]:
+    """Time that a defect takes to grow to a crack, at most `lasts`, and its sqrt(area) (m) then.
+
+    Infinite if it never grows so far; in the unit of time of which `rate` are cycles.
+
+    Parameters
+    ----------
+    low, high : array (n,)
+        Ends of the cycles, Pa; those that stay in compression do nothing.
+    rate : array (n,)
+        How often each happens.
+    survival : float
+        Portion of the material whose cracks grow more slowly.
+    """
+    start = defect.size
+    end = defect.crack
+    opens = (high > 0.0) & (high > low) & (rate > 0.0)
+    low, high, rate = (np.broadcast_to(values, opens.shape)[opens] for values in (low, high, rate))
+    stress = high - low
+    ratio = low / high
+    wakes = growing_size(defect.hardness, stress, ratio)
+    if end <= start:
+        return 0.0, start
+    if not (wakes <= start).any():
+        return lasts, start
+    stages = []  # exponent m, sizes at which cycles come or go, their speeds: d size / dt over size^(m / 2)
+    for of_high_ratio in set((ratio >= HIGH_RATIO).tolist()):
+        group = (ratio >= HIGH_RATIO) == of_high_ratio
+        (slow, at_slow), (fast, at_fast) = growth_law(of_high_ratio, survival)
+        intensity = GEOMETRY * np.sqrt(np.pi) * stress[group]  # at 1 m
+        turns = (at_fast / at_slow) ** (2.0 / (slow - fast)) / intensity**2
+        turns = np.maximum(turns, wakes[group])
+        each = DEPTHS * rate[group] * at_slow * intensity**slow
+        stages.append((slow, np.concatenate((wakes[group], turns)), np.concatenate((each, -each))))
+        stages.append((fast, turns, DEPTHS * rate[group] * at_fast * intensity**fast))
+    changes = np.concatenate([steps for _, steps, _ in stages])
+    inside = changes[(changes > start) & (changes < end)]
+    edges = np.unique(np.concatenate((np.geomspace(start, end, SIZES), inside)))
+    # two Gauss points of each part, in the logarithm of the size
+    middle = 0.5 * np.log(edges[1:] * edges[:-1])
+    half = 0.5 * np.log(edges[1:] / edges[:-1])
+    sizes = np.exp(middle + np.multiply.outer((-(3.0**-0.5), 3.0**-0.5), half))
+    speed = np.zeros_like(sizes)
+    for exponent, steps, each in stages:
+        order = np.argsort(steps, kind="stable")
+        sums = np.concatenate(([0.0], np.cumsum(each[order])))
+        speed += sums[steps[order].searchsorted(sizes, "right")] * sizes ** (0.5 * exponent)
+    until = np.concatenate(([0.0], np.cumsum((sizes / speed).sum(axis=0) * half)))
+    if until[-1] <= lasts:
+        return float(until[-1]), end
+    return lasts, float(np.exp(np.interp(lasts, until, np.log(edges))))
+
+
+def defect_life(defect: Defect, curve: SNCurve, stages: Sequence[CycleStage], survival: float) -> float:
+    """Time until a defect or the sound surface beside it cracks under stages of cycles, whichever is first.
+
+    The surface by Miner's rule with its curve, without a casting factor; the defect by growth. The curve's
+    residual stress adds to both. Infinite if nothing ever cracks.
+    """
+    time = 0.0
+    damage = 0.0
+    for begin, end, rate, lasts in stages:
+        low = np.minimum(begin, end)
+        high = np.maximum(begin, end)
+        moves = high > low
+        low = low[moves]
+        high = high[moves]
+        rate = np.broadcast_to(rate, moves.shape)[moves]
+        speed = float(curve.damage(0.5 * (high - low), 0.5 * (high + low), (survival,))[0] @ rate)
+        sound = (1.0 - damage) / speed if speed > 0.0 else np.inf
+        low = low + curve.residual_stress
+        high = high + curve.residual_stress
+        spent, size = growth(defect, low, high, rate, survival, min(lasts, sound))
+        time += spent
+        if size >= defect.crack or sound <= lasts:
+            break
+        damage = damage + speed * spent
+        defect = defect._replace(size=size)
+    return time

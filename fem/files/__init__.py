@@ -1,0 +1,1 @@
+"""Files of meshes, reduced bodies and results, and the cache of reductions."""

@@ -1,0 +1,195 @@
+"""Reduced bodies and static fields to and from an HDF5 file each, with digests that reveal a stale one."""
+
+import hashlib
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from fem.body.elasticity import Material
+from fem.body.interfaces import Interface
+from fem.body.mesh import Mesh
+from fem.body.reduced import ReducedBody
+from fem.files.hdf5 import REDUCED_BODY, STATIC_FIELDS, read_whole, write_rows, write_whole
+from fem.stress.static_fields import StaticFields
+
+_ARRAYS = ("frequencies", "modes", "pilots", "center_of_mass", "inertia", "ritz")
+_FIELD_ARRAYS = ("displacements", "energy", "work")
+
+
+class StaleCacheError(ValueError):
+    """A file belongs to another mesh or to other parameters."""
+
+
+def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
+    """Write a reduced body with its mesh into an HDF5 file.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to write, replaced only when complete.
+    body : ReducedBody
+    digest : str
+        Of `cache.reduction_digest`, if the file is to serve as a cache.
+    """
+
+    def fill(file: h5py.File) -> None:
+        file.attrs["mesh_digest"] = body.mesh.digest
+        file.attrs["digest"] = digest
+        file.attrs["content"] = _content_digest(body)
+        file.attrs["material"] = json.dumps(asdict(body.material))
+        file.attrs["parameters"] = json.dumps(dict(body.parameters))
+        file.attrs["mass"] = body.mass
+        for name in _ARRAYS:
+            write_rows(file, name, getattr(body, name))
+        mesh = file.create_group("mesh")
+        write_rows(mesh, "nodes", body.mesh.nodes)
+        write_rows(mesh, "elements", body.mesh.elements)
+        for group, arrays in (
+            ("surfaces", body.mesh.surfaces),
+            ("surface_weights", body.surface_weights),
+        ):
+            entry = mesh.create_group(group)
+            for name, array in arrays.items():
+                entry.create_dataset(name, data=array, compression="gzip")
+        for number, interface in enumerate(body.interfaces):
+            entry = file.create_group(f"interfaces/{number:03d}")
+            entry.attrs["name"] = interface.name
+            entry.attrs["spider"] = interface.spider
+            entry["center"] = interface.center
+            write_rows(entry, "nodes", interface.nodes)
+
+    write_whole(Path(path), REDUCED_BODY, fill)
+
+
+def save_fields(path: str | Path, fields: StaticFields, digest: str = "") -> None:
+    """Write static fields into an HDF5 file, replaced only when complete.
+
+    Parameters
+    ----------
+    path : str or Path
+    fields : StaticFields
+    digest : str
+        Of their inputs, if the file is to serve as a cache.
+    """
+
+    def fill(file: h5py.File) -> None:
+        file.attrs["digest"] = digest
+        file.attrs["content"] = _fields_digest(fields)
+        file.attrs["families"] = json.dumps(dict(fields.families))
+        for name in _FIELD_ARRAYS:
+            write_rows(file, name, getattr(fields, name))
+
+    write_whole(Path(path), STATIC_FIELDS, fill)
+
+
+def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None = None) -> ReducedBody:
+    """Read a reduced body.
+
+    Parameters
+    ----------
+    path : str or Path
+        File of `save_reduced`.
+    mesh : Mesh, optional
+        The mesh it must belong to, if given.
+    digest : str, optional
+        Of `cache.reduction_digest`, that it must have, if given.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no file of a reduced body, or a broken one.
+    StaleCacheError
+        If mesh or digest differ.
+    """
+    return read_whole(Path(path), REDUCED_BODY, lambda file: _read(file, Path(path), mesh, digest))
+
+
+def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
+    """Read static fields.
+
+    Parameters
+    ----------
+    path : str or Path
+        File of `save_fields`.
+    digest : str, optional
+        That it must have, if given.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no file of static fields, or a broken one.
+    StaleCacheError
+        If the digest differs.
+    """
+    return read_whole(Path(path), STATIC_FIELDS, lambda file: _read_fields(file, Path(path), digest))
+
+
+def _read_fields(file: h5py.File, path: Path, digest: str | None) -> StaticFields:
+    if digest is not None and file.attrs["digest"] != digest:
+        raise StaleCacheError(f"{path} must be made with this body and these loads, got others")
+    fields = StaticFields(
+        json.loads(file.attrs["families"]), **{name: file[name][()] for name in _FIELD_ARRAYS}
+    )
+    if file.attrs["content"] != _fields_digest(fields):
+        raise ValueError(f"{path} must be whole, got content that its digest does not match")
+    return fields
+
+
+def _fields_digest(fields: StaticFields) -> str:
+    """SHA-256 of all that static fields hold."""
+    sha = hashlib.sha256(json.dumps(dict(fields.families)).encode())
+    for name in _FIELD_ARRAYS:
+        sha.update(np.ascontiguousarray(getattr(fields, name)).data)
+    return sha.hexdigest()
+
+
+def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) -> ReducedBody:
+    if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
+        raise StaleCacheError(f"{path} must belong to this mesh, got that of another one")
+    if digest is not None and file.attrs["digest"] != digest:
+        raise StaleCacheError(f"{path} must be made with this mesh and these parameters, got others")
+    stored = file["mesh"]
+    body_mesh = mesh or Mesh(
+        stored["nodes"][()],
+        stored["elements"][()],
+        {name: data[()] for name, data in stored["surfaces"].items()},
+    )
+    body = ReducedBody(
+        mesh=body_mesh,
+        material=Material(**json.loads(file.attrs["material"])),
+        interfaces=tuple(
+            Interface(
+                str(entry.attrs["name"]),
+                entry["center"][()],
+                entry["nodes"][()],
+                entry.attrs["spider"],
+            )
+            for _, entry in sorted(file["interfaces"].items())
+        ),
+        mass=float(file.attrs["mass"]),
+        surface_weights={name: data[()] for name, data in stored["surface_weights"].items()},
+        parameters=json.loads(file.attrs["parameters"]),
+        **{name: file[name][()] for name in _ARRAYS},
+    )
+    if file.attrs["content"] != _content_digest(body):
+        raise ValueError(f"{path} must be whole, got content that its digest does not match")
+    return body
+
+
+def _content_digest(body: ReducedBody) -> str:
+    """SHA-256 of all that a reduced body holds."""
+    sha = hashlib.sha256(body.mesh.digest.encode())
+    interfaces = [(i.name, i.spider, i.center.tolist(), i.nodes.tolist()) for i in body.interfaces]
+    described = [asdict(body.material), dict(body.parameters), body.mass, interfaces]
+    sha.update(json.dumps(described, sort_keys=True).encode())
+    weights = [array for _, array in sorted(body.surface_weights.items())]
+    for array in (*(getattr(body, name) for name in _ARRAYS), *weights):
+        sha.update(np.ascontiguousarray(array).data)
+    return sha.hexdigest()
