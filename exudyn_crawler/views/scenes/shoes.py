@@ -93,7 +93,7 @@ def _trust(stress: xr.Dataset, shoe: int, used: np.ndarray) -> Colouring:
 
 
 def verdict_colouring(numbers: np.ndarray, low: np.ndarray, low_words: str, name: str) -> Colouring:
-    """Colours of verdicts (n,), numbers of `fem.stress.trust.VERDICTS`; those that are `low` (n,) are not judged."""
+    """Return colours of verdicts (n,), of `trust.VERDICTS`; those that are `low` (n,) are not judged."""
     judged = np.where(numbers < 0, np.nan, np.where(low, len(VERDICTS), numbers))
     words = (*VERDICTS, low_words)
     return Colouring("verdict", judged[None, None], -0.5, len(VERDICTS) + 0.5, VERDICT_COLOURS, words, name)
