@@ -11,7 +11,7 @@ import pandas as pd
 
 from exudyn_crawler.assessment import machine_items, part_items, run_forces, slewing
 from exudyn_crawler.assessment.inputs import AssessmentNumbers, Origin, numbers_of
-from exudyn_crawler.assessment.items import AssessedItem, governing
+from exudyn_crawler.assessment.items import NOT_KNOWN, AssessedItem, governing
 from exudyn_crawler.assessment.load_cases import LoadCases, read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress, check_of, shoe_stresses
@@ -19,6 +19,9 @@ from exudyn_crawler.assessment.states import FORMULA, CaseLoads, loads_of
 from exudyn_crawler.case import Case
 
 KILO = 1e3
+ATTACHMENT = (
+    "work.payload and work.reach are a payload, or an attachment's mass and place; payload = 0: none"
+)
 ITEMS_OF_A_CASE = (
     *(machine_items.pressure_items, machine_items.tipping_items, machine_items.pull_items),
     *(part_items.chain_items, part_items.pin_items, part_items.roller_items, machine_items.across_items),
@@ -90,11 +93,13 @@ class Assessment:
                 "margin against tipping": row.margin,
                 "edge": row.edge,
                 "tips further in deg": np.degrees(row.tilt),
+                "tips about": row.tilt_edge,
                 "greatest roller load in kN": row.roller / KILO,
                 "needed pull of a track in kN": row.needed / KILO,
                 "chain tension in kN": row.tension / KILO,
                 "force across a shoe in kN": row.side_force / KILO,
                 "travel": row.ends,
+                "needs": ", ".join(row.missing),
             }
             for row in self.loads
         ]
@@ -130,9 +135,14 @@ class Assessment:
         exceed = f"{len(over)} of {len(self.governing)} items exceed their limit"
         if over:
             exceed += ": " + ", ".join(item.item for item in over)
+        unknown = [item for item in self.governing if item.verdict.startswith(NOT_KNOWN)]
+        needs = dict.fromkeys(key for item in unknown for key in item.needs)
+        names = ", ".join(item.item for item in unknown)
         return [
             f"governs: {first.item}, {first.utilisation:.3g} of 1, {first.load_case!r} ({first.group})",
             exceed,
+            *([f"{NOT_KNOWN}: {names}; they need {', '.join(needs)}"] if unknown else []),
+            *([ATTACHMENT] if "work.payload" in needs else []),
             f"load cases: {self.load_cases.name}; {assumed} of {len(self.numbers.inputs)} inputs are assumed",
             *(f"{row.name!r} has the forces of {row.basis}" for row in self.loads if row.basis != FORMULA),
             *self.left_out,

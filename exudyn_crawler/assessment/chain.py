@@ -25,15 +25,15 @@ class ChainTension(NamedTuple):
     """Of the run that leaves the tumbler."""
 
 
-def travel_tension(rest: float, pull: float, weight: float = 0.0, speed: float = 0.0) -> ChainTension:
+def travel_tension(rest: float, pull: float, mass: float = 0.0, speed: float = 0.0) -> ChainTension:
     """Tension of both runs where the tumbler pulls with a force (N).
 
-    The taut run has the tension at rest and the pull, w v^2 / g of centrifugal tension in either run (w the
-    `weight` of the chain, N/m, v its speed, m/s). An idler on shims or on a preloaded spring keeps the slack
+    The taut run has the tension at rest and the pull, m v^2 of centrifugal tension in either run (m the
+    `mass` of the chain, kg/m, v its speed, m/s). An idler on shims or on a preloaded spring keeps the slack
     run about at rest; where it gives way, the slack run has less and the taut one as much more than that
     (statics of a belt; derived).
     """
-    thrown = weight * speed**2 / 9.81
+    thrown = mass * speed**2
     return ChainTension(rest, rest + abs(pull) + thrown, rest + thrown)
 
 

@@ -16,9 +16,11 @@ class NamedGround(NamedTuple):
     friction: float
     """Of steel tracks, traction over load."""
     rolling: float
-    """Resistance to straight travel over the load."""
+    """Resistance to straight travel over the load; sinkage is in it."""
     source: str
     mark: str
+    cohesion: float = 0.0
+    """Pa, beside the friction; 0 where a coefficient of traction has it."""
 
 
 @cache

@@ -22,14 +22,17 @@ from meshes.geometry import PITCH, ShoeDimensions
 
 RISE = 5e-3
 """m, by which the lowest pins of an end wheel may be above those under the rollers while it still stands."""
-READY_GROUND = "dense gravel"
-"""Ground whose pressure is taken where none is named (assumed)."""
+HEAVIEST = 50.0
+"""Mean pressures of the machine up to which the sinkage of the case's ground is tabled."""
 HEAVY = 400e3
 """kg, from which on a machine counts as a mining shovel, whose drives pull less of its weight."""
 PULL_OF_SHOVEL, PULL_OF_OTHERS = 0.5, 0.8
 """Of the weight, where no torque is given: 0.4 to 0.6 and 0.75 to 1 (remembered)."""
 PINS = {"diameter": 0.21, "inner": 0.50, "outer": 0.20, "gap": 0.005}
 """Of the pitch: pins 0.20 to 0.22 (remembered); the others assumed, as no source has them."""
+
+WORK_TO_STATE = ("payload", "reach", "digging", "wind_area")
+"""Work that no machine says by itself."""
 
 Origin = Literal["given", "derived", "assumed"]
 
@@ -100,14 +103,15 @@ class GroundNumbers(NamedTuple):
 
     name: str
     allowed: float
-    """Pa."""
+    """Pa; NaN where it is not known."""
     friction: float
     rolling: float
     cohesion: float
+    """Pa."""
     undrained: float | None
     """Undrained strength of clay, Pa."""
-    compaction: tuple[float, float, float] | None
-    """Of Bekker's law, k_c, k_phi and n, which a track compacts."""
+    compaction: travel.Compaction | None
+    """Of the case's ground, which a track compacts."""
     law: Law | None
     """Of a case with cells; None: linear."""
     law_name: str
@@ -152,11 +156,26 @@ class AssessmentNumbers(NamedTuple):
     power: float | None
     """W, of both tracks."""
     inputs: list[AssessmentInput]
+    not_stated: frozenset[str] = frozenset()
+    """Keys of the settings that have no value, where none follows from the machine."""
 
     @property
     def weight(self) -> float:
         """Of the machine without payload, N."""
         return self.gravity * (self.weights.lower_mass + self.weights.upper_mass)
+
+    @property
+    def empty(self) -> Work:
+        """Work of the machine at rest without payload, bank, wind and slewing."""
+        return self.work._replace(payload=0.0, digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
+
+    @property
+    def resistance(self) -> travel.TravelResistance:
+        """Resistance to straight travel."""
+        ground = self.ground
+        return travel.TravelResistance(
+            ground.rolling, self.chain.idler_drag, self.footprints, ground.compaction
+        )
 
 
 class _Notes:
@@ -258,10 +277,13 @@ def numbers_of(
         rollers=_rollers(case, gear, middle, length, pitch, notes),
         shoe=(shoe := _shoe(case, settings, pitch, notes)),
         chain=_chain(case, gear, settings, shoe, pitch, notes),
-        ground=_ground(case, settings, footprints, notes),
+        ground=_ground(case, settings, footprints, gravity, weights, notes),
         drive=_drive(gear, settings, gravity * (weights.lower_mass + weights.upper_mass), case, notes),
         power=settings.drive.power,
         inputs=notes.rows,
+        not_stated=frozenset(
+            f"work.{name}" for name in WORK_TO_STATE if getattr(settings.work, name) is None
+        ),
     )
 
 
@@ -345,15 +367,16 @@ def _work(settings: AssessmentSettings, notes: _Notes) -> tuple[Work, float]:
     """Work of the upper structure, and its least reach."""
     asked = settings.work
     none = "none given"
-    payload = notes.setting("payload", asked.payload, "kg", "work.payload", none)
-    reach = notes.setting("reach of the payload", asked.reach, "m", "work.reach", none)
+    payload = notes.setting("payload", asked.payload or 0.0, "kg", "work.payload", none)
+    reach = notes.setting("reach of the payload", asked.reach or 0.0, "m", "work.reach", none)
     least = 0.5 * reach if asked.least_reach is None else asked.least_reach
     notes.setting("least reach", least, "m", "work.least_reach", "half of the reach")
     height = notes.setting("height of the payload", asked.height, "m", "work.height", none)
-    digging = notes.setting("force of the bank, away and up", asked.digging, "N", "work.digging", none)
+    bank = asked.digging or (0.0, 0.0)
+    digging = notes.setting("force of the bank, away and up", bank, "N", "work.digging", none)
     rate = notes.setting("rate of slewing", asked.slew_rate, "rad/s", "work.slew_rate", none)
     pressure = notes.setting("pressure of the wind", asked.wind_pressure, "Pa", "work.wind_pressure")
-    area = notes.setting("area of the wind", asked.wind_area, "m2", "work.wind_area", none)
+    area = notes.setting("area of the wind", asked.wind_area or 0.0, "m2", "work.wind_area", none)
     middle = notes.setting("height of the wind", asked.wind_height, "m", "work.wind_height", none)
     work = Work(payload, reach, height, digging, pressure * area, middle, 0.0, rate)
     return work, least
@@ -477,65 +500,104 @@ def _chain(
     return ChainNumbers(weight, pitch, shoes, rest, breaking, speed, drag, (rises[0], rises[1]))
 
 
-def _friction(case: Case) -> tuple[float, str]:
-    """Coefficient of friction of the case's ground while shoes slip, and its key."""
+class _GroundValue(NamedTuple):
+    """Value of the ground with where it comes from."""
+
+    value: float
+    origin: Origin
+    how: str
+
+
+def _of_case(case: Case, notes: _Notes) -> tuple[str, dict[str, _GroundValue]]:
+    """Return the name of a case's ground, its friction while shoes slip, rolling resistance and cohesion."""
+
+    def of_key(value: float, key: str) -> _GroundValue:
+        return _GroundValue(value, *notes.origins.get(key, ("given", f"case: {key}")))
+
     contact = case.contact
+    cohesion = _GroundValue(0.0, "derived", "friction alone in the case's contact")
+    name = "ground of the case"
     if isinstance(contact, PairContact):
-        return contact.dynamic_friction, "contact.dynamic_friction"
-    if isinstance(contact, CellContact):
-        law = contact.law
-        if (angle := getattr(law, "friction_angle", None)) is not None:
-            return math.tan(math.radians(angle)), "contact.law.friction_angle"
-        return float(law.friction), "contact.law.friction"  # type: ignore[attr-defined]
-    return contact.friction, "contact.friction"
+        friction = of_key(contact.dynamic_friction, "contact.dynamic_friction")
+    elif not isinstance(contact, CellContact):
+        friction = of_key(contact.friction, "contact.friction")
+    else:
+        law: Any = contact.law
+        name = f"{name}, {law.model}"
+        if isinstance(law, BekkerSoil):
+            slope = math.tan(math.radians(law.friction_angle))
+            friction = of_key(slope, "contact.law.friction_angle")
+            cohesion = of_key(law.cohesion, "contact.law.cohesion")
+        else:
+            friction = of_key(float(law.friction), "contact.law.friction")
+    rolling = of_key(case.running_gear().rolling_resistance, "gear.rolling_resistance")
+    return name, {"friction": friction, "rolling": rolling, "cohesion": cohesion}
 
 
-def _ground(case: Case, settings: AssessmentSettings, footprints: Footprints, notes: _Notes) -> GroundNumbers:
-    """Ground: what the settings give, then the named ground, then friction and law of the case."""
+def _ground(
+    case: Case,
+    settings: AssessmentSettings,
+    footprints: Footprints,
+    gravity: float,
+    weights: MachineWeights,
+    notes: _Notes,
+) -> GroundNumbers:
+    """Return one ground: the named one, or that of the case; the settings replace single values of it."""
     asked = settings.ground
-    named = grounds.ground(asked.name or READY_GROUND)
-    source = f"{named.name}: {named.source} [{named.mark}]"
-    name = asked.name or (READY_GROUND if asked.allowed_pressure is None else "given")
-    origin: Origin = "derived" if asked.name else "assumed"
-    allowed = notes.either(
-        "allowed pressure",
-        asked.allowed_pressure,
-        "Pa",
-        "ground.allowed_pressure",
-        named.allowed_pressure,
-        origin,
-        source,
-    )
-    friction: float = named.friction
-    how = source
-    if asked.name is None:
-        friction, key = _friction(case)
-        origin, how = notes.origins.get(key, ("given", f"case: {key}"))
-    friction = notes.either(
-        "friction on the ground", asked.friction, "1", "ground.friction", friction, origin, how
-    )
-    rolling: float = named.rolling
-    origin, how = ("derived", source) if asked.name else ("assumed", "")
-    if asked.name is None:
-        key = "gear.rolling_resistance"
-        rolling = case.running_gear().rolling_resistance
-        origin, how = notes.origins.get(key, ("given", f"case: {key}"))
-    rolling = notes.either("resistance straight", asked.rolling, "1", "ground.rolling", rolling, origin, how)
-    cohesion = notes.setting("cohesion of the ground", asked.cohesion, "Pa", "ground.cohesion", "none given")
-    undrained = asked.undrained_strength
-    if undrained is not None:
-        notes.note("undrained strength", undrained, "Pa", "given", "settings: ground.undrained_strength")
     law: Law | None = None
     law_name = "linear"
     compaction = None
-    if isinstance(case.contact, CellContact):
-        of_cells = case.contact.law
-        least = min(footprints.width, footprints.length)
-        law = law_of_sinkage(lambda pressure: of_cells.sinkage(pressure, least), 10.0 * allowed)
-        law_name = of_cells.model
-        if isinstance(of_cells, BekkerSoil):
-            compaction = of_cells.k_c, of_cells.k_phi, of_cells.exponent
-    return GroundNumbers(name, allowed, friction, rolling, cohesion, undrained, compaction, law, law_name)
+    allowed = asked.allowed_pressure
+    if asked.name is not None:
+        named = grounds.ground(asked.name)
+        name = named.name
+        how = f"{name}: {named.source} [{named.mark}]"
+        values = {
+            key: _GroundValue(getattr(named, key), "derived", how)
+            for key in ("friction", "rolling", "cohesion")
+        }
+        pressure = named.allowed_pressure
+        allowed = notes.either(
+            "allowed pressure", allowed, "Pa", "ground.allowed_pressure", pressure, "derived", how
+        )
+    else:
+        name, values = _of_case(case, notes)
+        if allowed is not None:
+            notes.note("allowed pressure", allowed, "Pa", "given", "settings: ground.allowed_pressure")
+        if isinstance(case.contact, CellContact):
+            of_cells = case.contact.law
+            least = min(footprints.width, footprints.length)
+            mean = gravity * (weights.lower_mass + weights.upper_mass) / footprints.area
+            law = law_of_sinkage(lambda pressure: of_cells.sinkage(pressure, least), HEAVIEST * mean)
+            law_name = of_cells.model
+            if isinstance(of_cells, BekkerSoil):
+                compaction = travel.Compaction(of_cells.k_c, of_cells.k_phi, of_cells.exponent)
+    words = {
+        "friction": ("friction on the ground", "1"),
+        "rolling": ("resistance straight", "1"),
+        "cohesion": ("cohesion of the ground", "Pa"),
+    }
+    if asked.friction is not None:
+        # traction over load, as it is given, has the cohesion in it
+        values["cohesion"] = _GroundValue(0.0, "derived", "in the friction that is given")
+    friction, rolling, cohesion = (
+        notes.either(title, getattr(asked, key), unit, f"ground.{key}", *values[key])
+        for key, (title, unit) in words.items()
+    )
+    undrained = asked.undrained_strength
+    if undrained is not None:
+        notes.note("undrained strength", undrained, "Pa", "given", "settings: ground.undrained_strength")
+    return GroundNumbers(
+        name,
+        math.nan if allowed is None else allowed,
+        friction,
+        rolling,
+        cohesion,
+        undrained,
+        compaction,
+        law,
+        law_name,
+    )
 
 
 def _drive(

@@ -9,6 +9,7 @@ from exudyn_crawler.assessment.states import FORMULA, CaseLoads
 
 MEGA = 1e6
 KILO = 1e3
+NOT_KNOWN = "not known"
 
 
 class AssessedItem(NamedTuple):
@@ -31,26 +32,44 @@ class AssessedItem(NamedTuple):
     """S seen, D derived, R remembered."""
     factor_source: str = ""
     """Source of the factor with its mark; nothing where the factor is 1."""
+    needs: tuple[str, ...] = ()
+    """Keys of the settings that are not stated, without which the number or its limit is not known."""
 
     @property
     def verdict(self) -> str:
-        """Word "yes" where it is at most 1, "no" where it is not, nothing without a limit."""
-        if np.isnan(self.utilisation):
-            return ""
-        return "yes" if self.utilisation <= 1.0 else "no"
+        """Return "yes" up to a utilisation of 1, "no" above it, and nothing without a limit.
+
+        An item that lacks an input is "not known" unless it exceeds its limit without it.
+        """
+        if self.utilisation > 1.0:
+            return "no"
+        if self.needs:
+            return f"{NOT_KNOWN} (needs {', '.join(self.needs)})"
+        return "" if np.isnan(self.utilisation) else "yes"
 
 
 def governing(items: Iterable[AssessedItem]) -> list[AssessedItem]:
-    """Item with the greatest utilisation of each name, the greatest first.
+    """Return the item with the greatest utilisation of each name, the greatest first.
 
-    Those without a limit come last, of each name the one with the greatest number.
+    Those without a limit come last, of each name the one with the greatest number. An item is not known if
+    one of its load cases is not.
     """
     worst: dict[str, AssessedItem] = {}
+    needs: dict[str, dict[str, None]] = {}
     for item in items:
         before = worst.get(item.item)
         if before is None or _rank(item) > _rank(before):
             worst[item.item] = item
-    return sorted(worst.values(), key=lambda item: -_rank(item)[0])
+        needs.setdefault(item.item, {}).update(dict.fromkeys(item.needs))
+    found = [_with_needs(item, tuple(needs[name])) for name, item in worst.items()]
+    return sorted(found, key=lambda item: -_rank(item)[0])
+
+
+def _with_needs(item: AssessedItem, needs: tuple[str, ...]) -> AssessedItem:
+    """Return an item with what it needs; a utilisation of 0 for lack of an input is no number."""
+    if needs and item.utilisation == 0.0:
+        item = item._replace(number=np.nan, utilisation=np.nan)
+    return item._replace(needs=needs)
 
 
 def _rank(item: AssessedItem) -> tuple[float, float]:
@@ -69,9 +88,9 @@ def case_item(
     source: str,
     mark: str,
     factor: float = 1.0,
-    basis: str | None = None,
+    needs: tuple[str, ...] = (),
 ) -> AssessedItem:
-    """Item of a load case, whose factor is on the number; the `basis` is that of its forces if none."""
+    """Return the item of a load case, whose factor is on the number."""
     used = factor * number / limit if limit else np.inf
     return AssessedItem(
         name,
@@ -82,11 +101,12 @@ def case_item(
         unit,
         factor,
         used,
-        row.basis if basis is None else basis,
+        row.basis,
         formula,
         source,
         mark,
         "" if factor == 1.0 else row.factors,
+        needs,
     )
 
 

@@ -1,16 +1,19 @@
 """Items of a machine as a whole: pressure, tipping, travel, what it lifts and climbs."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
+from scipy.optimize import brentq
 
 from exudyn_crawler.assessment import forces, pressure, stability, travel, utilisation
+from exudyn_crawler.assessment.forces import Numbers
 from exudyn_crawler.assessment.inputs import AssessmentNumbers
 from exudyn_crawler.assessment.items import KILO, AssessedItem, by_run, case_item
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.states import FORMULA, IN_LINE, SLEW, CaseLoads
 
-PULL_STRAIGHT = "V (sin a + f cos a) / 2 + 2 T f of the idler"
+SLIGHT = 1e-6
+"""Friction that counts as none."""
 SAFETY_OF_CLAY = 2.0
 """Against failure of the ground, 2 to 3 (remembered)."""
 
@@ -22,8 +25,12 @@ def pressure_items(
     if row.support != "even":
         return
     allowed = numbers.ground.allowed / KILO
-    angle = f"{np.degrees(row.slew):.0f} deg"
-    beams = f"P / (b L) (1 + 6 e / L) or triangle, upper structure at {angle}"
+    needs = row.missing_of_loads
+    if np.isnan(allowed):
+        needs = (*needs, "ground.name or ground.allowed_pressure")
+    whole = row.carries >= numbers.fewest.length * (1.0 - 1e-9)
+    shape = "P / (b L) (1 + 6 e / L)" if whole else "2 P / (3 b (L / 2 - e)), a triangle"
+    beams = f"{shape}, upper structure at {np.degrees(row.slew):.0f} deg"
     yield case_item(
         row,
         "greatest ground pressure",
@@ -33,6 +40,7 @@ def pressure_items(
         formula=by_run(row, beams, "greatest normal force of a shoe over pitch x width"),
         source=by_run(row, "statics of two beams", row.basis),
         mark="D",
+        needs=needs,
     )
     if np.isfinite(row.even_pressure):
         yield case_item(
@@ -44,6 +52,7 @@ def pressure_items(
             formula=by_run(row, "P / (b (L - 2 e))", "mean of the shoes that stand"),
             source=by_run(row, "Meyerhof 1953", row.basis),
             mark=by_run(row, "R", "D"),
+            needs=needs,
         )
 
 
@@ -64,9 +73,11 @@ def tipping_items(
         1.0,
         used,
         FORMULA,
-        f"stabilising over overturning moments, {row.edge} edge; tips {np.degrees(row.tilt):.1f} deg further",
+        f"stabilising over overturning moments, {row.edge} edge; tips {np.degrees(row.tilt):.1f} deg further "
+        f"about the {row.tilt_edge} edge",
         f"statics; limit: {row.factors}",
         "D",
+        needs=row.missing,
     )
 
 
@@ -74,7 +85,9 @@ def pull_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings
     """Pull that travel takes, of drive and ground."""
     if row.drive not in ("straight", "turn"):
         return
-    formula = "M / B + f V / 2, friction over both footprints" if row.drive == "turn" else PULL_STRAIGHT
+    formula = f"R / 2, R = {numbers.resistance.formula}"
+    if row.drive == "turn":
+        formula = f"M / B + {formula}, M of the shear strength over both footprints"
     formula = by_run(row, formula, "mean torque of a tumbler x efficiency over its radius")
     yield case_item(
         row,
@@ -85,6 +98,7 @@ def pull_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings
         formula=f"{formula}; it {row.ends}",
         source=by_run(row, "balance of travel", row.basis),
         mark="D",
+        needs=row.missing_of_travel,
     )
 
 
@@ -92,8 +106,11 @@ def across_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettin
     """Force across a shoe, which no source that could be read limits."""
     if row.support != "even" or not row.side_force:
         return
-    turn = "friction x greatest pressure x pitch x width"
-    aside = "push aside over weight, up to the friction, x greatest pressure x pitch x width"
+    strength = (
+        "c + friction x greatest pressure" if numbers.ground.cohesion else "friction x greatest pressure"
+    )
+    turn = f"({strength}) x pitch x width"
+    aside = f"push aside over weight x greatest pressure, at most {strength}, x pitch x width"
     formula = by_run(row, turn if row.drive == "turn" else aside, "greatest friction across a shoe")
     yield AssessedItem(
         "force across a shoe",
@@ -108,62 +125,18 @@ def across_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettin
         formula,
         by_run(row, "friction by load (convention)", row.basis),
         "D",
+        needs=row.missing_of_loads,
     )
 
 
 def machine_items(numbers: AssessmentNumbers, settings: AssessmentSettings) -> Iterator[AssessedItem]:
-    """Items of no load case: rated load, grades that are possible, a blocked track."""
-    level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
-    empty = numbers.work._replace(payload=0.0, digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
-    if numbers.work.payload:
-        acting = forces.forces_at(numbers.weights, empty, SLEW, level)
-        tips = stability.tipping_load(
-            acting, numbers.edges, numbers.work.reach, numbers.weights.swing_axis, SLEW
-        )
-        rated = settings.rated_part * float(tips.min()) / numbers.gravity
-        yield AssessedItem(
-            "payload over rated load",
-            "lifts at its reach",
-            "H",
-            numbers.work.payload / KILO,
-            rated / KILO,
-            "t",
-            1.0,
-            numbers.work.payload / rated if rated else np.inf,
-            FORMULA,
-            f"{settings.rated_part:g} of the tipping load at {numbers.work.reach:g} m, least of all angles",
-            "SAE J1097, ISO 10567",
-            "S",
-        )
-    drive = 2.0 * numbers.drive.pull
-    ground = numbers.ground
-    grades = {
-        "grade that the drive climbs": travel.greatest_slope_by_drive(drive, numbers.weight, ground.rolling),
-        "grade that the ground bears": travel.greatest_slope_by_traction(ground.friction, ground.rolling),
-    }
-    for name, angle in grades.items():
-        possible = float(np.tan(angle)) if angle < 1.5 else np.inf
-        wanted = float(np.tan(numbers.grade))
-        used = wanted / possible if possible > 0.0 else np.inf
-        yield AssessedItem(
-            f"permitted grade over {name}",
-            "travels up a grade",
-            "HZ",
-            wanted,
-            possible,
-            "1",
-            1.0,
-            used,
-            FORMULA,
-            "V (sin a + f cos a) = F; tan a = mu - f",
-            "balance of travel",
-            "D",
-        )
+    """Items of no load case: rated load, grades that are possible, power, a turn, a blocked track."""
+    yield from _rated_load(numbers, settings)
+    yield from _grades(numbers)
     yield from _turn(numbers)
     yield from _information(numbers)
     if numbers.power:
-        speed = numbers.chain.speed
-        taken = travel.resistance(numbers.weight, 0.0, ground.rolling) * speed
+        taken = float(numbers.resistance.on_grade(numbers.weight, 0.0)) * numbers.chain.speed
         yield AssessedItem(
             "power of travel",
             "travels straight on the level",
@@ -174,29 +147,101 @@ def machine_items(numbers: AssessmentNumbers, settings: AssessmentSettings) -> I
             1.0,
             taken / numbers.power,
             FORMULA,
-            "F v",
+            f"R v, R = {numbers.resistance.formula}",
+            "balance of travel",
+            "D",
+        )
+
+
+def _rated_load(numbers: AssessmentNumbers, settings: AssessmentSettings) -> Iterator[AssessedItem]:
+    """Yield the payload over the load that is rated at its reach; nothing of a machine that lifts none."""
+    needs = tuple(key for key in ("work.payload", "work.reach") if key in numbers.not_stated)
+    if "work.payload" not in needs and not numbers.work.payload:
+        return
+    payload = rated = used = np.nan
+    words = "the tipping load at the reach"
+    if "work.payload" not in needs:
+        payload = numbers.work.payload
+    if "work.reach" not in needs:
+        words = f"the tipping load at {numbers.work.reach:g} m, least of all angles"
+        level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
+        acting = forces.forces_at(numbers.weights, numbers.empty, SLEW, level)
+        tips = stability.tipping_load(
+            acting, numbers.edges, numbers.work.reach, numbers.weights.swing_axis, SLEW
+        )
+        rated = settings.rated_part * float(tips.min()) / numbers.gravity
+    if not needs:
+        used = payload / rated if rated else np.inf
+    yield AssessedItem(
+        "payload over rated load",
+        "lifts at its reach",
+        "H",
+        payload / KILO,
+        rated / KILO,
+        "t",
+        1.0,
+        used,
+        FORMULA,
+        f"{settings.rated_part:g} of {words}",
+        "SAE J1097, ISO 10567",
+        "S",
+        needs=needs,
+    )
+
+
+def _grades(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
+    """Permitted grade over the grades at which the resistance to travel is what drive and ground give."""
+    ground = numbers.ground
+    drive = 2.0 * numbers.drive.pull
+    resistance = numbers.resistance
+    area = numbers.footprints.area
+    strength = "c A + mu V cos a" if ground.cohesion else "mu V cos a"
+    kinds: dict[str, tuple[Callable[[float], Numbers], str]] = {
+        "grade that the drive climbs": (lambda _: drive, "2 T eta / r"),
+        "grade that the ground bears": (
+            lambda load: travel.traction(load, ground.friction, ground.cohesion, area),
+            strength,
+        ),
+    }
+    for name, (available, words) in kinds.items():
+        angle = travel.greatest_slope(resistance, numbers.weight, available)
+        possible = float(np.tan(angle)) if angle < 0.5 * np.pi else np.inf
+        wanted = float(np.tan(numbers.grade))
+        yield AssessedItem(
+            f"permitted grade over {name}",
+            "travels up a grade",
+            "HZ",
+            wanted,
+            possible,
+            "1",
+            1.0,
+            wanted / possible if possible > 0.0 else np.inf,
+            FORMULA,
+            f"{resistance.formula} = {words}",
             "balance of travel",
             "D",
         )
 
 
 def _turn(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
-    """Friction of the ground over that up to which the drive turns the machine on the spot, where it turns.
-
-    The pull of a turn goes with the friction, what wheels and chain take does not.
-    """
+    """Yield the friction of the ground over that at which a turn on the spot stalls the drive."""
     level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
-    empty = numbers.work._replace(payload=0.0, digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
-    stands = forces.resultant(forces.forces_at(numbers.weights, empty, IN_LINE, level))
+    stands = forces.resultant(forces.forces_at(numbers.weights, numbers.empty, IN_LINE, level))
     place = int(np.argmin(np.abs(stands.ahead)))
     ahead = float(stands.ahead[place])
     aside = float(stands.aside[place])
+    cohesion = numbers.ground.cohesion
+
+    def pull(friction: float) -> float:
+        return travel.turn_of_footprints(
+            numbers.weight, numbers.footprints, friction, ahead, aside, cohesion
+        ).pull
+
+    spare = numbers.drive.pull - 0.5 * float(numbers.resistance.on_grade(numbers.weight, 0.0))
     try:
-        pull = travel.turn_of_footprints(numbers.weight, numbers.footprints, 1.0, ahead, aside).pull
+        turns = _stalling_friction(pull, max(spare, 0.0), cohesion)
     except ValueError:
         return  # the lighter track slips whatever the friction is
-    straight = 0.5 * travel.resistance(numbers.weight, 0.0, numbers.ground.rolling) + numbers.chain.idler_drag
-    turns = max(numbers.drive.pull - straight, 0.0) / pull
     yield AssessedItem(
         "friction over that at which a turn on the spot stalls",
         "turns on the spot",
@@ -207,10 +252,25 @@ def _turn(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
         1.0,
         numbers.ground.friction / turns if turns else np.inf,
         FORMULA,
-        "(drive - V f / 2 - 2 T f) B / M at a friction of 1; any radius asks for the same friction",
+        f"M / B = T eta / r - R / 2, R = {numbers.resistance.formula}; any radius asks for the same friction",
         "balance of travel",
         "D",
     )
+
+
+def _stalling_friction(pull: Callable[[float], float], spare: float, cohesion: float) -> float:
+    """Return the friction at which the pull of a turn is a spare one (N), 0 if cohesion alone takes more.
+
+    The pull goes with the friction where there is no cohesion.
+    """
+    if not cohesion:
+        return spare / pull(1.0)
+    if pull(SLIGHT) >= spare:
+        return 0.0
+    high = 1.0
+    while pull(high) < spare:
+        high *= 2.0
+    return float(brentq(lambda friction: pull(friction) - spare, SLIGHT, high, rtol=1e-9))
 
 
 def _information(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
@@ -254,8 +314,22 @@ def _information(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
             "Rowland",
             "R",
         ),
-        ("yaw moment of a blocked track", blocked.yaw_moment / KILO, "kN m", "F B / 2", "statics", "D"),
-        ("push on the idler of a blocked track", blocked.idler_push / KILO, "kN", "2 T", "statics", "D"),
+        (
+            "yaw moment of a blocked track",
+            blocked.yaw_moment / KILO,
+            "kN m",
+            "F B / 2, F the lesser of drive and ground",
+            "statics",
+            "D",
+        ),
+        (
+            "push on the idler of a blocked track",
+            blocked.idler_push / KILO,
+            "kN",
+            "2 T, T at rest and of the stalled drive",
+            "statics",
+            "D",
+        ),
         ("bending moment of a shoe, mean rollers", moment / KILO, "kN m", "P (W / 4 - a)", "beam", "D"),
     )
     for name, value, unit, formula, source, mark in rows:

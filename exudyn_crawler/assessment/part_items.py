@@ -32,6 +32,7 @@ def chain_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSetting
         formula=by_run(row, "tension at rest + pull", "greatest of a link"),
         source=by_run(row, "statics; breaking: see inputs", f"{row.basis}; breaking: see inputs"),
         mark="D",
+        needs=row.missing_of_travel,
     )
 
 
@@ -39,46 +40,40 @@ def pin_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings)
     """Pin and bush of the more loaded hinge."""
     shoe = numbers.shoe
     force = row.tension / shoe.hinges * utilisation.SHARED
-    check = utilisation.pin_check(row.strength * force, shoe.hinge, shoe.pin, shoe.lug)
     stress = utilisation.pin_stress(force, shoe.hinge)
+    resists = utilisation.pin_resistance(shoe.pin, shoe.lug)
     source = "EN 1993-1-8, table 3.10"
     share = f"force {utilisation.SHARED:g} T / {shoe.hinges} (share assumed)"
+    bearing = "F / (2 d a), outer lugs" if shoe.hinge.outer_governs else "F / (d b), inner lug"
     rows = (
-        ("pin, shear", stress.shear, check.shear, f"F / 2 over pi d2 / 4; {share}"),
-        ("pin and lug, bearing", stress.bearing_inner, check.bearing, f"F / (d b); {share}"),
-        ("pin, bending", stress.bending, check.bending, f"F (b + 4 c + 2 a) / 8 over W; {share}"),
+        ("pin, shear", stress.shear, resists.shear, "F / 2 over pi d2 / 4"),
+        ("pin and lug, bearing", stress.bearing, resists.bearing, bearing),
+        ("pin, bending", stress.bending, resists.bending, "F (b + 4 c + 2 a) / 8 over W"),
     )
-    for name, value, used, formula in rows:
-        limit = row.strength * value / used
-        yield AssessedItem(
+    for name, value, limit, formula in rows:
+        yield case_item(
+            row,
             name,
-            row.name,
-            row.group,
             value / MEGA,
             limit / MEGA,
             "MPa",
-            row.strength,
-            used,
-            row.basis,
-            formula,
-            source,
-            "S",
-            row.factors,
+            factor=row.strength,
+            formula=f"{formula}; {share}",
+            source=source,
+            mark="S",
+            needs=row.missing_of_travel,
         )
-    yield AssessedItem(
+    yield case_item(
+        row,
         "pin, bending and shear together",
-        row.name,
-        row.group,
-        check.together,
+        (stress.bending / resists.bending) ** 2 + (stress.shear / resists.shear) ** 2,
         1.0,
         "1",
-        row.strength,
-        check.together,
-        row.basis,
-        f"(M / M_Rd)2 + (F / F_Rd)2; {share}",
-        source,
-        "S",
-        row.factors,
+        factor=row.strength**2,
+        formula=f"(M / M_Rd)2 + (F / F_Rd)2, square of the force; {share}",
+        source=source,
+        mark="S",
+        needs=row.missing_of_travel,
     )
     if shoe.hinge.play:
         yield case_item(
@@ -90,17 +85,19 @@ def pin_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings)
             formula=f"0.591 sqrt(E F (d0 - d) / (d2 t)), service load; {share}",
             source="EN 1993-1-8, eq. 3.15",
             mark="S",
+            needs=row.missing_of_travel,
         )
     if row.group == "H":
         yield case_item(
             row,
             "bush, wear",
-            stress.bearing_inner / MEGA,
+            force / (shoe.hinge.diameter * shoe.hinge.inner) / MEGA,
             shoe.wear_pressure / MEGA,
             "MPa",
-            formula=f"F / (d b); {share}",
+            formula=f"F / (d b), inner lug or bush; {share}",
             source="dry bores of manganese 40 to 80 MPa",
             mark="R",
+            needs=row.missing_of_travel,
         )
 
 
@@ -126,6 +123,7 @@ def roller_items(
             formula=f"Hertz, {force / KILO:.0f} kN a tread; {reason}",
             source="Johnson 1985, 4.2 and 9.1",
             mark="S",
+            needs=row.missing_of_loads,
         )
     if row.support == "even":
         yield case_item(
@@ -137,6 +135,7 @@ def roller_items(
             formula=f"F / (D b), {force / KILO:.0f} kN a tread",
             source="hardened crawler rollers 6 to 10 MPa, 1.4 times as an exception",
             mark="R",
+            needs=row.missing_of_loads,
         )
 
 
@@ -156,6 +155,7 @@ def shoe_items(
             formula=f"check case {stress.check_case!r}, {stress.region}",
             source="finite elements",
             mark="D",
+            needs=by_name[stress.load_case].missing_of_loads,
         )
 
 
@@ -183,4 +183,5 @@ def fatigue_item(
         "a tread",
         "FKM guideline by check cases",
         "S",
+        needs=row.missing_of_loads,
     )

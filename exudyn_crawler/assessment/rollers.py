@@ -72,12 +72,11 @@ def end_load(load: float, centre: float, places: Floats) -> Floats:
 
 
 def corner_load(weight: float, ahead: float, aside: float, length: float, gauge: float) -> float:
-    """Greatest load (N) of a corner where a stone lifts it: the machine stands on it and the one opposite.
+    """Return the greatest load (N) of a corner that a stone lifts: V (1/2 + min(|x| / L, |y| / B)).
 
-    Corners at (+-L / 2, +-B / 2). A rigid machine on two opposite corners and a third one as light as can be
-    has on the higher of the two V (1/2 + d / D), d the way of the weight along their diagonal from the middle
-    and D its length; the greatest of the four (statics; derived).
+    The machine is rigid and stands on its corners at (+-L / 2, +-B / 2), which only push. The end and the
+    track of a corner bear V (1/2 + |x| / L) and V (1/2 + |y| / B) however the corners share it: the corner
+    bears the lesser of both where its neighbour there bears nothing (statics; derived).
     """
-    diagonal = float(np.hypot(length, gauge))
-    ways = [(sx * ahead * length + sy * aside * gauge) / diagonal for sx in (1, -1) for sy in (1, -1)]
-    return weight * min(1.0, 0.5 + max(ways) / diagonal)
+    along = min(abs(ahead) / length, 0.5) if length else 0.5
+    return weight * (0.5 + min(along, abs(aside) / gauge, 0.5))

@@ -12,18 +12,36 @@ from exudyn_crawler.case.parameters.reading import errors_named, from_content, t
 from exudyn_crawler.results.life.duty import FatigueMaterial
 
 MACHINE = "machine"  # key of the case that an assessment is of
+CLAY = "clay"  # end of the names of clays
 Part = float | None
 
 
 class WorkSettings(Parameters):
     """Work of the upper structure."""
 
-    payload: float = quantity("kg", "in the dipper or on the hook", (0.0, 2e5), ge=0, le=1e7, default=0.0)
-    reach: base.Extent = quantity("m", "of the payload ahead of the swing axis", (0.0, 60.0), default=0.0)
+    payload: Part = quantity(
+        "kg",
+        "in the dipper or on the hook, or of an attachment beside the upper structure; none: unknown",
+        (0.0, 2e5),
+        ge=0,
+        le=1e7,
+        default=None,
+    )
+    reach: Part = quantity(
+        "m",
+        "of the payload ahead of the swing axis; none: not known",
+        (0.0, 60.0),
+        ge=0,
+        le=100,
+        default=None,
+    )
     least_reach: Part = quantity("m", "least reach of the payload; none: a half", ge=0, le=100, default=None)
     height: base.Extent = quantity("m", "of the payload above the ground", (0.0, 60.0), default=0.0)
-    digging: base.Two = quantity(
-        "N", "force of the bank on the dipper, away from the machine and up", (-5e6, 5e6), default=(0.0, 0.0)
+    digging: base.Two | None = quantity(
+        "N",
+        "force of the bank on the dipper, away from the machine and up, at the reach; none: unknown",
+        (-5e6, 5e6),
+        default=None,
     )
     slew_rate: float = quantity("rad/s", "of the upper structure", (0.0, 1.5), ge=0, le=5, default=0.0)
     grade: float = quantity("1", "permitted, uphill, rise over run", (0.0, 0.7), ge=0, lt=2, default=0.1)
@@ -36,26 +54,34 @@ class WorkSettings(Parameters):
         le=5e3,
         default=250.0,
     )
-    wind_area: float = quantity(
-        "m2", "against which it blows; 0: none", (0.0, 1e3), ge=0, le=1e5, default=0.0
+    wind_area: Part = quantity(
+        "m2", "against which it blows; none: unknown", (0.0, 1e3), ge=0, le=1e5, default=None
     )
     wind_height: base.Extent = quantity("m", "of its middle above the ground", (0.0, 40.0), default=0.0)
 
 
 class GroundSettings(Parameters):
-    """Ground on which the machine stands; what is none is that of the named ground, or of the case."""
+    """Ground on which the machine stands: a named one, or that of the case, which gives what is none here."""
 
-    name: str | None = option("of a named ground; none: friction of the case, pressure of dense gravel", None)
+    name: str | None = option("of a named ground; none: ground of the case, whose pressure is unknown", None)
     allowed_pressure: Part = quantity("Pa", "that it bears", (2e4, 1e7), gt=0, le=1e9, default=None)
     friction: Part = quantity("1", "traction over load, in turns, too", (0.1, 1.2), gt=0, le=3, default=None)
-    rolling: Part = quantity("1", "resistance straight over load", (0.01, 0.15), ge=0, le=1, default=None)
+    rolling: Part = quantity(
+        "1",
+        "resistance straight over load; the sinkage of a case's own ground comes on top",
+        (0.01, 0.15),
+        ge=0,
+        le=1,
+        default=None,
+    )
     undrained_strength: Part = quantity("Pa", "c_u of clay", (1e4, 1e6), gt=0, le=1e8, default=None)
-    cohesion: float = quantity("Pa", "c of the ground, for traction", (0.0, 1e5), ge=0, le=1e7, default=0.0)
+    cohesion: Part = quantity("Pa", "c, beside the friction", (0.0, 1e5), ge=0, le=1e7, default=None)
 
     def _errors(self) -> Errors:
         if self.name is not None:
             ground(self.name)
-        yield from ()
+            if self.undrained_strength is not None and not self.name.endswith(CLAY):
+                yield f"undrained_strength: is of clay, and name is {self.name!r}"
 
 
 class DriveSettings(Parameters):
@@ -63,7 +89,7 @@ class DriveSettings(Parameters):
 
     torque: Part = quantity("N m", "greatest of each tumbler", (1e3, 5e6), gt=0, le=1e9, default=None)
     efficiency: float = quantity("1", "of the chain on its tumbler", (0.8, 1.0), gt=0, le=1, default=0.9)
-    power: Part = quantity("W", "for travel, of both", (1e4, 1e7), gt=0, le=1e9, default=None)
+    power: Part = quantity("W", "for travel, of both chains", (1e4, 1e7), gt=0, le=1e9, default=None)
     rest_tension: Part = quantity("N", "of the chain at rest", (1e3, 3e6), ge=0, le=1e9, default=None)
     breaking_tension: Part = quantity("N", "of the chain", (1e5, 5e7), gt=0, le=1e10, default=None)
 

@@ -25,12 +25,13 @@ def _payloads(numbers: AssessmentNumbers) -> dict[str, float]:
 
 
 def over_slew(numbers: AssessmentNumbers, rated_part: float) -> pd.DataFrame:
-    """Pressure and stability by angle of slewing: level, at rest, with the payload and without."""
+    """Return pressure and stability by angle of slewing: level, at rest, with the payload and without.
+
+    The load that is rated at the reach is a column where the reach is stated.
+    """
     level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
     still = numbers.work._replace(digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
     bare = forces.forces_at(numbers.weights, still._replace(payload=0.0), SLEW, level)
-    reach = numbers.work.reach or 2.0 * max(numbers.edges)
-    loads = stability.tipping_load(bare, numbers.edges, reach, numbers.weights.swing_axis, SLEW)
     tables = []
     for words, payload in _payloads(numbers).items():
         acting = forces.forces_at(numbers.weights, still._replace(payload=payload), SLEW, level)
@@ -48,10 +49,15 @@ def over_slew(numbers: AssessmentNumbers, rated_part: float) -> pd.DataFrame:
             "right track, mean in kPa": right.mean / KILO,
             "length that carries in m": left.length,
             "least margin": tipped.margin.min(axis=1),
-            "edge": [stability.EDGES[edge] for edge in tipped.margin.argmin(axis=1)],
+            "edge": [stability.EDGES[edge] for edge in tipped.first_edge],
             "tips at in deg": np.degrees(tipped.angle.min(axis=1)),
-            "rated load in t": rated_part * loads / numbers.gravity / KILO,
+            "tips about": [stability.EDGES[edge] for edge in tipped.angle.argmin(axis=1)],
         }
+        if "work.reach" not in numbers.not_stated:
+            loads = stability.tipping_load(
+                bare, numbers.edges, numbers.work.reach, numbers.weights.swing_axis, SLEW
+            )
+            columns["rated load in t"] = rated_part * loads / numbers.gravity / KILO
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True)
 

@@ -48,6 +48,16 @@ class Tipping(NamedTuple):
             where=self.overturning > 0.0,
         )
 
+    @property
+    def first_edge(self) -> np.ndarray:
+        """Number in `EDGES` of the edge of the least margin: (angles,).
+
+        Where no force overturns, so that all margins are infinite, the edge of the least angle.
+        """
+        margin = self.margin
+        overturned = np.isfinite(margin).any(axis=1)
+        return np.where(overturned, margin.argmin(axis=1), self.angle.argmin(axis=1))
+
 
 def tipping(forces: MachineForces, edges: Edges) -> Tipping:
     """Moments about each edge, and the angle until the machine tips.

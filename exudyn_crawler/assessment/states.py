@@ -45,14 +45,18 @@ class CaseLoads(NamedTuple):
     """Meyerhof's, of the more loaded track, Pa."""
     slew: float
     """Angle of the greatest pressure, rad."""
+    carries: float
+    """Length of a track that carries at the greatest pressure, m."""
     track_load: float
     """Greatest of a track, N."""
     margin: float
     """Least stabilising over overturning moments."""
     edge: str
-    """About which that is."""
+    """About which that is; that of the least angle where no force overturns."""
     tilt: float
     """Least angle until it tips, rad."""
+    tilt_edge: str
+    """About which that is."""
     roller: float
     """Greatest load of a roller, N."""
     roller_loads: Floats
@@ -69,6 +73,18 @@ class CaseLoads(NamedTuple):
     """Greatest of the chain, N."""
     side_force: float
     """Greatest across a shoe on the ground, N."""
+    missing: tuple[str, ...] = ()
+    """Keys of the settings that the load case asks for and that are not stated: its forces lack them."""
+
+    @property
+    def missing_of_loads(self) -> tuple[str, ...]:
+        """Keys that forces on ground and rollers lack; a run has its own forces."""
+        return self.missing if self.basis == FORMULA else ()
+
+    @property
+    def missing_of_travel(self) -> tuple[str, ...]:
+        """Keys that pull and chain tension lack: those of a machine at rest depend on no load."""
+        return self.missing_of_loads if self.drive in ("straight", "turn") else ()
 
 
 class _Envelope(NamedTuple):
@@ -77,11 +93,13 @@ class _Envelope(NamedTuple):
     slew: Floats
     stands: Resultant
     greatest: Floats
+    carries: Floats
     even: Floats
     heavier: Floats
     margin: Floats
     edge: Floats
     tilt: Floats
+    tilt_edge: Floats
     distance: Floats
 
 
@@ -95,10 +113,12 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
     group = cases.group_of(case)
     envelope = _envelope(numbers, case)
     worst = int(np.argmax(envelope.greatest))
-    tips = int(np.argmin(envelope.margin))
+    tilts = int(np.argmin(envelope.tilt))
+    tips = int(np.argmin(envelope.margin)) if np.isfinite(envelope.margin).any() else tilts
     needed, available, ends, pull = _travel(numbers, case, envelope)
     speed = 0.0 if case.drive == "none" else numbers.chain.speed
-    tension = chain.travel_tension(numbers.chain.rest, pull, numbers.chain.weight, speed).taut
+    mass = numbers.chain.weight / numbers.gravity
+    tension = chain.travel_tension(numbers.chain.rest, pull, mass, speed).taut
     loads = _rollers(numbers, case, envelope, tension)
     return CaseLoads(
         name=case.name,
@@ -114,10 +134,12 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
         greatest_pressure=float(envelope.greatest[worst]),
         even_pressure=float(envelope.even.max()),
         slew=float(envelope.slew[worst]),
+        carries=float(envelope.carries[worst]),
         track_load=float(envelope.heavier.max()),
         margin=float(envelope.margin[tips]),
         edge=stability.EDGES[int(envelope.edge[tips])],
-        tilt=float(envelope.tilt.min()),
+        tilt=float(envelope.tilt[tilts]),
+        tilt_edge=stability.EDGES[int(envelope.tilt_edge[tilts])],
         roller=float(loads.max()),
         roller_loads=loads,
         distance=float(envelope.distance.min()),
@@ -126,21 +148,35 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
         ends=ends,
         tension=tension,
         side_force=_side_force(numbers, case, envelope),
+        missing=_missing(numbers, case),
     )
+
+
+def _missing(numbers: AssessmentNumbers, case: LoadCase) -> tuple[str, ...]:
+    """Return the keys of what a load case asks for and the settings do not state."""
+    asked = {"work.payload": case.payload, "work.digging": case.digging, "work.wind_area": case.wind}
+    missing = [key for key, wanted in asked.items() if wanted and key in numbers.not_stated]
+    lifted = case.payload and ("work.payload" in missing or numbers.work.payload)
+    dug = case.digging and ("work.digging" in missing or any(numbers.work.digging))
+    if (lifted or dug) and "work.reach" in numbers.not_stated:
+        missing.append("work.reach")
+    return tuple(missing)
 
 
 def _side_force(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope) -> float:
     """Greatest force across a shoe on the ground, N.
 
-    In a turn the most loaded shoe has all of its friction across. Else what pushes the machine aside (slope,
-    wind, bank, slewing) is shared as the load is, as far as friction holds it (a convention here).
+    In a turn the most loaded shoe has all of its shear strength across. Else what pushes the machine aside
+    (slope, wind, bank, slewing) is shared as the load is, as far as the strength holds it (a convention
+    here).
     """
     part = numbers.chain.pitch * numbers.footprints.width
-    friction = numbers.ground.friction
+    strength = numbers.ground.friction * envelope.greatest + numbers.ground.cohesion
+    if case.drive == "turn":
+        return float(strength.max()) * part
     pushed = np.abs(envelope.stands.push_left) / envelope.stands.weight
-    share = np.full_like(pushed, friction) if case.drive == "turn" else np.minimum(pushed, friction)
-    pressed = np.multiply(share, envelope.greatest, out=np.zeros_like(share), where=share > 0.0)
-    return float(pressed.max()) * part
+    shared = np.multiply(pushed, envelope.greatest, out=np.zeros_like(pushed), where=pushed > 0.0)
+    return float(np.minimum(shared, strength).max()) * part
 
 
 def _works(numbers: AssessmentNumbers, case: LoadCase) -> list[Work]:
@@ -183,11 +219,21 @@ def _envelope(numbers: AssessmentNumbers, case: LoadCase) -> _Envelope:
         greatest = np.where(over, np.inf, np.fmax(left.greatest, right.greatest))
         even = np.where(over, np.inf, np.fmax(left.even, right.even))
         loads = pressure.track_loads(stands.weight, stands.aside, numbers.footprints.gauge)
-        edge = tipped.margin.argmin(axis=1)
-        least = tipped.margin.min(axis=1)
-        tilt = tipped.angle.min(axis=1)
-        distance = tipped.distance.min(axis=1)
-        parts.append((slew, stands, greatest, even, np.maximum(*loads), least, edge, tilt, distance))
+        parts.append(
+            (
+                slew,
+                stands,
+                greatest,
+                left.length,
+                even,
+                np.maximum(*loads),
+                tipped.margin.min(axis=1),
+                tipped.first_edge,
+                tipped.angle.min(axis=1),
+                tipped.angle.argmin(axis=1),
+                tipped.distance.min(axis=1),
+            )
+        )
     columns = list(zip(*parts, strict=True))
     stands = Resultant(*(np.concatenate(values) for values in zip(*columns.pop(1), strict=True)))
     angles, *others = (np.concatenate(values) for values in columns)
@@ -195,30 +241,39 @@ def _envelope(numbers: AssessmentNumbers, case: LoadCase) -> _Envelope:
 
 
 def _rollers(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope, tension: float) -> Floats:
-    """Loads (rollers,) of the track with the most loaded roller of the load case, N."""
+    """Return the loads (rollers,) of the track with the most loaded roller of the load case, N.
+
+    Shoes on the ground bear their own weight in the middle of their length, so that the load of the rollers
+    is further off the middle than that of the track.
+    """
+    stands = envelope.stands
     places = numbers.rollers.supports
-    chosen = {int(np.argmax(np.abs(envelope.stands.ahead))), int(np.argmax(envelope.heavier))}
-    chosen.add(int(np.argmax(envelope.greatest)))
+    lying = numbers.rollers.above_ground
     best = np.zeros(len(numbers.rollers.places))
-    for number in chosen:
-        load = max(float(envelope.heavier[number]) - numbers.rollers.above_ground, 0.0)
-        centre = float(np.clip(envelope.stands.ahead[number], places[0], places[-1]))
+    for heavier, weight, ahead, aside in zip(
+        envelope.heavier, stands.weight, stands.ahead, stands.aside, strict=True
+    ):
+        if heavier <= lying:
+            continue
+        if case.support == "corner":
+            loads = _corner(numbers, float(weight), float(ahead), float(aside))
+        else:
+            load = float(heavier) - lying
+            centre = float(np.clip(ahead * heavier / load, places[0], places[-1]))
+            loads = _on_supports(numbers, case.support, load, centre)
+        loads = numbers.rollers.shared(loads)
         if case.support == "even":
-            loads = numbers.rollers.shared(
-                rollers.even_loads(load, centre, places, numbers.rollers.stiffness)
-            )
             for end, rise in zip((0, -1), numbers.chain.rises, strict=True):
                 loads[end] += chain.end_roller_push(tension, rise, 1.0)
-        elif case.support == "corner":
-            loads = numbers.rollers.shared(_corner(numbers, envelope, number))
-        else:
-            loads = numbers.rollers.shared(_uneven(case.support, load, centre, places))
         best = loads if loads.max() > best.max() else best
     return best
 
 
-def _uneven(support: str, load: float, centre: float, places: Floats) -> Floats:
-    """Loads of the rollers and bogies of one track on uneven ground, N."""
+def _on_supports(numbers: AssessmentNumbers, support: str, load: float, centre: float) -> Floats:
+    """Return the loads of the rollers and bogies of one track, N."""
+    places = numbers.rollers.supports
+    if support == "even":
+        return rollers.even_loads(load, centre, places, numbers.rollers.stiffness)
     if support == "two":
         return rollers.two_loads(load, centre, places, rollers.neighbours(centre, places))
     if support == "outer":
@@ -226,16 +281,16 @@ def _uneven(support: str, load: float, centre: float, places: Floats) -> Floats:
     return rollers.one_load(load, centre, places)
 
 
-def _corner(numbers: AssessmentNumbers, envelope: _Envelope, number: int) -> Floats:
-    """Loads of one track whose corner stands on a stone, N: that of the corner alone."""
+def _corner(numbers: AssessmentNumbers, weight: float, ahead: float, aside: float) -> Floats:
+    """Return the loads of one track whose corner stands on a stone, N: that of the corner alone."""
     places = numbers.rollers.supports
-    weight = float(envelope.stands.weight[number]) - 2.0 * numbers.rollers.above_ground
-    ahead = float(envelope.stands.ahead[number])
-    aside = float(envelope.stands.aside[number])
-    length = float(places[-1] - places[0])
+    load = weight - 2.0 * numbers.rollers.above_ground
+    away = weight / load
     loads = np.zeros(len(places))
-    corner = rollers.corner_load(weight, ahead, aside, length, numbers.footprints.gauge)
-    loads[0 if ahead < 0.0 else -1] = corner
+    length = float(places[-1] - places[0])
+    loads[0 if ahead < 0.0 else -1] = rollers.corner_load(
+        load, away * ahead, away * aside, length, numbers.footprints.gauge
+    )
     return loads
 
 
@@ -245,31 +300,32 @@ def _travel(
     """Pull of a track that is needed, available, what it ends by, and the pull that its chain bears, N."""
     if case.drive == "none":
         return 0.0, np.inf, "", 0.0
-    weight = float(envelope.stands.weight.max())
+    stands = envelope.stands
     ground = numbers.ground
-    part = numbers.footprints.length * numbers.footprints.width
-    held = float(travel.traction(0.5 * weight, ground.friction, ground.cohesion, part))
+    area = numbers.footprints.area
+    held = 0.5 * np.asarray(travel.traction(stands.weight, ground.friction, ground.cohesion, area))
     pull = numbers.drive.pull
     if case.drive in ("stall", "blocked"):
-        return pull, min(pull, held), "stalls", pull
-    slope = numbers.grade if case.grade else 0.0
-    needed = 0.5 * travel.resistance(weight / np.cos(slope), slope, ground.rolling)
-    needed += numbers.chain.idler_drag
-    if ground.compaction is not None:
-        mean = weight / numbers.footprints.area
-        sides = numbers.footprints.width
-        needed += 0.5 * travel.sinkage_resistance(mean, ground.compaction, sides)
+        return pull, min(pull, float(np.max(held))), "stalls", pull
+    straight = 0.5 * np.asarray(numbers.resistance.pull(stands.weight, -stands.push_ahead))
     if case.drive == "straight":
-        return needed, min(pull, held), travel.ends_by(needed, pull, held), needed
-    worst = int(np.argmin(np.abs(envelope.stands.ahead)))
-    place = float(envelope.stands.ahead[worst]), float(envelope.stands.aside[worst])
+        worst = int(np.argmax(straight / np.minimum(pull, held)))
+        needed, bears = float(straight[worst]), float(held[worst])
+        return needed, min(pull, bears), travel.ends_by(needed, pull, bears), float(straight.max())
+    needed = float(straight.max())
+    weight = float(stands.weight.max())
+    worst = int(np.argmin(np.abs(stands.ahead)))
+    place = float(stands.ahead[worst]), float(stands.aside[worst])
     try:
-        turn = travel.turn_of_footprints(weight, numbers.footprints, ground.friction, *place)
+        turn = travel.turn_of_footprints(weight, numbers.footprints, ground.friction, *place, ground.cohesion)
     except ValueError:
         # the lighter track slips, and the machine stands
-        lighter = ground.friction * (weight - float(envelope.heavier.max()))
-        lines = travel.turn_of_lines(weight, *numbers.footprints[1::-1], ground.friction)
-        return lines.pull, min(pull, lighter), "slips", min(pull, lighter)
+        lighter = weight - float(envelope.heavier[worst])
+        strength = travel.traction(lighter, ground.friction, ground.cohesion, 0.5 * area)
+        given = min(pull, float(strength))
+        firm = weight + ground.cohesion * area / ground.friction
+        lines = travel.turn_of_lines(firm, *numbers.footprints[1::-1], ground.friction)
+        return needed + lines.pull, given, "slips", given
     needed += turn.pull
     # shoes slide in a turn: ground gives what they ask for, and the drive alone can be too weak
     return needed, pull, travel.ends_by(needed, pull, np.inf), needed

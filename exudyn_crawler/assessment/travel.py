@@ -4,10 +4,11 @@ Two tracks at the distance B, each on a rectangle of the length L and the shoes'
 the resistance are those of the Caterpillar Performance Handbook (rolling and grade resistance).
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, root
+from scipy.optimize import brentq, minimize_scalar, root
 
 from exudyn_crawler.assessment.forces import Floats, Numbers
 from exudyn_crawler.assessment.pressure import Footprints, track_loads, track_pressure
@@ -17,36 +18,61 @@ ALONG, ACROSS = 160, 24
 LEAST_SLIP, GREATEST_SLIP = 1e-6, 1e3
 """Of a track along itself over that across at its ends, between which the turn is looked for."""
 BALANCED = 1e-6
-"""Part of the weight by which forces of a turn may be out of balance."""
+"""Part of the shear strength below the tracks by which forces of a turn may be out of balance."""
 
 
-def resistance(weight: float, slope: float, rolling: float, other: float = 0.0) -> float:
-    """Pull (N) that straight travel takes: V (sin a + f cos a) + other resistance.
+class Compaction(NamedTuple):
+    """Ground that tracks compact by Bekker's law, p = (k_c / b + k_phi) z^n."""
 
-    Parameters
-    ----------
-    weight : float
-        Of the machine, N.
-    slope : float
-        Uphill, rad.
-    rolling : float
-        f, of chain, rollers and ground over the force on the ground.
-    other : float
-        Sinkage, digging, N.
+    k_c: float
+    """N/m^(n+1)."""
+    k_phi: float
+    """N/m^(n+2)."""
+    exponent: float
+
+
+def sinkage_resistance(pressure: Numbers, law: Compaction, width: float) -> Numbers:
+    """Return the resistance (N) of both tracks by compaction: 2 b k z^(n+1) / (n + 1), k = k_c / b + k_phi.
+
+    `pressure` below the tracks, Pa; `width` b of the shoes, m. Bekker 1956 (remembered); sinkage z is that of
+    the mean pressure.
     """
-    return weight * (np.sin(slope) + rolling * np.cos(slope)) + other
+    modulus = law.k_c / width + law.k_phi
+    sinkage = (np.maximum(pressure, 0.0) / modulus) ** (1.0 / law.exponent)
+    return 2.0 * width * modulus * sinkage ** (law.exponent + 1.0) / (law.exponent + 1.0)
 
 
-def sinkage_resistance(pressure: float, law: tuple[float, float, float], width: float) -> float:
-    """Resistance (N) of both tracks by compaction of the ground: 2 b k z^(n+1) / (n + 1), p = k z^n.
+class TravelResistance(NamedTuple):
+    """Resistance of a machine to straight travel: the one that every item of an assessment takes."""
 
-    `pressure` below the tracks, Pa; `law` has k_c (N/m^(n+1)), k_phi (N/m^(n+2)) and n, k = k_c / b + k_phi;
-    `width` b of the shoes, m. Bekker 1956 (remembered); sinkage is that of the mean pressure.
-    """
-    k_c, k_phi, exponent = law
-    modulus = k_c / width + k_phi
-    sinkage = (pressure / modulus) ** (1.0 / exponent)
-    return float(2.0 * width * modulus * sinkage ** (exponent + 1.0) / (exponent + 1.0))
+    rolling: float
+    """f, of chain, rollers and ground over the force on the ground."""
+    idler: float
+    """Friction of one idler, on which both runs pull at rest, N."""
+    footprints: Footprints
+    compaction: Compaction | None = None
+
+    def pull(self, load: Numbers, against: Numbers = 0.0) -> Numbers:
+        """Return the pull (N) of both tracks.
+
+        `load` (N) normal to the ground; `against` (N) what pushes along the ground against the travel: weight
+        on a grade, wind, bank.
+        """
+        sinks: Numbers = 0.0
+        if self.compaction is not None:
+            pressure = load / self.footprints.area
+            sinks = sinkage_resistance(pressure, self.compaction, self.footprints.width)
+        return against + self.rolling * load + 2.0 * self.idler + sinks
+
+    def on_grade(self, weight: float, slope: Numbers) -> Numbers:
+        """Return the pull (N) of both tracks of a weight (N) up a slope (rad)."""
+        return self.pull(weight * np.cos(slope), weight * np.sin(slope))
+
+    @property
+    def formula(self) -> str:
+        """Formula of the pull of both tracks."""
+        sinks = "" if self.compaction is None else " + 2 b k z^(n+1) / (n + 1)"
+        return f"V (sin a + f cos a) + 4 T f of the idlers{sinks}"
 
 
 def traction(load: Numbers, friction: float, cohesion: float = 0.0, area: float = 0.0) -> Numbers:
@@ -57,23 +83,24 @@ def traction(load: Numbers, friction: float, cohesion: float = 0.0, area: float 
     return cohesion * area + friction * load
 
 
-def greatest_slope_by_drive(pull: float, weight: float, rolling: float) -> float:
-    """Slope (rad) at which a drive's pull (N) is used up; pi / 2 where it lifts the machine.
+def greatest_slope(
+    resistance: TravelResistance, weight: float, available: Callable[[float], Numbers]
+) -> float:
+    """Return the greatest slope (rad) on which a pull is enough for travel.
 
-    V (sin a + f cos a) = F gives sin(a + atan f) = F / (V sqrt(1 + f^2)) (derived). Negative where the pull
-    does not even move it on the level.
+    `available` gives the pull (N) of both tracks at a load (N) normal to the ground. The slope is pi / 2
+    where it lifts the machine, 0 where it does not even move it on the level.
     """
-    part = pull / (weight * np.hypot(1.0, rolling))
-    return float(np.arcsin(part) - np.arctan(rolling)) if part < 1.0 else 0.5 * np.pi
 
+    def missing(slope: float) -> float:
+        return float(resistance.on_grade(weight, slope) - available(weight * np.cos(slope)))
 
-def greatest_slope_by_traction(friction: float, rolling: float) -> float:
-    """Slope (rad) at which the ground gives way: tan a = mu - f_ground, f that of `rolling` (derived).
-
-    What chain and rollers resist by themselves does not pass through the ground; all of f counted here is on
-    the safe side.
-    """
-    return float(np.arctan(friction - rolling))
+    if missing(0.0) >= 0.0:
+        return 0.0
+    steepest = minimize_scalar(lambda slope: -missing(slope), bounds=(0.0, 0.5 * np.pi), method="bounded").x
+    if missing(steepest) <= 0.0:
+        return 0.5 * np.pi
+    return float(brentq(missing, 0.0, steepest, xtol=1e-12))
 
 
 class Turn(NamedTuple):
@@ -118,7 +145,12 @@ def turn_of_lines(weight: float, length: float, gauge: float, friction: float) -
 
 
 def turn_of_footprints(
-    weight: float, footprint: Footprints, friction: float, ahead: float = 0.0, aside: float = 0.0
+    weight: float,
+    footprint: Footprints,
+    friction: float,
+    ahead: float = 0.0,
+    aside: float = 0.0,
+    cohesion: float = 0.0,
 ) -> Turn:
     """Turn of tracks as rectangles: with the moment of the shoes' width, and pressure that changes along.
 
@@ -135,6 +167,8 @@ def turn_of_footprints(
         Of shoes on the ground, the same along and across.
     ahead, aside : float
         X and y of the weight from the middle, m: pressure is a trapezoid or a triangle along the tracks.
+    cohesion : float
+        Of the ground, Pa: shear strength where shoes press, beside the friction.
 
     Raises
     ------
@@ -144,35 +178,36 @@ def turn_of_footprints(
     Notes
     -----
     A shoe at (x, y) of the machine, h beside its track's middle, slips with (u - h w, (x - x0) w) and bears
-    ``-mu p v / |v|``. Slips u of both tracks and the pole x0 follow from the sums of forces along and across,
-    and of moments, which are zero (derived; Merritt and Steeds have lines without width).
+    ``-(c + mu p) v / |v|``. Slips u of both tracks and the pole x0 follow from the sums of forces along and
+    across, and of moments, which are zero (derived; Merritt and Steeds have lines without width).
     """
     gauge, length, _ = footprint
     x, beside, press = _pressed(weight, footprint, ahead, aside)
+    held = friction * press + cohesion * (0.5 * footprint.area / len(x)) * (press > 0.0)
     y = beside + np.array([[-0.5 * gauge], [0.5 * gauge]])
 
     def forces(unknown: Floats) -> tuple[Floats, Floats]:
-        """Forces ahead and to the left (2, n) over the friction as the machine turns to the left, N."""
+        """Forces ahead and to the left (2, n) as the machine turns to the left, N."""
         # slips of a light track grow beyond all bounds: its pull is what the ground gives
         right, left = 0.5 * length * np.sinh(unknown[:2])
         pole = 0.5 * length * unknown[2]
         ahead_speed = np.array([[-right], [left]]) - beside
         left_speed = np.broadcast_to(x - pole, ahead_speed.shape)
         speed = np.hypot(ahead_speed, left_speed)
-        return -press * ahead_speed / speed, -press * left_speed / speed
+        return -held * ahead_speed / speed, -held * left_speed / speed
 
     def out_of_balance(unknown: Floats) -> Floats:
         along, across = forces(unknown)
         moment = (x * across - y * along).sum() / length
-        return np.array([along.sum(), across.sum(), moment]) / weight
+        return np.array([along.sum(), across.sum(), moment]) / held.sum()
 
-    slip = np.arcsinh(turn_of_lines(weight, length, gauge, friction).slip)
+    slip = np.arcsinh(turn_of_lines(weight, length, gauge, 1.0).slip)
     solution = root(out_of_balance, np.array([slip, slip, ahead / length]), method="hybr", tol=1e-10)
     if not solution.success and np.abs(solution.fun).max() > BALANCED:
-        lighter = friction * min(track_loads(weight, aside, gauge))
+        lighter = float(held.sum(axis=1).min())
         raise ValueError(f"the lighter track slips at {lighter:.4g} N before the machine turns")
     along, _ = forces(solution.x)
-    pull = friction * float(along[0].sum())
+    pull = float(along[0].sum())
     right, left = np.sinh(solution.x[:2])
     return Turn(0.5 * float(right + left), pull * gauge, pull, 0.5 * length * float(solution.x[2]))
 

@@ -34,6 +34,16 @@ class PinnedHinge(NamedTuple):
     play: float = 0.0
     """Diameter of the hole over that of the pin."""
 
+    @property
+    def outer_governs(self) -> bool:
+        """True where both outer lugs together are narrower than the inner one, and bear the more."""
+        return 2.0 * self.outer < self.inner
+
+    @property
+    def bearing_width(self) -> float:
+        """Width (m) of the lugs that bear the more: of the inner lug, or of both outer ones."""
+        return min(self.inner, 2.0 * self.outer)
+
 
 class PartStrength(NamedTuple):
     """Strength of a part, Pa."""
@@ -43,63 +53,46 @@ class PartStrength(NamedTuple):
 
 
 class PinStress(NamedTuple):
-    """Stresses of a pin in two sections, Pa, and its moment, N m."""
+    """Stresses of a pin, or those that it resists, Pa."""
 
     shear: float
-    """Force of each section over its area."""
-    bearing_inner: float
-    """Force over diameter and width of the inner lug."""
-    bearing_outer: float
-    moment: float
-    """In the middle of the pin."""
+    """Force of each of two sections over its area."""
+    bearing: float
+    """Force over diameter and width where that is greatest: of the inner lug, or of the outer ones."""
     bending: float
-    """Moment over the elastic modulus of section."""
+    """Moment in the middle of the pin over the elastic modulus of section."""
+
+
+def pin_moment(force: float, hinge: PinnedHinge) -> float:
+    """Return the bending moment (N m) in the middle of a pin: M = F (b + 4 c + 2 a) / 8.
+
+    b inner, a outer width and c gap (EN 1993-1-8, figure 3.11, the formula remembered).
+    """
+    return force * (hinge.inner + 4.0 * hinge.gap + 2.0 * hinge.outer) / 8.0
 
 
 def pin_stress(force: float, hinge: PinnedHinge) -> PinStress:
-    """Stresses of a pin that bears a force (N) in double shear.
+    """Return the stresses of a pin that bears a force (N) in double shear.
 
-    Shear F / 2 over pi d^2 / 4, bearing F / (d t) and F / (2 d t_outer), bending by
-    M = F (b + 4 c + 2 a) / 8 with b inner, a outer width and c gap (EN 1993-1-8, figure 3.11, the formula
-    remembered).
+    Shear F / 2 over pi d^2 / 4, bearing the greater of F / (d b) and F / (2 d a), bending M / (pi d^3 / 32).
     """
-    diameter, inner, outer, gap, _ = hinge
+    diameter = hinge.diameter
     area = 0.25 * np.pi * diameter**2
-    moment = force * (inner + 4.0 * gap + 2.0 * outer) / 8.0
-    return PinStress(
-        0.5 * force / area,
-        force / (diameter * inner),
-        0.5 * force / (diameter * outer),
-        moment,
-        moment / (np.pi * diameter**3 / 32.0),
-    )
-
-
-class PinCheck(NamedTuple):
-    """Parts of the resistance of a pin that are used."""
-
-    shear: float
-    bearing: float
-    bending: float
-    together: float
-    """Squares of bending and shear."""
-
-
-def pin_check(force: float, hinge: PinnedHinge, pin: PartStrength, lug: PartStrength) -> PinCheck:
-    """Utilisation of a pin under a force (N) that has its load factor.
-
-    F_v,Rd = 0.6 A f_up / gamma_M2 in each of two sections, F_b,Rd = 1.5 t d f_y / gamma_M0 with the lower
-    yield strength of pin and lug, M_Rd = 1.5 W f_yp / gamma_M0, and (M / M_Rd)^2 + (F_v / F_v,Rd)^2 <= 1
-    (EN 1993-1-8, table 3.10).
-    """
-    diameter, inner, outer, _, _ = hinge
-    shear = 0.5 * force / (IN_SHEAR * 0.25 * np.pi * diameter**2 * pin.tensile / GAMMA_M2)
-    width = min(inner, 2.0 * outer)
-    weaker = min(pin.yield_strength, lug.yield_strength)
-    bearing = force / (1.5 * width * diameter * weaker / GAMMA_M0)
     modulus = np.pi * diameter**3 / 32.0
-    bending = pin_stress(force, hinge).moment / (1.5 * modulus * pin.yield_strength / GAMMA_M0)
-    return PinCheck(shear, bearing, bending, float(bending**2 + shear**2))
+    bearing = force / (diameter * hinge.bearing_width)
+    return PinStress(0.5 * force / area, bearing, pin_moment(force, hinge) / modulus)
+
+
+def pin_resistance(pin: PartStrength, lug: PartStrength) -> PinStress:
+    """Return the stresses that a pin resists.
+
+    Shear 0.6 f_up / gamma_M2, bearing 1.5 f_y / gamma_M0 with the lower yield strength of pin and lug,
+    bending 1.5 f_yp / gamma_M0 (EN 1993-1-8, table 3.10: F_v,Rd, F_b,Rd and M_Rd over area, width, modulus).
+    """
+    weaker = min(pin.yield_strength, lug.yield_strength)
+    return PinStress(
+        IN_SHEAR * pin.tensile / GAMMA_M2, 1.5 * weaker / GAMMA_M0, 1.5 * pin.yield_strength / GAMMA_M0
+    )
 
 
 def hole_contact(force: float, hinge: PinnedHinge, modulus: float) -> float:
@@ -108,8 +101,8 @@ def hole_contact(force: float, hinge: PinnedHinge, modulus: float) -> float:
     0.591 sqrt(E F (d0 - d) / (d^2 t)), `modulus` E in Pa, of which 2.5 f_y / gamma_M6,ser is allowed for
     pins that are replaced.
     """
-    width = min(hinge.inner, 2.0 * hinge.outer)
-    return LIGHT * float(np.sqrt(modulus * force * hinge.play / (hinge.diameter**2 * width)))
+    section = hinge.diameter**2 * hinge.bearing_width
+    return LIGHT * float(np.sqrt(modulus * force * hinge.play / section))
 
 
 def chain_strength(hinge: PinnedHinge, hinges: int, pin: PartStrength) -> float:

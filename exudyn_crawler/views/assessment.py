@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from exudyn_crawler.assessment import forces, pressure, travel
+from exudyn_crawler.assessment import forces, pressure, slewing, travel
 from exudyn_crawler.assessment.assessment import Assessment
+from exudyn_crawler.assessment.items import NOT_KNOWN
 from exudyn_crawler.views import style
 
-WITHIN, EXCEEDS, LIMIT = "#4f8a5b", "#c0271d", "#3c4a54"
+WITHIN, EXCEEDS, LIMIT, UNKNOWN = "#4f8a5b", "#c0271d", "#3c4a54", "#9aa3a9"
+COLOURS = {"yes": WITHIN, "no": EXCEEDS}
 GRADES = np.linspace(0.0, 0.5, 51)
 """Rise over run, over which travel is drawn."""
 
@@ -36,12 +38,16 @@ def utilisation_figure(found: Assessment) -> Figure:
     ) as figure:
         ax = figure.subplots()
         used = [item.utilisation for item in items]
-        colours = [WITHIN if item.utilisation <= 1.0 else EXCEEDS for item in items]
+        colours = [COLOURS.get(item.verdict, UNKNOWN) for item in items]
         ax.barh([item.item for item in items], used, color=colours)
         ax.axvline(1.0, color=LIMIT, lw=1.2)
         for place, item in enumerate(items):
             ax.text(
-                item.utilisation, place, f" {item.utilisation:.2f}  {item.load_case}", va="center", fontsize=7
+                item.utilisation,
+                place,
+                f" {item.utilisation:.2f}  {item.load_case}{f', {NOT_KNOWN}' if item.needs else ''}",
+                va="center",
+                fontsize=7,
             )
         ax.set_xlim(0.0, 1.45 * max([*used, 1.0]))
         ax.set_xlabel("number x factor over limit")
@@ -63,7 +69,8 @@ def pressure_figure(found: Assessment) -> Figure:
             (line,) = ax.plot(*_closed(angle, greater), label=f"{state}, greatest", lw=1.5)
             mean = np.where(np.isfinite(mean), mean, np.nan)
             ax.plot(*_closed(angle, mean), "--", color=line.get_color(), label=f"{state}, mean of that track")
-        ax.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.full(181, allowed), color=EXCEEDS, label="allowed")
+        if np.isfinite(allowed):
+            ax.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.full(181, allowed), color=EXCEEDS, label="allowed")
         ax.set_ylim(0.0, None)
         ax.legend(loc="upper left", bbox_to_anchor=(-0.2, -0.08), ncols=2, fontsize=8)
     return figure
@@ -94,9 +101,8 @@ def tracks_figure(found: Assessment) -> Figure:
     greater = greater.where(np.isfinite(greater), -1.0)
     row = last.iloc[int(greater.argmax())]
     numbers = found.numbers
-    work = numbers.work._replace(digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
-    if row["state"] == "without payload":
-        work = work._replace(payload=0.0)
+    payload = 0.0 if row["state"] == slewing.WITHOUT else numbers.work.payload
+    work = numbers.empty._replace(payload=payload)
     level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
     acting = forces.forces_at(numbers.weights, work, np.radians([row["slew in deg"]]), level)
     stands = forces.resultant(acting)
@@ -109,7 +115,8 @@ def tracks_figure(found: Assessment) -> Figure:
             line = _line(float(load[0]), float(stands.ahead[0]), numbers.fewest)
             places = np.linspace(-half, half, 200)
             ax.plot(places, line(places) / 1e3, label=f"{name} track, {load[0] / 1e6:.3g} MN")
-        ax.axhline(numbers.ground.allowed / 1e3, color=EXCEEDS, label="allowed")
+        if np.isfinite(numbers.ground.allowed):
+            ax.axhline(numbers.ground.allowed / 1e3, color=EXCEEDS, label="allowed")
         ax.plot(
             numbers.rollers.places,
             np.zeros(len(numbers.rollers.places)),
@@ -134,9 +141,10 @@ def _line(load: float, ahead: float, area: pressure.Footprints) -> Callable[[np.
 
 
 def stability_figure(found: Assessment) -> Figure:
-    """Polar plots of the margin against tipping, and of the load that is rated at the reach."""
+    """Draw polar plots of the angle at which it tips, and of the load that is rated at a stated reach."""
     with style.titled_figure("Stability over the angle of slewing, on the level", 10.0, 5.2) as figure:
-        left, right = (_polar(figure, (1, 2, number)) for number in (1, 2))
+        rated = "rated load in t" in found.over_slew
+        left = _polar(figure, (1, 1 + rated, 1))
         for state, rows in found.over_slew.groupby("state", sort=False):
             angle = np.radians(rows["slew in deg"].to_numpy())
             tilt = rows["tips at in deg"].to_numpy()
@@ -150,24 +158,27 @@ def stability_figure(found: Assessment) -> Figure:
                 lw=0.9,
                 label=f"permitted {words}",
             )
-        rows = found.over_slew[found.over_slew["state"] == "without payload"]
-        angle = np.radians(rows["slew in deg"].to_numpy())
-        rated = rows["rated load in t"].to_numpy()
-        rated = np.where(np.isfinite(rated), rated, np.nan)
-        reach = found.numbers.work.reach or 2.0 * max(found.numbers.edges)
-        right.plot(
-            *_closed(angle, rated),
-            color=style.TUMBLER,
-            label=f"{found.settings.rated_part:g} of the tipping load at {reach:.3g} m, t",
-        )
-        if payload := found.numbers.work.payload:
-            right.plot(
-                np.linspace(0, 2 * np.pi, 181), np.full(181, payload / 1e3), color=EXCEEDS, label="payload, t"
-            )
-        for ax in (left, right):
+        if rated:
+            _draw_rated_load(_polar(figure, (1, 2, 2)), found)
+        for ax in figure.axes:
             ax.set_ylim(0.0, None)
             ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), fontsize=8)
     return figure
+
+
+def _draw_rated_load(ax: Any, found: Assessment) -> None:
+    """Draw the load that is rated at the reach over the angle of slewing, and the payload."""
+    rows = found.over_slew[found.over_slew["state"] == slewing.WITHOUT]
+    angle = np.radians(rows["slew in deg"].to_numpy())
+    rated = rows["rated load in t"].to_numpy()
+    ax.plot(
+        *_closed(angle, np.where(np.isfinite(rated), rated, np.nan)),
+        color=style.TUMBLER,
+        label=f"{found.settings.rated_part:g} of the tipping load at {found.numbers.work.reach:.3g} m, t",
+    )
+    if payload := found.numbers.work.payload:
+        around = np.linspace(0.0, 2.0 * np.pi, 181)
+        ax.plot(around, np.full(181, payload / 1e3), color=EXCEEDS, label="payload, t")
 
 
 def travel_figure(found: Assessment) -> Figure:
@@ -176,14 +187,14 @@ def travel_figure(found: Assessment) -> Figure:
     weight = numbers.weight
     ground = numbers.ground
     slopes = np.arctan(GRADES)
-    needed = [travel.resistance(weight, slope, ground.rolling) for slope in slopes]
+    needed = numbers.resistance.on_grade(weight, slopes)
     held = [
         travel.traction(weight * np.cos(slope), ground.friction, ground.cohesion, numbers.footprints.area)
         for slope in slopes
     ]
     with style.titled_figure("Travel: pull of both tracks", 9.0, 3.6) as figure:
         ax, bars = figure.subplots(1, 2, width_ratios=(2, 1))
-        ax.plot(100.0 * GRADES, np.array(needed) / 1e6, label="needed: grade and rolling")
+        ax.plot(100.0 * GRADES, np.array(needed) / 1e6, label="needed: grade and resistance")
         ax.plot(100.0 * GRADES, np.array(held) / 1e6, label="ground gives")
         ax.axhline(2.0 * numbers.drive.pull / 1e6, color=style.TUMBLER, label="drives give")
         ax.axvline(100.0 * np.tan(numbers.grade), color=LIMIT, ls=":", label="permitted grade")

@@ -110,8 +110,10 @@ def test_travel_by_hand(found):
     assert level.tension == pytest.approx(rest + level.needed + thrown, rel=1e-9)
     grade = item(found, "permitted grade over grade that the drive climbs")
     slope = np.arctan(grade.limit)
-    pull = numbers.weight * (np.sin(slope) + 0.03 * np.cos(slope))
+    pull = numbers.weight * (np.sin(slope) + 0.03 * np.cos(slope)) + 4.0 * rest * 0.03
     assert pull == pytest.approx(2.0 * numbers.drive.pull)
+    assert "2 T eta / r" in grade.formula
+    assert "mu" not in grade.formula
 
 
 def test_rest_tension_by_hand(found):
@@ -320,3 +322,89 @@ def test_a_case_file_with_all_values_is_that_of_a_machine(tmp_path, acts):
     asked = read_assessment(write_case(case_file, tmp_path / "whole.toml"))
     assert asked.machine == case_file
     assert asked.settings == AssessmentSettings(name="whole")
+
+
+def test_one_resistance_for_all_items_of_travel():
+    """An excavator on sand: pull on the level and up the limits of both grades, power, turn."""
+    case = read_case(library.machines()["pc300lc"]).case
+    settings = AssessmentSettings(mesh=None, drive={"power": 50e3})
+    found = assessment_of(case, settings)
+    numbers = found.numbers
+    assert numbers.ground.compaction is not None
+    pull = item(found, "pull of a track, travels straight on the level").number
+    power = item(found, "power of travel")
+    assert power.number == pytest.approx(2.0 * pull * numbers.chain.speed)
+    drive = item(found, "permitted grade over grade that the drive climbs").limit
+    ground = item(found, "permitted grade over grade that the ground bears").limit
+    assert drive == pytest.approx(1.0126, abs=1e-4)
+    climbs = "pull of a track, travels up the permitted grade"
+    at_drive = item(assessment_of(case, settings.with_({"work.grade": drive})), climbs)
+    assert at_drive.number == pytest.approx(numbers.drive.pull / 1e3, rel=1e-6)
+    at_ground = item(assessment_of(case, settings.with_({"work.grade": ground})), climbs)
+    assert at_ground.utilisation == pytest.approx(1.0, rel=1e-6)
+
+
+def test_what_is_not_stated_is_not_known_and_never_within():
+    """An excavator without payload, bank and wind, on ground of which no pressure is known."""
+    case = read_case(library.machines()["pc300lc"]).case
+    found = assessment_of(case, AssessmentSettings(mesh=None))
+    tipping = item(found, "tipping")
+    assert tipping.verdict == "not known (needs work.payload, work.reach, work.digging, work.wind_area)"
+    assert np.isnan(tipping.utilisation)
+    # no force overturns: the edge is that of the least angle
+    level = next(row for row in found.loads if row.name == "stands and slews with payload")
+    assert level.margin == np.inf
+    over = found.over_slew
+    first = over.loc[over["tips at in deg"].idxmin()]
+    assert level.edge == level.tilt_edge == first["edge"] == first["tips about"]
+    assert np.degrees(level.tilt) == pytest.approx(first["tips at in deg"])
+    assert "rated load in t" not in over
+    assert item(found, "payload over rated load").needs == ("work.payload", "work.reach")
+    for name in ("greatest ground pressure", "even equivalent of the pressure"):
+        assert "ground.name or ground.allowed_pressure" in item(found, name).verdict
+    assert next(line for line in found.lines if line.startswith("not known")).count("tipping") == 1
+    # pins of a chain do not depend on what the upper structure does
+    assert item(found, "pin, bending").verdict == "yes"
+    work = {"payload": 0.0, "digging": (0.0, 0.0), "wind_area": 0.0}
+    stated = assessment_of(case, AssessmentSettings(mesh=None, work=work, ground={"name": "dense sand"}))
+    assert item(stated, "tipping").verdict == "yes"
+    assert not any(one.needs for one in stated.governing)
+    assert not any(one.item == "payload over rated load" for one in stated.governing)
+    lifting = assessment_of(case, AssessmentSettings(mesh=None, work=work | {"payload": 2000.0}))
+    assert item(lifting, "tipping").needs == ("work.reach",)
+    heavy = AssessmentSettings(mesh=None, work={"payload": 5e4, "reach": 8.0})
+    assert item(assessment_of(case, heavy), "tipping").verdict == "no"
+
+
+def test_one_ground_gives_pressure_friction_and_cohesion():
+    """A named ground gives all of them, else the case's ground; none is of another."""
+    case = read_case(library.machines()["pc300lc"]).case
+    law = case.contact.law
+    own = numbers_of(case, AssessmentSettings()).ground
+    assert np.isnan(own.allowed)
+    assert own.friction == pytest.approx(np.tan(np.radians(law.friction_angle)))
+    assert own.cohesion == law.cohesion
+    assert own.compaction == (law.k_c, law.k_phi, law.exponent)
+    sand = numbers_of(case, AssessmentSettings(ground={"name": "dense sand"})).ground
+    named = ground("dense sand")
+    assert sand[:4] == ("dense sand", named.allowed_pressure, named.friction, named.rolling)
+    assert (sand.cohesion, sand.compaction, sand.law) == (0.0, None, None)
+    # a coefficient of traction that is given has the cohesion in it
+    given = numbers_of(case, AssessmentSettings(ground={"friction": 0.5})).ground
+    assert (given.friction, given.cohesion) == (0.5, 0.0)
+    with pytest.raises(ValueError, match=r"undrained_strength: is of clay, and name is 'dense sand'"):
+        AssessmentSettings(ground={"name": "dense sand", "undrained_strength": 5e4})
+
+
+def test_number_limit_and_utilisation_are_of_one_place(found):
+    """Utilisation is number times factor over limit; of tipping the limit over the number."""
+    case = read_case(library.machines()["pc300lc"]).case
+    excavator = assessment_of(case, AssessmentSettings(mesh=None))
+    for one in [*found.found, *excavator.found]:
+        if not np.isfinite(one.utilisation):
+            continue
+        used = one.limit / one.number if one.item == "tipping" else one.factor * one.number / one.limit
+        assert one.utilisation == pytest.approx(used, rel=1e-12), one.item
+    bearing = item(excavator, "pin and lug, bearing")
+    assert (bearing.number, bearing.limit) == (pytest.approx(28.70, abs=0.01), pytest.approx(825.0))
+    assert "outer lugs" in bearing.formula

@@ -50,14 +50,32 @@ def test_a_light_track_limits_the_turn():
         travel.turn_of_footprints(14e6, footprint, 0.3, aside=4.5)
 
 
+def test_cohesion_adds_to_the_friction_of_a_turn():
+    """Even pressure p with c = 0.1 p turns as hard as friction that is greater by 0.1."""
+    footprint = Footprints(9.3, 7.8, 3.5)
+    cohesion = 0.1 * 14e6 / footprint.area
+    with_it = travel.turn_of_footprints(14e6, footprint, 0.3, cohesion=cohesion)
+    assert with_it.pull == pytest.approx(travel.turn_of_footprints(14e6, footprint, 0.4).pull, rel=1e-6)
+
+
 def test_straight_and_uphill():
-    """10 % grade and f = 0.05 on 1 MN."""
+    """10 % grade, f = 0.05 and 2 kN of each idler on 1 MN, with sinkage in 5 m2: b p^2 / k of p = k z."""
     slope = np.arctan(0.1)
-    needed = travel.resistance(1e6, slope, 0.05)
-    assert needed == pytest.approx(1e6 * (0.1 + 0.05) / np.hypot(1.0, 0.1))
-    assert travel.greatest_slope_by_drive(needed, 1e6, 0.05) == pytest.approx(slope)
-    assert np.tan(travel.greatest_slope_by_traction(0.5, 0.05)) == pytest.approx(0.45)
-    assert travel.greatest_slope_by_drive(2e6, 1e6, 0.05) == pytest.approx(0.5 * np.pi)
+    footprints = Footprints(3.0, 5.0, 0.5)
+    law = travel.Compaction(0.0, 1e6, 1.0)
+    sinks = travel.TravelResistance(0.05, 2e3, footprints, law)
+    firm = sinks._replace(compaction=None)
+    by_hand = 1e6 * (0.1 + 0.05) / np.hypot(1.0, 0.1) + 4e3
+    assert firm.on_grade(1e6, slope) == pytest.approx(by_hand)
+    pressure = 1e6 * np.cos(slope) / 5.0
+    assert sinks.on_grade(1e6, slope) == pytest.approx(by_hand + 0.5 * pressure**2 / 1e6)
+    for resistance in (firm, sinks):
+        needed = resistance.on_grade(1e6, slope)
+        assert travel.greatest_slope(resistance, 1e6, lambda _, pull=needed: pull) == pytest.approx(slope)
+        assert travel.greatest_slope(resistance, 1e6, lambda _: 2e6) == 0.5 * np.pi
+        assert travel.greatest_slope(resistance, 1e6, lambda _: 5e4) == 0.0
+    ground = travel.greatest_slope(firm._replace(idler=0.0), 1e6, lambda load: 0.5 * load)
+    assert np.tan(ground) == pytest.approx(0.45)
 
 
 def test_ends_by_what_is_less():
@@ -69,7 +87,9 @@ def test_ends_by_what_is_less():
 def test_traction_and_sinkage():
     assert travel.traction(1e6, 0.5, 2e3, 10.0) == pytest.approx(0.52e6)
     # 2 b k z^2 / 2 with p = k z: b p^2 / k
-    assert travel.sinkage_resistance(1e5, (0.0, 1e6, 1.0), 0.5) == pytest.approx(0.5 * 1e10 / 1e6)
+    assert travel.sinkage_resistance(1e5, travel.Compaction(0.0, 1e6, 1.0), 0.5) == pytest.approx(
+        0.5 * 1e10 / 1e6
+    )
 
 
 def test_drive_by_hand():
@@ -84,11 +104,11 @@ def test_a_blocked_track():
 
 
 def test_tension():
-    """70 kN/m over 1.8 m with 45 mm of sag, and w v2 / g of 1 t/m at 2 m/s."""
+    """70 kN/m over 1.8 m with 45 mm of sag, and m v2 of 1 t/m at 2 m/s."""
     weight = 70e3
     tension = chain.tension_of_sag(weight, 1.8, 0.045)
     assert tension == pytest.approx(70e3 * 3.24 / 0.36)
     assert chain.tension_of_sag(weight, 1.8, 0.045, 0.6) == pytest.approx(4.0 / 9.0 * tension)
-    found = chain.travel_tension(1e6, -2e6, weight=9810.0, speed=2.0)
+    found = chain.travel_tension(1e6, -2e6, mass=1000.0, speed=2.0)
     assert found == (1e6, pytest.approx(3.004e6), pytest.approx(1.004e6))
     assert chain.end_roller_push(1e6, 0.3, 0.4) == pytest.approx(0.6e6)

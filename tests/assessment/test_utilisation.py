@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 from exudyn_crawler.assessment import rollers, utilisation
 from exudyn_crawler.assessment.utilisation import PartStrength, PinnedHinge, RollerTread
@@ -51,23 +52,40 @@ def test_outer_rollers_and_neighbours():
 
 def test_a_corner_carries_half_the_weight_or_more():
     assert rollers.corner_load(14e6, 0.0, 0.0, 6.0, 8.0) == pytest.approx(7e6)
-    # along the diagonal of 10 m by 1 m
-    assert rollers.corner_load(14e6, 0.6, 0.8, 6.0, 8.0) == pytest.approx(8.4e6)
+    assert rollers.corner_load(14e6, 0.6, 0.8, 6.0, 8.0) == pytest.approx(14e6 * 0.6)
+    assert rollers.corner_load(14e6, -0.6, 0.4, 6.0, 8.0) == pytest.approx(14e6 * 0.55)
+    # what tips over an end stands on that end alone
+    assert rollers.corner_load(14e6, 3.5, -0.8, 6.0, 8.0) == pytest.approx(14e6 * 0.6)
+
+
+def test_a_corner_carries_what_a_linear_programme_finds():
+    """Greatest load of a corner of four that only push; sums of forces and of moments about a fifth point."""
+    rng = np.random.default_rng(7)
+    for _ in range(30):
+        length, gauge = rng.uniform(1.0, 10.0, 2)
+        ahead, aside = rng.uniform(-0.5, 0.5, 2) * (length, gauge)
+        about = rng.uniform(-20.0, 20.0, 2)
+        corners = 0.5 * np.array([(sx * length, sy * gauge) for sx in (1, -1) for sy in (1, -1)]) - about
+        balance = np.vstack((np.ones(4), corners.T))
+        wanted = 1e6 * np.array([1.0, ahead - about[0], aside - about[1]])
+        greatest = max(
+            -linprog(-np.eye(4)[corner], A_eq=balance, b_eq=wanted, method="highs").fun for corner in range(4)
+        )
+        assert rollers.corner_load(1e6, ahead, aside, length, gauge) == pytest.approx(greatest, rel=1e-9)
 
 
 def test_pin_by_hand():
     """1 MN on 0.1 m: two sections of 7854 mm2, W = 98 175 mm3, M = F (0.2 + 0.04 + 0.2) / 8."""
     stress = utilisation.pin_stress(1e6, HINGE)
     assert stress.shear == pytest.approx(0.5e6 / 7.853982e-3)
-    assert stress.bearing_inner == pytest.approx(50e6)
-    assert stress.bearing_outer == pytest.approx(50e6)
-    assert stress.moment == pytest.approx(55e3)
+    assert stress.bearing == pytest.approx(50e6)
+    assert utilisation.pin_moment(1e6, HINGE) == pytest.approx(55e3)
     assert stress.bending == pytest.approx(55e3 / 9.817477e-5)
-    check = utilisation.pin_check(1e6, HINGE, STEEL, PartStrength(600e6, 400e6))
-    assert check.shear == pytest.approx(0.5e6 * 1.25 / (0.6 * 7.853982e-3 * 800e6))
-    assert check.bearing == pytest.approx(1e6 / (1.5 * 0.2 * 0.1 * 400e6))
-    assert check.bending == pytest.approx(55e3 / (1.5 * 9.817477e-5 * 500e6))
-    assert check.together == pytest.approx(check.bending**2 + check.shear**2)
+    resists = utilisation.pin_resistance(STEEL, PartStrength(600e6, 400e6))
+    assert resists == pytest.approx((0.6 * 800e6 / 1.25, 1.5 * 400e6, 1.5 * 500e6))
+    # narrower outer lugs bear more
+    narrow = HINGE._replace(outer=0.08)
+    assert utilisation.pin_stress(1e6, narrow).bearing == pytest.approx(1e6 / (0.1 * 0.16))
     # 0.591 sqrt(210 GPa x 1 MN x 1 mm / (0.01 m2 x 0.2 m))
     assert utilisation.hole_contact(1e6, HINGE, 210e9) == pytest.approx(0.591 * np.sqrt(2.1e14 / 2e-3))
     assert utilisation.chain_strength(HINGE, 2, STEEL) == pytest.approx(4.0 * 0.6 * 800e6 * 7.853982e-3)

@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from exudyn_crawler.assessment.assessment import Assessment
+from exudyn_crawler.assessment.items import NOT_KNOWN
 from exudyn_crawler.assessment.slewing import least_over_slew
 from exudyn_crawler.views.pages import page
 
@@ -31,7 +32,7 @@ def write_assessment_page(
 ) -> Path:
     """Write one self-contained page of an assessment; raises as `write_page`."""
     items = found.items
-    kinds = ["" if row == "" else {"yes": "within", "no": "outside"}[row] for row in items["within"]]
+    kinds = [{"yes": "within", "no": "outside"}.get(verdict, "") for verdict in items["within"]]
     table = page.table(items[SHORT], kinds=kinds)
     bars = page.figure_picture("utilisation", drawn["utilisation"])
     sections = [
@@ -62,7 +63,8 @@ def write_assessment_page(
 
 
 def printed(found: Assessment) -> pd.DataFrame:
-    """Table of items as a terminal shows it."""
-    return found.items[
-        ["item", "utilisation", "within", "load case", "group", "number", "limit", "unit", "from"]
-    ]
+    """Return the table of items as a terminal shows it; the first lines say what the unknown ones need."""
+    columns = ["item", "utilisation", "within", "load case", "group", "number", "limit", "unit", "from"]
+    items = found.items[columns]
+    unknown = items["within"].str.startswith(NOT_KNOWN)
+    return items.assign(within=items["within"].mask(unknown, NOT_KNOWN))
