@@ -19,9 +19,7 @@ from exudyn_crawler.assessment.states import FORMULA, CaseLoads, loads_of
 from exudyn_crawler.case import Case
 
 KILO = 1e3
-ATTACHMENT = (
-    "work.payload and work.reach are a payload, or an attachment's mass and place; payload = 0: none"
-)
+ATTACHMENT = "work.payload and work.reach are a payload, or an attachment's mass and place; payload = 0: none"
 ITEMS_OF_A_CASE = (
     *(machine_items.pressure_items, machine_items.tipping_items, machine_items.pull_items),
     *(part_items.chain_items, part_items.pin_items, part_items.roller_items, machine_items.across_items),
