@@ -28,7 +28,7 @@ from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, CaseFile, MachineCycle, MachinePhase, read_case, write_case
 from exudyn_crawler.model import compiled_system, compiling, diagnostics
 from exudyn_crawler.results.history import History, states
-from exudyn_crawler.results.history.catalogue import QUANTITIES
+from exudyn_crawler.results.history.catalogue import QUANTITIES, lacking
 from exudyn_crawler.run.solve import simulation
 from exudyn_crawler.run.solve.start import begin
 
@@ -185,7 +185,7 @@ def outputs(history: History) -> dict[str, float]:
 
 def _drive_name(case: Case) -> str:
     """Quantity of the drive that the case has."""
-    return next(name for name in DRIVES if not QUANTITIES[name].lacking(case))
+    return next(name for name in DRIVES if not lacking(QUANTITIES[name], case))
 
 
 def _output_names(case: Case) -> dict[str, str]:

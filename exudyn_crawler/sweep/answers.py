@@ -11,7 +11,9 @@ from exudyn_crawler.case.gear.base import WheelKind
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured
 from exudyn_crawler.case_run import CaseRun
-from exudyn_crawler.results.history.catalogue import DTYPES, QUANTITIES, Quantity, select
+from exudyn_crawler.results.history import catalogue
+from exudyn_crawler.results.history.catalogue import QUANTITIES, select
+from exudyn_crawler.results.history.quantities import DTYPES, Quantity
 from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyRun, Often, Survival
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.measured.drawbar import drawbar_result
@@ -124,7 +126,7 @@ class Answer(AnyAnswer):
     def _case_errors(self, case_file: CaseFile) -> Errors:
         case = case_file.case
         quantity = QUANTITIES[self.quantity]
-        if lacking := quantity.lacking(case):
+        if lacking := catalogue.lacking(quantity, case):
             yield f"{self.quantity} needs {lacking}"
         yield from _beyond(case_file, start=self.start, end=self.end)
         kinds = {label.kind for label in case.gear.wheel_labels}

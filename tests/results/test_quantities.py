@@ -12,8 +12,9 @@ import xarray as xr
 import exudyn_crawler.results
 from exudyn_crawler import Case, simulate
 from exudyn_crawler.case.parameters.fields import key_paths
-from exudyn_crawler.results.history.catalogue import CATALOGUE, DERIVED, NEEDS, QUANTITIES, select
+from exudyn_crawler.results.history.catalogue import DERIVED, NEEDS, QUANTITIES, select
 from exudyn_crawler.results.history.files import packed
+from exudyn_crawler.results.history.quantities import TABLE
 from exudyn_crawler.results.loads.exports import roller_loads
 from studies.balance import track_imbalance
 from studies.comparison import time_mean
@@ -40,12 +41,14 @@ def test_every_variable_of_a_history_is_in_the_catalogue(history, stress, rolled
 
 
 def test_rows_say_where_each_quantity_comes_from():
-    with CATALOGUE.open(encoding="utf-8", newline="") as file:
+    with TABLE.open(encoding="utf-8", newline="") as file:
         names = [row["name"] for row in csv.DictReader(file)]
     assert names == list(QUANTITIES)
     assert set(DERIVED) == set(select(derived_from=True))
     for name, quantity in QUANTITIES.items():
         assert quantity.name == name
+        assert (quantity.key_place is None) == (not quantity.key_result)
+        assert quantity.by_shoe in ("sum", "deepest", "")
         assert all((quantity.label, quantity.meaning, quantity.per, quantity.files or quantity.derived_from))
         paths = set(quantity.needs) - set(NEEDS)
         assert all(any(key.startswith(f"{path}.") for key in key_paths(Case)) for path in paths)

@@ -1,21 +1,18 @@
 """Catalogue of quantities: what results are called and measure, where they are and what they need.
 
-`quantities.csv` holds them, a row each, stored and derived ones alike. A new quantity is a row there and what
+`quantities` holds them, a row each, stored and derived ones alike. A new quantity is a row there and what
 computes it: a variable of `states`, or a function in `DERIVED`. That takes the case, the dataset of a history
 or of a part of it, and one that begins as the history does; it gives values with the quantity's dimensions.
 """
 
-import csv
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import blocks
+from exudyn_crawler.results.history.quantities import QUANTITIES, Quantity
 
 Variable = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
 """Dimensions, values and attributes, as xarray takes a variable."""
@@ -30,10 +27,6 @@ LINKS = (
 """What the dimension of the links says of itself, by the number of closed tracks."""
 TRACK = "track"
 """Dimension after time of what a machine on two tracks has twice, and a case of one track once."""
-CATALOGUE = Path(__file__).with_name("quantities.csv")
-"""Columns as the fields of `Quantity`; several words in one with spaces between."""
-SEVERAL = ("dimensions", "files", "derived_from", "needs", "curve_axes")  # columns of several words
-DTYPES = {"double": "f8", "single": "f4"}  # of real numbers in files
 GEAR = "the case has another gear.kind"
 NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
     "flexible": (lambda case: case.flexible is not None, "flexible shoes, the case has none"),
@@ -65,40 +58,9 @@ OF_GROUND = {"ground_pressure": ("kPa", 1e-3), "mean_ground_pressure": ("kPa", 1
 LOADED = 0.1  # of the force on the most loaded shoe, from which on another one counts as loaded
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """One quantity: a row of the catalogue, texts unless the type says otherwise."""
-
-    name: str  # of the variable in a dataset
-    symbol: str  # of formulas, in plain text
-    unit: str  # SI; empty for numbers without one
-    dimensions: tuple[str, ...]
-    per: str  # what has one of it: shoe, link, pin, pair (of a shoe and a unit that met), unit, node, run ...
-    label: str  # of axes and curves, without the unit
-    meaning: str  # with what it counts from and which way it points
-    files: tuple[str, ...]  # files of a run's folder (history.nc, stress.nc) that hold it
-    derived_from: tuple[str, ...]  # quantities that `DERIVED` computes it of; empty for stored ones
-    by_shoe: str  # how the pairs of a shoe become one: "sum", or that of the "deepest" contact; empty if not
-    needs: tuple[str, ...]  # what a case must have: words of `NEEDS`, or paths of values
-    numbers: str  # in files: double, single, integer, truth or text
-    curves: str  # group of the curves over time that show it; empty for none
-    curve_axes: tuple[str, ...]  # components that are drawn; all, if empty
-    compared: str  # "table" where `compare` lists it, "figure 2" where it is drawn, too, second; else empty
-    key_result: str  # place of its greatest value among a run's first results and its name there; else empty
-
-    @property
-    def attributes(self) -> dict[str, str]:
-        """Attributes of a variable."""
-        return ({"units": self.unit} if self.unit else {}) | {"long_name": self.meaning}
-
-    @property
-    def dtype(self) -> np.dtype:
-        """Of its numbers in files; in memory all real numbers of a history are double."""
-        return np.dtype(DTYPES[self.numbers])
-
-    def lacking(self, case: Case) -> str:
-        """Say what it needs and a case does not have; empty if it needs nothing more."""
-        return " and ".join(filter(None, (_lacking(need, case) for need in self.needs)))
+def lacking(quantity: Quantity, case: Case) -> str:
+    """Return what a quantity needs and a case does not have; empty if it needs nothing more."""
+    return " and ".join(filter(None, (_lacking(need, case) for need in quantity.needs)))
 
 
 def _lacking(need: str, case: Case) -> str:
@@ -112,21 +74,13 @@ def _lacking(need: str, case: Case) -> str:
     return "" if value else f"{need}, which the case does not have"
 
 
-with CATALOGUE.open(encoding="utf-8", newline="") as _file:
-    _rows: list[dict[str, Any]] = list(csv.DictReader(_file))
-QUANTITIES = {
-    row["name"]: Quantity(**row | {name: tuple(row[name].split()) for name in SEVERAL}) for row in _rows
-}
-"""Every quantity by the name of its variable."""
-
-
 def select(**columns: str | bool | tuple[str, ...]) -> dict[str, Quantity]:
-    """Quantities by name whose columns are, or hold among several words, what is wanted; in their order.
+    """Return quantities, in their order, whose columns are equal to, or contain, the values given.
 
-    ``select(per="pair", files="history")``; True and False ask whether a column says anything.
+    ``select(per="pair", files="history")``; True and False ask whether a column has a value.
     """
 
-    def fits(value: str | tuple[str, ...], wanted: str | bool | tuple[str, ...]) -> bool:
+    def fits(value: object, wanted: str | bool | tuple[str, ...]) -> bool:
         if isinstance(wanted, bool):
             return bool(value) is wanted
         return wanted == value or (isinstance(value, tuple) and wanted in value)

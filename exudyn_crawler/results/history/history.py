@@ -74,7 +74,7 @@ class History:
     def has(self, name: str, stress: xr.Dataset | None = None) -> bool:
         """True if `quantity` gives a quantity of the catalogue."""
         quantity = catalogue.QUANTITIES[name]
-        if quantity.lacking(self.case):
+        if catalogue.lacking(quantity, self.case):
             return False
         derives = quantity.derived_from and all(self.has(source, stress) for source in quantity.derived_from)
         return derives or name in self.dataset or (stress is not None and name in stress)
@@ -88,7 +88,10 @@ class History:
             near = difflib.get_close_matches(name, catalogue.QUANTITIES, n=1, cutoff=0.0)
             raise ValueError(f"there is no quantity {name!r}; the nearest is {near[0]!r}")
         if not self.has(name, stress):
-            lacking = catalogue.QUANTITIES[name].lacking(self.case) or "more than a history: stresses, say"
+            lacking = (
+                catalogue.lacking(catalogue.QUANTITIES[name], self.case)
+                or "more than a history: stresses, say"
+            )
             raise ValueError(f"{name} needs {lacking}")
         if catalogue.QUANTITIES[name].derived_from:
             begin = self.dataset if self.begin is None else self.begin

@@ -190,13 +190,13 @@ def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
     when = np.repeat(np.arange(len(counts)), counts)
     tables = {}
     for name, quantity in CONTACTS.items():
-        if not quantity.lacking(states.system.case):
+        if not catalogue.lacking(quantity, states.system.case):
             values = rows[..., RESULT[name]]
             tables[name] = np.zeros((len(counts), len(pairs), *values.shape[1:]))
             # a history in memory has the numbers of its file
             tables[name][when, column] = values.astype(quantity.dtype)
     node_force = catalogue.QUANTITIES["node_force"]
-    if not node_force.lacking(states.system.case):
+    if not catalogue.lacking(node_force, states.system.case):
         flexible = np.array(states.system.layout.flexible_shoes) - 1
         forces = states.part("contact")[:, flexible, RESULTS:].astype(node_force.dtype).astype(float)
         tables["node_force"] = forces.reshape(*forces.shape[:2], *COARSE, 3)

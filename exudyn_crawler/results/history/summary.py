@@ -43,7 +43,10 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by their
     length, forces by their magnitude.
     """
-    ranked = sorted(catalogue.select(key_result=True).values(), key=lambda quantity: quantity.key_result)
+    ranked = sorted(
+        catalogue.select(key_result=True).values(),
+        key=lambda quantity: (quantity.key_place, quantity.key_result),
+    )
     named = {quantity.name: quantity for quantity in ranked if history.has(quantity.name, stress)}
     greatest: dict[tuple[str, str], Extreme] = {}
     driven = _Driven()
@@ -100,7 +103,7 @@ def _held(stress: xr.Dataset, usable: float, factor: float, unit: str) -> Iterat
 
 def _apart(case: Case, name: str, values: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
     """Key results of a quantity by their names: forces on rollers, idler and carriers apart."""
-    result = catalogue.QUANTITIES[name].key_result.partition(" ")[2]
+    result = catalogue.QUANTITIES[name].key_result
     if "wheel" not in values.dims:
         yield result, values
         return

@@ -19,8 +19,7 @@ from fem.interrupts import interrupts_wait
 T = TypeVar("T")
 
 STRESSES = "stress.nc"
-DRAWN = [quantity for quantity in catalogue.select(compared=True).values() if quantity.compared != "table"]
-MAIN = sorted(DRAWN, key=lambda one: one.compared)
+MAIN = sorted(catalogue.select(figure=True).values(), key=lambda quantity: quantity.figure or 0)
 """Quantities that the page draws, as far as both runs have them."""
 SAME_CASES = "Nothing differs in the cases."
 SAME_RESULTS = "Nothing that both runs have differs in the results, beyond rounding."

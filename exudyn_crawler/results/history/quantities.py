@@ -1,0 +1,111 @@
+"""Quantities that results hold: the rows of `quantities.csv`, each value of the type of its column."""
+
+import csv
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_type_hints
+
+import numpy as np
+
+TABLE = Path(__file__).with_name("quantities.csv")
+"""Columns as the fields of `Quantity`; several words in one have spaces between them."""
+DTYPES = {"double": "f8", "single": "f4"}
+"""Types of real numbers in files."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity of results.
+
+    Parameters
+    ----------
+    name : str
+        Variable in a dataset.
+    symbol : str
+        Symbol in formulas, in plain text.
+    unit : str
+        SI; empty for numbers without one.
+    dimensions : tuple of str
+    per : str
+        Item that has one of it: shoe, link, pin, pair (of a shoe and a unit that met), unit, node, run ...
+    label : str
+        Label of axes and curves, without the unit.
+    meaning : str
+        Meaning, with the origin and the positive direction.
+    files : tuple of str
+        Files of a run's folder (history.nc, stress.nc ...) that hold it; empty for derived ones.
+    derived_from : tuple of str
+        Quantities that `catalogue.DERIVED` computes it from; empty for stored ones.
+    by_shoe : str
+        Rule by which the pairs of a shoe become one: their sum, or the value of the deepest contact.
+    needs : tuple of str
+        Conditions on the case: words of `catalogue.NEEDS`, or paths of values.
+    numbers : str
+        Type in files.
+    curves : str
+        Group of the curves over time that show it; empty for none.
+    curve_axes : tuple of str
+        Components that are drawn; all if empty.
+    compared : bool
+        True if it stands in the table of `compare`.
+    figure : int, optional
+        Its place among the figures of `compare`.
+    key_place : int, optional
+        Place of its greatest value among the first results of a run.
+    key_result : str
+        Name of its greatest value there.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    dimensions: tuple[str, ...]
+    per: str
+    label: str
+    meaning: str
+    files: tuple[str, ...]
+    derived_from: tuple[str, ...]
+    by_shoe: Literal["sum", "deepest", ""]
+    needs: tuple[str, ...]
+    numbers: Literal["double", "single", "integer", "truth", "text"]
+    curves: str
+    curve_axes: tuple[str, ...]
+    compared: bool
+    figure: int | None
+    key_place: int | None
+    key_result: str
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of a variable."""
+        return ({"units": self.unit} if self.unit else {}) | {"long_name": self.meaning}
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Type of its numbers in files; in memory all real numbers of a history are double."""
+        return np.dtype(DTYPES[self.numbers])
+
+
+def _value(text: str, kind: object) -> object:
+    """Return the value of a cell in the type of its column."""
+    if kind == tuple[str, ...]:
+        return tuple(text.split())
+    if kind is bool:
+        return text == "yes"
+    if kind == int | None:
+        return int(text) if text else None
+    return text
+
+
+def _rows() -> Iterator[Quantity]:
+    """Yield the rows of the table."""
+    kinds = get_type_hints(Quantity)
+    with TABLE.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            values: dict[str, Any] = {name: _value(text, kinds[name]) for name, text in row.items()}
+            yield Quantity(**values)
+
+
+QUANTITIES = {row.name: row for row in _rows()}
+"""Every quantity by the name of its variable."""
