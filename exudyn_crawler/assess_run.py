@@ -91,7 +91,7 @@ def assess(
 def _odd_payload(case: Case, settings: AssessmentSettings) -> Iterator[str]:
     """Line about a payload that is next to nothing beside the machine."""
     payload = settings.work.payload or 0.0
-    mass = sum(part.mass for part in case.frame_parts) + case.track.shoe_count * case.shoe.mass
+    mass = case.gear.whole_mass(case)
     if 0.0 < payload < LEAST_PAYLOAD * mass:
         share = f"{payload:g} kg is {payload / mass:.2g} of the machine's {mass:.4g} kg"
         yield f"work.payload: {share}; is it in t? It has to be in kg"

@@ -70,10 +70,10 @@ class RollerNumbers(NamedTuple):
         return np.array([len(group) for group in self.groups], dtype=float)
 
     def shared(self, loads: np.ndarray) -> np.ndarray:
-        """Loads (rollers,) of loads of the groups, N: those of a bogie share theirs."""
-        rollers = np.zeros(len(self.places))
-        for group, load in zip(self.groups, loads, strict=True):
-            rollers[list(group)] = load / len(group)
+        """Return loads (..., rollers) of loads (..., groups), N: those of a bogie share theirs."""
+        rollers = np.zeros((*loads.shape[:-1], len(self.places)))
+        for number, group in enumerate(self.groups):
+            rollers[..., list(group)] = loads[..., [number]] / len(group)
         return rollers
 
 

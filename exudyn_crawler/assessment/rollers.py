@@ -6,77 +6,92 @@ this assessment (assumed): no source that could be read has a rule for the rolle
 
 import numpy as np
 
-from exudyn_crawler.assessment.forces import Floats
+from exudyn_crawler.assessment.forces import Floats, Numbers
 
 NEGLIGIBLE = 1e-12
 """Part of the load that counts as none."""
 
 
-def even_loads(load: float, centre: float, places: Floats, parts: Floats | None = None) -> Floats:
-    """Loads (N) on even ground: P w (1 / W + e (x - x_m) / sum(w (x - x_m)^2)) (rigid frame, derived).
+def even_loads(load: Numbers, centre: Numbers, places: Floats, parts: Floats | None = None) -> Floats:
+    """Return loads (..., rollers) on even ground, N: P w (1 / W + e (x - x_m) / sum(w (x - x_m)^2)).
 
-    `load` (N) at x = `centre` (m) of supports at `places` (m), as stiff as `parts` w say: 1 for a roller, 2
-    for a bogie of two, 1 each if none. Those that would pull bear nothing and the rest all of it; a
-    ValueError if the load is not between the outer ones.
+    `load` (N) at x = `centre` (m), one or several (...,), of supports at `places` (m), as stiff as `parts` w
+    say: 1 for a roller, 2 for a bogie of two, 1 each if none (rigid frame, derived). Those that would pull
+    bear nothing and the rest all of it; a ValueError if a load is not between the outer ones.
     """
     places = np.asarray(places, dtype=float)
     stiff = np.ones(len(places)) if parts is None else np.asarray(parts, dtype=float)
-    if not places.min() <= centre <= places.max():
+    load, centre = np.asarray(load, dtype=float), np.asarray(centre, dtype=float)
+    if centre.min() < places.min() or centre.max() > places.max():
         between = f"rollers from {places.min():.4g} to {places.max():.4g} m"
-        raise ValueError(f"a load must be between its {between}, got x = {centre:.4g} m")
-    bears = np.ones(len(places), dtype=bool)
+        farthest = float(centre.max() if centre.max() > places.max() else centre.min())
+        raise ValueError(f"a load must be between its {between}, got x = {farthest:.4g} m")
+    bears = np.ones((*centre.shape, len(places)), dtype=bool)
     while True:
-        x = places[bears]
-        w = stiff[bears]
-        middle = float(w @ x / w.sum())
-        spread = float(w @ (x - middle) ** 2)
-        share = w * (1.0 / w.sum() + (centre - middle) * (x - middle) / (spread or 1.0))
-        if share.min() >= -NEGLIGIBLE or len(x) <= 2:
-            break
-        bears[np.flatnonzero(bears)[share.argmin()]] = False
-    loads = np.zeros(len(places))
-    loads[bears] = load * np.maximum(share, 0.0)
-    return loads
+        w = np.where(bears, stiff, 0.0)
+        whole = w.sum(axis=-1, keepdims=True)
+        middle = (w * places).sum(axis=-1, keepdims=True) / whole
+        arm = places - middle
+        spread = (w * arm**2).sum(axis=-1, keepdims=True)
+        share = w * (1.0 / whole + (centre[..., None] - middle) * arm / np.where(spread > 0.0, spread, 1.0))
+        pulls = (share.min(axis=-1) < -NEGLIGIBLE) & (bears.sum(axis=-1) > 2)
+        if not pulls.any():
+            return load[..., None] * np.maximum(share, 0.0)
+        least = share.argmin(axis=-1)[..., None]
+        np.put_along_axis(
+            bears, least, ~pulls[..., None] & np.take_along_axis(bears, least, axis=-1), axis=-1
+        )
 
 
-def two_loads(load: float, centre: float, places: Floats, pair: tuple[int, int]) -> Floats:
-    """Loads (N) where two rollers, from 0, bear all: R_i = P (x_j - x_c) / (x_j - x_i) (lever, derived).
+def two_loads(load: Numbers, centre: Numbers, places: Floats, pair: tuple[Numbers, Numbers]) -> Floats:
+    """Return loads (..., rollers) where two rollers, from 0, bear all, N: R_i = P (x_j - x_c) / (x_j - x_i).
 
-    A ValueError if the load is not between them.
+    One load or several (...,), each with its pair (lever, derived). A ValueError if a load is not between
+    them.
     """
-    first, second = (float(places[number]) for number in pair)
-    if not min(first, second) <= centre <= max(first, second):
-        raise ValueError(f"a load at x = {centre:.4g} m must be between {first:.4g} and {second:.4g} m")
+    places = np.asarray(places, dtype=float)
+    load, centre = np.asarray(load, dtype=float), np.asarray(centre, dtype=float)
+    numbers = [np.broadcast_to(np.asarray(number) % len(places), centre.shape) for number in pair]
+    first, second = (places[number] for number in numbers)
+    outside = (centre < np.minimum(first, second)) | (centre > np.maximum(first, second))
+    if outside.any():
+        x, low, high = (float(np.extract(outside, values)[0]) for values in (centre, first, second))
+        raise ValueError(f"a load at x = {x:.4g} m must be between {low:.4g} and {high:.4g} m")
     share = (second - centre) / (second - first)
-    loads = np.zeros(len(places))
-    loads[list(pair)] = load * share, load * (1.0 - share)
+    loads = np.zeros((*centre.shape, len(places)))
+    for number, part in zip(numbers, (share, 1.0 - share), strict=True):
+        np.put_along_axis(loads, number[..., None], (load * part)[..., None], axis=-1)
     return loads
 
 
-def neighbours(centre: float, places: Floats) -> tuple[int, int]:
-    """Numbers, from 0, of the rollers on both sides of the one that is nearest to a place (m)."""
-    nearest = int(np.abs(np.asarray(places) - centre).argmin())
-    return max(nearest - 1, 0), min(nearest + 1, len(places) - 1)
+def _nearest(centre: Numbers, places: Floats) -> np.ndarray:
+    """Return the number, from 0, of the roller that is nearest to each place (m): array (...,)."""
+    return np.abs(np.asarray(places) - np.asarray(centre)[..., None]).argmin(axis=-1)
 
 
-def one_load(load: float, centre: float, places: Floats) -> Floats:
-    """Loads (N) where the roller nearest to the load bears all of it."""
-    loads = np.zeros(len(places))
-    loads[int(np.abs(np.asarray(places) - centre).argmin())] = load
-    return loads
+def neighbours(centre: Numbers, places: Floats) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbers, from 0, of the rollers on both sides of the one that is nearest to a place (m)."""
+    nearest = _nearest(centre, places)
+    return np.maximum(nearest - 1, 0), np.minimum(nearest + 1, len(places) - 1)
 
 
-def end_load(load: float, centre: float, places: Floats) -> Floats:
-    """Loads (N) where an obstacle lifts one end: the outer rollers bear all, the nearer one the more."""
+def one_load(load: Numbers, centre: Numbers, places: Floats) -> Floats:
+    """Return loads (..., rollers) where the roller nearest to the load bears all of it, N."""
+    alone = _nearest(centre, places)[..., None] == np.arange(len(places))
+    return np.asarray(load, dtype=float)[..., None] * alone
+
+
+def end_load(load: Numbers, centre: Numbers, places: Floats) -> Floats:
+    """Return loads (..., rollers) where an obstacle lifts one end, N: the outer rollers bear all."""
     return two_loads(load, centre, places, (0, len(places) - 1))
 
 
-def corner_load(weight: float, ahead: float, aside: float, length: float, gauge: float) -> float:
+def corner_load(weight: Numbers, ahead: Numbers, aside: Numbers, length: float, gauge: float) -> Numbers:
     """Return the greatest load (N) of a corner that a stone lifts: V (1/2 + min(|x| / L, |y| / B)).
 
     The machine is rigid and stands on its corners at (+-L / 2, +-B / 2), which only push. The end and the
     track of a corner bear V (1/2 + |x| / L) and V (1/2 + |y| / B) however the corners share it: the corner
     bears the lesser of both where its neighbour there bears nothing (statics; derived).
     """
-    along = min(abs(ahead) / length, 0.5) if length else 0.5
-    return weight * (0.5 + min(along, abs(aside) / gauge, 0.5))
+    off = np.minimum(np.abs(ahead) / length, np.abs(aside) / gauge)
+    return weight * (0.5 + np.minimum(off, 0.5))

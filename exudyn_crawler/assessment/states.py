@@ -246,52 +246,41 @@ def _rollers(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope, te
     Shoes on the ground bear their own weight in the middle of their length, so that the load of the rollers
     is further off the middle than that of the track.
     """
-    stands = envelope.stands
     places = numbers.rollers.supports
     lying = numbers.rollers.above_ground
-    best = np.zeros(len(numbers.rollers.places))
-    for heavier, weight, ahead, aside in zip(
-        envelope.heavier, stands.weight, stands.ahead, stands.aside, strict=True
-    ):
-        if heavier <= lying:
-            continue
-        if case.support == "corner":
-            loads = _corner(numbers, float(weight), float(ahead), float(aside))
-        else:
-            load = float(heavier) - lying
-            centre = float(np.clip(ahead * heavier / load, places[0], places[-1]))
-            loads = _on_supports(numbers, case.support, load, centre)
-        loads = numbers.rollers.shared(loads)
-        if case.support == "even":
-            for end, rise in zip((0, -1), numbers.chain.rises, strict=True):
-                loads[end] += chain.end_roller_push(tension, rise, 1.0)
-        best = loads if loads.max() > best.max() else best
-    return best
+    some = envelope.heavier > lying
+    if not some.any():
+        return np.zeros(len(numbers.rollers.places))
+    heavier, ahead = envelope.heavier[some], envelope.stands.ahead[some]
+    load = heavier - lying
+    centre = np.clip(ahead * heavier / load, places[0], places[-1])
+    if case.support == "even":
+        on_supports = rollers.even_loads(load, centre, places, numbers.rollers.stiffness)
+    elif case.support == "two":
+        on_supports = rollers.two_loads(load, centre, places, rollers.neighbours(centre, places))
+    elif case.support == "outer":
+        on_supports = rollers.end_load(load, centre, places)
+    elif case.support == "one":
+        on_supports = rollers.one_load(load, centre, places)
+    else:
+        on_supports = _corner(numbers, envelope.stands.weight[some], ahead, envelope.stands.aside[some])
+    loads = numbers.rollers.shared(on_supports)
+    if case.support == "even":
+        for end, rise in zip((0, -1), numbers.chain.rises, strict=True):
+            loads[:, end] += chain.end_roller_push(tension, rise, 1.0)
+    most: Floats = loads[loads.max(axis=1).argmax()]
+    return most
 
 
-def _on_supports(numbers: AssessmentNumbers, support: str, load: float, centre: float) -> Floats:
-    """Return the loads of the rollers and bogies of one track, N."""
-    places = numbers.rollers.supports
-    if support == "even":
-        return rollers.even_loads(load, centre, places, numbers.rollers.stiffness)
-    if support == "two":
-        return rollers.two_loads(load, centre, places, rollers.neighbours(centre, places))
-    if support == "outer":
-        return rollers.end_load(load, centre, places)
-    return rollers.one_load(load, centre, places)
-
-
-def _corner(numbers: AssessmentNumbers, weight: float, ahead: float, aside: float) -> Floats:
-    """Return the loads of one track whose corner stands on a stone, N: that of the corner alone."""
+def _corner(numbers: AssessmentNumbers, weight: Floats, ahead: Floats, aside: Floats) -> Floats:
+    """Return the loads (states, supports) of a track with a corner on a stone, N: that of the corner."""
     places = numbers.rollers.supports
     load = weight - 2.0 * numbers.rollers.above_ground
     away = weight / load
-    loads = np.zeros(len(places))
     length = float(places[-1] - places[0])
-    loads[0 if ahead < 0.0 else -1] = rollers.corner_load(
-        load, away * ahead, away * aside, length, numbers.footprints.gauge
-    )
-    return loads
+    corner = rollers.corner_load(load, away * ahead, away * aside, length, numbers.footprints.gauge)
+    ends = np.where(ahead < 0.0, 0, len(places) - 1)
+    return np.asarray(corner)[:, None] * (ends[:, None] == np.arange(len(places)))
 
 
 def _travel(

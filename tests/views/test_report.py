@@ -109,7 +109,7 @@ def test_a_stress_that_is_not_to_be_used_stands_behind_the_first_answer(history,
 def test_the_first_screen_says_what_was_simulated_and_answers(stress_page, history, stress):
     head = stress_page.split("<main>")[0]
     assert "Track of 13 shoes, whose front shoe is dragged; 2 flexible: " in head
-    assert f" m in {history.duration:.4g} s on units on springs." in head
+    assert f" m in {history.duration:.4g} s on elastic ground of separate units." in head
     highest = f"<b>{float(stress.highest_von_mises.max()) / 1e6:.4g} MPa</b>"
     assert f"<dt>highest von Mises stress</dt><dd>{highest} shoe 13, t = " in head
     assert head.count("<dt>") == 5
@@ -119,7 +119,7 @@ def test_the_first_screen_says_what_was_simulated_and_answers(stress_page, histo
     greatest = float(
         history.over_time(["contact_force"])["contact_force"].pipe(np.linalg.norm, axis=-1).max()
     )
-    assert f"{100.0 * greatest / carried:.3g} % of what the ground carries at first" in head
+    assert f"{100.0 * greatest / carried:.3g} % of the load on the ground at the start" in head
 
 
 def test_answers_of_a_closed_track_say_each_thing_once():

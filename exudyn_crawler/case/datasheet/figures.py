@@ -34,7 +34,7 @@ class Figure(NamedTuple):
 
 def machine_mass(case: Case) -> float:
     """Mass of all parts of a machine, kg: its shoes and what they carry."""
-    return float(case.closed_gear().carried_mass + case.track.shoe_count * case.shoe.mass)
+    return case.gear.whole_mass(case)
 
 
 def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:

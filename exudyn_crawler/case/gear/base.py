@@ -191,10 +191,20 @@ class Gear(Parameters):
         travels = drive.travel(times)
         return np.column_stack((travels, np.zeros_like(travels)))
 
-    def words(self, chain: Track) -> str:
+    @property
+    def carried_mass(self) -> float:
+        """Mass on the shoes beside their own, kg."""
+        return 0.0
+
+    def whole_mass(self, case: Whole) -> float:
+        """Return the mass of all parts, shoes included, kg."""
+        return self.carried_mass + case.track.shoe_count * case.shoe.mass
+
+    def words(self, case: Whole) -> str:
         """Say what stands on which shoes, for readers."""
-        mass = sum(part.mass for part in self.frame_parts) / 1e3
-        return self.phrase.format(mass=f"{mass:.4g}", shoes=chain.shoe_count // self.tracks)
+        whole, carried = (f"{1e-3 * mass:.4g}" for mass in (self.whole_mass(case), self.carried_mass))
+        shoes = case.track.shoe_count // self.tracks
+        return self.phrase.format(whole=whole, carried=carried, shoes=shoes)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
         """Forces and moments beside those on shoes: array (n, 6), N and N m; `machine` (6,) is on a frame."""

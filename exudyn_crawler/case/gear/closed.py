@@ -29,7 +29,7 @@ class Closed(ClosedFrame):
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "closed"})
     chain_parts: ClassVar[tuple[str, ...]] = ("tumbler", "idler")
     loops: ClassVar[int] = 1
-    phrase: ClassVar[str] = "Side frame with {mass} t on a closed track of {shoes} shoes"
+    phrase: ClassVar[str] = "Side frame of {carried} t with its wheels on a closed track of {shoes} shoes"
     # in a tight chain a joint beside the middle would bear a moment of the whole tension
     rigid_joint: ClassVar[str] = MIDWAY
 

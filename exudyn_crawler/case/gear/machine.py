@@ -33,7 +33,7 @@ class Machine(Closed):
 
     tracks: ClassVar[int] = 2
     loops: ClassVar[int] = 2
-    phrase: ClassVar[str] = "Machine of {mass} t on two closed tracks of {shoes} shoes each"
+    phrase: ClassVar[str] = "Machine of {whole} t on two closed tracks of {shoes} shoes each"
 
     @classmethod
     def of(cls, track: Closed, car_body: CarBody) -> Self:

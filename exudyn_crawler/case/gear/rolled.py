@@ -29,7 +29,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
 
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "rolled"})
     shoes_stand: ClassVar[bool] = True
-    phrase: ClassVar[str] = "Side frame with {mass} t that rolls over {shoes} shoes"
+    phrase: ClassVar[str] = "Side frame of {carried} t that rolls over {shoes} shoes"
     chain_parts: ClassVar[tuple[str, ...]] = ("pull",)
 
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")

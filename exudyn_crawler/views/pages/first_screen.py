@@ -29,6 +29,12 @@ ASKED = (
 """Answers that come first, as far as a run has them; then the others in their order."""
 WIDTH = 11.0  # inches, of the picture
 LEVEL = 1e-6  # grade of ground that is level
+GROUNDS = {
+    "bekker": "soil by Bekker's law",
+    "rock": "rock or a hard floor",
+    "units": "elastic ground of separate units",
+}
+"""Ground by its model, as an engineer calls it."""
 ROOM = 0.8  # inches, of a picture for its title and labels
 
 
@@ -58,14 +64,12 @@ def sentence(history: History, results: pd.DataFrame) -> str:
     travel = results.set_index("result").loc["distance travelled", "value"]
     way = f"{travel:.3g} m in {history.duration:.4g} s"
     bending = "" if case.flexible is None else f"; {len(case.flexible.shoes)} flexible"
-    return f"{case.gear.words(case.track)}{bending}: {way} on {ground_words(case)}."
+    return f"{case.gear.words(case)}{bending}: {way} on {ground_words(case)}."
 
 
 def ground_words(case: Case) -> str:
     """Say of what the ground of a case is, and its relief and grade."""
-    words = (
-        f"cells of {case.cell_contact().law.model}" if case.contact.model == "cells" else "units on springs"
-    )
+    words = GROUNDS[case.cell_contact().law.model if case.contact.model == "cells" else "units"]
     relief = "" if case.terrain.is_even else " with a relief"
     ahead, across, down = case.terrain.down
     rises = {"ahead": ahead / down, "to the left": across / down}
@@ -91,7 +95,7 @@ def _answer(result: Any, history: History, stress: xr.Dataset | None) -> tuple[s
     value, place = value_and_place(result)
     limit = ""
     if result.unit == "kN":
-        limit = f"{1e5 * result.value / _carried(history):.3g} % of what the ground carries at first"
+        limit = f"{1e5 * result.value / _carried(history):.3g} % of the load on the ground at the start"
     elif result.unit == "kN m" and (most := getattr(history.case.gear, "torque_limit", None)) is not None:
         limit = f"{1e5 * result.value / most:.3g} % of the drive's limit"
     elif result.unit == "MPa" and stress is not None:
