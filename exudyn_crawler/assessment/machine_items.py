@@ -281,7 +281,7 @@ def _information(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
         bears = pressure.bearing_capacity(ground.undrained, area)
         mean = numbers.weight / area.area
         yield AssessedItem(
-            "mean pressure over what clay bears",
+            "mean pressure over bearing capacity of clay",
             "stands",
             "H",
             mean / KILO,

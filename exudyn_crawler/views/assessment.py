@@ -50,7 +50,7 @@ def utilisation_figure(found: Assessment) -> Figure:
                 fontsize=7,
             )
         ax.set_xlim(0.0, 1.45 * max([*used, 1.0]))
-        ax.set_xlabel("number x factor over limit")
+        ax.set_xlabel("utilisation: number x factor / limit")
     return figure
 
 
@@ -68,7 +68,9 @@ def pressure_figure(found: Assessment) -> Figure:
             mean = np.fmax(rows["left track, mean in kPa"], rows["right track, mean in kPa"]).to_numpy()
             (line,) = ax.plot(*_closed(angle, greater), label=f"{state}, greatest", lw=1.5)
             mean = np.where(np.isfinite(mean), mean, np.nan)
-            ax.plot(*_closed(angle, mean), "--", color=line.get_color(), label=f"{state}, mean of that track")
+            ax.plot(
+                *_closed(angle, mean), "--", color=line.get_color(), label=f"{state}, mean of the same track"
+            )
         if np.isfinite(allowed):
             ax.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.full(181, allowed), color=EXCEEDS, label="allowed")
         ax.set_ylim(0.0, None)
@@ -125,7 +127,7 @@ def tracks_figure(found: Assessment) -> Figure:
             label="rollers",
         )
         ax.axvline(float(stands.ahead[0]), color=LIMIT, lw=0.8, ls=":", label="resultant")
-        ax.set_xlabel("m ahead of the middle")
+        ax.set_xlabel("position from the middle in m, forward positive")
         ax.set_ylabel("kPa")
         ax.set_ylim(0.0, None)
         ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -194,9 +196,9 @@ def travel_figure(found: Assessment) -> Figure:
     ]
     with style.titled_figure("Travel: pull of both tracks", 9.0, 3.6) as figure:
         ax, bars = figure.subplots(1, 2, width_ratios=(2, 1))
-        ax.plot(100.0 * GRADES, np.array(needed) / 1e6, label="needed: grade and resistance")
-        ax.plot(100.0 * GRADES, np.array(held) / 1e6, label="ground gives")
-        ax.axhline(2.0 * numbers.drive.pull / 1e6, color=style.TUMBLER, label="drives give")
+        ax.plot(100.0 * GRADES, np.array(needed) / 1e6, label="required: grade and resistance")
+        ax.plot(100.0 * GRADES, np.array(held) / 1e6, label="traction limit")
+        ax.axhline(2.0 * numbers.drive.pull / 1e6, color=style.TUMBLER, label="drive pull")
         ax.axvline(100.0 * np.tan(numbers.grade), color=LIMIT, ls=":", label="permitted grade")
         ax.set_xlabel("grade in %")
         ax.set_ylabel("MN")
@@ -221,7 +223,7 @@ def rollers_figure(found: Assessment) -> Figure:
         image = ax.imshow(table, aspect="auto", cmap=style.STRESS_MAP)
         ax.set_yticks(range(len(rows)), [f"{row.name} ({row.group})" for row in rows], fontsize=8)
         ax.set_xticks(range(len(places)), [f"{place:.2f}" for place in places])
-        ax.set_xlabel("roller at m ahead of the middle")
+        ax.set_xlabel("roller position from the middle in m, forward positive")
         ax.grid(visible=False)
         most = table.max()
         for line, values in enumerate(table):

@@ -280,7 +280,11 @@ def test_clay_and_play_give_items_of_their_own():
     )
     found = assessment_of(Case.shovel(), settings)
     names = {one.item for one in found.governing}
-    assert {"mean pressure over what clay bears", "pin in its hole, contact", "power of travel"} <= names
+    assert {
+        "mean pressure over bearing capacity of clay",
+        "pin in its hole, contact",
+        "power of travel",
+    } <= names
 
 
 def test_named_grounds_have_sources():

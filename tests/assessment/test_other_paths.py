@@ -584,7 +584,7 @@ def expected_of_machine(numbers, settings):
             climbed(lambda s: ground.friction * weight * np.cos(s) + ground.cohesion * area),
         ),
         "power of travel": (level(0.0) * numbers.chain.speed / 1e3, numbers.power / 1e3),
-        "mean pressure over what clay bears": (
+        "mean pressure over bearing capacity of clay": (
             weight / area / 1e3,
             (2.0 + np.pi) * ground.undrained * (1.0 + 0.2 * min(length, width) / max(length, width)) / 1e3,
         ),
@@ -620,7 +620,7 @@ APPROXIMATE = {
     "roller on rail, yield below the surface": 5e-3,
     "roller on rail, shakedown": 8e-3,
     # 5.14 in place of 2 + pi
-    "mean pressure over what clay bears": 1e-3,
+    "mean pressure over bearing capacity of clay": 1e-3,
 }
 
 
