@@ -1,20 +1,10 @@
-"""The rooms of the code: arrows one way, no circle, functions that fit a screen, a picture that is true."""
+"""The rooms of the code: imports go one way, no circle, a picture that is true."""
 
 import ast
-import importlib
-from collections import Counter
 from functools import cache
-
-import pytest
 
 from docs import rooms
 
-LONGEST = 80
-"""Lines of a function, its docstring included."""
-ARGUMENTS = 8
-"""Of a compiled function."""
-DECORATORS = {"kernel", "inner", "inlined"}
-"""Of compiled functions, from `ground.compiled`; all take at most `ARGUMENTS`."""
 PICKLES = {"pickle", "cloudpickle", "dill", "joblib", "marshal", "shelve"}
 
 
@@ -71,13 +61,6 @@ def test_every_room_stands_on_a_floor():
     assert {rooms.room_of(module) for module in rooms.modules()} == known
 
 
-def test_no_class_name_stands_twice():
-    names = [
-        node.name for tree in trees().values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)
-    ]
-    assert {name for name, number in Counter(names).items() if number > 1} == set()
-
-
 def test_engine_is_imported_in_one_place():
     found = []
     for module, tree in trees().items():
@@ -88,43 +71,10 @@ def test_engine_is_imported_in_one_place():
     assert set(found) == {"exudyn_crawler.model.exudyn"}
 
 
-@pytest.mark.parametrize("module", sorted(rooms.modules()))
-def test_functions_fit_a_screen(module):
-    functions = [node for node in ast.walk(trees()[module]) if isinstance(node, ast.FunctionDef)]
-    assert [node.name for node in functions if node.end_lineno - node.lineno >= LONGEST] == []
-
-
 def test_texts_that_name_modules_count_as_imports():
     assert ("tests.one", "fem.body.mesh") in rooms.imports_of(
         "tests.one", ast.parse("NAME = 'fem.body.mesh'")
     )
-
-
-COMPILED = ("exudyn_crawler.ground", "exudyn_crawler.model", "fem")
-"""Rooms with compiled functions."""
-
-
-def compiled_functions():
-    """Functions of the code that are compiled, whatever their decorators are called, by their names."""
-    modules = [importlib.import_module(name) for name in sorted(trees()) if name.startswith(COMPILED)]
-    functions = [getattr(value, "py_func", None) for module in modules for value in vars(module).values()]
-    return {f"{function.__module__}.{function.__name__}": function for function in functions if function}
-
-
-def test_compiled_functions_take_few_arguments():
-    functions = compiled_functions()
-    decorated = {
-        f"{module}.{node.name}"
-        for module, tree in trees().items()
-        for node in tree.body
-        if module.startswith(COMPILED[:2]) and isinstance(node, ast.FunctionDef)
-        for decorator in node.decorator_list
-        if ast.unparse(decorator).partition("(")[0] in DECORATORS
-    }
-    assert len(decorated) > 150
-    assert decorated <= set(functions)
-    many = [name for name, function in functions.items() if function.__code__.co_argcount > ARGUMENTS]
-    assert many == []
 
 
 SUMS = ("exudyn_crawler.model.equations", "exudyn_crawler.model.newton")
