@@ -19,7 +19,7 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
 from exudyn_crawler.case.datasheet import files as datasheets
 from exudyn_crawler.case.gear.dragged import Dragged
-from exudyn_crawler.case.parameters import faults, fields, loads, reading, terrain, track
+from exudyn_crawler.case.parameters import faults, fields, loads, reading, terrain, track, units
 from exudyn_crawler.files import whole_file
 
 BESIDE = ("duration", "outputs", datasheets.KEY)
@@ -165,7 +165,10 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
     whole = beside | {"case": with_equal_loads(case)}
     for key, path, value in of_items:
         with fields.errors_at(key):
-            whole = fields.with_value(whole, path, value, CaseFile)
+            # beside numbers that are in the fields' own units by now
+            unit = fields.unit_at(CaseFile, path)
+            number = value if unit is None else units.number_of(value, unit)
+            whole = fields.with_value(whole, path, number, CaseFile)
         whole["case"] = with_equal_loads(whole["case"])
     return whole
 

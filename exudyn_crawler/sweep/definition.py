@@ -19,7 +19,7 @@ from scipy.stats import qmc
 from exudyn_crawler.case import CaseFile, Outputs, case_of
 from exudyn_crawler.case.case_file import BARE
 from exudyn_crawler.case.datasheet import files as datasheets
-from exudyn_crawler.case.parameters import checks, fields, reading
+from exudyn_crawler.case.parameters import checks, fields, reading, units
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, DamageOptions, Life, Often
 from exudyn_crawler.sweep.vary import Varied, Vary, checked_case
@@ -332,18 +332,45 @@ def _of_file(varied: reading.Content, folder: Path, case_file: CaseFile) -> read
             name: _whole_paths(varied[name], folder) for name in ("values", "settings") if name in varied
         }
         return varied | meshes
-    if varied.get("factor") or varied.get("settings"):
+    if varied.get("factor"):
         return varied
-    entry = None
-    # paths that lead nowhere are refused with all else
-    with suppress(ValueError):
-        first = keys[0] if isinstance(keys, list) and keys else keys
-        entry = fields.entry_at(case_file, fields.parse_path(str(first)))
-    unit = "" if entry is None else entry.unit
-    numbers = {name: reading.number_of(varied[name], unit) for name in MEASURED if name in varied}
+    paths = [str(key) for key in (keys if isinstance(keys, list) else [keys])]
+    if settings := varied.get("settings"):
+        return varied | {"settings": _in_units(settings, [_unit_at(case_file, path) for path in paths])}
+    unit = _unit_at(case_file, paths[0]) if paths else ""
+    many = listed if isinstance(listed := varied.get("values"), list) else []
+    bounds = {name: varied[name] for name in MEASURED[:2] if name in varied}
+    names = [*bounds, *(f"values[{k}]" for k in range(len(many)))]
+    units.refuse_mixed([*bounds.values(), *many], unit, names)
+    numbers = {name: units.number_of(varied[name], unit) for name in MEASURED if name in varied}
     # a unit in words says that the numbers are meant
     has_units = any(number != varied[name] for name, number in numbers.items())
     return varied | numbers | ({"unit": varied.get("unit", unit)} if has_units else {})
+
+
+def _in_units(settings: Any, units_of_paths: list[str]) -> Any:
+    """Return rows of values in the units of their paths, numbers for texts with units."""
+    if not isinstance(settings, list) or not all(isinstance(row, list) for row in settings):
+        return settings  # refused with all else
+    for k, unit in enumerate(units_of_paths):
+        values = {n: row[k] for n, row in enumerate(settings) if k < len(row)}
+        units.refuse_mixed([*values.values()], unit, [f"settings[{n}][{k}]" for n in values])
+    return [
+        [
+            *(units.number_of(*pair) for pair in zip(row, units_of_paths, strict=False)),
+            *row[len(units_of_paths) :],
+        ]
+        for row in settings
+    ]
+
+
+def _unit_at(case_file: CaseFile, path: str) -> str:
+    """Return the unit of the value at a path; empty for one without, and for a path that leads nowhere."""
+    # which is refused with all else
+    with suppress(ValueError):
+        entry = fields.entry_at(case_file, fields.parse_path(path))
+        return "" if entry is None else entry.unit
+    return ""
 
 
 def _whole_paths(value: Any, folder: Path) -> Any:

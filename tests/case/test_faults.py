@@ -107,7 +107,8 @@ def test_laws_of_soil_take_no_truth_value_or_text_for_a_number(refused):
     law = '[contact.law]\nbase = "lete_sand"\nmodel = "bekker"\nk_c = true\nk_phi = "3"\n'
     assert refused(ground + law, "rolled") == [
         "contact.law.k_c: must be a number, got True",
-        "contact.law.k_phi: must be a number in N/m^(exponent+2), got '3'",
+        "contact.law.k_phi: must be a number in N/m^(exponent+2), got '3'; "
+        "without quotes it is 3 N/m^(exponent+2), within them it needs a unit",
     ]
     # classes of a law have bases, whose values stand among its own in the order of faults
     lacking, value = refused(ground + '[contact.law]\nmodel = "bekker"\nk_phi = "5 MPa"\n', "rolled")

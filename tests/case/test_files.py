@@ -222,9 +222,8 @@ def test_all_faults_are_told_at_once(refused):
 
 def test_of_many_errors_the_first_are_named_and_all_counted(refused):
     (fault,) = refused('base = "translation"\n' + "".join(f"key{k} = 1\n" for k in range(10_000)))
-    assert fault.startswith(
-        "key0, key1, key2, key3, key4 and 9995 more: unknown keys; allowed are name, shoe,"
-    )
+    named = ", ".join(f"key{k}" for k in range(20))
+    assert fault.startswith(f"{named} and 9980 more: unknown keys; allowed are name, shoe,")
     faults = refused(f'base = "translation"\n[drive.speed]\ntimes = {["x"] * 10_000}\n')
     assert [fault.partition(":")[0] for fault in faults] == ["drive.speed.times[0..9999]"]
     apart = [1.0, "x"] * 5_000

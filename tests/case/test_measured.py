@@ -347,7 +347,8 @@ def test_places_in_degrees_or_kilometres_are_named(tmp_path):
         ),
         (
             {"xllcorner": 0.0, "yllcorner": 0.0, "cellsize": 0.0005},
-            r"are its places in km\? With place_unit = 'km' it is 29\.5 x 19\.5 m large",
+            r"are its places in km or mi\? With place_unit = 'km' it is 29\.5 x 19\.5 m large; "
+            r"with place_unit = 'mi' it is 47\.48 x 31\.38 m large",
         ),
     )
     for head, words in cases:

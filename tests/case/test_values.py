@@ -8,7 +8,7 @@ import studies.cases
 from exudyn_crawler import Case, CaseFile, LoadCycle, read_case, write_case
 from exudyn_crawler.case.case_file import differences, nearest_base, run_lines
 from exudyn_crawler.case.parameters.fields import value_text
-from exudyn_crawler.case.parameters.reading import number_of
+from exudyn_crawler.case.parameters.units import number_of
 from exudyn_crawler.errors import CaseFileError
 from tests.test_release import PROJECT
 
@@ -110,7 +110,7 @@ def test_a_text_with_a_unit_is_the_number_in_the_fields_own(text, unit, value):
 def test_every_kind_of_number_in_a_file_may_have_a_unit(read):
     text = (
         'base = "translation"\nduration = "500 ms"\nloads = "450 kN"\n'
-        '[terrain]\nspring_stiffness = "18 MN/m"\norigin = ["5044 mm", 3.2901]\n'
+        '[terrain]\nspring_stiffness = "18 MN/m"\norigin = ["5044 mm", "3.2901 m"]\n'
         '[contact]\nstiffness = "80 N/mm2"\n'
         '[drive]\nspeed = {times = [0, "5 s"], values = [0, "0.36 km/h"]}\n'
     )

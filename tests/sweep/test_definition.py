@@ -299,12 +299,27 @@ def test_files_that_are_not_there_are_told(tmp_path):
 
 def test_bounds_and_values_may_have_units(tmp_path):
     bounds = f'[[vary]]\nkey = "{STIFFNESS}"\nlow = "5 N/m"\nhigh = "80 MN/m"\ncount = 2\n'
-    listed = f'[[vary]]\nkey = "{DAMPING}"\nvalues = ["1 kN s/m", 2e3]\n'
+    listed = f'[[vary]]\nkey = "{DAMPING}"\nvalues = ["1 kN s/m", "2e3 N s/m"]\n'
     path = written(tmp_path, f'[case]\nbase = "translation"\n{bounds}{listed}{ANSWERED}')
     first, second = read_sweep(path).vary
     # a unit in words says that 5 N/m are meant
     assert (first.low, first.high, first.unit) == (5.0, 80e6, "N/m")
     assert second.values == (1e3, 2e3)
+    for mixed, told in (
+        (
+            '"1 kN s/m", 2',
+            r"values\[1\] = 2 must have a unit as '1 kN s/m' has, such as '2 kN s/m' or '2 N s/m'$",
+        ),
+        ('"1 kN s/m", 0.5', r"values\[1\] = 0\.5 must have a unit"),
+    ):
+        (tmp_path / "mixed.toml").write_text(path.read_text().replace('"1 kN s/m", "2e3 N s/m"', mixed))
+        with pytest.raises(CaseFileError, match=told):
+            read_sweep(tmp_path / "mixed.toml")
+    (tmp_path / "mixed.toml").write_text(path.read_text().replace('"5 N/m"', "5"))
+    with pytest.raises(
+        CaseFileError, match=r"low = 5 must have a unit as '80 MN/m' has, such as '5 MN/m' or '5 N/m'$"
+    ):
+        read_sweep(tmp_path / "mixed.toml")
     path.write_text(path.read_text().replace("5 N/m", "5 MPa"))
     with pytest.raises(CaseFileError, match=r"low: must be a number, or such as '1 %', got '5 MPa'"):
         read_sweep(path)

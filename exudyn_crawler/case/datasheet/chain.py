@@ -233,6 +233,11 @@ def _on_ground(
 
 def _check_lengths(on_ground: float, pitch: float, shoes: int, what: str) -> None:
     """Refuse lengths that no track of this pitch has."""
+    if on_ground <= 0.0:
+        raise DatasheetError(
+            f"no {what} is left: shoes of {_length(pitch)} about sprocket and idler take "
+            f"{_length(-on_ground)} more than weight, width, pressure and lengths give"
+        )
     if not SHORTEST * pitch <= on_ground <= LONGEST * pitch:
         least, most = (_length(on_ground / bound) for bound in (LONGEST, SHORTEST))
         raise DatasheetError(

@@ -1,12 +1,14 @@
 """Case of a datasheet: a machine on two closed tracks of which every value has a note where it comes from."""
 
+import re
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import lru_cache
 from typing import NamedTuple
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.datasheet import chain as chains, gear, shoe_mesh, shoes, travel, vehicles
+from exudyn_crawler.case.datasheet import chain as chains, gear, plausible, shoe_mesh, shoes, travel, vehicles
 from exudyn_crawler.case.datasheet.notes import Note, Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.case.datasheet.typical import TypicalValue
@@ -42,6 +44,7 @@ NO_FIGURES = (
 )
 
 
+LONG_NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d{3,}(?:e[+-]?\d+)?(?!\w)")
 SMALLER = 0.8, 0.6, 0.4, 0.2, 0.1
 """Shares of a sag with which no machine follows that are tried."""
 
@@ -60,16 +63,28 @@ def derived(sheet: Datasheet) -> Derived:
     """Case of a datasheet with the notes on its values; a ParameterError in the datasheet's words."""
     try:
         return _derived(sheet)
-    except DatasheetError:
-        raise
+    except DatasheetError as error:
+        raise DatasheetError("\n".join([*_odd(sheet), str(error)])) from error
     except ParameterError as error:
-        raise DatasheetError(_refusal(sheet, error)) from error
+        raise DatasheetError("\n".join([*_odd(sheet), _refusal(sheet, error)])) from error
+
+
+def _odd(sheet: Datasheet) -> Iterator[str]:
+    """Yield the figures that no machine has, for which one may not follow."""
+    yield from (f"{key}: {line}" for key, line in plausible.odd_printed(sheet))
+    with suppress(ParameterError):
+        chain = chains.chain_of(sheet, Notes(sheet.kind, _overrides(sheet)), ph4100c.GRAVITY)
+        yield from plausible.odd_following(sheet, plausible.following(sheet, chain))
+
+
+def _overrides(sheet: Datasheet) -> dict[str, float | None]:
+    """Return the typical values of a datasheet by name, None for those of the table."""
+    return {name: getattr(sheet.typical, name) for name in type(sheet.typical).model_fields}
 
 
 def _derived(sheet: Datasheet) -> Derived:
     """Case of a datasheet; a ParameterError in words of the case where its parts do not go together."""
-    overrides = {name: getattr(sheet.typical, name) for name in type(sheet.typical).model_fields}
-    notes = Notes(sheet.kind, overrides)
+    notes = Notes(sheet.kind, _overrides(sheet))
     printed = sheet
     sheet = vehicles.with_running_gear(shoe_mesh.sheet_of_mesh(printed), notes)
     of_mesh = None if sheet.shoe_mesh is None else shoe_mesh.shoe_of_mesh(sheet.shoe_mesh)
@@ -106,7 +121,12 @@ def _refusal(sheet: Datasheet, error: ParameterError) -> str:
             f"a sag of {1e3 * sag:.3g} mm lets the idler back into the wheel next to it; "
             f"{1e3 * smaller:.2g} mm do"
         )
-    return f"the machine that follows cannot be built: {str(error).splitlines()[0]}"
+    return f"the machine that follows cannot be built: {rounded(str(error).splitlines()[0])}"
+
+
+def rounded(text: str) -> str:
+    """Return a text whose numbers have four digits at most."""
+    return LONG_NUMBER.sub(lambda found: f"{float(found[0]):.4g}", text)
 
 
 def _given(sheet: Datasheet) -> Iterator[Note]:

@@ -1,5 +1,6 @@
 """Datasheets in case files: the table ``[datasheet]``, of which the rest of the file changes what follows."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.case_file import CaseFile
 from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.sheet import Datasheet
@@ -43,10 +45,10 @@ def datasheet_of(table: reading.Content, folder: Path | None = None) -> Datashee
     try:
         return reading.from_content(Datasheet, table, folder)
     except ValidationError as error:
-        lines = faults.error_lines(error, Datasheet)
-        raise ParameterError("\n".join(f"{KEY}.{line}" for line in lines)) from None
+        lines = faults.error_lines(error, CaseFile, {KEY: table}, (KEY,))
+        raise ParameterError("\n".join(lines)) from None
     except ValueError as error:
-        raise ParameterError(f"{KEY}: {error}") from error
+        raise ParameterError("\n".join(f"{KEY}.{line}" for line in fields.lines_of(error))) from error
 
 
 def followed(content: reading.Content, before: reading.Content) -> reading.Content:
@@ -77,12 +79,20 @@ def assumed_ranges(sheet: Datasheet) -> list[reading.Content]:
 
 def case_values(sheet: Datasheet, flexible: bool = False) -> reading.Content:
     """Values of the case of a datasheet, as a file has them; with flexible shoes if asked for."""
-    with fields.errors_at(KEY):
+    try:
         case = derived(sheet).case
         values = case.model_dump(mode="json")
         if flexible:
             values["flexible"] = flexible_of(sheet, passed_shoe(case)).model_dump(mode="json")
         return values
+    except ValueError as error:
+        raise ParameterError("\n".join(_keyed(line) for line in fields.lines_of(error))) from error
+
+
+def _keyed(line: str) -> str:
+    """Return a line of a datasheet's fault with the table's name before it."""
+    key = re.match(r"\w*(?=[\w.\[\]]*: )", line)
+    return f"{KEY}.{line}" if key and key[0] in Datasheet.model_fields else f"{KEY}: {line}"
 
 
 def passed_shoe(case: Case) -> int:

@@ -1,14 +1,16 @@
 """Gear of a datasheet's machine: two closed tracks of its wheels, its parts, and contacts that fit both."""
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.datasheet import rules, suspension, travel, weights, wheels
 from exudyn_crawler.case.datasheet.chain import Chain
 from exudyn_crawler.case.datasheet.notes import Notes
-from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.case.gear.machine import Machine
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.car_body import CarBody
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
 from exudyn_crawler.case.parameters.track import Shoe, Track
@@ -19,6 +21,7 @@ TREAD_DAMPING, GUIDE_DAMPING = 0.1, 0.73  # of critical: the same
 GUIDES = 0.1  # of a tread's stiffness: of the flanges
 SOFT = 0.1  # of a tread's compliance: of a pin across the chain
 LAG = 0.1  # of the sprocket's speed: how far it falls behind at 0.7 of its torque limit
+LEAST_FRAME = 1e-3  # of the operating weight: a side frame
 FADING = 0.05  # of the chain's speed: at which rolling resistance has 0.7 of its value
 SCALED = (
     *("damping", "damping_depth", "resistance_speed", "guide_play", "guide_height", "guide_stiffness"),
@@ -59,6 +62,7 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
         notes.note(f"gear.{path}", None, "", "assumed", how)
     bogies = suspension.bogies_of(sheet, pitch, place.rollers, notes)
     radius = chain.built_gaps * pitch / (2.0 * math.pi)
+    _check_frame(sheet, chain, shoe, parts, sum(bogie.mass for bogie in bogies))
     return Machine(
         mass=parts.frame - sum(bogie.mass for bogie in bogies),
         inertia=parts.frame_inertia,
@@ -85,6 +89,22 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track, notes: Not
         torque_limit=_torque(sheet, radius, notes),
         torque_speed=LAG * speed / radius,
         car_body=_car_body(sheet, parts),
+    )
+
+
+def _check_frame(
+    sheet: Datasheet, chain: Chain, shoe: Shoe, parts: weights.PartWeights, bogies: float
+) -> None:
+    """Refuse a machine whose other parts leave no mass for a side frame beside its bogies (kg)."""
+    frame = parts.frame - bogies
+    if frame >= LEAST_FRAME * sheet.operating_weight:
+        return
+    text = partial(fields.quantity_text, unit="kg")
+    of_track = f"{chain.shoes} shoes of {text(shoe.mass)}" + (f", bogies of {text(bogies)}" if bogies else "")
+    raise DatasheetError(
+        f"a side frame would weigh {text(frame)}: {of_track} on each track, a car body of {text(parts.body)} "
+        f"and an upper structure of {text(parts.upper)} leave no more of operating_weight "
+        f"{text(sheet.operating_weight)}; lighter or fewer shoes, or another weight"
     )
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator
 
-from exudyn_crawler.case.parameters.reading import number_of
+from exudyn_crawler.case.parameters.units import number_of
 
 KILOGRAM = re.compile(r"\bkg\b")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exudyn_crawler.case.parameters import reading
+from exudyn_crawler.case.parameters.units import number_of
 
 HEAD = re.compile(r"\s*(?P<name>.*?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|(?:,|/| in )\s*(?P<c>[^,]+?))?\s*")
 """Name of a column with its unit: ``force [N]``, ``force (N)``, ``force, N``, ``force/N``, ``force in N``."""
@@ -29,7 +29,7 @@ def factor_of(unit: str, wanted: str) -> float:
     """Size of a unit in the `wanted` one; ValueError if it is no unit, or one of something else."""
     if unit == wanted or (wanted == "1" and not unit):
         return 1.0
-    factor = reading.number_of(f"1 {unit}", wanted)
+    factor = number_of(f"1 {unit}", wanted)
     if not isinstance(factor, float):
         raise ValueError(f"unit must be one of {wanted}, got {unit or 'none'!r}")
     return factor

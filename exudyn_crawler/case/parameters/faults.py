@@ -10,13 +10,17 @@ from typing import Any, NamedTuple, Union, get_args, get_origin
 import pydantic
 from pydantic.fields import FieldInfo
 
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters import fields, units
 from exudyn_crawler.errors import ParameterError
 
 MOST_ERRORS = 100  # that are named
 LISTED = 300  # characters of allowed names, beyond which a list is cut
-NAMED = 5  # values that one table lacks, or keys that it does not know, which are named
+NAMED = 5  # values that one table lacks which are named
+MOST_UNKNOWN = 20  # keys that a table does not know which are named
+MOST_HOMES = 3  # tables that have a key, which are named
 LISTED_BY = "listed_by"  # of a class: the command that lists its keys
+TYPED = "typed"
+"""Key of a fault for what was typed in place of its input."""
 OF_TABLES = ("missing", "extra_forbidden")
 WORDS = (
     *(("a valid number", "a number"), ("a valid integer", "a whole number"), ("a valid string", "a text")),
@@ -28,9 +32,6 @@ WORDS = (
 PROFILE = "values over time, such as {{times = [0, 5], values = [0, 0.1]}} (numbers in {units})"
 OF_LIST = re.compile(r"([\w.\[\]]+\[)(\d+)(\]: .*)")
 """Line of a fault of an item of a list."""
-COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(.*)")
-THOUSANDS = 3
-"""Digits behind a comma that may part thousands."""
 OTHER_KIND = ("_type", "literal_error", "is_instance_of", "enum")
 """Ends of pydantic's names of faults of a value that is of another kind than what is wanted."""
 
@@ -49,13 +50,40 @@ Pair = tuple[Spot, Mapping[str, Any]]
 """Fault of pydantic with its spot."""
 
 
-def error_lines(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -> Iterator[str]:
-    """Errors of a validation of the values of `model`, a line each with its path."""
-    faults = error.errors(include_url=False)
+def error_lines(
+    error: pydantic.ValidationError,
+    model: type[pydantic.BaseModel],
+    typed: Mapping[str, Any] | None = None,
+    above: fields.KeyPath = (),
+) -> Iterator[str]:
+    """Yield the errors of a validation of the values of `model`, a line each with its path.
+
+    `typed` are the values as a file has them, whose texts are quoted in place of the numbers that they are.
+    Values of a part of the model alone are `above` it.
+    """
+    places = [fault | {"loc": (*above, *fault["loc"])} for fault in error.errors(include_url=False)]
+    faults = [fault | {TYPED: _typed(fault, model, typed or {})} for fault in places]
     lines = list(_joined(dict.fromkeys(" ".join(line.split()) for line in _lines(faults, model))))
     yield from lines[:MOST_ERRORS]
     if len(lines) > MOST_ERRORS:
         yield f"{len(lines) - MOST_ERRORS} more errors"
+
+
+def _typed(fault: Mapping[str, Any], model: type[pydantic.BaseModel], values: Any) -> Any:
+    """Return what was typed where a fault is: its text, if that is the number at fault."""
+    spot = _spot(fault["loc"], model)
+    value = fault["input"]
+    for part in spot.place:
+        if isinstance(values, str):
+            return value
+        try:
+            values = values[part]
+        except (KeyError, IndexError, TypeError):  # it follows from other values
+            return value
+    if not isinstance(values, str) or spot.field is None:
+        return value
+    number = units.number_of(values, fields.unit_of(spot.field))
+    return values if isinstance(number, str) or number == value or isinstance(value, str) else value
 
 
 def _joined(lines: Iterable[str]) -> Iterator[str]:
@@ -134,10 +162,29 @@ def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydan
     if renamed:
         return "; ".join(f"{name} {RENAMED[name]}" for name in renamed)
     allowed = fields.file_fields(model) if not table else spots[0].table.model_fields
-    nearest = {name: difflib.get_close_matches(name, allowed, n=1) for name in _last_names(spots[:NAMED])}
-    meant = [f"did you mean {near[0]} for {name}? " for name, near in nearest.items() if near]
+    homes = {str(spot.place[-1]): _home(spot.place, model, allowed) for spot in spots[:MOST_UNKNOWN]}
+    nearest = {
+        name: difflib.get_close_matches(name, allowed, n=1) for name, home in homes.items() if not home
+    }
+    meant = [f"{name}: {home}; " for name, home in homes.items() if home]
+    meant += [f"did you mean {near[0]} for {name}? " for name, near in nearest.items() if near]
     known = _listed(allowed, getattr(spots[0].table, LISTED_BY, ""))
-    return f"{_names(table, spots)}: unknown keys; {''.join(meant)}allowed are {known}"
+    return f"{_names(table, spots, MOST_UNKNOWN)}: unknown keys; {''.join(meant)}allowed are {known}"
+
+
+def _home(place: fields.KeyPath, model: type[pydantic.BaseModel], allowed: Collection[str]) -> str:
+    """Say where in a file the key belongs that stands at a place; empty where it belongs nowhere.
+
+    In a table that has a similar key among those `allowed`, that one is meant.
+    """
+    name = str(place[-1])
+    if len(place) > 1:
+        is_of_top = name in fields.file_fields(model) and not difflib.get_close_matches(name, allowed, n=1)
+        return "it belongs to the top of the file, before all tables" if is_of_top else ""
+    tables = [path.rpartition(".")[0] for path in fields.key_paths(model) if path.rpartition(".")[2] == name]
+    if not 0 < len(tables) <= MOST_HOMES:
+        return ""
+    return f"it belongs into {' or '.join(f'[{table}]' for table in dict.fromkeys(tables))}"
 
 
 def _listed(names: Collection[str], listed_by: str = "") -> str:
@@ -151,12 +198,12 @@ def _listed(names: Collection[str], listed_by: str = "") -> str:
     return ", ".join(shown)
 
 
-def _names(table: fields.KeyPath, spots: Sequence[Spot]) -> str:
-    """Path of a table and the last names of some places in it."""
+def _names(table: fields.KeyPath, spots: Sequence[Spot], most: int = NAMED) -> str:
+    """Return the path of a table and the last names of some places in it, as many as `most`."""
     names = _last_names(spots)
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
     head = f"{fields.path_text(table)}: " if table else ""
-    return f"{head}{', '.join(names[:NAMED])}{more}"
+    return f"{head}{', '.join(names[:most])}{more}"
 
 
 def _last_names(spots: Sequence[Spot]) -> list[str]:
@@ -221,7 +268,12 @@ def _message(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseMode
     value = fault["input"]
     if kind == "extra_forbidden":
         allowed = fields.file_fields(model) if len(spot.place) == 1 else spot.table.model_fields
-        return head + unknown_key(spot.place, [*allowed], getattr(spot.table, LISTED_BY, ""))
+        home = _home(spot.place, model, allowed)
+        return head + (
+            f"unknown key; {home}"
+            if home
+            else unknown_key(spot.place, [*allowed], getattr(spot.table, LISTED_BY, ""))
+        )
     if kind == "missing":
         return _missing(spot, fault, head)
     if kind == "value_error":
@@ -242,14 +294,12 @@ def _message(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseMode
     if spot.field is not None and _is_other_kind(fault) and isinstance(spot.place[-1], str):
         other = fields.in_place(spot.field)
         words += f", or {other}" if other else ""
-    if isinstance(value, str) and (comma := COMMA.fullmatch(value)):
-        point = f"'{comma[1]}.{comma[2]}{comma[3]}'"
-        cause = f"; numbers have a point: {point}"
-        if len(comma[2]) == THOUSANDS:
-            cause = f"; numbers have no commas: '{comma[1]}{comma[2]}{comma[3]}', or {point}"
-    if kind.startswith(("less_than", "greater_than")) and spot.field and isinstance(value, int | float):
+    if isinstance(value, str) and kind.endswith("_type") and kind != "bool_type":
+        cause = units.hint(value, unit)
+    is_bare = isinstance(value, int | float) and not isinstance(fault[TYPED], str)
+    if kind.startswith(("less_than", "greater_than")) and spot.field and is_bare:
         cause = fields.likely_cause(float(value), spot.field)
-    return f"{head}{words}, got {fields.shown(value)}{cause}"
+    return f"{head}{words}, got {fields.shown(fault[TYPED])}{cause}"
 
 
 def _missing(spot: Spot, fault: Mapping[str, Any], head: str) -> str:

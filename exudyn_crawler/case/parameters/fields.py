@@ -92,11 +92,16 @@ def with_value(values: Any, path: KeyPath, value: Any, kind: type[BaseModel] | N
 
 @contextmanager
 def errors_at(key: str) -> Iterator[None]:
-    """Name a path as it was written in what is wrong with it."""
+    """Name a path as it was written in each line of what is wrong with it."""
     try:
         yield
     except ValueError as error:
-        raise ParameterError(f"{key}: {error}") from error
+        raise ParameterError("\n".join(f"{key}: {line}" for line in lines_of(error))) from error
+
+
+def lines_of(error: ValueError) -> list[str]:
+    """Return a line for each of the faults that an error has."""
+    return error.errors if isinstance(error, ParameterError) else [str(error)]
 
 
 def beside(kind: type[BaseModel]) -> str:
@@ -117,6 +122,23 @@ def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
         parts = models_of(field.annotation)
         below = (path for part in parts for path in key_paths(part, f"{start}{name}."))
         yield from dict.fromkeys(below if parts else [f"{start}{name}"])
+
+
+def unit_at(kind: type[BaseModel], path: KeyPath) -> str | None:
+    """Return the unit of a value at a path of a class; None for what is no quantity of one unit."""
+    kinds: tuple[type[BaseModel], ...] = (kind,)
+    unit: str | None = None
+    for name in names_of(path):
+        if any(getattr(one, "is_value", False) for one in kinds):
+            # of values over time, whose unit is that of what holds them
+            unit = "s" if name == "times" else unit
+            continue
+        field = next((known[name] for known in map(file_fields, kinds) if name in known), None)
+        if field is None:
+            return None
+        kinds = models_of(field.annotation)
+        unit = unit_of(field) if has_unit(field) and "exponent" not in unit_of(field) else None
+    return unit
 
 
 def models_of(annotation: Any) -> tuple[type[BaseModel], ...]:
@@ -286,6 +308,40 @@ def in_units(value: float, units: Mapping[str, float], digits: int = 3) -> str:
     return f"{value / units[unit]:.{digits}g} {unit}"
 
 
+READ_IN: dict[str, dict[str, float]] = {
+    "m": {"m": 1.0, "mm": 1e-3},
+    "kg": {"t": 1e3, "kg": 1.0},
+    "N": {"MN": 1e6, "kN": 1e3, "N": 1.0},
+    "Pa": {"MPa": 1e6, "kPa": 1e3, "Pa": 1.0},
+    "W": {"MW": 1e6, "kW": 1e3, "W": 1.0},
+    "N m": {"kN m": 1e3, "N m": 1.0},
+}
+"""Units in which quantities are read, greatest first."""
+
+
+def quantity_text(value: float, unit: str) -> str:
+    """Return a quantity with four digits and a unit for reading: 35.37 t, 140 mm."""
+    name = read_unit(value, unit)
+    return f"{_four_digits(value / READ_IN.get(unit, {}).get(name, 1.0))} {name}".rstrip()
+
+
+def span_text(least: float, greatest: float, unit: str) -> str:
+    """Return a span with four digits in the unit in which its end is read: 0.8188 to 4.094 m."""
+    name = read_unit(greatest, unit)
+    size = READ_IN.get(unit, {}).get(name, 1.0)
+    return f"{_four_digits(least / size)} to {_four_digits(greatest / size)} {name}".rstrip()
+
+
+def read_unit(value: float, unit: str) -> str:
+    """Return the unit in which a quantity is read: the greatest that it has one of, else the least."""
+    units = READ_IN.get(unit, {unit: 1.0})
+    return next((name for name, size in units.items() if abs(value) >= size), [*units][-1])
+
+
+def _four_digits(value: float) -> str:
+    return f"{float(f'{value:.4g}'):g}"
+
+
 class Row(NamedTuple):
     """A value of a case for reading."""
 
@@ -306,12 +362,13 @@ def case_rows(case: BaseModel) -> list[Row]:
 
 MISTAKEN: dict[str, dict[str, float]] = {
     "": {"%": 0.01},
-    "m": {"mm": 1e-3, "inch": 0.0254},
+    "m": {"mm": 1e-3, "cm": 1e-2, "inch": 0.0254, "ft": 0.3048},
     "m/s": {"km/h": 1.0 / 3.6, "mm/s": 1e-3},
     "m/s2": {"mm/s2": 1e-3},
     "rad/s": {"deg/s": math.pi / 180.0},
     "s": {"ms": 1e-3},
     "kg": {"t": 1e3, "g": 1e-3},
+    "W": {"kW": 1e3, "hp": 745.7},
     "kg/m3": {"t/m3": 1e3, "t/mm3": 1e12},
     "N": {"kN": 1e3},
     "N m": {"kN m": 1e3},
@@ -321,6 +378,10 @@ MISTAKEN: dict[str, dict[str, float]] = {
     "Hz": {"kHz": 1e3},
 }
 """Units that numbers come in by mistake, or as texts, with their size in that of the case."""
+
+
+TENS = (10.0, 0.1, 100.0, 0.01, 1e3, 1e-3)
+"""Powers of ten by which a value is taken to be mistyped."""
 
 
 def _extra(field: FieldInfo) -> dict[str, Any]:
@@ -351,12 +412,28 @@ def plausible_range(field: FieldInfo) -> tuple[float, float] | None:
 
 
 def likely_cause(value: float, field: FieldInfo) -> str:
-    """Hint at the unit in which a value would be plausible; empty if there is none."""
-    least, greatest = plausible_range(field) or (value, value)
-    if not value or least <= value <= greatest:
+    """Hint at the units in which a value would be plausible; empty if there are none."""
+    span = plausible_range(field) or (value, value)
+    if not value or span[0] <= value <= span[1]:
         return ""
     unit = unit_of(field)
-    for mistaken, size in MISTAKEN.get(unit, {}).items():
-        if least <= value * size <= greatest:
-            return f"; is it in {mistaken}? It has to be {f'in {unit}' if unit else 'a fraction of 1'}"
-    return ""
+    likely = " or ".join(_likely_units(value, unit, span))
+    return (
+        f"; is it in {likely}? It has to be {f'in {unit}' if unit else 'a fraction of 1'}" if likely else ""
+    )
+
+
+def _likely_units(value: float, unit: str, span: tuple[float, float]) -> list[str]:
+    """Return the units in which a number lies within a span of a field's own unit."""
+    return [name for name, size in MISTAKEN.get(unit, {}).items() if span[0] <= value * size <= span[1]]
+
+
+def meant(value: float, unit: str, span: tuple[float, float]) -> str:
+    """Ask for what could be meant by a value outside of a span: another unit, or a power of ten off."""
+    likely = [f"{_four_digits(value)} {name}" for name in _likely_units(value, unit, span)]
+    if not likely:
+        tens = [value * power for power in TENS if span[0] <= value * power <= span[1]]
+        name = read_unit(value, unit)
+        size = READ_IN.get(unit, {}).get(name, 1.0)
+        likely = [f"{_four_digits(ten / size)} {name}".rstrip() for ten in tens[:1]]
+    return f"; did you mean {' or '.join(likely)}?" if likely else ""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import drive, fields, measured_loads, reading
+from exudyn_crawler.case.parameters import drive, fields, measured_loads, reading, units
 from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, Several, option, quantity
 
 if TYPE_CHECKING:
@@ -197,10 +197,10 @@ def with_equal_loads(content: Any, shoe_count: int) -> Any:
     """Content of a load cycle in which one number for all shoes, or in its place, stands for each of them."""
 
     def spread(phase: Any) -> Any:
-        load = reading.number_of(phase.get("loads"), "N") if isinstance(phase, dict) else None
+        load = units.number_of(phase.get("loads"), "N") if isinstance(phase, dict) else None
         return phase | {"loads": [load] * shoe_count} if fields.is_number(load) else phase
 
-    if fields.is_number(load := reading.number_of(content, "N")):
+    if fields.is_number(load := units.number_of(content, "N")):
         content = {"phases": [{"name": "constant", "end": 0.0, "loads": load}]}
     match content:
         case {"phases": [*phases]}:

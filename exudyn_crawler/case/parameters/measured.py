@@ -77,9 +77,11 @@ class MeasuredGrid(Parameters):
 
     def _unit_of(self, rise: float) -> str:
         """Hint at the unit of heights in which a rise (m a metre) would do; empty where none is likely."""
-        likely = (unit for unit in SMALLER_UNITS if rise * size_of(unit, "heights") <= STEEPEST)
-        unit = None if self.height_unit else next(likely, None)
-        return f"; are they in {unit}? height_unit = {unit!r} says so" if unit else ""
+        likely = [unit for unit in SMALLER_UNITS if rise * size_of(unit, "heights") <= STEEPEST]
+        if self.height_unit or not likely:
+            return ""
+        says = " or ".join(f"height_unit = {unit!r}" for unit in likely)
+        return f"; are they in {' or '.join(likely)}? {says} says so"
 
     @property
     def _surface(self) -> "_Surface":
@@ -138,11 +140,14 @@ class MeasuredGrid(Parameters):
         is_fine = max(self.sides) < FINEST
         if is_fine and np.abs(raw).max() <= MOST_DEGREES and raw[0].max() > 1.0:
             return f"its places from {raw[0][0]:.6g}, {raw[0][1]:.6g} look like degrees: {PROJECT}"
-        for unit in GREATER_UNITS:
-            in_unit = size_of(unit, "places") * size
-            if is_fine and self.place_unit is None and (in_unit >= wanted).all():
-                large = f"{in_unit[0]:.4g} x {in_unit[1]:.4g} m"
-                return f"are its places in {unit}? With place_unit = {unit!r} it is {large} large"
+        sizes = {unit: size_of(unit, "places") * size for unit in GREATER_UNITS}
+        large = {
+            unit: f"with place_unit = {unit!r} it is {in_unit[0]:.4g} x {in_unit[1]:.4g} m large"
+            for unit, in_unit in sizes.items()
+            if (in_unit >= wanted).all()
+        }
+        if is_fine and self.place_unit is None and large:
+            return f"are its places in {' or '.join(large)}? {'; '.join(large.values()).capitalize()}"
         return f"it is {size[0]:.4g} x {size[1]:.4g} m large, too small wherever it lies"
 
 

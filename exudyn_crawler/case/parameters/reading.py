@@ -1,8 +1,7 @@
 """Files of parameters: TOML whose tables may say only what differs from a `base`, a named constructor.
 
-Within the program all is in SI units. In place of a number a file may have a text with one and a unit:
-"20 MN/m" is the number of the field's own unit. Angles are no plain numbers here: revolutions a second are no
-hertz, and degrees no slope.
+Within the program all is in SI units. In place of a number a file may have a text with one and a unit, as
+`units` reads it.
 """
 
 import difflib
@@ -11,15 +10,13 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from fractions import Fraction
-from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from exudyn_crawler.case.parameters import faults, fields
+from exudyn_crawler.case.parameters import faults, fields, units
 from exudyn_crawler.errors import CaseFileError
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -28,51 +25,12 @@ LINE = re.compile(r"\(at line (\d+),")
 """Place that the reader of TOML names."""
 COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
 """Number with a decimal comma in a line of TOML."""
-PARTING = "[ '\u00a0\u202f]"
-"""Marks between thousands that are no decimal marks anywhere."""
-NUMBER = rf"[+-]?(?:\d{{1,3}}(?:{PARTING}\d{{3}})+(?:\.\d*)?|\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
-NAME = r"[a-zµ°%_]+(?:\^?-?\d(?:\.\d+)?)?"
-UNIT = rf"(?:1/)?{NAME}(?:\s*[*/ ]\s*{NAME})*"
-TEXT = re.compile(rf"\s*({NUMBER})(?:\s*(?=[a-zµ°%])|\s+(?=1/))({UNIT})\s*", re.IGNORECASE)
-POWER = re.compile(r"(?<=[A-Za-zµ°])\^?(-?\d)")  # m3 and s2, as units are written here, too
-OPEN_POWER = re.compile(r"\^\(?exponent(?:\+(\d)\))?")  # of a law's modulus, by its exponent
-DEFINITIONS = """
-centi- = 1/100 = c-
-milli- = 1/1000 = m-
-micro- = 1/1000000 = µ- = u-
-kilo- = 1000 = k-
-mega- = 1000000 = M-
-giga- = 1000000000 = G-
-metre = [length] = m = meter
-second = [time] = s
-gram = [mass] = g
-radian = [angle] = rad
-percent = 1/100 = %
-minute = 60 * second = min
-hour = 3600 * second = h
-day = 24 * hour = d
-tonne = 1000000 * gram = t
-degree = 0.017453292519943295 * radian = deg = °
-revolution = 360 * degree = rev
-rpm = revolution / minute
-hertz = 1 / second = Hz
-newton = 1000 * gram * metre / second ** 2 = N
-pascal = newton / metre ** 2 = Pa
-watt = newton * metre / second = W
-horsepower = 745.6998715822702 * watt = hp
-metric_horsepower = 735.49875 * watt = PS
-kilogram_force = 9.80665 * newton = kgf
-short_ton = 907184.74 * gram
-bar = 100000 * pascal
-inch = 0.0254 * metre = in
-foot = 12 * inch = ft = feet
-mile = 5280 * foot = mi
-mph = mile / hour
-kph = 1000 * metre / hour
-pound = 453.59237 * gram = lb
-pound_force = 4.4482216152605 * newton = lbf
-psi = pound_force / inch ** 2
-"""
+BACKSLASH = re.compile(r'"([^"]*\\[^"]*)"')
+"""Text with a backslash in double quotes."""
+BARE_UNIT = re.compile(r"=\s*([+-]?\d[\d.]*\s*[A-Za-zµ°%][^\s\"#,\]}]*)")
+"""Number with a unit that stands in no quotes."""
+INCHES = re.compile(r'"(?:([\d.]+) *(?:ft|\') *-? *)?([\d.]+) *""')
+"""Text in double quotes that a sign for inches ends."""
 
 
 def read_parameters(
@@ -80,8 +38,10 @@ def read_parameters(
 ) -> Model:
     """Parameter object of a file of a kind `name`; `values` makes its content values; or `CaseFileError`."""
     path = Path(path)
-    with errors_named(path, kind):
-        return from_content(kind, values(toml_content(path, name)), path.parent)
+    content: Content = {}
+    with errors_named(path, kind, content):
+        content |= toml_content(path, name)
+        return from_content(kind, values(content), path.parent)
 
 
 def toml_content(path: Path, name: str) -> Content:
@@ -100,27 +60,42 @@ def content_of(source: str | bytes, coding: str = "utf-8") -> Content:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         message = str(error).replace("Cannot overwrite a value", "this key or table stands twice")
-        raise ValueError(f"not TOML: {message}{_decimal_comma(text, message)}") from error
+        raise ValueError(f"not TOML: {message}{_of_line(text, message)}") from error
 
 
-def _decimal_comma(text: str, message: str) -> str:
-    """Hint at a decimal comma in the line of a text that an error of its reader names; empty if none is."""
-    line = LINE.search(message)
-    comma = COMMA.search(text.splitlines()[int(line[1]) - 1]) if line else None
-    return f"; numbers have a point: {comma[1]}.{comma[2]}" if comma else ""
+def _of_line(text: str, message: str) -> str:
+    """Say how the line that an error of TOML's reader names could be meant; empty where nothing is likely."""
+    place = LINE.search(message)
+    lines = [line for line in text.splitlines() if line.strip()] if place is None else text.splitlines()
+    line = lines[int(place[1]) - 1 if place else -1] if lines else ""
+    if comma := COMMA.search(line):
+        return f"; numbers have a point: {comma[1]}.{comma[2]}"
+    if path := BACKSLASH.search(line):
+        return f"; a path stands in single quotes: '{path[1]}'"
+    if inches := INCHES.search(line):
+        length = f"{inches[1]} ft {inches[2]} in" if inches[1] else f"{inches[2]} in"
+        return f'; the sign for inches ends the text: "{length}"'
+    if number := BARE_UNIT.search(line):
+        return f'; a number with a unit stands in quotes: "{number[1]}"'
+    return ""
 
 
 @contextmanager
-def errors_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
-    """Make what is wrong with the content of a file, of a parameter class, a `CaseFileError`."""
+def errors_named(path: Path, kind: type[BaseModel], typed: Content | None = None) -> Iterator[None]:
+    """Make what is wrong with the content of a file, of a parameter class, a `CaseFileError`.
+
+    `typed` is the content as it was typed, in whose words values are quoted.
+    """
     try:
         yield
     except ValidationError as error:
-        raise CaseFileError(path, list(faults.error_lines(error, kind))) from None
+        raise CaseFileError(path, list(faults.error_lines(error, kind, typed))) from None
     except CaseFileError:  # of another file that this one names
         raise
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
         raise CaseFileError(path, [str(error)]) from error
+    except ValueError as error:
+        raise CaseFileError(path, fields.lines_of(error)) from error
 
 
 def from_content(kind: type[Model], content: Content, folder: Path | None = None) -> Model:
@@ -175,13 +150,29 @@ def _filled_value(value: Any, field: FieldInfo, below: Any, path: fields.KeyPath
     if value == fields.NONE and fields.allows_none(field.annotation):
         return None
     if not kinds:
-        return value if unit is None else number_of(value, unit)
+        if unit is None:
+            return value
+        with fields.errors_at(fields.path_text(path)):
+            return units.number_of(value, unit)
     if isinstance(value, list):
+        _refuse_mixed(value, kinds, path)
         return [_filled_value(element, field, None, (*path, k), unit) for k, element in enumerate(value)]
     if not isinstance(value, dict):
         return value
     # below is none, or the list of a table given by mistake
     return filled(value, *kinds, below=below if isinstance(below, dict) else None, path=path, unit=unit or "")
+
+
+def _refuse_mixed(tables: list[Any], kinds: tuple[type[BaseModel], ...], path: fields.KeyPath) -> None:
+    """Raise `ParameterError` for tables of a list of which one has a number where another has a unit, too."""
+    for name, field in {name: field for kind in kinds for name, field in kind.model_fields.items()}.items():
+        unit = _unit_of(field, None)
+        places = {
+            k: table[name] for k, table in enumerate(tables) if isinstance(table, dict) and name in table
+        }
+        if unit is not None:
+            names = [fields.path_text((*path, k, name)) for k in places]
+            units.refuse_mixed([*places.values()], unit, names)
 
 
 def _named(name: object, kind: type[BaseModel], path: fields.KeyPath) -> Content:
@@ -202,35 +193,4 @@ def _unit_of(field: FieldInfo, exponent: object) -> str | None:
     if not fields.has_unit(field):
         return None
     power = exponent if fields.is_number(exponent) else 1.0
-    return OPEN_POWER.sub(lambda found: f"^{power + int(found[1] or 0)}", fields.unit_of(field))
-
-
-@cache
-def _registry() -> Any:
-    # half a second, for files alone that have units
-    import pint
-
-    registry: Any = pint.UnitRegistry(None, non_int_type=Fraction)
-    registry.load_definitions(DEFINITIONS.strip().splitlines())
-    return registry
-
-
-@cache
-def _size(unit: str, unit_here: str) -> Fraction:
-    """Size of a unit in a field's own; ValueError if there is no such unit, or it is of something else."""
-    there, here = (_registry().parse_units(POWER.sub(r"^\1", text)) for text in (unit, unit_here))
-    return Fraction((Fraction(1) * there).to(here).magnitude)
-
-
-def number_of(value: object, unit: str) -> object:
-    """Number in a field's unit of a text with a number and a unit, as exact as may be; all else as it is."""
-    if isinstance(value, list | tuple):
-        return [number_of(element, unit) for element in value]
-    match = TEXT.fullmatch(value) if isinstance(value, str) else None
-    if match is None:
-        return value
-    # what is wrong with a unit raises all kinds of errors
-    try:
-        return float(Fraction(re.sub(PARTING, "", match[1])) * _size(match[2], unit))
-    except Exception:
-        return value
+    return units.OPEN_POWER.sub(lambda found: f"^{power + int(found[1] or 0)}", fields.unit_of(field))
