@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from exudyn_crawler import errors, files
 from exudyn_crawler.case import CaseFile, CellTerrain, check_case_file
-from exudyn_crawler.case.datasheet.odd_figures import odd_figures
+from exudyn_crawler.case.datasheet.odd_figures import odd_machine
 from exudyn_crawler.case.parameters.checks import warn_of
 from exudyn_crawler.model import flexible_shoes, reductions as cache
 from exudyn_crawler.results.history.history import History
@@ -80,8 +80,7 @@ def run_case(
         flexible_shoes.check_shoe(case)
     if isinstance(case.terrain, CellTerrain):
         case.terrain.earlier(case.cell_contact().law)
-    if case_file.datasheet is not None:
-        warn_of(odd_figures(case_file.datasheet))
+    warn_of(odd_machine(case_file))
     case = solved_for_tension(case, progress)
     case_file = case_file.with_(case=case)
     outputs = case_file.outputs

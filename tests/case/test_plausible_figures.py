@@ -5,10 +5,10 @@ import re
 
 import pytest
 
-from exudyn_crawler.case import read_case
+from exudyn_crawler.case import Case, CaseFile, read_case
 from exudyn_crawler.case.datasheet import plausible, typical
 from exudyn_crawler.case.datasheet.library import machines
-from exudyn_crawler.case.datasheet.odd_figures import odd_values
+from exudyn_crawler.case.datasheet.odd_figures import odd_machine, odd_values
 from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.reading import CaseFileError
@@ -163,6 +163,21 @@ def test_parts_too_heavy_for_the_weight_are_named(lines):
         "datasheet: a side frame would weigh -313.7 kg: 42 shoes of 57.26 kg, "
         "bogies of 553.4 kg on each track"
     )
+
+
+def test_values_that_a_case_has_of_its_own_are_held_against_its_machine(tmp_path):
+    """Those of the file beside a datasheet, and those of a machine without one, by its weight of 1410 t."""
+    case_file = read_case(machines()["pc300lc"])
+    changed = case_file.case.with_({"gear.car_body.track_distance": 5.0, "gear.torque_limit": 5e5})
+    found = list(odd_machine(case_file.with_(case=changed)))
+    assert [line.split(":")[0] for line in found] == ["gear.car_body.track_distance", "gear.torque_limit"]
+    assert "5 m is outside of 1.477 to 4.267 m of an excavator of 35.37 t" in found[0]
+    shovel = Case.shovel()
+    assert list(odd_machine(CaseFile(case=shovel))) == []
+    wide = shovel.with_({"gear.car_body.track_distance": 20.0})
+    (line,) = odd_machine(CaseFile(case=wide))
+    assert line.startswith("gear.car_body.track_distance: 20 m is outside of 5.0")
+    assert line.endswith(" of a machine of 1410 t")
 
 
 def test_every_figure_of_a_datasheet_has_a_range_or_one_of_all_machines():

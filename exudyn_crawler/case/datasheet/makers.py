@@ -15,7 +15,8 @@ def _with_kilograms_of(unit: str) -> BeforeValidator:
     """Let the kg of a text be those of force."""
 
     def number(value: object) -> object:
-        return number_of(KILOGRAM.sub("kgf", value), unit) if isinstance(value, str) else value
+        force = number_of(KILOGRAM.sub("kgf", value), unit) if isinstance(value, str) else value
+        return value if isinstance(force, str) else force
 
     return BeforeValidator(number)
 

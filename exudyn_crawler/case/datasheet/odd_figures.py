@@ -4,9 +4,12 @@ from collections.abc import Collection, Iterator
 
 from exudyn_crawler.case.case_file import CaseFile
 from exudyn_crawler.case.datasheet import plausible
-from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.derive import PLACES, derived
+from exudyn_crawler.case.datasheet.figures import machine_mass
 from exudyn_crawler.case.datasheet.provenance import provenance
 from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case.gear.machine import Machine
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.checks import implausible, out_of_range
 from exudyn_crawler.case.ph4100c import GRAVITY
 
@@ -17,15 +20,44 @@ AREA = 1.0 / 3.0, 2.5
 
 
 def odd_values(case_file: CaseFile) -> Iterator[str]:
-    """Lines about all values of a case file that no machine and no ground has, those of a datasheet first."""
+    """Yield lines about all values of a case file that no machine and no ground has, a datasheet's first."""
     lines = implausible(case_file.case, case_file.duration)
+    yield from odd_machine(case_file)
     if case_file.datasheet is None:
         yield from lines
         return
-    yield from odd_figures(case_file.datasheet)
     # what follows by a rule is in no wrong unit: shoes of a small machine weigh less than any of a file do
     by_rule = {row.key for row in provenance(case_file.case, case_file.datasheet) if row.origin != "given"}
     yield from (line for line in lines if line.split(":")[0] not in by_rule)
+
+
+def odd_machine(case_file: CaseFile) -> Iterator[str]:
+    """Yield lines about figures of a machine, its datasheet's and those that its case has of its own."""
+    case = case_file.case
+    sheet = case_file.datasheet
+    if sheet is not None:
+        yield from odd_figures(sheet)
+    if not isinstance(case.gear, Machine):
+        return
+    kind = None if sheet is None else sheet.kind
+    machine = None if sheet is None else derived(sheet).case
+    follows = {} if machine is None else {entry.path: entry.value for entry in fields.values_of(machine)}
+    own = {entry.path: entry for entry in fields.values_of(case) if follows.get(entry.path) != entry.value}
+    sizes = plausible.Sizes(machine_mass(case), case.track.pitch, case.gear.length)
+    for name, path in PLACES.items():
+        entry = own.get(path)
+        if entry is not None and (line := plausible.odd(name, entry.value, entry.unit, kind, sizes)):
+            yield f"{path}: {line}"
+    shoes = case.track.shoe_count // 2
+    if "track.shoe_count" in own and (line := plausible.odd("shoes", shoes, "", kind, sizes)):
+        yield f"track.shoe_count: of one track, {line}"
+    speed = max(map(abs, case.drive.speed.values))
+    if "drive.speed" in own and speed and (line := plausible.odd("speed", speed, "m/s", kind, sizes)):
+        yield f"drive.speed: {line}"
+    if "gear.torque_limit" in own and case.gear.torque_limit is not None:
+        pull = 2.0 * case.gear.torque_limit / case.gear.travel_per_angle(case.track)
+        if line := plausible.odd("drawbar_pull", pull, "N", kind, sizes):
+            yield f"gear.torque_limit: the pull of both tracks with it, {line}"
 
 
 def odd_figures(sheet: Datasheet) -> Iterator[str]:

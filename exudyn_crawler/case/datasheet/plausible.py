@@ -64,16 +64,32 @@ def following(sheet: Datasheet, chain: Chain, shoe_weight: float | None = None) 
     )
 
 
-SIZES: dict[str, Callable[[Datasheet, Following | None], float | None]] = {
-    "": lambda _sheet, _following: 1.0,
-    "root": lambda sheet, _following: (1e-3 * sheet.operating_weight) ** (1.0 / 3.0),
-    "mass": lambda sheet, _following: sheet.operating_weight,
-    "weight": lambda sheet, _following: sheet.operating_weight * GRAVITY,
-    "pitch": lambda sheet, following: sheet.pitch or (following and following.pitch),
-    "length": lambda sheet, following: sheet.length_on_ground or (following and following.length_on_ground),
-    "wheel": lambda sheet, _following: sheet.roller_diameter,
+class Sizes(NamedTuple):
+    """Sizes of a machine that its figures are measured by; None where they are not known."""
+
+    mass: float  # kg
+    pitch: float | None = None  # m
+    length: float | None = None  # on ground, m
+    wheel: float | None = None  # diameter of the road wheels, m
+
+
+SIZES: dict[str, Callable[[Sizes], float | None]] = {
+    "": lambda _sizes: 1.0,
+    "root": lambda sizes: (1e-3 * sizes.mass) ** (1.0 / 3.0),
+    "mass": lambda sizes: sizes.mass,
+    "weight": lambda sizes: sizes.mass * GRAVITY,
+    "pitch": lambda sizes: sizes.pitch,
+    "length": lambda sizes: sizes.length,
+    "wheel": lambda sizes: sizes.wheel,
 }
-"""Sizes that measure figures: third root of the tonnes, kg, N; pitch, length on ground and wheel, m."""
+"""Values of the column `by`: third root of the tonnes, kg, N; pitch, length on ground and wheel, m."""
+
+
+def sizes_of(sheet: Datasheet, follows: Following | None = None) -> Sizes:
+    """Return the sizes of a datasheet's machine, printed or, where it is known, following."""
+    pitch = sheet.pitch or (follows and follows.pitch)
+    length = sheet.length_on_ground or (follows and follows.length_on_ground)
+    return Sizes(sheet.operating_weight, pitch, length, sheet.roller_diameter)
 
 
 @cache
@@ -89,81 +105,71 @@ def _row(texts: dict[str, Any]) -> Plausible:
     return Plausible(**(texts | {name: float(texts[name]) for name in ("low", "high")}))
 
 
-def row_of(name: str, kind: str) -> Plausible | None:
-    """Return the row of a kind of machine, else that of all machines; None if there is none."""
+def row_of(name: str, kind: str | None) -> Plausible | None:
+    """Return the row of a kind of machine, else that of all machines; None if there is none.
+
+    Without a kind it is the widest range of all kinds.
+    """
     rows = table()
-    return rows.get((name, kind)) or rows.get((name, ""))
+    general = rows.get((name, ""))
+    if kind is not None or general is None:
+        return rows.get((name, kind or "")) or general
+    same = [row for row in rows.values() if row.name == name and row.by == general.by]
+    return general._replace(low=min(row.low for row in same), high=max(row.high for row in same), typical="")
 
 
-def odd_printed(sheet: Datasheet, following: Following | None = None) -> Iterator[tuple[str, str]]:
+def odd_printed(sheet: Datasheet, follows: Following | None = None) -> Iterator[tuple[str, str]]:
     """Yield key and line of each printed figure that no machine of the kind and the weight has.
 
     Figures measured by sizes that follow are left out where nothing is known to follow.
     """
+    sizes = sizes_of(sheet, follows)
     for entry in fields.walk(sheet):
         key = ".".join(fields.names_of(entry.place))
-        numbers = entry.value if isinstance(entry.value, tuple) else (entry.value,)
-        row = row_of(key, sheet.kind)
-        if row is None:
-            continue
-        lines = (
-            _line(row, float(value), fields.unit_of(entry.field), sheet, following)
-            for value in numbers
-            if fields.is_number(value)
-        )
-        if (line := next(filter(None, lines), None)) is not None:
+        line = odd(key, entry.value, fields.unit_of(entry.field), sheet.kind, sizes)
+        if line:
             yield entry.path, line
             # all else is measured by a weight that is wrong
             if key == WEIGHT:
                 return
-    if sheet.gauge is None:
-        row = row_of("gauge", sheet.kind)
-        if row is not None and (line := _line(row, sheet.track_gauge, "m", sheet, following)):
-            yield "width_over_shoes", f"less shoe_width gives a gauge of {line}"
+    if sheet.gauge is None and (line := odd("gauge", sheet.track_gauge, "m", sheet.kind, sizes)):
+        yield "width_over_shoes", f"less shoe_width gives a gauge of {line}"
 
 
-def odd_following(sheet: Datasheet, following: Following) -> Iterator[str]:
+def odd_following(sheet: Datasheet, follows: Following) -> Iterator[str]:
     """Yield a line for each figure that follows and that no machine of the kind and the weight has."""
-    weight = row_of(WEIGHT, sheet.kind)
-    if weight is not None and not weight.low <= sheet.operating_weight <= weight.high:
+    sizes = sizes_of(sheet, follows)
+    if odd(WEIGHT, sheet.operating_weight, "kg", sheet.kind, sizes):
         return
-    for name, value in following._asdict().items():
-        row = row_of(name, sheet.kind)
-        if row is None or value is None or getattr(sheet, name) is not None:
-            continue
-        unit = fields.unit_of(Datasheet.model_fields[name])
-        if line := _line(row, float(value), unit, sheet, following, is_printed=False):
-            yield f"{name} that follows: {line}"
+    for name, value in follows._asdict().items():
+        if getattr(sheet, name) is None:
+            unit = fields.unit_of(Datasheet.model_fields[name])
+            if line := odd(name, value, unit, sheet.kind, sizes, is_printed=False):
+                yield f"{name} that follows: {line}"
 
 
-def _line(
-    row: Plausible,
-    value: float,
-    unit: str,
-    sheet: Datasheet,
-    following: Following | None,
-    is_printed: bool = True,
-) -> str:
-    """Return a figure with the range that it is outside of, and what could be meant; empty within it."""
-    size = SIZES[row.by](sheet, following)
-    if size is None:
+def odd(name: str, value: object, unit: str, kind: str | None, sizes: Sizes, is_printed: bool = True) -> str:
+    """Return the first number of a figure that no machine of a kind has, with their range; empty for none."""
+    row = row_of(name, kind)
+    size = None if row is None else SIZES[row.by](sizes)
+    if row is None or size is None:
         return ""
-    least, greatest = row.low * size, row.high * size
-    if least <= value <= greatest:
+    span = row.low * size, row.high * size
+    numbers = filter(fields.is_number, value if isinstance(value, tuple) else (value,))
+    number = next((float(number) for number in numbers if not span[0] <= number <= span[1]), None)
+    if number is None:
         return ""
-    article = "an" if sheet.kind[0] in VOWELS else "a"
-    of = f" of {article} {sheet.kind}"
+    of = f" of {'an' if kind and kind[0] in VOWELS else 'a'} {kind or 'machine'}"
     if row.by:
-        of += f" of {fields.quantity_text(sheet.operating_weight, 'kg')}"
-    span = fields.span_text(least, greatest, unit)
+        of += f" of {fields.quantity_text(sizes.mass, 'kg')}"
     usual = ""
-    if row.typical and not is_printed:
-        usual_value = typical.row_of(row.typical, sheet.kind).value * size
+    if row.typical and kind is not None and not is_printed:
+        usual_value = typical.row_of(row.typical, kind).value * size
         usual = f", {fields.quantity_text(usual_value, unit)} as a rule"
-    line = f"{fields.quantity_text(value, unit)} is outside of {span}{of}{usual}"
+    line = f"{fields.quantity_text(number, unit)} is outside of {fields.span_text(*span, unit)}{of}{usual}"
     if not is_printed and (not row.question or HALF in row.question):
         return line
-    return line + _cause(row, value, unit, (least, greatest))
+    return line + _cause(row, number, unit, span)
 
 
 def _cause(row: Plausible, value: float, unit: str, span: tuple[float, float]) -> str:

@@ -80,10 +80,13 @@ def _typed(fault: Mapping[str, Any], model: type[pydantic.BaseModel], values: An
             values = values[part]
         except (KeyError, IndexError, TypeError):  # it follows from other values
             return value
-    if not isinstance(values, str) or spot.field is None:
+    if not isinstance(values, str) or not isinstance(value, float) or spot.field is None:
         return value
-    number = units.number_of(values, fields.unit_of(spot.field))
-    return values if isinstance(number, str) or number == value or isinstance(value, str) else value
+    unit = fields.unit_of(spot.field)
+    if value in (units.number_of(text, unit) for text in (values, *units.likely_texts(values))):
+        return values
+    # it was made of another text, of whose digits the first say enough
+    return float(f"{value:.4g}")
 
 
 def _joined(lines: Iterable[str]) -> Iterator[str]:
@@ -179,7 +182,9 @@ def _home(place: fields.KeyPath, model: type[pydantic.BaseModel], allowed: Colle
     """
     name = str(place[-1])
     if len(place) > 1:
-        is_of_top = name in fields.file_fields(model) and not difflib.get_close_matches(name, allowed, n=1)
+        of_top = fields.file_fields(model).get(name)
+        is_of_top = of_top is not None and not fields.models_of(of_top.annotation)
+        is_of_top = is_of_top and not difflib.get_close_matches(name, allowed, n=1)
         return "it belongs to the top of the file, before all tables" if is_of_top else ""
     tables = [path.rpartition(".")[0] for path in fields.key_paths(model) if path.rpartition(".")[2] == name]
     if not 0 < len(tables) <= MOST_HOMES:

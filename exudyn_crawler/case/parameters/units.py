@@ -173,13 +173,13 @@ def hint(text: str, unit: str) -> str:
         )
     if BARE_TON.search(plain) and fields.is_number(number_of(BARE_TON.sub("t", plain), unit)):
         return "; a ton is 't' (1000 kg), 'short_ton' (907.2 kg) or 'long_ton' (1016 kg)"
-    likely = [meant for meant in _likely(plain) if fields.is_number(number_of(meant, unit))]
+    likely = [meant for meant in likely_texts(plain) if fields.is_number(number_of(meant, unit))]
     if likely:
         return f"; did you mean {likely[0]!r}?"
     return _comma(plain)
 
 
-def _likely(text: str) -> Iterator[str]:
+def likely_texts(text: str) -> Iterator[str]:
     """Yield a text with other units: those of force, and in the letters that they have."""
     for names in (OF_FORCE, CASED, {name.lower(): OF_FORCE.get(unit, unit) for name, unit in CASED.items()}):
         words = re.split(r"([A-Za-z]+)", text)
