@@ -15,9 +15,12 @@ import logging
 import math
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, FmuBuilder, Real
@@ -26,11 +29,11 @@ from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, CaseFile, MachineCycle, MachinePhase, read_case, write_case
-from exudyn_crawler.model import compiled_system, compiling, diagnostics
+from exudyn_crawler.model import diagnostics
+from exudyn_crawler.model.compiled_system import CompiledSystem
 from exudyn_crawler.results.history import History, states
 from exudyn_crawler.results.history.catalogue import QUANTITIES, lacking
 from exudyn_crawler.run.solve import simulation
-from exudyn_crawler.run.solve.start import begin
 
 AXES = "xyz"
 COMMANDS = ("speed", "turn_rate", *(f"{part}.{axis}" for part in ("force", "moment") for axis in AXES))
@@ -39,15 +42,32 @@ STEP = 0.01  # s, step of communication that a unit proposes
 CASE, SCRIPT = "case.toml", "machine_on_track"
 """Files within a unit: the case, and the module that pythonfmu looks for."""
 LINES = f"from {__name__} import MachineOnTrack, hold\n\nhold(globals())\n"
-DRIVES = {"drive_moment": "N m, on the tumbler", "drive_pull": "N, on the chain"}
+
+
+class Meaning(NamedTuple):
+    """Unit and meaning of a variable."""
+
+    unit: str  # name in `UNITS`
+    words: str
+
+
+DRIVES = {"drive_moment": Meaning("N.m", "on the tumbler"), "drive_pull": Meaning("N", "on the chain")}
 """Quantities of the drive of a machine."""
 FRAME = {
-    "position": "m, position of the side frame's origin",
-    "velocity": "m/s, its velocity",
-    "angles": "rad, its roll, pitch and yaw",
-    "angular_velocity": "rad/s, its angular velocity",
+    "position": Meaning("m", "position of the side frame's origin"),
+    "velocity": Meaning("m/s", "its velocity"),
+    "angles": Meaning("rad", "its roll, pitch and yaw"),
+    "angular_velocity": Meaning("rad/s", "its angular velocity"),
 }
-
+UNITS = {
+    "m": {"m": 1},
+    "m/s": {"m": 1, "s": -1},
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+}
+"""Exponents of the base units of SI in the units of variables, as FMI names them."""
 
 SAME_TIME = 1e-9
 """s, and part of the time, by which the host's time may differ from the unit's."""
@@ -102,17 +122,16 @@ class SteppedRun:
     if the track finds no rest.
     """
 
-    @threadpool_limits.wrap(limits=1, user_api="blas")
     def __init__(self, case: Case, wrench: np.typing.ArrayLike) -> None:
         case.running_gear()
         force, moment = np.asarray(wrench, dtype=float).reshape(2, 3).tolist()
-        self.case = case
         if any((*force, *moment)) or case.machine is not None:
             phase = MachinePhase(name="rest", end=0.0, force=tuple(force), moment=tuple(moment))
-            self.case = case.with_(machine=MachineCycle(phases=(phase,)))
-        compiling.compile_equations()
-        self._system = compiled_system.compiled_system(self.case)
-        begin(self._system)
+            case = case.with_(machine=MachineCycle(phases=(phase,)))
+        system = simulation.started(case, progress=False)
+        assert isinstance(system, CompiledSystem)  # of a case with rollers
+        self.case = system.case
+        self._system = system
         self._system.timed_inputs.commands = self._at
         self._settings = simulation.solver_settings(case.solver)
         self._span = (0.0, 1.0)
@@ -188,18 +207,32 @@ def _drive_name(case: Case) -> str:
     return next(name for name in DRIVES if not lacking(QUANTITIES[name], case))
 
 
-def _output_names(case: Case) -> dict[str, str]:
+def _output_names(case: Case) -> dict[str, Meaning]:
     """Names of `outputs` and what they are; of two closed tracks the right one's drive comes first."""
     name = _drive_name(case)
     named = {name: DRIVES[name]}
     if case.tracks > 1:
-        named = {f"drive_moment[{track}]": "N m, on its tumbler" for track in (1, 2)}
+        named = {f"drive_moment[{track}]": Meaning("N.m", "on its tumbler") for track in (1, 2)}
     vectors = {f"side_frame_{name}": meaning for name, meaning in FRAME.items()}
     for link in case.joints:
-        vectors[f"joint_force[{link}]"] = f"N, of the joint ahead of shoe {link} on this shoe"
+        vectors[f"joint_force[{link}]"] = Meaning("N", f"of the joint ahead of shoe {link} on this shoe")
     for shoe in case.track.shoes:
-        vectors[f"ground_force[{shoe}]"] = f"N, of the ground on shoe {shoe}"
+        vectors[f"ground_force[{shoe}]"] = Meaning("N", f"of the ground on shoe {shoe}")
     return named | {f"{name}.{axis}": vector for name, vector in vectors.items() for axis in AXES}
+
+
+class _Variable(Real):
+    """Real number with a unit, which pythonfmu has none of."""
+
+    def __init__(self, name: str, meaning: Meaning, **about: object) -> None:
+        super().__init__(name, description=meaning.words, **about)
+        self._unit = meaning.unit
+
+    def to_xml(self) -> Element:
+        """Return its element in the model description."""
+        element = super().to_xml()
+        element[0].set("unit", self._unit)
+        return element
 
 
 class MachineOnTrack(Fmi2Slave):
@@ -221,21 +254,35 @@ class MachineOnTrack(Fmi2Slave):
         self._ended = "it was not initialized"  # why there are no more steps; empty while there are
         self._outputs = dict.fromkeys(_output_names(self._case), 0.0)
         self.default_experiment = DefaultExperiment(start_time=0.0, step_size=STEP)
-        units = {f"force.{axis}": "N, on the side frame's origin beside its weight" for axis in AXES}
-        units |= {f"moment.{axis}": "N m, about the side frame's origin" for axis in AXES}
-        units["speed"] = "m/s, of the drive, at the end of a step"
+        force = Meaning("N", "on the side frame's origin beside its weight")
+        moment = Meaning("N.m", "about the side frame's origin")
+        named = {f"force.{axis}": force for axis in AXES} | {f"moment.{axis}": moment for axis in AXES}
+        named["speed"] = Meaning("m/s", "of the drive, at the end of a step")
         if self._case.tracks > 1:
-            units["turn_rate"] = "rad/s, to the left, at the end of a step"
+            named["turn_rate"] = Meaning("rad/s", "to the left, at the end of a step")
         wrench = np.ravel(self._case.machine_wrench(0.0)).tolist()
-        self._inputs = dict.fromkeys(units, 0.0) | dict(zip(units, wrench, strict=False))
-        self._register(units, self._inputs, Fmi2Causality.input)
+        self._inputs = dict.fromkeys(named, 0.0) | dict(zip(named, wrench, strict=False))
+        self._register(named, self._inputs, Fmi2Causality.input)
         self._register(_output_names(self._case), self._outputs, Fmi2Causality.output)
 
-    def _register(self, named: dict[str, str], values: dict[str, float], causality: Fmi2Causality) -> None:
+    def to_xml(self, model_options: Mapping[str, str] = MappingProxyType({})) -> Element:
+        """Return the model description, with the units of the variables."""
+        root = super().to_xml(dict(model_options))
+        definitions = Element("UnitDefinitions")
+        for name, exponents in UNITS.items():
+            unit = SubElement(definitions, "Unit", {"name": name})
+            SubElement(unit, "BaseUnit", {base: str(power) for base, power in exponents.items()})
+        # FMI asks for this order
+        root.insert(1 + [child.tag for child in root].index("CoSimulation"), definitions)
+        return root
+
+    def _register(
+        self, named: dict[str, Meaning], values: dict[str, float], causality: Fmi2Causality
+    ) -> None:
         """Register variables, by their names and meanings, whose values are in `values`."""
         for name, meaning in named.items():
             ways = {"getter": partial(values.__getitem__, name), "setter": partial(values.__setitem__, name)}
-            variable = Real(name, causality=causality, description=meaning, **ways)
+            variable = _Variable(name, meaning, causality=causality, **ways)
             self.register_variable(variable, nested=False)
 
     def _say(self, reason: str) -> None:

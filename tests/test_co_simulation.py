@@ -21,6 +21,8 @@ from exudyn_crawler.co_simulation import (
     outputs,
     write_fmu,
 )
+from exudyn_crawler.results.history.tension import hanging_chains
+from exudyn_crawler.run.solve.standing import standing
 from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
@@ -343,6 +345,57 @@ def test_refuses_what_has_no_machine_and_rollers_off_the_track(tmp_path, loaded)
         SteppedRun(Case.translation(), WRENCH)
     with pytest.raises(ValueError, match="track must be long enough"):
         SteppedRun(loaded, WRENCH).advance(100.0, 1.0, WRENCH)
+
+
+def test_a_closed_track_is_at_rest_as_tense_in_a_run_by_steps_in_a_unit_and_standing(tmp_path):
+    """Its take-up is not stated: in a unit link 1 had 1.5 times the tension of a run."""
+    still = Case.closed().with_(drive=Drive(speed=StepProfile.constant(0.0)))
+    step = still.solver.step
+    whole = simulate(still, step, progress=False)
+    by_steps = SteppedRun(still, 0.0 * WRENCH).history()
+    unit = MachineOnTrack(
+        instance_name="mine", resources=write_case(CaseFile(case=still, duration=1.0), tmp_path / CASE).parent
+    )
+    unit.exit_initialization_mode()
+    of_unit = [unit.vars[k].name for k in unit.vars]
+    of_unit = dict(zip(of_unit, unit.get_real(list(unit.vars)), strict=True))
+    of_run, of_steps = outputs(whole), outputs(by_steps)
+    assert by_steps.case.gear.idler.take_up == whole.case.gear.idler.take_up is not None
+    for name in ("side_frame_position.z", "joint_force[1].x", "joint_force[30].x", "drive_moment"):
+        assert of_steps[name] == of_unit[name]
+        assert of_steps[name] == pytest.approx(of_run[name], rel=1e-3), name
+    for link in (1, 20, 38):
+        tension = [float(one.link_tension.sel(joint=link).isel(time=-1)) for one in (whole, by_steps)]
+        assert tension[0] == pytest.approx(tension[1], rel=1e-3)
+    chains = [tension_of(one) for one in (whole, by_steps, standing(still).history)]
+    assert chains == pytest.approx([chains[0]] * 3, rel=1e-3)
+
+
+def tension_of(history):
+    (chain,) = hanging_chains(history.case, history.dataset.isel(time=-1))
+    return chain.pretension
+
+
+def test_variables_of_a_unit_have_units(unit):
+    """Their dimensions are those of what they are: by SI's base units, which fmpy reads."""
+    description = read_model_description(unit, validate=True)
+    units = {one.name: one.baseUnit for one in description.unitDefinitions}
+    dimensions = {
+        "force": (1, 1, -2, 0),
+        "moment": (1, 2, -2, 0),
+        "pull": (1, 1, -2, 0),
+        "position": (0, 1, 0, 0),
+        "velocity": (0, 1, -1, 0),
+        "speed": (0, 1, -1, 0),
+        "angles": (0, 0, 0, 1),
+        "angular_velocity": (0, 0, -1, 1),
+    }
+    for variable in description.modelVariables:
+        name = variable.name.split("[")[0].split(".")[0]
+        quantity = max((key for key in dimensions if name.endswith(key)), key=len)
+        base = units[variable.unit]
+        assert (base.kg, base.m, base.s, base.rad) == dimensions[quantity], variable.name
+        assert (base.factor, base.offset) == (1.0, 0.0)
 
 
 @pytest.mark.slow

@@ -285,6 +285,23 @@ def solved_for_tension(case: Case, progress: bool | None = None) -> Case:
         return tensioned(case)
 
 
+def started(case: Case, progress: bool | None = None) -> TrackSystem:
+    """Return the system of a case at its start, from which every run goes on: a whole one, and one by steps.
+
+    Its idlers stand where the chains have their tension at rest, its flexible shoe is reduced, and it is at
+    rest under the loads at t = 0. An EquilibriumError if there is no such rest.
+    """
+    case = solved_for_tension(case, progress)
+    if case.flexible is not None:
+        with heartbeat(f"{case.name}: {REDUCE}", show=progress):
+            flexible_shoes.whole_reduction(case)  # large enough for several threads, as nothing behind it is
+    compiled(case, progress)
+    with threadpool_limits(1, user_api="blas"):
+        system = formulation.track_system(case)
+        begin(system)
+    return system
+
+
 def simulate(
     case: Case,
     duration: float,
@@ -314,12 +331,7 @@ def simulate(
     case = solved_for_tension(case, progress)
     if checkpoints is not None:
         checkpoints.load(case)
-    if case.flexible is not None:
-        with heartbeat(f"{case.name}: {REDUCE}", show=progress):
-            flexible_shoes.whole_reduction(case)  # large enough for several threads, as nothing behind it is
-    compiled(case, progress)
+    system = started(case, progress)
     # matrices of a step are so small that threads wait for each other, and round by how many they are
     with threadpool_limits(1, user_api="blas"):
-        system = formulation.track_system(case)
-        begin(system)
         return integrate(system, duration, progress, checkpoints, ground_times)
