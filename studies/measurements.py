@@ -12,14 +12,17 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, History, StepProfile, simulate
+from exudyn_crawler import Case, CaseFile, History, StepProfile, read_case, simulate
 from exudyn_crawler.case import Drive
+from exudyn_crawler.case.datasheet.library import machines
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.results.history.tension import roller_clearances
 from exudyn_crawler.results.measured import drawbar
 from exudyn_crawler.results.measured.soil_fit import fit_plates
 from exudyn_crawler.results.measured.soil_stress import CONCENTRATION
 from exudyn_crawler.results.measured.soil_tests import PlateTests, read_plates
+from exudyn_crawler.run.solve.standing import standing
 from studies.comparison import comparison_table, reported_values
 from studies.running import save
 
@@ -32,6 +35,9 @@ TENSIONS = (90e3, 300e3, 550e3)
 LOADED = 0.02  # of the force on the most loaded shoe, from which on a shoe counts as loaded
 SPEED = 0.5  # m/s, of the chain in drawbar tests
 SLIP = 0.2  # of Turnage's pulls
+SECOND_WHEEL = 9.5, 15.9
+"""mm, of the upper run of an M113 above its second road wheel; TM 9-2350-247-10, p. 0058 00-3."""
+TOUCHES = 0.1  # mm, above a wheel, within which the run lies on it
 
 
 class Trend(NamedTuple):
@@ -132,6 +138,22 @@ def tension_trend(say: Callable[[str], None]) -> Trend:
     )
 
 
+def adjustment_trend(say: Callable[[str], None]) -> Trend:
+    """Upper run of the library's M113 on its road wheels, as its chain is adjusted."""
+    found = standing(read_case(machines()["m113"]).case, progress=False)
+    assert found is not None  # it has a machine
+    gaps = 1e3 * roller_clearances(found.case, found.history.dataset.isel(time=0))
+    numbers = ["; ".join(f"{gap:.1f}" for gap in track) for track in gaps]
+    say(f"M113: gaps of the upper run to its road wheels, from the sprocket: {numbers} mm")
+    least, greatest = SECOND_WHEEL
+    return Trend(
+        "gap between the upper run and the second road wheel of an M113",
+        f"{least:g} to {greatest:g} mm where the run touches the third",
+        f"{' and '.join(f'{gap:.1f}' for gap in gaps[:, 1])} mm, and {gaps[:, 2].max():.1f} mm to the third",
+        bool(np.all((gaps[:, 1] > least) & (gaps[:, 1] < greatest)) and gaps[:, 2].max() < TOUCHES),
+    )
+
+
 def pull_at_slip(case: Case) -> tuple[float, float]:
     """Pull at `SLIP` of a case in a drawbar test, N, and over the weight."""
     test = drawbar.pulled_case(CaseFile(case=case, duration=1.0), drawbar.DrawbarTest((SLIP,)))
@@ -181,7 +203,7 @@ def study(
     rows = compare_plates()
     trends = [wheel_trend()]
     if runs:
-        trends += [tension_trend(say), *pull_trends(say)]
+        trends += [adjustment_trend(say), tension_trend(say), *pull_trends(say)]
     table = pd.DataFrame(trends)
     save(out, comparison=rows, trends=table)
     return rows, table

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, StepProfile
+from exudyn_crawler.case import SIDES, Drive, LoadCycle, MachineCycle, StepProfile, read_case
+from exudyn_crawler.case.datasheet.library import machines
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.case.parameters.machine_cycle import Pose
@@ -287,3 +288,42 @@ def test_a_machine_of_half_the_size_digs_with_an_eighth_of_the_force():
         assert (same.force, same.moment) == (pytest.approx(large.force), pytest.approx(large.moment))
         assert small.force == pytest.approx([force / 8.0 for force in large.force])
         assert small.moment == pytest.approx([moment / 16.0 for moment in large.moment])
+
+
+@pytest.fixture(scope="module")
+def m113():
+    """One track of a machine on arms, whose chain just closes."""
+    case = read_case(machines()["m113"]).case.of_track(SIDES[0])
+    return case.with_({"gear.idler.pretension": None, "gear.idler.slack": 0.0})
+
+
+def with_take_up(case, take_up):
+    return case.with_({"gear.idler.take_up": take_up, "gear.idler.slack": None})
+
+
+@pytest.mark.parametrize("further", [0.01, 0.03])
+def test_frame_on_arms_sinks_for_a_chain_that_is_too_short(m113, further):
+    """Its shoes lie as flat as before; wheels turn up about their pivots by what the frame sinks."""
+    assert m113.assembled.sunk == 0.0
+    assert not m113.gear.arm_reference(m113.shoe, m113.track)[:, 3:].any()
+    tight = with_take_up(m113, m113.assembled.take_up + further)
+    sunk = tight.assembled.sunk
+    assert further < sunk < 0.2
+    assert openings(tight).max() < 1e-12
+    assert m113.frame_start[2] - tight.frame_start[2] == pytest.approx(sunk, abs=1e-12)
+    lowest = [case.shoe_reference[:, 2].min() for case in (m113, tight)]
+    assert lowest[1] == pytest.approx(lowest[0], abs=1e-12)
+    reference = tight.gear.arm_reference(tight.shoe, tight.track)
+    turns = rotation_matrices(reference[:, 3:])
+    for start, turn, arm in zip(reference, turns, tight.gear.arms, strict=True):
+        (x, z), roller = arm.pivot, tight.gear.rollers[arm.roller - 1]
+        wheel = start[:3] + turn @ [roller - x, 0.0, -z]
+        assert wheel[2] == pytest.approx(tight.frame_start[2] + sunk, abs=1e-12)
+
+
+def test_chain_that_no_arm_gives_way_enough_for_is_refused(m113):
+    words = r"too short by [\d.]+ m with a take-up of 0.3 m and arms that give way by [\d.]+ m"
+    with pytest.raises(ParameterError, match=words):
+        with_take_up(m113, 0.3)
+    with pytest.raises(ParameterError, match=r"too short by [\d.]+ m with a take-up of 0.3 m and a sag"):
+        with_take_up(m113.with_({"gear.arms": ()}), 0.3)

@@ -1,20 +1,24 @@
 """Tension of closed chains at rest: what is asked for is what the rest has; key results of a closed track."""
 
+import math
+
 import numpy as np
 import pytest
 
 from exudyn_crawler import Case, StepProfile, simulate
-from exudyn_crawler.case import Drive
+from exudyn_crawler.case import Drive, read_case
 from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.library import machines
 from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.gear.closed_frame import LEAST_SAG, MAKERS_SAG
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.history.summary import difference_table, key_results
-from exudyn_crawler.results.history.tension import depth_below_edge
+from exudyn_crawler.results.history.tension import depth_below_edge, hanging_chains
 from exudyn_crawler.run.solve import rest
 from exudyn_crawler.run.solve.standing import standing
-from exudyn_crawler.run.solve.tension import chains_at_rest, tensioned
+from exudyn_crawler.run.solve.tension import adjusted_track, chains_at_rest, history_at_rest, tensioned
+from studies import measurements
 from tests.case.random_datasheets import drawn
 from tests.rolled import small_case
 
@@ -186,3 +190,48 @@ def test_changes_of_more_than_tenfold_have_no_per_cent(stalled):
     assert np.isnan(table["change in %"].item())
     table = difference_table(first, {"way": 2.0 * first["way"]})
     assert table["change in %"].item() == pytest.approx(100.0)
+
+
+@pytest.fixture(scope="module")
+def m113():
+    """One track of a vehicle on sprung arms, on the ground under half of its weight."""
+    return adjusted_track(read_case(machines()["m113"]).case)
+
+
+def test_arms_bear_what_the_chain_pulls_down(m113):
+    """Beyond the take-up at which it closes: springs of the arms and the ground, each by statics."""
+    case = m113.with_({"gear.idler.pretension": None, "gear.idler.take_up": 0.158})
+    rest = history_at_rest(case)
+    (chain,) = hanging_chains(case, rest.dataset.isel(time=0))
+    assert case.assembled.sunk > 0.03
+    # with fixed wheels no chain has more than 3 kN
+    assert chain.pretension > 30e3
+    angles, gear = rest.arm_angle.isel(time=0).values, case.gear
+    assert angles[0] < angles[-1] < -0.005
+    for arm, angle in zip(gear.arms, angles, strict=True):
+        x, z = arm.pivot
+        c, s = math.cos(angle), math.sin(angle)
+        # of the wheel and the COM from the pivot, in the frame, which hardly pitches
+        wheel = np.array([[c, s], [-s, c]]) @ [gear.rollers[arm.roller - 1] - x, -z]
+        com = np.array([[c, s], [-s, c]]) @ arm.com
+        push = rest.wheel_force.sel(wheel=f"roller {arm.roller}").isel(time=0).values
+        # on the wheel, about the axis of the pivot: of the rails, of the weight, of the spring
+        moment = wheel[1] * push[0] - wheel[0] * push[2] + com[0] * arm.mass * case.gravity
+        spring = arm.torque - arm.stiffness * angle
+        assert moment == pytest.approx(-spring, rel=0.02)
+
+
+@pytest.mark.slow
+def test_pretension_of_a_machine_on_arms(m113):
+    """The manual's gap of 9.5 to 15.9 mm to the second wheel, where the third is touched, has it as well."""
+    (chain,) = chains_at_rest(tensioned(m113))
+    assert chain.pretension == pytest.approx(23e3, rel=5e-3)
+    trend = measurements.adjustment_trend(print)
+    assert trend.agrees, trend.here
+
+
+@pytest.mark.slow
+def test_a_vehicle_on_fixed_wheels_takes_its_sag():
+    rigid = derived(read_case(machines()["marder"]).datasheet.with_(suspension="rigid")).case
+    (chain, _) = chains_at_rest(tensioned(rigid))
+    assert chain.sag == pytest.approx(MAKERS_SAG * chain.span, rel=0.05)

@@ -1,5 +1,6 @@
 """Arms that carry road wheels on springs: the M113 and the Marder."""
 
+import math
 from collections.abc import Sequence
 
 from exudyn_crawler.case.parameters import base
@@ -34,6 +35,23 @@ class Arm(Parameters):
     stop_stiffness: base.Stiffness = quantity(
         "N m/rad", "of the bump stop, beside that of the spring", (1e4, 1e8), default=1e6
     )
+
+    def lift(self, roller: float, angle: float) -> float:
+        """Return the height (m) by which a turn up by an angle (rad) lifts its roller at x, m."""
+        length, elevation = self._stands(roller)
+        return length * (math.sin(min(elevation + angle, 0.5 * math.pi)) - math.sin(elevation))
+
+    def lifted(self, roller: float, height: float) -> tuple[float, float]:
+        """Return way along x (m) and angle about y (rad) of its roller at x (m), lifted by a height, m."""
+        length, elevation = self._stands(roller)
+        turned = math.asin(min(math.sin(elevation) + height / length, 1.0))
+        side = math.copysign(1.0, roller - self.pivot[0])
+        return side * length * (math.cos(turned) - math.cos(elevation)), -side * (turned - elevation)
+
+    def _stands(self, roller: float) -> tuple[float, float]:
+        """Return distance (m) and elevation (rad) of its roller, at x (m), as seen from its pivot."""
+        x, z = self.pivot
+        return math.hypot(roller - x, z), math.atan2(-z, abs(roller - x))
 
 
 def arm_errors(arms: Sequence[Arm], rollers: Sequence[float], carried: set[int]) -> Errors:

@@ -1,4 +1,8 @@
-"""Start of a closed track: a chain that closes about its wheels, and where its shoes are."""
+"""Start of a closed track: a chain that closes about its wheels, and where its shoes are.
+
+A chain that is too short for its idler's take-up pulls a frame down on sprung arms: it closes about road
+wheels that all stand higher in the frame, from where it comes to rest.
+"""
 
 import math
 from contextlib import suppress
@@ -9,6 +13,7 @@ import numpy as np
 
 from exudyn_crawler.case.gear.base import WheelLabel
 from exudyn_crawler.case.gear.closed_frame import MAKERS_SAG, ClosedFrame
+from exudyn_crawler.case.gear.deflections import MOST_TURNED
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.track import Shoe, Track
 
@@ -27,6 +32,7 @@ class Assembled(NamedTuple):
     frame: np.ndarray  # (3,): origin of the side frame, m, global
     shoes: np.ndarray  # (shoes, 6): COMs (m, global) and angles (rad), of which pitch falls
     tumbler: np.ndarray  # (6,): those of the tumbler
+    sunk: float  # of the frame on its arms, m
 
 
 @lru_cache(maxsize=64)
@@ -35,7 +41,7 @@ def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
     rails = shoe.rails
     assert rails is not None
     pitch = closed.chain_pitch(chain)
-    take_up, sag, pieces = _closed(closed, shoe, chain)
+    take_up, sag, sunk, pieces = _closed(closed, shoe, chain)
     places = assembly.pins_along(pieces, pitch, chain.shoe_count)
     pins = np.array([assembly.point_at(pieces, place) for place in places])
     # the rearmost shoe of which the pins have passed the first roller comes first
@@ -52,7 +58,7 @@ def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
     angles = np.roll(angles, -first)
     if first:
         angles[-first:] -= 2.0 * math.pi
-    height = closed.roller_radius + rails.height + shoe.com_height
+    height = closed.roller_radius + rails.height + shoe.com_height - sunk
     height += CLEARANCE if closed.support == "posts" else 0.0
     frame = np.array([chain.first_com[0] - coms[0, 0], chain.first_com[1], height])
     shoes = np.zeros((chain.shoe_count, 6))
@@ -61,7 +67,7 @@ def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
     x, z = closed.tumbler.place
     gap = math.atan2(pins[0, 1] - z, pins[0, 0] - x)
     tumbler = np.array([*(frame + np.array([x, 0.0, z])), 0.0, -gap, 0.0])
-    return Assembled(take_up, sag, frame, shoes, tumbler)
+    return Assembled(take_up, sag, frame, shoes, tumbler, sunk)
 
 
 class _Loop(NamedTuple):
@@ -84,21 +90,37 @@ class _Loop(NamedTuple):
         rollers = [label.words for label in self.closed.wheel_labels if label.kind == "roller"]
         return ["tumbler", rollers[0], rollers[-1], "idler", *(label.words for label in self.upper_ends)]
 
-    def circles(self, take_up: float) -> list[assembly.Circle]:
-        """Circles of the pins about these wheels."""
+    @property
+    def deepest(self) -> float:
+        """How far (m) the frame may sink: arms turn to their stops, and the ends stay above the rollers."""
+        if not self.closed.sinks:
+            return 0.0
+        arms = self.closed.arms
+        turned = [MOST_TURNED if arm.stop is None else arm.stop for arm in arms]
+        places = [self.closed.rollers[arm.roller - 1] for arm in arms]
+        lifts = [arm.lift(*of) for arm, *of in zip(arms, places, turned, strict=True)]
+        ends = [self.circles(0.0)[end][1] - self._lift(end) for end in (0, 3)]
+        return max(0.0, min(*lifts, *ends))
+
+    def circles(self, take_up: float, sunk: float = 0.0) -> list[assembly.Circle]:
+        """Circles of the pins about these wheels, of a frame that has sunk (m) on its arms."""
         closed = self.closed
         places = self.closed.upper
         (x, z), on_idler = closed.idler_circle(take_up, self.rise, self.pitch)
         rollers = closed.roller_radius + self.rise
         carriers = closed.carrier_radius + self.rise
         wheels = [(*closed.tumbler.place, closed.tumbler.radius(self.new_pitch))]
-        wheels += [(closed.rollers[k], 0.0, rollers) for k in (0, -1)]
+        ways = dict.fromkeys(range(len(closed.rollers)), 0.0)
+        if sunk:
+            lifted = zip(closed.arms, closed.arms_lifted(sunk)[:, 0].tolist(), strict=True)
+            ways |= {arm.roller - 1: way for arm, way in lifted}
+        wheels += [(closed.rollers[k] + ways[k], sunk, rollers) for k in (0, len(ways) - 1)]
         wheels.append((x, z, on_idler))
         return wheels + [(*places[label], carriers) for label in self.upper_ends]
 
-    def belt(self, take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
+    def belt(self, take_up: float, sag: float = 0.0, sunk: float = 0.0) -> list[assembly.Piece]:
         """Belt about them; a `MisfitError` that names the wheel which lies within it, and what would do."""
-        circles = self.circles(take_up)
+        circles = self.circles(take_up, sunk)
         try:
             return assembly.belt(circles, sag)
         except assembly.WithinError as error:
@@ -134,8 +156,10 @@ class _Loop(NamedTuple):
         return False
 
 
-def _closed(closed: ClosedFrame, shoe: Shoe, chain: Track) -> tuple[float, float, list[assembly.Piece]]:
-    """Take-up, sag of the upper run, m, and belt of a chain that closes."""
+def _closed(
+    closed: ClosedFrame, shoe: Shoe, chain: Track
+) -> tuple[float, float, float, list[assembly.Piece]]:
+    """Take-up, sag of the upper run, how far the frame has sunk, m, and belt of a chain that closes."""
     assert shoe.rails is not None
     pitch = closed.chain_pitch(chain)
     count = chain.shoe_count
@@ -145,10 +169,19 @@ def _closed(closed: ClosedFrame, shoe: Shoe, chain: Track) -> tuple[float, float
         taut = assembly.closed_chain(loop.belt, pitch, count, loop.take_ups(), "an idler's take-up of")
         slack = closed.estimated_slack(shoe, chain)
         if not slack:
-            return taut, 0.0, loop.belt(taut)
+            return taut, 0.0, 0.0, loop.belt(taut)
         take_up = taut - slack
-    most = MOST_SAG * loop.belt(take_up)[-1].length
     fixed = float(take_up)
+    deepest = loop.deepest
+    if deepest and assembly.surplus(loop.belt(fixed), pitch, count) < 0.0:
+        what = f"a take-up of {fixed:.4g} m and arms that give way by"
+
+        def sunken(sunk: float) -> list[assembly.Piece]:
+            return loop.belt(fixed, sunk=sunk)
+
+        sunk = assembly.closed_chain(sunken, pitch, count, (deepest, 0.0), what)
+        return fixed, 0.0, sunk, sunken(sunk)
+    most = MOST_SAG * loop.belt(take_up)[-1].length
     what = f"a take-up of {take_up:.4g} m and a sag of"
     try:
         sag = assembly.closed_chain(lambda sag: loop.belt(fixed, sag), pitch, count, (0.0, most), what)
@@ -160,4 +193,4 @@ def _closed(closed: ClosedFrame, shoe: Shoe, chain: Track) -> tuple[float, float
             f"a chain of {count} shoes of {pitch:.6g} m has no idler.sag of {closed.idler.sag:g} m at rest; "
             f"makers ask for {100.0 * MAKERS_SAG:g} % of the span, {makers:.3g} m"
         ) from error
-    return fixed, sag, loop.belt(fixed, sag)
+    return fixed, sag, 0.0, loop.belt(fixed, sag)

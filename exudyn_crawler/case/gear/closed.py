@@ -107,6 +107,13 @@ class Closed(ClosedFrame):
         """Wheels of one track as the chain was assembled, see `wheels`."""
         return self.wheels(self.assembled(shoe, chain).take_up)
 
+    def arm_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+        """Pivots of the arms (m, global) and their angles (rad) at t = 0: array (tracks * arms, 6)."""
+        reference = super().arm_reference(shoe, chain)
+        angles = self.arms_lifted(self.assembled(shoe, chain).sunk)[:, 1]
+        reference[:, 4] = np.tile(angles, self.tracks)
+        return reference
+
     def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
         """X of the frame's rear and front end, and z of the lowest that is above it; m."""
         rear, height = self.tumbler.place

@@ -171,6 +171,19 @@ class ClosedFrame(RunningGear):
         """Sag (m) of the chain at rest between idler and carrier where no pretension says it."""
         return self.idler.sag or MAKERS_SAG * float(self.upper_spans[-1])
 
+    @property
+    def sinks(self) -> bool:
+        """True where arms carry all lower rollers, so that a tight chain pulls the frame down on springs."""
+        return {arm.roller for arm in self.arms} == set(range(1, len(self.rollers) + 1))
+
+    def arms_lifted(self, height: float) -> np.ndarray:
+        """Return how the arms of a track lift their rollers by a height (m): array (arms, 2).
+
+        The ways of the rollers along x, m, and the angles of the arms about y, rad.
+        """
+        lifted = [arm.lifted(self.rollers[arm.roller - 1], height) for arm in self.arms]
+        return np.reshape(lifted, (len(self.arms), 2))
+
     def estimated_slack(self, shoe: Shoe, chain: Track) -> float:
         """Way (m) by which the idler stands back from a taut chain, about where the tension gives it.
 

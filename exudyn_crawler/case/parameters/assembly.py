@@ -195,7 +195,7 @@ def closed_chain(
         change = math.ceil(length / pitch) if least < 0.0 else -math.ceil(length / pitch)
         how = "short" if least < 0.0 else "long"
         other = count + change
-        advice = f"no number of shoes fits between {bounds[0]:g} and {bounds[1]:g} m"
+        advice = f"no number of shoes fits between {bounds[0]:.4g} and {bounds[1]:.4g} m"
         if left_over(bounds[0], other) >= 0.0 >= left_over(bounds[1], other):
             advice = f"{other} shoes fit"
         chain = f"a chain of {count} shoes of {pitch:.5g} m"

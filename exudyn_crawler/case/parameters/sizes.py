@@ -85,5 +85,5 @@ def overlap_errors(wheels: Sequence[Round], tolerance: float = 1e-6) -> Errors:
             inside = wheel.radius + other.radius - apart
             if inside > tolerance:
                 are = f"axes {apart:.4g} m apart, radii {wheel.radius:.4g} and {other.radius:.4g} m"
-                by = f"they do by {1e3 * inside:.0f} mm"
+                by = f"they do by {1e3 * inside:.3g} mm"
                 yield f"{wheel.name} and {other.name} must not overlap, {by}: {are}"

@@ -226,12 +226,14 @@ def _side_frame(states: _States) -> tuple[Arrays, "GearForces"]:
 
 def _swinging(states: _States, of_frame: Arrays) -> Arrays:
     """Angles of bogies and arms about the frame's y, if there are any."""
-    gear = states.system.case.running_gear()
+    case = states.system.case
+    gear = case.running_gear()
     frame = rotations.rotation_matrices(of_frame["side_frame_angles"])
     angles = {}
     for quantity, names in (("bogie_angle", gear.bogie_names), ("arm_angle", gear.arm_names)):
         if names:
-            turns = rotations.rotation_matrices(states.parts(names)[..., 3:])
+            first = gear.arm_reference(case.shoe, case.track) if names == gear.arm_names else 0.0
+            turns = rotations.rotation_matrices((states.parts(names) + first)[..., 3:])
             forward = np.einsum("tki,tbk->tbi", frame, turns[..., 0])
             angles[quantity] = np.arctan2(-forward[..., 2], forward[..., 0])
     return angles

@@ -41,6 +41,40 @@ def hanging_chains(case: Case, state: xr.Dataset) -> list[Hanging]:
     return chains
 
 
+def roller_clearances(case: Case, state: xr.Dataset) -> np.ndarray:
+    """Return how far rails of the upper run are above the lower rollers in one state: (tracks, rollers), m.
+
+    By the distance of straight lines from pin to pin from the axes of the rollers. A run that lies on a
+    roller presses it, so that its clearance is a little below zero.
+    """
+    closed = case.closed_gear()
+    rails = case.shoe.rails
+    assert rails is not None  # of a closed track
+    frame = state.side_frame_position.values
+    turn = catalogue.rotation_matrices(state.side_frame_angles.values)
+    pins = ((_pins(case, state) - frame) @ turn)[:, [0, 2]].reshape(case.tracks, -1, 2)
+    axes = np.zeros((case.tracks, len(closed.rollers), 2))
+    axes[:, :, 0] = closed.rollers
+    if closed.arms:
+        for track, angles in zip(axes, state.arm_angle.values.reshape(case.tracks, -1), strict=True):
+            for arm, angle in zip(closed.arms, angles, strict=True):
+                c, s = np.cos(angle), np.sin(angle)
+                arms = track[arm.roller - 1] - arm.pivot
+                track[arm.roller - 1] = arm.pivot + np.array([[c, s], [-s, c]]) @ arms
+    apart = np.array([_from_upper(*of) for of in zip(pins, axes, strict=True)])
+    return apart - closed.roller_radius - rails.height + case.track.pin_height
+
+
+def _from_upper(pins: np.ndarray, axes: np.ndarray) -> np.ndarray:
+    """Return distances (m) of axes (n, 2) from what of a closed chain of pins (m, 2) is above them."""
+    ahead = np.roll(pins, 1, axis=0) - pins
+    from_pins = axes[:, None] - pins
+    share = np.clip(np.sum(from_pins * ahead, axis=2) / np.sum(ahead**2, axis=1), 0.0, 1.0)
+    feet = pins + share[..., None] * ahead
+    apart = np.linalg.norm(axes[:, None] - feet, axis=2)
+    return np.where(feet[..., 1] > axes[:, 1:], apart, np.inf).min(axis=1)
+
+
 def _pins(case: Case, state: xr.Dataset) -> np.ndarray:
     """Front pins of all shoes in the chain's plane: array (shoes, 3), m, global."""
     turn = catalogue.rotation_matrices(state.angles.transpose("shoe", "axis").values)

@@ -2,11 +2,12 @@
 
 import math
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from exudyn_crawler.case import SIDES, Case, CaseFile
+from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.model.compiled_system import compiled_system
@@ -20,6 +21,9 @@ NEAR = 1e-3  # of a sag or a pretension, within which it is the one that is want
 LEAST_SLACK = 1e-4  # m, from which on a chain is taut
 TRIED = 16  # take-ups, at most; mostly 4 to 6, of which each is a rest of 0.2 s for 38 shoes
 FARTHEST = 4.0  # times more slack or less than before, at most
+LEAST_STEP = 0.01  # of a pitch: least measure of the steps by which the take-up changes on sprung arms
+SOFTNESS = 10.0  # pitches, by which a push presses the spring that stands for it
+LIGHT = 1e-4  # of the mass on a track: an idler that the push moves
 
 
 def tensioned(case: Case) -> Case:
@@ -30,7 +34,7 @@ def tensioned(case: Case) -> Case:
     """
     if not case.gear.is_set_by_tension:
         return case
-    return _with_take_up(case, take_up_of(_standing(case)))
+    return _with_take_up(case, take_up_of(adjusted_track(case)))
 
 
 def tensioned_file(case_file: CaseFile) -> CaseFile:
@@ -63,7 +67,7 @@ def _with_take_up(case: Case, take_up: float) -> Case:
     return case.with_({f"{IDLER}.{name}": value for name, value in places.items()})
 
 
-def _standing(case: Case) -> Case:
+def adjusted_track(case: Case) -> Case:
     """One track of a machine that stands level, with its shoes rigid and nothing but its weight on it."""
     whole = sum(part.mass for part in case.frame_parts)
     along, _, up = np.sum([part.mass / whole * part.com for part in case.frame_parts], axis=0)
@@ -77,50 +81,115 @@ def _standing(case: Case) -> Case:
     return alone.with_(changes | {f"gear.{name}": value for name, value in half.items()})
 
 
+class _Tried(NamedTuple):
+    """Chain at rest in a search for its take-up."""
+
+    tightness: float  # 0 at the first one; see `_Search`
+    excess: float  # logarithm of its tension over the wanted one
+    take_up: float  # m
+
+
+class _Search(NamedTuple):
+    """Take-ups that a search tries, by a number that rises with the tension nearly as its logarithm does.
+
+    About rigid wheels it is minus half of the logarithm of the slack over the first one: a chain hangs as
+    parabolas. Sprung arms give way with the tension, so that there the number rises evenly with the take-up.
+    """
+
+    first: float  # take-up, m
+    slack: float  # of the first one, m
+    taut: float | None  # take-up at which the chain just closes about rigid wheels; none: they are on arms
+
+    @property
+    def most(self) -> float:
+        """Greatest of the numbers: the chain just closes."""
+        return math.inf if self.taut is None else 0.5 * math.log(self.slack / LEAST_SLACK)
+
+    def take_up(self, tightness: float) -> float:
+        """Return a take-up, m."""
+        if self.taut is None:
+            return self.first + 2.0 * self.slack * tightness
+        return self.taut - self.slack * math.exp(-2.0 * tightness)
+
+
 @lru_cache(maxsize=64)
 def take_up_of(case: Case) -> float:
     """Take-up (m) at which the chain of one closed track has its tension at rest; see `tensioned`.
 
-    By secants of the logarithms of tension and slack, which are nearly a straight line, from the estimate of
-    the assembly. Where makers' sag is wanted and none of a chain that closes is as small, the tautest.
+    By secants over the logarithm of the tension, from an estimate. Where makers' sag is wanted and none of a
+    chain that closes is as small, the tautest.
     """
     idler = case.closed_gear().idler
-    taut = _taut(case)
     wanted = case.closed_gear().wanted_sag if idler.pretension is None else idler.pretension
 
-    def excess(slack: float) -> float:
+    def excess(take_up: float) -> float:
         """Logarithm of the tension over the wanted one, which a sag is the less of the more it is."""
-        (chain,) = chains_at_rest(_with_take_up(case, taut - slack))
+        (chain,) = chains_at_rest(_with_take_up(case, take_up))
         if idler.pretension is None:
             return math.log(wanted / max(chain.sag, NEAR * wanted))
         return math.log(max(chain.pretension, NEAR * wanted) / wanted)
 
-    tried: list[tuple[float, float]] = []  # slack and excess
-    slack = max(taut - case.assembled.take_up, LEAST_SLACK)
+    search = _search(case)
+    tried: list[_Tried] = []
+    tightness = 0.0
     for _ in range(TRIED):
+        take_up = search.take_up(tightness)
         try:
-            tried.append((slack, excess(slack)))
+            tried.append(_Tried(tightness, excess(take_up), take_up))
         except (ParameterError, EquilibriumError):
             if not tried:
                 raise
             # a chain too long to stay on its wheels, or without a rest: half of the way
-            slack = math.sqrt(slack * tried[-1][0])
+            tightness = 0.5 * (tightness + tried[-1].tightness)
             continue
-        if abs(tried[-1][1]) < NEAR:
-            return round(taut - slack, SHIMS)
-        slack = max(slack * math.exp(_way(tried)), LEAST_SLACK)
-        if slack == LEAST_SLACK == tried[-1][0]:
+        if abs(tried[-1].excess) < NEAR:
+            return round(take_up, SHIMS)
+        tightness = min(tightness + _way(tried), search.most)
+        if tightness == search.most == tried[-1].tightness:
             break
-    nearest, value = min(tried, key=lambda pair: abs(pair[1]))
+    nearest = min(tried, key=lambda one: abs(one.excess))
     if idler.pretension is idler.sag is None:
-        return round(taut - nearest, SHIMS)
+        return round(nearest.take_up, SHIMS)
     what, unit, size = ("sag", "mm", 1e3) if idler.pretension is None else ("pretension", "kN", 1e-3)
-    got = wanted * math.exp(-value if idler.pretension is None else value)
+    got = wanted * math.exp(-nearest.excess if idler.pretension is None else nearest.excess)
     raise EquilibriumError(
         f"no take-up of the idler gives a {what} of {size * wanted:.4g} {unit} at rest; "
-        f"the nearest is {size * got:.4g} {unit}, with a take-up of {taut - nearest:.4g} m"
-        + (", where the chain just closes" if nearest == LEAST_SLACK else "")
+        f"the nearest is {size * got:.4g} {unit}, with a take-up of {nearest.take_up:.4g} m"
+        + (", where the chain just closes" if nearest.tightness == search.most else "")
     )
+
+
+def _search(case: Case) -> _Search:
+    """Return the search for a take-up, with its first one.
+
+    On sprung arms the idler is first pushed with about the force that the tension takes, as a mechanic does
+    with a grease gun, and stays where it comes to rest. Friction on the ground leaves the chain of a run a
+    little slacker or tauter there.
+    """
+    gear = case.closed_gear()
+    taut = _taut(case)
+    slack = max(taut - case.assembled.take_up, LEAST_SLACK)
+    if not gear.sinks:
+        return _Search(taut - slack, slack, taut)
+    pretension = gear.idler.pretension
+    if pretension is None:
+        weight = case.shoe.mass * case.gravity / case.track.pitch
+        pretension = weight * float(gear.upper_spans[-1]) ** 2 / (8.0 * gear.wanted_sag)
+    first = _pushed_take_up(case, 2.0 * pretension, taut)
+    try:
+        _with_take_up(case, first)
+    except ParameterError:  # an idler that was pushed into a road wheel, or a chain that is too slack
+        first = taut - slack
+    return _Search(first, max(slack, LEAST_STEP * case.track.pitch), None)
+
+
+def _pushed_take_up(case: Case, push: float, taut: float) -> float:
+    """Return the take-up (m) at rest of an idler that a soft spring pushes forward with a force, N."""
+    gear = case.closed_gear()
+    stiffness = push / (SOFTNESS * case.track.pitch)
+    spring = Tensioner(mass=LIGHT * gear.mass, stiffness=stiffness, preload=push + stiffness * taut)
+    idler = gear.idler.with_(tensioner=spring, recoil=None, sag=None, pretension=None)
+    return float(history_at_rest(case.with_({IDLER: idler})).take_up.item())
 
 
 def _taut(case: Case) -> float:
@@ -130,13 +199,14 @@ def _taut(case: Case) -> float:
     ).assembled.take_up
 
 
-def _way(tried: list[tuple[float, float]]) -> float:
-    """Logarithm of the next slack over the last one."""
-    (slack, value) = tried[-1]
-    way = 2.0 * value  # of a chain that hangs as parabolas
+def _way(tried: list[_Tried]) -> float:
+    """Return by how much the next tightness is more than the last one."""
+    last = tried[-1]
+    way = -last.excess
     if len(tried) > 1:
-        before, earlier = tried[-2]
-        slope = (value - earlier) / math.log(slack / before) if slack != before else 0.0
-        way = -value / slope if slope < 0.0 else way
-    most = math.log(FARTHEST)
+        before = tried[-2]
+        apart = last.tightness - before.tightness
+        slope = (last.excess - before.excess) / apart if apart else 0.0
+        way = -last.excess / slope if slope > 0.0 else way
+    most = 0.5 * math.log(FARTHEST)
     return min(max(way, -most), most)

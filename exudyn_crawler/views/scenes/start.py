@@ -48,6 +48,8 @@ def start_of(case: Case) -> History:
         for name, bodies in (("bogie_angle", frame.bogies), ("arm_angle", frame.arms)):
             if bodies:
                 values[name] = np.zeros((1, len(bodies)))
+        if frame.arms:
+            values["arm_angle"] += frame.arm_reference(case.shoe, case.track)[:, 4]
     if isinstance(case.terrain, Terrain):
         values["unit_heave"] = np.zeros((1, len(case.terrain.units)))
     variables = {name: catalogue.variable(name, value) for name, value in values.items()}
