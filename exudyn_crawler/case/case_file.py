@@ -178,7 +178,15 @@ def typed_text(entry: fields.Entry) -> str:
 def _toml(value: object, unit: str, by_hand: bool) -> str:
     """Value as TOML; `by_hand` in kN, MPa and MN/m, and without digits that are rounding."""
     if isinstance(value, tuple):
-        return f"[{', '.join(_toml(item, unit, by_hand) for item in value)}]"
+        # all numbers of a list have a unit, or none has
+        has_units = by_hand and "exponent" not in unit and bool(fields.prefix_of(value, unit))
+        items = (
+            f'"{item:.{DIGITS}g} {unit}"'
+            if has_units and isinstance(item, float) and item and not fields.prefix_of(item, unit)
+            else _toml(item, unit, by_hand)
+            for item in value
+        )
+        return f"[{', '.join(items)}]"
     if isinstance(value, drive.StepProfile):
         return "{" + ", ".join(f"{name} = {_toml(item, '', by_hand)}" for name, item in value) + "}"
     if isinstance(value, float):

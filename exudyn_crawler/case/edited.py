@@ -6,7 +6,7 @@ from typing import Any
 import tomlkit
 
 from exudyn_crawler.case.case_file import CaseFile, case_text
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters import fields, units
 
 
 def changed_text(text: str, values: Mapping[str, Any], case_file: CaseFile) -> str:
@@ -19,6 +19,7 @@ def changed_text(text: str, values: Mapping[str, Any], case_file: CaseFile) -> s
     toml = tomlkit.parse(text)
     for path, value in values.items():
         place = fields.parse_path(path)
+        unit = fields.unit_at(CaseFile, place)
         table: Any = toml
         for depth, part in enumerate(place[:-1]):
             if isinstance(part, str) and part not in table:
@@ -28,7 +29,9 @@ def changed_text(text: str, values: Mapping[str, Any], case_file: CaseFile) -> s
                 table[part] = table_of(case_file, place[: depth + 1]) if is_list else tomlkit.table()
             table = table[part]
         else:
-            _put(table, place[-1], value)
+            is_among_numbers = isinstance(place[-1], int) and any(map(fields.is_number, table))
+            # one with a unit stands beside others with units only
+            _put(table, place[-1], units.number_of(value, unit) if is_among_numbers and unit else value)
     return tomlkit.dumps(toml)
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exudyn_crawler.case import read_case
+from exudyn_crawler.case import Case, CaseFile, read_case, write_case
 from exudyn_crawler.case.parameters.reading import CaseFileError
 from exudyn_crawler.case.parameters.units import hint, number_of
 from exudyn_crawler.errors import ParameterError
@@ -79,12 +79,14 @@ def test_a_number_beside_one_with_a_unit_is_refused_in_every_list(refused):
     assert refused(f'base = "translation"\n{profile}') == [
         "drive.speed.times: 5 must have a unit as '10 s' has, such as '5 s'"
     ]
-    chart = (
-        '[datasheet.lift_chart]\npoints = [{radius = "4.6 m", load = 12}, {radius = "6.1 m", load = "8 t"}]\n'
-    )
-    assert refused(SHEET + chart) == [
-        "datasheet.lift_chart.points[0].load = 12 must have a unit as '8 t' has, such as '12 t' or '12 kg'"
-    ]
+
+
+def test_a_file_to_be_changed_by_hand_has_a_unit_for_each_load_or_for_none(tmp_path):
+    loads = (0.0, 386.4e3, 500.0, 20.0, *(400e3,) * 9)
+    case = Case.translation().with_({"loads.phases[0].loads": loads})
+    path = write_case(CaseFile(case=case), tmp_path / "case.toml", by_hand=True)
+    assert 'loads = [0.0, "386.4 kN", "500 N", "20 N", "400 kN"' in path.read_text()
+    assert read_case(path).case.loads == case.loads
 
 
 def test_all_faults_of_a_datasheet_are_lines_that_quote_what_was_typed(refused):

@@ -155,24 +155,11 @@ def _filled_value(value: Any, field: FieldInfo, below: Any, path: fields.KeyPath
         with fields.errors_at(fields.path_text(path)):
             return units.number_of(value, unit)
     if isinstance(value, list):
-        _refuse_mixed(value, kinds, path)
         return [_filled_value(element, field, None, (*path, k), unit) for k, element in enumerate(value)]
     if not isinstance(value, dict):
         return value
     # below is none, or the list of a table given by mistake
     return filled(value, *kinds, below=below if isinstance(below, dict) else None, path=path, unit=unit or "")
-
-
-def _refuse_mixed(tables: list[Any], kinds: tuple[type[BaseModel], ...], path: fields.KeyPath) -> None:
-    """Raise `ParameterError` for tables of a list of which one has a number where another has a unit, too."""
-    for name, field in {name: field for kind in kinds for name, field in kind.model_fields.items()}.items():
-        unit = _unit_of(field, None)
-        places = {
-            k: table[name] for k, table in enumerate(tables) if isinstance(table, dict) and name in table
-        }
-        if unit is not None:
-            names = [fields.path_text((*path, k, name)) for k in places]
-            units.refuse_mixed([*places.values()], unit, names)
 
 
 def _named(name: object, kind: type[BaseModel], path: fields.KeyPath) -> Content:
