@@ -29,7 +29,7 @@ FLOORS = (
     ("fem",),
 )
 """Rooms from the top of the house to the ground: a room imports only from floors below its own."""
-SHARED = ("errors", "files")
+SHARED = ("errors", "files", "origins")
 """What any room may import; they import each other and the lowest floor alone."""
 ALSO = {("run", "views")}
 """Imports beside those of the floors: (from, to)."""

@@ -9,7 +9,7 @@ from exudyn_crawler.assessment.assessment import Assessment, assessment_of
 from exudyn_crawler.assessment.inputs import Origin
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.datasheet.provenance import origins
+from exudyn_crawler.case.datasheet.ledger import ledger_of
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.folder import record
@@ -78,7 +78,7 @@ def assess(
         asked = read_assessment(machine)
         case = asked.machine.case
         given = asked.given if settings is None else ()
-        known = {key: (row.origin, row.how) for key, row in origins(asked.machine).items()}
+        known = {entry.path: (entry.origin, entry.how) for entry in ledger_of(asked.machine)}
         settings = settings or asked.settings
     checks.warn_of([*checks.out_of_range(settings), *_odd_payload(case, settings)])
     runs = [_forces(named) for named in ([run] if isinstance(run, str | Path) else run)]

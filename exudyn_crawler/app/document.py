@@ -7,13 +7,12 @@ from typing import Any
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.case_file import case_text
 from exudyn_crawler.case.datasheet import library
-from exudyn_crawler.case.datasheet.derive import PLACES
-from exudyn_crawler.case.datasheet.files import KEY
-from exudyn_crawler.case.datasheet.provenance import Provenance, origins, sheet_rows
+from exudyn_crawler.case.datasheet.ledger import ledger_of
 from exudyn_crawler.case.edited import changed_text
 from exudyn_crawler.case.files import case_of_text, typed_value
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.files import whole_file
+from exudyn_crawler.origins import Ledger
 
 FIRST = "pc300lc"
 """Machine of the library that the page begins with."""
@@ -37,7 +36,7 @@ class Document:
 
     def start_from(self, machine: str) -> None:
         """Begin with a machine of the library."""
-        self.take_text(library.machines()[machine].read_text(encoding="utf-8"), machine)
+        self.take_text(library.text_of(machine, machine), machine)
 
     def load(self, path: Path) -> None:
         """Begin with a case file; raises as `read_case`."""
@@ -129,15 +128,10 @@ class Document:
         self.version += 1
         return path
 
-    def entries(self) -> dict[str, fields.Entry]:
+    def entries(self) -> dict[str, fields.Item]:
         """Tables and values of the case file by their paths."""
         return {entry.path: entry for entry in fields.walk(self.case_file)}
 
-    def origins(self) -> dict[str, Provenance]:
-        """Where values of a machine with a datasheet come from, by their paths, those it leaves out, too."""
-        sheet = self.case_file.datasheet
-        if sheet is None:
-            return {}
-        rows = {row.key: row for row in sheet_rows(sheet)}
-        of_sheet = {f"{KEY}.{name}": rows[place] for name, place in PLACES.items() if place in rows}
-        return rows | origins(self.case_file) | of_sheet
+    def origins(self) -> Ledger:
+        """Return the ledger of a machine with a datasheet, with the figures that it leaves out."""
+        return ledger_of(self.case_file)

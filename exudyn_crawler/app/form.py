@@ -7,12 +7,17 @@ from nicegui import events, ui
 
 from exudyn_crawler.app.document import Document
 from exudyn_crawler.case.case_file import typed_text
-from exudyn_crawler.case.datasheet.provenance import Provenance
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.asked import choices, presets, range_words
+from exudyn_crawler.origins import Entry, Origin
 
-COLOURS = {"given": "primary", "derived": "grey-7", "assumed": "orange-9"}
-"""Of the origins of values."""
+COLOURS = {
+    Origin.GIVEN: "primary",
+    Origin.LIBRARY: "teal-7",
+    Origin.DERIVED: "grey-7",
+    Origin.ASSUMED: "orange-9",
+}
+"""Colours of the origins of values."""
 FOLLOWS = "follows from the rest"
 
 
@@ -24,7 +29,7 @@ def in_words(name: object) -> str:
 class Field:
     """Value of a case in the form, which takes what is typed when the field is left or Enter is pressed."""
 
-    def __init__(self, document: Document, entry: fields.Entry) -> None:
+    def __init__(self, document: Document, entry: fields.Item) -> None:
         self.document = document
         self.path = entry.path
         self.shown = ""
@@ -58,7 +63,7 @@ class Field:
         else:
             self.document.forget(self.path)
 
-    def show(self, entry: fields.Entry, origin: Provenance | None) -> None:
+    def show(self, entry: fields.Item, origin: Entry | None) -> None:
         """Show the value that the case has, and what was refused beside it."""
         lines = self.document.errors.get(self.path, [])
         self.element.error = "\n".join(lines) or None
@@ -71,8 +76,9 @@ class Field:
             self.badge.set_text(origin.origin)
             self.badge.props(f"color={COLOURS[origin.origin]}")
             self.how.set_text(origin.how or origin.origin)
-            follows = entry.value is None and origin.origin != "given"
-            self.element.props["placeholder"] = f"{origin.value}, {FOLLOWS}" if follows else ""
+            follows = entry.value is None and origin.origin is not Origin.GIVEN
+            value = fields.value_text(origin.value, origin.unit)
+            self.element.props["placeholder"] = f"{value}, {FOLLOWS}" if follows else ""
             self.element.props["stack-label"] = follows
         self.element.update()
 
@@ -80,7 +86,7 @@ class Field:
 class FormPart:
     """Values and tables of a case that are picked; below a title, it is filled when it is opened first."""
 
-    def __init__(self, document: Document, picks: Callable[[fields.Entry], bool], title: str = "") -> None:
+    def __init__(self, document: Document, picks: Callable[[fields.Item], bool], title: str = "") -> None:
         self.document = document
         self.picks = picks
         self.rows: dict[str, Field] = {}
@@ -111,7 +117,7 @@ class FormPart:
             if entry.path in self.rows:
                 self.rows[entry.path].show(entry, origins.get(entry.path))
 
-    def _fill(self, entries: list[fields.Entry]) -> None:
+    def _fill(self, entries: list[fields.Item]) -> None:
         self.box.clear()
         self.rows.clear()
         with self.box:
@@ -121,7 +127,7 @@ class FormPart:
                 else:
                     self.rows[entry.path] = Field(self.document, entry)
 
-    def _head(self, entry: fields.Entry) -> None:
+    def _head(self, entry: fields.Item) -> None:
         """Head of a part: its name, ready values for it, and a button that takes an item of a list away."""
         is_item = isinstance(entry.place[-1], int)
         offered = {} if is_item else presets(entry.field)
@@ -138,13 +144,13 @@ class FormPart:
                 button.props(f'flat dense aria-label="take {entry.path} away"')
 
 
-def _is_part(entry: fields.Entry) -> bool:
+def _is_part(entry: fields.Item) -> bool:
     """True for a table, and for a part of a case that has tables and is not there."""
     is_absent = entry.value in (None, ()) and bool(fields.models_of(entry.field.annotation))
     return fields.is_table(entry.value) or is_absent
 
 
-def below(*names: str) -> Callable[[fields.Entry], bool]:
+def below(*names: str) -> Callable[[fields.Item], bool]:
     """Predicate of entries at some paths and of all that is below them."""
     return lambda entry: any(f"{entry.path}.".startswith((f"{name}.", f"{name}[")) for name in names)
 

@@ -137,9 +137,9 @@ def load(document: Document, path: Path) -> None:
         refuse(error)
 
 
-def _printed(entry: fields.Entry) -> bool:
+def _printed(entry: fields.Item) -> bool:
     return below(KEY)(entry) and entry.path not in (KEY, *OF_DUTY) and entry.value is not None
 
 
-def _left_out(entry: fields.Entry) -> bool:
+def _left_out(entry: fields.Item) -> bool:
     return below(KEY)(entry) and entry.path not in (KEY, *OF_DUTY) and entry.value is None

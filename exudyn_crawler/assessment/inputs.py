@@ -6,7 +6,7 @@ rectangle on which both tracks stand.
 
 import math
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,7 +34,7 @@ PINS = {"diameter": 0.21, "inner": 0.50, "outer": 0.20, "gap": 0.005}
 WORK_TO_STATE = ("payload", "reach", "digging", "wind_area")
 """Work that no machine says by itself."""
 
-Origin = Literal["given", "derived", "assumed"]
+Origin = str
 
 
 class AssessmentInput(NamedTuple):

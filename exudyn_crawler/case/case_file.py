@@ -151,7 +151,7 @@ def case_text(case_file: CaseFile, by_hand: bool = False) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _head(entry: fields.Entry) -> list[str]:
+def _head(entry: fields.Item) -> list[str]:
     """Lines that begin a table: its name, what it is, and the named values that its `base` may take."""
     name = ".".join(fields.names_of(entry.place))
     if isinstance(entry.place[-1], int):
@@ -165,7 +165,7 @@ def _bases(*kinds: type[BaseModel]) -> list[str]:
     return [f"{fields.BASE} = {' or '.join(names)} gives all values that are not stated"] if names else []
 
 
-def typed_text(entry: fields.Entry) -> str:
+def typed_text(entry: fields.Item) -> str:
     """Value as it is typed, so that it can be read again: with its unit where it is a number."""
     value = entry.value
     if value is None or isinstance(value, str | bool | Path):
@@ -263,7 +263,7 @@ def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
     ]
 
 
-def _texts(*entries: fields.Entry | None) -> tuple[str, str]:
+def _texts(*entries: fields.Item | None) -> tuple[str, str]:
     """Two values that differ for reading, with all digits where fewer would hide it."""
     first, other = (ABSENT if has is None else fields.value_text(has.value, has.unit) for has in entries)
     if first == other:

@@ -47,16 +47,16 @@ def kept_lines(path: str | Path, changes: Iterable[str] = ()) -> list[str]:
     return lines
 
 
-def _tables(case: Case) -> dict[str, list[fields.Entry]]:
+def _tables(case: Case) -> dict[str, list[fields.Item]]:
     """Values of the machine's parts by the paths of their tables."""
-    tables: dict[str, list[fields.Entry]] = {}
+    tables: dict[str, list[fields.Item]] = {}
     for entry in fields.values_of(case):
         if len(entry.place) > 1 and entry.place[0] not in OF_NO_MACHINE:
             tables.setdefault(fields.path_text(entry.place[:-1]), []).append(entry)
     return tables
 
 
-def _scaled(entries: Iterable[fields.Entry], of_base: Mapping[str, fields.Entry]) -> list[fields.Entry]:
+def _scaled(entries: Iterable[fields.Item], of_base: Mapping[str, fields.Item]) -> list[fields.Item]:
     """Sizes that are others than in the base, by far."""
     others = []
     for entry in entries:
@@ -70,13 +70,13 @@ def _scaled(entries: Iterable[fields.Entry], of_base: Mapping[str, fields.Entry]
     return others
 
 
-def _is_size(entry: fields.Entry) -> bool:
+def _is_size(entry: fields.Item) -> bool:
     """True for a quantity with a unit that is not nothing."""
     numbers = entry.value if isinstance(entry.value, tuple) else (entry.value,)
     return bool(entry.unit) and any(number not in (None, 0.0, 0) for number in numbers)
 
 
-def _is_kept(entry: fields.Entry, of_base: Mapping[str, fields.Entry], in_file: set[fields.KeyPath]) -> bool:
+def _is_kept(entry: fields.Item, of_base: Mapping[str, fields.Item], in_file: set[fields.KeyPath]) -> bool:
     """True for a quantity of the base that the file does not give."""
     before = of_base.get(entry.path)
     return (
@@ -84,7 +84,7 @@ def _is_kept(entry: fields.Entry, of_base: Mapping[str, fields.Entry], in_file: 
     )
 
 
-def _in_both(entry: fields.Entry, before: fields.Entry) -> str:
+def _in_both(entry: fields.Item, before: fields.Item) -> str:
     """Value in the file and in the base, for reading."""
     texts = (fields.value_text(each.value, each.unit) for each in (entry, before))
     return f"{entry.place[-1]} {' in place of '.join(texts)}"

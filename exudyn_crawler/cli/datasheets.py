@@ -1,6 +1,5 @@
 """Datasheets on the command line: copies of the library's machines, and tables of where values come from."""
 
-import re
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
@@ -9,10 +8,7 @@ import typer
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.views.tables import print_rows, print_table
-
-COLUMNS = ("key", "value", "origin", "how")
-NAME = re.compile(r"^name\s*=.*$", re.MULTILINE)
+from exudyn_crawler.views.tables import ORIGIN_COLUMNS, origin_rows, print_rows, print_table
 
 
 def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
@@ -24,9 +20,8 @@ def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
     if machine not in known:
         hint = f"; {machine} is a study: --study {machine}" if machine in application.study_names() else ""
         raise ValueError(f"machine must be of {sorted(known)}, got {machine!r}{hint}")
-    text = known[machine].read_text(encoding="utf-8")
     with whole_file(path, overwrite) as temporary:
-        temporary.write_text(NAME.sub(f'name = "{path.stem}"', text, count=1), encoding="utf-8")
+        temporary.write_text(library.text_of(machine, path.stem), encoding="utf-8")
 
 
 def fit_shoe(file: Path, size: str, out: Path, overwrite: bool) -> None:
@@ -62,16 +57,13 @@ def _choices(annotation: Any) -> str:
 
 
 def show_values(case_file: "crawler.CaseFile", title: str) -> None:
-    """Print every value of a machine with its origin: given, derived by a rule, or assumed with its range."""
-    from exudyn_crawler.case.datasheet.provenance import provenance
+    """Print every value of a machine's case with its origin."""
+    from exudyn_crawler.case.datasheet.ledger import case_ledger
 
-    assert case_file.datasheet is not None
-    rows = provenance(case_file.case, case_file.datasheet)
-    counts = ", ".join(
-        f"{sum(row.origin == origin for row in rows)} {origin}" for origin in ("given", "derived", "assumed")
-    )
-    heading = f"{title}: {counts}; exudyn-crawler machine {title} has the datasheet's figures"
-    print_rows(COLUMNS, rows, heading, keys=COLUMNS[:3], whole="in the datasheet's page")
+    ledger = case_ledger(case_file)
+    heading = f"{title}: {ledger.summary}; exudyn-crawler machine {title} has the datasheet's figures"
+    rows = origin_rows(ledger)
+    print_rows(ORIGIN_COLUMNS, rows, heading, keys=ORIGIN_COLUMNS[:3], whole="in the datasheet's page")
 
 
 def show_machine(history: "crawler.History") -> None:

@@ -9,7 +9,7 @@ import typer
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application, datasheets
 from exudyn_crawler.cli.commands import app
-from exudyn_crawler.views.tables import print_rows
+from exudyn_crawler.views.tables import ORIGIN_COLUMNS, origin_rows, print_rows
 
 command = partial(application.command, app)
 FIGURES = ("figure", "of the machine", "of the datasheet", "verdict")
@@ -28,8 +28,8 @@ def machine(
 ) -> None:
     """Show what follows from a datasheet: its figures beside those of the machine, and what is assumed."""
     from exudyn_crawler.case.datasheet.figures import figures
+    from exudyn_crawler.case.datasheet.ledger import sheet_ledger
     from exudyn_crawler.case.datasheet.odd_figures import odd_values
-    from exudyn_crawler.case.datasheet.provenance import sheet_rows
     from exudyn_crawler.case.parameters import checks
 
     if keys:
@@ -43,8 +43,8 @@ def machine(
         raise ValueError(
             f"{file} must have a table [datasheet]; exudyn-crawler machines lists some to start from"
         )
-    origins = sheet_rows(sheet)
-    print_rows(datasheets.COLUMNS, origins, f"{file}: what is given, derived and assumed")
+    ledger = sheet_ledger(sheet)
+    print_rows(ORIGIN_COLUMNS, origin_rows(ledger), f"{file}: {ledger.summary}")
     rows = [
         (figure.name, _text(figure.value, figure.unit), _text(figure.printed, figure.unit), figure.verdict)
         for figure in figures(case_file.case, sheet)

@@ -208,7 +208,7 @@ class Vary(Parameters):
         if self.factor and all(self.applied(content, value) == content for value in self._values[:2]):
             raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
 
-    def _check_unit(self, path: str, entry: fields.Entry) -> None:
+    def _check_unit(self, path: str, entry: fields.Item) -> None:
         """Refuse another unit, and numbers that without a unit are likely in another."""
         if self.unit is not None and self.unit != ("" if self.factor else entry.unit):
             meant = "none with a factor" if self.factor else repr(entry.unit)

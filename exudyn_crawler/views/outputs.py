@@ -11,7 +11,7 @@ import xarray as xr
 
 from exudyn_crawler import files
 from exudyn_crawler.case import CaseFile, CellTerrain, Outputs
-from exudyn_crawler.case.datasheet import provenance
+from exudyn_crawler.case.datasheet.ledger import ORIGINS_FILE, ledger_of
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history import History, catalogue, ground_map, summary
 from exudyn_crawler.results.stress import hot_spots, recovery
@@ -48,11 +48,9 @@ def write_tables(history: History, stresses: Stresses, folder: Path, outputs: Ou
 
 def write_origins(case_file: CaseFile, folder: Path) -> None:
     """Write where every value of a machine comes from; nothing for a case without a datasheet."""
-    sheet = case_file.datasheet
-    if sheet is not None:
-        rows = provenance.all_rows(case_file.case, sheet)
-        table = pd.DataFrame(rows, columns=provenance.Provenance._fields)
-        tables.write_table(table, folder / provenance.ORIGINS_FILE, overwrite=True)
+    if case_file.datasheet is not None:
+        table = pd.DataFrame(tables.origin_rows(ledger_of(case_file)), columns=tables.ORIGIN_COLUMNS)
+        tables.write_table(table, folder / ORIGINS_FILE, overwrite=True)
 
 
 def write_forces(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:

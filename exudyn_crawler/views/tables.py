@@ -9,6 +9,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from exudyn_crawler.case.parameters.fields import value_text
+from exudyn_crawler.origins import Entry
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -16,7 +19,15 @@ VERDICT_STYLES = {"yes": "green", "no": "red"}
 BETWEEN = 3  # characters beside a column: its rule and its margins
 LARGE, BEYOND = 1e4, 1e9
 """From the first on numbers are grouped by thousands, from the second on powers of ten are shorter."""
+ORIGIN_COLUMNS = ("key", "value", "origin", "how")
 NUMBER = "%.10g"  # in a CSV file: the last digits of sixteen are rounding alone, 1.5860000000000005 for 1.586
+
+
+def origin_rows(entries: Iterable[Entry]) -> list[tuple[str, str, str, str]]:
+    """Return entries of a ledger for reading: value with unit, origin, rule or source (`ORIGIN_COLUMNS`)."""
+    return [
+        (entry.path, value_text(entry.value, entry.unit), str(entry.origin), entry.how) for entry in entries
+    ]
 
 
 def print_rows(

@@ -8,9 +8,9 @@ import pytest
 from exudyn_crawler.case import read_case
 from exudyn_crawler.case.datasheet import figures, library
 from exudyn_crawler.case.datasheet.derive import derived
+from exudyn_crawler.case.datasheet.ledger import case_ledger, sheet_ledger
 from exudyn_crawler.case.datasheet.library import machines
 from exudyn_crawler.case.datasheet.odd_figures import odd_figures, odd_values
-from exudyn_crawler.case.datasheet.provenance import provenance, sheet_rows
 from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import CaseFileError, ParameterError
@@ -138,16 +138,18 @@ def test_file_of_a_library_machine_with_another_shoe(written):
 
 def test_every_value_says_where_it_comes_from(written):
     case_file = read_case(written(SHORT + "[gear]\nrolling_resistance = 0.05\n"))
-    rows = {row.key: row for row in provenance(case_file.case, case_file.datasheet)}
-    assert set(rows) == {entry.path for entry in fields.values_of(case_file.case)}
+    rows = case_ledger(case_file)
+    assert {row.path for row in rows} == {entry.path for entry in fields.values_of(case_file.case)}
     assert rows["shoe.width"].origin == "given"
-    assert rows["gear.rolling_resistance"][2:] == ("given", "the file")
+    assert rows["gear.rolling_resistance"].origin == "given"
+    assert rows["gear.rolling_resistance"].how == "the file"
     assert rows["track.pitch"].origin == "derived"
     assert "closes" in rows["track.pitch"].how
     assert rows["gear.roller_radius"].origin == "assumed"
     assert "remembered" in rows["gear.roller_radius"].how
     assert rows["gravity"].origin == "assumed"
-    assert rows["drive.speed"][2:] == ("assumed", "slow_travel, no faster than travel_speed; reached in 1 s")
+    assert rows["drive.speed"].origin == "assumed"
+    assert rows["drive.speed"].how == "slow_travel, no faster than travel_speed; reached in 1 s"
     assert "LETE sand" in rows["contact.law.k_phi"].how
     assert rows["track.first_com"].origin == "derived"
     assert "root of the pitch" in rows["solver.step"].how
@@ -155,21 +157,22 @@ def test_every_value_says_where_it_comes_from(written):
 
 def test_speed_of_a_run_is_derived_where_the_datasheet_asks_for_it(written):
     case_file = read_case(written(SHORT + 'speed = "2 km/h"\ntravel = "on the spot"\n'))
-    rows = {row.key: row for row in provenance(case_file.case, case_file.datasheet)}
-    assert rows["drive.turn_rate"][2:] == ("derived", "speed of the datasheet; reached in 1 s")
-    assert "no datasheet says it" in rows["drive.speed"].how
+    rows = case_ledger(case_file)
+    assert rows["drive.turn_rate"].origin == "derived"
+    assert rows["drive.turn_rate"].how == "speed of the datasheet; reached in 1 s"
+    assert "the machine stays" in rows["drive.speed"].how
 
 
 def test_values_that_no_file_has_are_not_shown_as_given(written):
     case_file = read_case(written(SHORT))
-    keys = {row.key for row in sheet_rows(case_file.datasheet) if row.origin == "given"}
+    keys = {row.path for row in sheet_ledger(case_file.datasheet) if row.origin == "given"}
     assert "datasheet.length_on_ground" in keys
     assert "datasheet.bogies" not in keys
 
 
 def test_values_that_were_not_seen_are_shown_as_assumed(written):
     case_file = read_case(written(SHORT + 'remembered = ["gauge"]\n'))
-    rows = {row.key: row for row in provenance(case_file.case, case_file.datasheet)}
+    rows = case_ledger(case_file)
     assert rows["gear.car_body.track_distance"].origin == "assumed"
     assert rows["shoe.width"].origin == "given"
 
@@ -367,7 +370,11 @@ def test_a_printed_contact_area_is_that_of_the_machine_that_follows():
     assert figures.lengths(case, sheet)[0] == pytest.approx(0.5 * 4.856 / 0.61, rel=0.01)
     assert figures.mean_pressure(case, sheet) == pytest.approx(71640.0 * case.gravity / 4.856, rel=0.01)
     (figure,) = [figure for figure in figures.figures(case, sheet) if figure.name == "contact area"]
-    assert figure.verdict == "agrees"
+    # the pitch follows from it
+    assert figure.verdict == figures.MADE
+    sheet = sheet.with_(length_on_ground=3.98)
+    built = figures.figures(derived(sheet).case, sheet)
+    assert next(figure.verdict for figure in built if figure.name == "contact area") == "agrees"
 
 
 def test_speed_and_pull_are_those_of_the_motors_by_their_gears():

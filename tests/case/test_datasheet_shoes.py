@@ -9,7 +9,7 @@ import fem
 from exudyn_crawler.case import Shoe, Track, read_case
 from exudyn_crawler.case.datasheet import figures, library, shoe_mesh
 from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.provenance import provenance
+from exudyn_crawler.case.datasheet.ledger import case_ledger
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.model import shoe_mesh as fits
@@ -211,7 +211,7 @@ def test_the_papers_shoe_as_a_mesh_of_ones_own_makes_a_shovel(tmp_path):
     assert case.flexible.shoes == (5,)
     assert figures.machine_mass(case) == pytest.approx(1410184.0)
     fits.check_fit(mesh_named("coarse"), "coarse", case.shoe, case.shoe.rails)
-    rows = {row.key: row for row in provenance(case, case_file.datasheet)}
+    rows = case_ledger(case_file)
     assert (rows["shoe.mass"].origin, rows["shoe.mass"].how) == (
         "derived",
         "shoe_mesh: its volume of steel, its surfaces and bores",

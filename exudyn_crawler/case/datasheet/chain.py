@@ -4,12 +4,10 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.case.datasheet import rules
-from exudyn_crawler.case.datasheet.notes import Notes
 from exudyn_crawler.case.datasheet.sheet import GREATEST_GAPS, LEAST_GAPS, Datasheet, DatasheetError, Kind
 from exudyn_crawler.case.parameters.track import MOST_SHOES
+from exudyn_crawler.origins import Ruled
 
-SHOES = "track.shoe_count of one track"
-"""Key of a note."""
 LOOSE = 0.01  # of a chain's length, by which lengths of a datasheet may disagree
 PLAUSIBLE_GAPS = 8, 18  # of sprockets for which a number of shoes, or a pitch by mass, is taken
 IDLER_SIZES = 0.8, 1.2
@@ -31,6 +29,8 @@ class Chain(NamedTuple):
     gaps_per_shoe: int  # 2 of a half-pitch sprocket
     depth: float  # of the plate's underside below the pins
     grouser: float
+    ruled: dict[str, Ruled]
+    """Values with their rules, by their paths, where there are several rules."""
 
     @property
     def built_gaps(self) -> float:
@@ -48,32 +48,27 @@ class Chain(NamedTuple):
         return self.on_ground + self.diameter + 2.0 * self.tips
 
 
-def chain_of(sheet: Datasheet, notes: Notes, gravity: float, depth: float | None = None) -> Chain:
+def chain_of(sheet: Datasheet, gravity: float, depth: float | None = None) -> Chain:
     """Dimensions of a datasheet's chain; a DatasheetError where they contradict each other.
 
     `depth` is that of the plate's underside below the pins (m) where a mesh has it.
     """
-    pitch = _pitch(sheet, notes, gravity)
+    ruled = {"datasheet.pitch": _pitch(sheet, gravity)}
+    pitch: float = ruled["datasheet.pitch"].value
     if depth is None:
-        depth = pitch * notes.typical("plate_depth")
+        depth = pitch * sheet.typical_value("plate_depth")
     grouser = sheet.grouser_height
     if grouser is None:
-        grouser = pitch * notes.typical("grouser_height")
+        grouser = pitch * sheet.typical_value("grouser_height")
     tips = depth + grouser
     on_ground = sheet.sprocket_to_idler or sheet.length_on_ground
     over_shoes = sheet.crawler_length
-    diameter = _diameter(sheet, notes, pitch, tips)
+    circle = _diameter(sheet, pitch, tips)
+    diameter: float = circle.value
     if on_ground is None:
-        on_ground = _on_ground(sheet, notes, pitch, diameter, tips, gravity)
-    shoes = sheet.shoes
-    if shoes is None:
-        shoes = notes.note(
-            SHOES,
-            round(rules.loop_length(on_ground, diameter) / pitch),
-            "",
-            "derived",
-            "length of the loop, 2 C + pi d, over the pitch",
-        )
+        ruled["datasheet.length_on_ground"] = _on_ground(sheet, pitch, diameter, tips, gravity)
+        on_ground = float(ruled["datasheet.length_on_ground"].value)
+    shoes = sheet.shoes or round(rules.loop_length(on_ground, diameter) / pitch)
     what = "length on ground" if sheet.sprocket_to_idler is None else "way from sprocket to idler"
     _check_lengths(on_ground, pitch, shoes, what)
     if sheet.sprocket_to_idler is None:
@@ -90,145 +85,119 @@ def chain_of(sheet: Datasheet, notes: Notes, gravity: float, depth: float | None
             f"{length} leave {_length(max(diameter, 0.0))} for the sprocket's circle of pins, which is "
             f"{gaps:.3g} shoes of {_length(pitch)}; {fits}: is the pitch right?"
         )
-    teeth, gaps_per_shoe = _teeth(sheet, gaps, notes)
-    return Chain(pitch, shoes, on_ground, diameter, gaps, teeth, gaps_per_shoe, depth, grouser)
-
-
-def _teeth(sheet: Datasheet, gaps: float, notes: Notes) -> tuple[int, int]:
-    """Teeth of the sprocket, and its gaps from pin to pin, nearest to shoes that a turn moves."""
-    if sheet.sprocket_gaps is not None:
-        halves = round(2.0 * gaps)
-        how = f"{gaps:g} of the datasheet"
-    elif sheet.kind in HALF_PITCH:
-        halves = max(2 * math.floor(gaps), 2 * int(LEAST_GAPS)) + 1
-        how = (
-            "pins' circle p / sin(pi / z) of the length that loop and shoes leave, to the nearest odd number"
-        )
-    else:
-        halves = 2 * max(round(gaps), int(LEAST_GAPS))
-        how = "pins' circle p / sin(pi / z) of the length that loop and shoes leave"
-    if abs(0.5 * halves - gaps) > 1e-9:
-        how += f": {gaps:.3g} shoes a turn, built with {0.5 * halves:g}"
+    halves = _half_teeth(sheet, gaps)
     gaps_per_shoe = 1 + halves % 2
     teeth = halves if gaps_per_shoe == 2 else halves // 2
-    notes.note("gear.tumbler.teeth", teeth, "", "derived", how)
-    notes.note(
-        "gear.tumbler.gaps_per_shoe",
-        gaps_per_shoe,
-        "",
-        "derived",
-        "2 where half of the teeth is no whole number of shoes: a half-pitch sprocket",
-    )
-    return teeth, gaps_per_shoe
+    built = f"{gaps:.3g} shoes a turn, built with {0.5 * halves:g}"
+    ruled |= {"chain.circle": circle, "datasheet.sprocket_gaps": circle._replace(value=gaps)}
+    ruled["gear.tumbler.teeth"] = Ruled(teeth, "", built if abs(0.5 * halves - gaps) > 1e-9 else "")
+    return Chain(pitch, shoes, on_ground, diameter, gaps, teeth, gaps_per_shoe, depth, grouser, ruled)
+
+
+def _half_teeth(sheet: Datasheet, gaps: float) -> int:
+    """Return twice the shoes that a turn of the sprocket moves as it is built, nearest to its gaps."""
+    if sheet.sprocket_gaps is not None:
+        return round(2.0 * gaps)
+    if sheet.kind in HALF_PITCH:
+        return max(2 * math.floor(gaps), 2 * int(LEAST_GAPS)) + 1
+    return 2 * max(round(gaps), int(LEAST_GAPS))
 
 
 def _length(value: float) -> str:
     return f"{1e3 * value:.4g} mm" if value < 1.0 else f"{value:.3g} m"
 
 
-def _pitch(sheet: Datasheet, notes: Notes, gravity: float) -> float:
-    """Pitch, m: given, of the loop's closing, or by the machine's mass."""
+def _pitch(sheet: Datasheet, gravity: float) -> Ruled:
+    """Return the pitch, m: given, of the loop's closing, or by the machine's mass."""
     if sheet.pitch is not None:
-        return sheet.pitch
-    closing = None if sheet.shoes is None else _closing_pitch(sheet, sheet.shoes, notes, gravity)
+        return Ruled(sheet.pitch, "given")
+    closing = None if sheet.shoes is None else _closing_pitch(sheet, sheet.shoes, gravity)
     if closing is not None:
-        return float(notes.note("track.pitch", closing[0], "m", "derived", closing[1]))
+        return closing
     on_ground = sheet.length_on_ground
     over_shoes = sheet.crawler_length
-    value = rules.pitch_by_mass(sheet.operating_weight, notes.typical("pitch_by_mass"))
-    how = "0.066 m (weight / t)^(1/3), within 15 % [remembered]"
+    value = rules.pitch_by_mass(sheet.operating_weight, sheet.typical_value("pitch_by_mass"))
     if on_ground is not None and over_shoes is not None:
-        depth, grouser = _tips(sheet, notes)
+        depth, grouser = _tips(sheet)
         left = over_shoes - on_ground - 2.0 * (depth * value + grouser)
         least, greatest = (rules.pin_circle(value, gaps) for gaps in PLAUSIBLE_GAPS)
         if not least <= left <= greatest:
-            value = rules.pitch_of_ends(over_shoes - on_ground, _gaps(sheet, notes), depth, grouser)
-            how = "sprocket and idler of typical size fill what the crawler is longer than on ground"
-    return float(notes.note("track.pitch", value, "m", "assumed", how))
+            of_ends = rules.pitch_of_ends(over_shoes - on_ground, _gaps(sheet), depth, grouser)
+            return Ruled(of_ends, "ends")
+    return Ruled(value, "weight")
 
 
-def _closing_pitch(sheet: Datasheet, shoes: int, notes: Notes, gravity: float) -> tuple[float, str] | None:
-    """Pitch (m) with which so many shoes close about the lengths, and its rule; None without a length."""
+def _closing_pitch(sheet: Datasheet, shoes: int, gravity: float) -> Ruled | None:
+    """Return the pitch (m) with which so many shoes close about the lengths; None without a length."""
     on_ground = sheet.length_on_ground
     over_shoes = sheet.crawler_length
-    depth, grouser = _tips(sheet, notes)
+    depth, grouser = _tips(sheet)
     if on_ground is not None and over_shoes is not None:
         pitch = rules.pitch_of_loop(on_ground, over_shoes, shoes, depth, grouser)
         if pitch > 0.0:
-            how = "the chain of N shoes closes: (2 C + pi (L - C - 2 grouser)) / (N + 2 pi depth)"
-            return pitch, how
-    wheels = "the chain of N shoes closes about wheels of a sprocket's size"
-    gaps = _gaps(sheet, notes)
+            return Ruled(pitch, "lengths")
+    gaps = _gaps(sheet)
     if on_ground is not None:
-        return rules.pitch_of_gaps(on_ground, shoes, gaps), f"{wheels}: 2 C / (N - pi / sin(pi / z))"
+        return Ruled(rules.pitch_of_gaps(on_ground, shoes, gaps), "length on ground")
     if over_shoes is not None:
-        pitch = rules.pitch_of_crawler(over_shoes, shoes, gaps, depth, grouser)
-        return pitch, f"{wheels}: 2 (L - 2 grouser) / (N + 4 depth - (pi - 2) / sin(pi / z))"
+        return Ruled(rules.pitch_of_crawler(over_shoes, shoes, gaps, depth, grouser), "crawler length")
     counted = sheet.counted_length(gravity)
     if counted is not None:
-        whole, how = counted
-        share = notes.typical("pressure_share")
-        return rules.pitch_of_whole(whole, shoes, gaps, (depth, grouser), share), f"{wheels}, on the {how}"
+        share = sheet.typical_value("pressure_share")
+        pitch = rules.pitch_of_whole(counted.value, shoes, gaps, (depth, grouser), share)
+        return counted._replace(value=pitch)
     return None
 
 
-def _tips(sheet: Datasheet, notes: Notes) -> tuple[float, float]:
+def _tips(sheet: Datasheet) -> tuple[float, float]:
     """Tips of the grousers below the pins: a depth in pitches, and a printed height beside it, m."""
-    depth = notes.typical("plate_depth")
+    depth = sheet.typical_value("plate_depth")
     if sheet.grouser_height is not None:
         return depth, sheet.grouser_height
-    return depth + notes.typical("grouser_height"), 0.0
+    return depth + sheet.typical_value("grouser_height"), 0.0
 
 
-def _gaps(sheet: Datasheet, notes: Notes) -> float:
+def _gaps(sheet: Datasheet) -> float:
     """Gaps of the sprocket: printed, or typical."""
-    return sheet.sprocket_gaps or notes.typical("sprocket_gaps")
+    return sheet.sprocket_gaps or sheet.typical_value("sprocket_gaps")
 
 
-def _diameter(sheet: Datasheet, notes: Notes, pitch: float, tips: float) -> float:
-    """Mean diameter of the pins' circles about sprocket and idler, m."""
+def _diameter(sheet: Datasheet, pitch: float, tips: float) -> Ruled:
+    """Return the mean diameter of the pins' circles about sprocket and idler, m."""
     on_ground = sheet.length_on_ground
     over_shoes = sheet.crawler_length
     shoes = sheet.shoes
-    usual = rules.pin_circle(pitch, _gaps(sheet, notes))
+    usual = Ruled(rules.pin_circle(pitch, _gaps(sheet)), "typical")
     if sheet.sprocket_to_idler is not None:
         return usual
     if on_ground is not None and over_shoes is not None:
-        return over_shoes - on_ground - 2.0 * tips
-    left = None
+        return Ruled(over_shoes - on_ground - 2.0 * tips, "lengths")
     if shoes is not None and on_ground is not None:
-        left = (shoes * pitch - 2.0 * on_ground) / math.pi
+        left = Ruled((shoes * pitch - 2.0 * on_ground) / math.pi, "length on ground")
     elif shoes is not None and over_shoes is not None:
-        left = (shoes * pitch - 2.0 * (over_shoes - 2.0 * tips)) / (math.pi - 2.0)
-    if left is None:
+        of_loop = (shoes * pitch - 2.0 * (over_shoes - 2.0 * tips)) / (math.pi - 2.0)
+        left = Ruled(of_loop, "crawler length")
+    else:
         return usual
     if sheet.sprocket_gaps is not None:
-        bounds = IDLER_SIZES[0] * usual, IDLER_SIZES[1] * usual
+        bounds = IDLER_SIZES[0] * usual.value, IDLER_SIZES[1] * usual.value
     else:
         bounds = rules.pin_circle(pitch, PLAUSIBLE_GAPS[0]), rules.pin_circle(pitch, PLAUSIBLE_GAPS[1])
-    return left if bounds[0] <= left <= bounds[1] else usual
+    return left if bounds[0] <= left.value <= bounds[1] else usual
 
 
-def _on_ground(
-    sheet: Datasheet, notes: Notes, pitch: float, diameter: float, tips: float, gravity: float
-) -> float:
-    """Length on ground, m, where the datasheet has none."""
+def _on_ground(sheet: Datasheet, pitch: float, diameter: float, tips: float, gravity: float) -> Ruled:
+    """Return the length on ground, m, where the datasheet has none."""
     over_shoes = sheet.crawler_length
     shoes = sheet.shoes
     counted = sheet.counted_length(gravity)
     if over_shoes is not None:
-        how = "length over the shoes less circle and shoes: L - d - 2 e"
-        value = over_shoes - diameter - 2.0 * tips
-    elif shoes is not None:
-        how = "what the chain leaves: (N p - pi d) / 2"
-        value = 0.5 * (shoes * pitch - math.pi * diameter)
-    else:
-        assert counted is not None
-        whole, how = counted
-        share = notes.typical("pressure_share")
-        how += ", less what counts of the ends"
-        value = whole - share * (diameter + 2.0 * tips)
-    return float(notes.note("length on ground", value, "m", "derived", how))
+        return Ruled(over_shoes - diameter - 2.0 * tips, "crawler length")
+    if shoes is not None:
+        return Ruled(0.5 * (shoes * pitch - math.pi * diameter), "chain")
+    assert counted is not None
+    share = sheet.typical_value("pressure_share")
+    return counted._replace(value=counted.value - share * (diameter + 2.0 * tips))
 
 
 def _check_lengths(on_ground: float, pitch: float, shoes: int, what: str) -> None:

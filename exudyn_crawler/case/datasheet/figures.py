@@ -7,14 +7,19 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.datasheet import rules, typical
+from exudyn_crawler.case.datasheet import rules
+from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.datasheet.shoe_mesh import shoe_of_mesh
 
 CLOSE, OF_LENGTH = 0.03, 0.05
 """Relative differences up to which a figure is that of the datasheet: of weight and pressure, of a length."""
+MADE = "was built to it"
+"""Verdict on a figure that is made of the printed one."""
 LOSS = 0.05
 """Of the weight: resistance of a slow excavator on firm ground, in all (0.04 to 0.08, remembered)."""
+ON_GROUND = ("datasheet.length_on_ground", "datasheet.pitch", "datasheet.shoes", "datasheet.sprocket_gaps")
+"""Values of which the lengths of a track are made."""
 
 
 class Figure(NamedTuple):
@@ -55,7 +60,7 @@ def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
 
 def contact_area(case: Case, sheet: Datasheet) -> float:
     """Contact area of both tracks of the machine as it was assembled, as datasheets print it, m2."""
-    counts = rules.ground_length(*lengths(case, sheet), _typical(sheet, "pressure_share"))
+    counts = rules.ground_length(*lengths(case, sheet), sheet.typical_value("pressure_share"))
     return 2.0 * case.shoe.width * counts
 
 
@@ -69,41 +74,42 @@ def figures(case: Case, sheet: Datasheet) -> list[Figure]:
     return [*_built(case, sheet), *_travelling(case, sheet)]
 
 
-def _typical(sheet: Datasheet, name: str) -> float:
-    """Typical value of a name, or the datasheet's in its place."""
-    other = getattr(sheet.typical, name)
-    return typical.row_of(name, sheet.kind).value if other is None else float(other)
-
-
-def _verdict(value: float, printed: float | None, most: float) -> str:
+def _verdict(value: float, printed: float | None, most: float, made: bool = False) -> str:
+    """Compare a figure with the printed one; no agreement is shown if that one `made` it."""
     if not printed:
         return "follows"
     off = value / printed - 1.0
-    return "agrees" if abs(off) <= most else f"differs by {100.0 * off:+.1f} %"
+    if abs(off) <= most:
+        return MADE if made else "agrees"
+    return f"differs by {100.0 * off:+.1f} %"
 
 
 def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     """Weight, lengths and pressure."""
+    figures_of = derived(sheet).ruled.figures_of
+    of_lengths = figures_of(*ON_GROUND)
     mass = machine_mass(case)
     printed = sheet.operating_weight
-    yield Figure("weight of all parts", mass, printed, "kg", _verdict(mass, printed, CLOSE))
+    made = "operating_weight" in figures_of("gear.mass")
+    yield Figure("weight of all parts", mass, printed, "kg", _verdict(mass, printed, CLOSE, made))
     if sheet.shoe_weight is not None:
         shoe = case.shoe.mass
-        verdict = _verdict(shoe, sheet.shoe_weight, CLOSE)
+        verdict = _verdict(shoe, sheet.shoe_weight, CLOSE, "shoe_weight" in figures_of("shoe.mass"))
         yield Figure("weight of a shoe", shoe, sheet.shoe_weight, "kg", verdict)
     on_ground, over_shoes = lengths(case, sheet)
-    for name, value, stated in (
-        ("length on ground", on_ground, sheet.length_on_ground),
-        ("length over shoes", over_shoes, sheet.crawler_length),
+    for name, value, key in (
+        ("length on ground", on_ground, "length_on_ground"),
+        ("length over shoes", over_shoes, "crawler_length"),
     ):
-        yield Figure(name, value, stated, "m", _verdict(value, stated, OF_LENGTH))
+        stated = getattr(sheet, key)
+        yield Figure(name, value, stated, "m", _verdict(value, stated, OF_LENGTH, key in of_lengths))
     if sheet.contact_area is not None:
         area = contact_area(case, sheet)
-        verdict = _verdict(area, sheet.contact_area, CLOSE)
+        verdict = _verdict(area, sheet.contact_area, CLOSE, "contact_area" in of_lengths)
         yield Figure("contact area", area, sheet.contact_area, "m2", verdict)
     pressure = mean_pressure(case, sheet)
     stated = sheet.ground_pressure
-    verdict = _verdict(pressure, stated, CLOSE)
+    verdict = _verdict(pressure, stated, CLOSE, "ground_pressure" in of_lengths)
     if stated and abs(pressure / stated - 1.0) > CLOSE:
         counts = mass * case.gravity / (2.0 * case.shoe.width * stated)
         verdict += f": the printed one has the weight on {counts:.3g} m of each track"
@@ -127,7 +133,7 @@ def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     if pull is not None:
         need = f"takes a coefficient of traction of {pull / weight:.2f}"
         yield Figure("drawbar pull over weight", pull / weight, None, "1", need)
-        torque = rules.sprocket_torque(pull, radius, _typical(sheet, "chain_efficiency"))
+        torque = rules.sprocket_torque(pull, radius, sheet.typical_value("chain_efficiency"))
         yield Figure("torque of a sprocket", torque, None, "N m", "at the drawbar pull")
     if pull is not None and speed is not None:
         words = "at once they take this power: "
@@ -157,7 +163,7 @@ def _of_motors(sheet: Datasheet, radius: float) -> Iterator[Figure]:
         yield Figure("speed by the motors", speed, printed, "m/s", _verdict(speed, printed, OF_LENGTH))
     printed = sheet.drawbar_pull
     if sheet.motor_torque is not None:
-        pull = 2.0 * sheet.motor_torque * ratio * _typical(sheet, "chain_efficiency") / radius
+        pull = 2.0 * sheet.motor_torque * ratio * sheet.typical_value("chain_efficiency") / radius
         yield Figure("drawbar pull by the motors", pull, printed, "N", _verdict(pull, printed, OF_LENGTH))
 
 

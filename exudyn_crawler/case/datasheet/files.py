@@ -17,6 +17,8 @@ from exudyn_crawler.case.parameters import faults, fields, reading
 from exudyn_crawler.errors import ParameterError
 
 KEY = "datasheet"
+OF_RUN = ("travel", "speed", "grade", "shoe_mesh")
+"""Values of a datasheet with which a machine stays the same one."""
 
 
 def has_datasheet(content: reading.Content) -> bool:
@@ -35,15 +37,21 @@ def with_machine(content: reading.Content) -> reading.Content:
     table = content[KEY]
     if fields.BASE not in table:
         return content
-    below = library.machine_content(table[fields.BASE])
+    below = dict(library.machine_content(table[fields.BASE]))
     given = {name: value for name, value in table.items() if name != fields.BASE}
-    return library.over(content | {KEY: given}, below)
+    if any(name not in OF_RUN for name in given):
+        # another machine has its own name: that of the file
+        del below["name"]
+    return library.over(content | {KEY: {"began_as": table[fields.BASE]} | given}, below)
 
 
 def datasheet_of(table: reading.Content, folder: Path | None = None) -> Datasheet:
     """Datasheet of a table of a file in a folder; a ParameterError with a line for each value at fault."""
     try:
-        return reading.from_content(Datasheet, table, folder)
+        sheet = reading.from_content(Datasheet, table, folder)
+        if sheet.began_as is not None:
+            library.machine_content(sheet.began_as)
+        return sheet
     except ValidationError as error:
         lines = faults.error_lines(error, CaseFile, {KEY: table}, (KEY,))
         raise ParameterError("\n".join(lines)) from None
@@ -74,7 +82,8 @@ def _replaced(values: Any, old: Any, new: Any) -> Any:
 def assumed_ranges(sheet: Datasheet) -> list[reading.Content]:
     """Typical values that a datasheet's machine takes, as a sweep varies them: each over its range."""
     path = f"{KEY}.typical"
-    return [{"key": f"{path}.{row.name}", "low": row.low, "high": row.high} for row in derived(sheet).typical]
+    rows = derived(sheet).ruled.typical
+    return [{"key": f"{path}.{row.name}", "low": row.low, "high": row.high} for row in rows]
 
 
 def case_values(sheet: Datasheet, flexible: bool = False) -> reading.Content:

@@ -4,14 +4,17 @@ from collections.abc import Collection, Iterator
 
 from exudyn_crawler.case.case_file import CaseFile
 from exudyn_crawler.case.datasheet import plausible
-from exudyn_crawler.case.datasheet.derive import PLACES, derived
+from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.figures import machine_mass
-from exudyn_crawler.case.datasheet.provenance import provenance
+from exudyn_crawler.case.datasheet.ledger import ledger_of
+from exudyn_crawler.case.datasheet.library import left_of_library
+from exudyn_crawler.case.datasheet.ruled_machine import places
 from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.case.gear.machine import Machine
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.checks import implausible, out_of_range
 from exudyn_crawler.case.ph4100c import GRAVITY
+from exudyn_crawler.origins import Origin
 
 PRESSURE = (0.4, 3.0)
 """Printed ground pressure over weight by width and length on ground of both tracks. Chosen here."""
@@ -27,7 +30,7 @@ def odd_values(case_file: CaseFile) -> Iterator[str]:
         yield from lines
         return
     # what follows by a rule is in no wrong unit: shoes of a small machine weigh less than any of a file do
-    by_rule = {row.key for row in provenance(case_file.case, case_file.datasheet) if row.origin != "given"}
+    by_rule = {entry.path for entry in ledger_of(case_file) if entry.origin is not Origin.GIVEN}
     yield from (line for line in lines if line.split(":")[0] not in by_rule)
 
 
@@ -44,7 +47,7 @@ def odd_machine(case_file: CaseFile) -> Iterator[str]:
     follows = {} if machine is None else {entry.path: entry.value for entry in fields.values_of(machine)}
     own = {entry.path: entry for entry in fields.values_of(case) if follows.get(entry.path) != entry.value}
     sizes = plausible.Sizes(machine_mass(case), case.track.pitch, case.gear.length)
-    for name, path in PLACES.items():
+    for name, path in places().items():
         entry = own.get(path)
         if entry is not None and (line := plausible.odd(name, entry.value, entry.unit, kind, sizes)):
             yield f"{path}: {line}"
@@ -62,6 +65,7 @@ def odd_machine(case_file: CaseFile) -> Iterator[str]:
 
 def odd_figures(sheet: Datasheet) -> Iterator[str]:
     """Yield lines about figures that no machine has, printed or following, with the datasheet's keys."""
+    yield from (f"datasheet: {line}" for line in left_of_library(sheet))
     machine = derived(sheet)
     following = plausible.following(sheet, machine.chain, machine.case.shoe.mass)
     odd = dict(plausible.odd_printed(sheet, following))

@@ -5,11 +5,12 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import AfterValidator
 
 from exudyn_crawler.case.datasheet import makers
-from exudyn_crawler.case.datasheet.typical import Typical
+from exudyn_crawler.case.datasheet.typical import Typical, row_of
 from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.track import mesh_beside
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.origins import Ruled
 
 Kind = Literal["excavator", "dozer", "loader", "shovel", "crane", "drill", "paver", "vehicle"]
 ShoeKind = Literal["single grouser", "double grouser", "triple grouser", "plain", "mining"]
@@ -196,6 +197,9 @@ class Datasheet(Parameters):
         "m/s", "of the chains in a run; none: slow travel", (0.01, 5.0), default=None
     )
     source: str = option("where its values are printed", "")
+    began_as: str | None = option(
+        "machine of the library whose values the file began with; none: that of the same source, if any", None
+    )
     remembered: tuple[str, ...] = option("values of it that were not seen in a source: shown as assumed", ())
     typical: Typical = option("typical values in place of those of the table", Typical())
 
@@ -228,7 +232,8 @@ class Datasheet(Parameters):
             yield "recoil_force must be left out where recoil_spring is false"
         if self.sag is not None and self.chain_tension is not None:
             yield "sag and chain_tension must not be given together: each is the tension at rest"
-        known = [name for name in type(self).model_fields if name not in ("remembered", "typical", "source")]
+        no_figures = ("remembered", "typical", "source", "began_as")
+        known = [name for name in type(self).model_fields if name not in no_figures]
         unknown = [name for name in self.remembered if name not in known]
         if unknown:
             yield f"remembered must be names of the datasheet's values, got {fields.shown(unknown)}"
@@ -247,17 +252,21 @@ class Datasheet(Parameters):
         assert self.width_over_shoes is not None
         return self.width_over_shoes - self.shoe_width
 
-    def counted_length(self, gravity: float) -> tuple[float, str] | None:
-        """Length of a track (m) that counts as its contact, and its rule.
+    def typical_value(self, name: str) -> float:
+        """Return a typical value: the datasheet's own, else that of its kind of machine."""
+        own = getattr(self.typical, name)
+        return row_of(name, self.kind).value if own is None else float(own)
+
+    def counted_length(self, gravity: float) -> Ruled | None:
+        """Return the length of a track (m) that counts as its contact.
 
         It is that of the printed area, or else of the printed pressure; None without these.
         """
         if self.contact_area is not None:
-            return self.contact_area / (2.0 * self.shoe_width), "length that the contact area says, A / (2 b)"
+            return Ruled(self.contact_area / (2.0 * self.shoe_width), "contact area")
         if self.ground_pressure is not None:
             force = self.operating_weight * gravity
-            length = force / (2.0 * self.shoe_width * self.ground_pressure)
-            return length, "length that the ground pressure says, m g / (2 b p)"
+            return Ruled(force / (2.0 * self.shoe_width * self.ground_pressure), "ground pressure")
         return None
 
     @property

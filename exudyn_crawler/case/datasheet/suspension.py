@@ -6,7 +6,6 @@ from typing import NamedTuple
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.datasheet import rules
 from exudyn_crawler.case.datasheet.chain import Chain
-from exudyn_crawler.case.datasheet.notes import Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError, Kind
 from exudyn_crawler.case.datasheet.wheels import WheelPlaces
 from exudyn_crawler.case.gear.arms import Arm
@@ -35,12 +34,12 @@ class Springs(NamedTuple):
         return sum(arm.mass for arm in self.arms) + (0.0 if self.recoil is None else self.recoil.mass)
 
 
-def springs_of(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces, notes: Notes) -> Springs:
+def springs_of(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces) -> Springs:
     """Arms and recoil spring of a track whose shoes weigh `shoe`, kg."""
-    return Springs(_arms(sheet, chain, shoe, place, notes), _recoil(sheet, chain.pitch, notes))
+    return Springs(_arms(sheet, chain, shoe, place), _recoil(sheet, chain.pitch))
 
 
-def bogies_of(sheet: Datasheet, pitch: float, rollers: tuple[float, ...], notes: Notes) -> tuple[Bogie, ...]:
+def bogies_of(sheet: Datasheet, pitch: float, rollers: tuple[float, ...]) -> tuple[Bogie, ...]:
     """Bogies with two lower rollers each, from the front; they are part of the side frame's weight."""
     if not sheet.bogies:
         return ()
@@ -49,8 +48,8 @@ def bogies_of(sheet: Datasheet, pitch: float, rollers: tuple[float, ...], notes:
             f"{sheet.bogies} bogies take {2 * sheet.bogies} lower rollers, a track has {len(rollers)}: "
             f"{len(rollers) // 2} bogies do"
         )
-    mass = notes.sized("mass of a bogie", "bogie_mass", pitch**3, "kg")
-    height = notes.sized("height of a bogie's pivot", "bogie_pivot", pitch)
+    mass = pitch**3 * sheet.typical_value("bogie_mass")
+    height = pitch * sheet.typical_value("bogie_pivot")
     bogies = []
     for number in range(len(rollers) + 1 - 2 * sheet.bogies, len(rollers), 2):
         rear, front = rollers[number - 1 : number + 1]
@@ -62,31 +61,26 @@ def bogies_of(sheet: Datasheet, pitch: float, rollers: tuple[float, ...], notes:
     return tuple(bogies)
 
 
-def _recoil(sheet: Datasheet, pitch: float, notes: Notes) -> Recoil | None:
+def _recoil(sheet: Datasheet, pitch: float) -> Recoil | None:
     """Recoil spring; None where shims hold the idler."""
     has = sheet.kind in RECOILS if sheet.recoil_spring is None else sheet.recoil_spring
     if not (has or sheet.recoil_force is not None):
         return None
-    path = "gear.idler.recoil"
     force = sheet.recoil_force
     if force is None:
-        weight = sheet.operating_weight * ph4100c.GRAVITY
-        force = notes.sized(f"{path}.preload", "recoil_force", weight, "N")
-    pressed = pitch * notes.typical("recoil_pressed")
-    how = "installed force over its compression as installed, recoil_pressed"
-    stiffness = notes.note(f"{path}.stiffness", force / pressed, "N/m", "derived", how)
-    mass = notes.sized(f"{path}.mass", "idler_mass", pitch**3, "kg")
-    notes.note(f"{path}.damping", None, "", "assumed", f"{RECOIL_DAMPING:g} of critical, chosen")
+        force = sheet.operating_weight * ph4100c.GRAVITY * sheet.typical_value("recoil_force")
+    stiffness = force / (pitch * sheet.typical_value("recoil_pressed"))
+    mass = pitch**3 * sheet.typical_value("idler_mass")
     return Recoil(
         mass=mass,
         preload=force,
         stiffness=stiffness,
         damping=2.0 * RECOIL_DAMPING * math.sqrt(stiffness * mass),
-        stroke=notes.sized(f"{path}.stroke", "recoil_stroke", pitch),
+        stroke=pitch * sheet.typical_value("recoil_stroke"),
     )
 
 
-def _arms(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces, notes: Notes) -> tuple[Arm, ...]:
+def _arms(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces) -> tuple[Arm, ...]:
     """Arms of the road wheels; none where they are fixed in the frame."""
     if not sheet.has_arms:
         return ()
@@ -95,25 +89,20 @@ def _arms(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces, notes
     rollers = place.rollers
     diameter = 2.0 * place.roller_radius
     if sheet.arm_pivot is None:
-        reach = notes.sized("reach of an arm", "arm_reach", diameter)
-        rise = notes.sized("height of an arm's pivot", "arm_rise", diameter)
+        reach = diameter * sheet.typical_value("arm_reach")
+        rise = diameter * sheet.typical_value("arm_rise")
     else:
         reach, rise = sheet.arm_pivot
-    mass = sheet.arm_weight or notes.sized("mass of an arm", "arm_mass", diameter**3, "kg")
+    mass = sheet.arm_weight or diameter**3 * sheet.typical_value("arm_mass")
     sprung = _sprung(sheet, chain, shoe, len(rollers), mass)
     lever = abs(reach)
     torque = (sprung + COM * mass) * ph4100c.GRAVITY * lever
-    how = "even share of the weight at the lever of its arm, so that wheels stand at their places"
-    notes.note("moment of an arm's spring", torque, "N m", "derived", how)
-    stiffness = sheet.torsion_bar or notes.sized(
-        "stiffness of an arm's spring", "arm_stiffness", torque, "N m/rad"
-    )
+    stiffness = sheet.torsion_bar or torque * sheet.typical_value("arm_stiffness")
     damping = sheet.arm_damping
     if damping is None:
         critical = 2.0 * lever * math.sqrt(stiffness * sprung)
-        damping = notes.sized("damping of an arm", "arm_damping", critical, "N m s/rad")
-    stop = notes.typical("arm_stop")
-    notes.note("gear.arms", len(rollers), "", "derived", "one for each road wheel, of the values above")
+        damping = critical * sheet.typical_value("arm_damping")
+    stop = sheet.typical_value("arm_stop")
     # the case has its tumbler at the rear; a machine with its sprocket in front stands the other way round
     ahead = reach if sheet.sprocket == "rear" else -reach
     x_inertia, y_inertia, z_inertia = (share * mass * place.roller_radius**2 for share in WHEEL_INERTIA)

@@ -5,11 +5,12 @@ from typing import NamedTuple
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.datasheet import rules
-from exudyn_crawler.case.datasheet.chain import SHOES
-from exudyn_crawler.case.datasheet.notes import Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.case.parameters import assembly
+from exudyn_crawler.origins import Ruled
 
+ROAD_WHEELS = "road wheels"
+"""Name of the rules of a vehicle's running gear."""
 WIDEST = 1.6
 """Times the typical ways from the outer road wheels to sprocket and idler, at which these stand at most."""
 SIZES = 1.0, 0.95, 0.9, 0.85, 0.8
@@ -66,42 +67,49 @@ class RoadWheels(NamedTuple):
         return round(sum(piece.length for piece in self.belt(share)) / self.pitch)
 
 
-def with_running_gear(sheet: Datasheet, notes: Notes) -> Datasheet:
-    """Datasheet of a vehicle with the running gear that it leaves out, of typical sizes.
+def with_running_gear(sheet: Datasheet) -> tuple[Datasheet, dict[str, Ruled]]:
+    """Return the datasheet of a vehicle with the running gear that it leaves out, and the rules of that.
 
     Sprocket and idler stand so far beyond the outer road wheels that the chain closes about all of them. A
     DatasheetError says which number of shoes would do where none of these places close it. Datasheets that
     say where sprocket and idler are, and those of machines without road wheels on arms, stay as they are.
     """
     if not sheet.has_road_wheels or sheet.sprocket_to_idler is not None:
-        return sheet
-    on_ground = _on_ground(sheet, notes)
-    if on_ground is None:
-        return sheet
-    pitch = _pitch(sheet, on_ground, notes)
+        return sheet, {}
+    span = _on_ground(sheet)
+    if span is None:
+        return sheet, {}
+    on_ground: float = span.value
+    of_chain = _pitch(sheet, on_ground)
+    pitch: float = of_chain.value
     wheels = sheet.lower_rollers
     if wheels is None:
-        wheels = 1 + max(1, round(on_ground / (pitch * notes.typical("wheel_spacing"))))
-        notes.note("lower rollers", wheels, "", "assumed", "length on ground by their typical spacing")
+        wheels = 1 + max(1, round(on_ground / (pitch * sheet.typical_value("wheel_spacing"))))
     filled = sheet.with_(
         length_on_ground=on_ground,
         pitch=pitch,
         lower_rollers=wheels,
-        sprocket_gaps=sheet.sprocket_gaps or float(round(notes.typical("sprocket_gaps"))),
+        sprocket_gaps=sheet.sprocket_gaps or float(round(sheet.typical_value("sprocket_gaps"))),
     )
     if sheet.roller_diameter is not None:
         sizes = [sheet.roller_diameter]
     else:
-        usual = min(pitch * notes.typical("wheel_diameter"), CLEAR * on_ground / max(1, wheels - 1))
+        usual = min(pitch * sheet.typical_value("wheel_diameter"), CLEAR * on_ground / max(1, wheels - 1))
         sizes = [size * usual for size in SIZES]
-    tried = [_running(filled, size, notes) for size in sizes]
+    tried = [_running(filled, size) for size in sizes]
     shoes = sheet.shoes or tried[0].shoes(1.0)
     for diameter, running in zip(sizes, tried, strict=True):
         try:
             share = assembly.closed_chain(running.belt, pitch, shoes, (0.0, WIDEST), "")
         except assembly.MisfitError:
             continue
-        return _filled(filled, running, share, diameter, shoes, notes)
+        whole = _filled(filled, running, share, diameter, shoes)
+        ruled = {
+            f"datasheet.{name}": Ruled(getattr(whole, name), ROAD_WHEELS)
+            for name in type(whole).model_fields
+            if getattr(whole, name) != getattr(sheet, name)
+        }
+        return whole, ruled | {"datasheet.length_on_ground": span, "datasheet.pitch": of_chain}
     least = tried[-1].shoes(0.0)
     most = tried[0].shoes(WIDEST)
     raise DatasheetError(
@@ -111,35 +119,29 @@ def with_running_gear(sheet: Datasheet, notes: Notes) -> Datasheet:
     )
 
 
-def _on_ground(sheet: Datasheet, notes: Notes) -> float | None:
-    """Length between the outer road wheels, m: printed, by area, pressure or chain; None without these."""
+def _on_ground(sheet: Datasheet) -> Ruled | None:
+    """Return the length between the outer road wheels, m: printed, by area, pressure or chain, or None."""
     if sheet.length_on_ground is not None:
-        return sheet.length_on_ground
+        return Ruled(sheet.length_on_ground, "given")
     counted = sheet.counted_length(ph4100c.GRAVITY)
     if counted is not None:
-        value, how = counted
-        return float(notes.note("length on ground", value, "m", "derived", how))
+        return counted._replace(rule=f"{counted.rule} of road wheels")
     if sheet.shoes is None or sheet.pitch is None:
         return None
-    value = sheet.shoes * sheet.pitch / notes.typical("loop")
-    how = "the chain is 3.4 times as long as its part on the ground"
-    return float(notes.note("length on ground", value, "m", "assumed", how))
+    return Ruled(sheet.shoes * sheet.pitch / sheet.typical_value("loop"), ROAD_WHEELS)
 
 
-def _pitch(sheet: Datasheet, on_ground: float, notes: Notes) -> float:
-    """Pitch, m: printed, of a chain of so many shoes, or by the vehicle's mass."""
+def _pitch(sheet: Datasheet, on_ground: float) -> Ruled:
+    """Return the pitch, m: printed, of a chain of so many shoes, or by the vehicle's mass."""
     if sheet.pitch is not None:
-        return sheet.pitch
+        return Ruled(sheet.pitch, "given")
     if sheet.shoes is not None:
-        pitch = on_ground * notes.typical("loop") / sheet.shoes
-        how = "the chain of N shoes is 3.4 times as long as its part on the ground"
-    else:
-        pitch = rules.pitch_by_mass(sheet.operating_weight, notes.typical("pitch_by_mass"))
-        how = "pitch_by_mass (weight / t)^(1/3)"
-    return float(notes.note("track.pitch", pitch, "m", "assumed", how))
+        return Ruled(on_ground * sheet.typical_value("loop") / sheet.shoes, ROAD_WHEELS)
+    by_mass = rules.pitch_by_mass(sheet.operating_weight, sheet.typical_value("pitch_by_mass"))
+    return Ruled(by_mass, "weight")
 
 
-def _running(sheet: Datasheet, diameter: float, notes: Notes) -> RoadWheels:
+def _running(sheet: Datasheet, diameter: float) -> RoadWheels:
     """RoadWheels gear with road wheels of a diameter, m: what is not printed is by that."""
     pitch = sheet.pitch
     on_ground = sheet.length_on_ground
@@ -147,14 +149,14 @@ def _running(sheet: Datasheet, diameter: float, notes: Notes) -> RoadWheels:
     assert pitch is not None
     assert on_ground is not None
     assert gaps is not None
-    depth = notes.typical("plate_depth")
-    rise = pitch * (notes.typical("plate_thickness") + notes.typical("link_height") - depth)
+    depth = sheet.typical_value("plate_depth")
+    rise = pitch * (sheet.typical_value("plate_thickness") + sheet.typical_value("link_height") - depth)
     grouser = sheet.grouser_height
     if grouser is None:
-        grouser = pitch * notes.typical("grouser_height")
+        grouser = pitch * sheet.typical_value("grouser_height")
 
     def size(printed: float | None, name: str) -> float:
-        return diameter * notes.typical(name) if printed is None else printed
+        return diameter * sheet.typical_value(name) if printed is None else printed
 
     return RoadWheels(
         pitch=pitch,
@@ -169,9 +171,7 @@ def _running(sheet: Datasheet, diameter: float, notes: Notes) -> RoadWheels:
     )
 
 
-def _filled(
-    sheet: Datasheet, running: RoadWheels, share: float, diameter: float, shoes: int, notes: Notes
-) -> Datasheet:
+def _filled(sheet: Datasheet, running: RoadWheels, share: float, diameter: float, shoes: int) -> Datasheet:
     """Datasheet with a running gear, whose chain of so many shoes closes at a share of the typical ways."""
     first, last = running.places(share)
     values = {
@@ -182,10 +182,4 @@ def _filled(
         "first_roller": first,
         "sprocket_to_idler": first + running.on_ground + last,
     }
-    how = "typical of road wheels, sprocket and idler, so that the chain closes"
-    for name, value in values.items():
-        if getattr(sheet, name) is None:
-            notes.note(name.replace("_", " "), value, "m", "assumed", how)
-    if sheet.shoes is None:
-        notes.note(SHOES, shoes, "", "derived", "length of the loop over the pitch")
     return sheet.with_(shoes=shoes, **values)

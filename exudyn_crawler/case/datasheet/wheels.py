@@ -11,10 +11,10 @@ import numpy as np
 
 from exudyn_crawler.case.datasheet import rules
 from exudyn_crawler.case.datasheet.chain import Chain
-from exudyn_crawler.case.datasheet.notes import Notes
 from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.closed_track import Wheel
+from exudyn_crawler.origins import Ruled
 
 PLAY = 0.1  # pitches, between wheels that stand beside each other, at least
 LEAST_ROLLER = 0.3  # pitches, of a roller's radius where many must stand
@@ -34,6 +34,8 @@ class WheelPlaces(NamedTuple):
     roller_radius: float
     carriers: tuple[Wheel, ...]
     carrier_radius: float
+    ruled: dict[str, Ruled]
+    """Values with their rules, by their paths, where there are several rules."""
 
 
 class Layout(NamedTuple):
@@ -109,20 +111,20 @@ class Layout(NamedTuple):
         return assembly.belt([(*self.sprocket, self.pins), *lower, (*self.idler(circle), circle), *upper])
 
 
-def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> WheelPlaces:
+def wheels_of(sheet: Datasheet, chain: Chain, rise: float) -> WheelPlaces:
     """Wheels that neither overlap nor lie within the chain; `rise` is that of the rails above the pins, m.
 
     A DatasheetError in words of the datasheet where they do not fit.
     """
     pitch = chain.pitch
     pins = 0.5 * rules.pin_circle(pitch, chain.built_gaps)
-    bush = notes.sized("gear.tumbler.lug_radius", "bush_radius", pitch)
-    reach = notes.sized("gear.tumbler.reach", "tooth_reach", pitch)
+    bush = pitch * sheet.typical_value("bush_radius")
+    reach = pitch * sheet.typical_value("tooth_reach")
     rear = -0.5 * chain.on_ground
     first = sheet.first_roller
     span = sheet.length_on_ground
     ends = None if first is None or span is None else (rear + first, rear + first + span)
-    roller = _radius(sheet.roller_diameter, "gear.roller_radius", "roller_diameter", pitch, notes)
+    roller = _radius(sheet, "roller_diameter", pitch)
     axes = roller + rise + chain.tips
     layout = Layout(
         pitch=pitch,
@@ -131,36 +133,37 @@ def wheels_of(sheet: Datasheet, chain: Chain, rise: float, notes: Notes) -> Whee
         pins=pins,
         root=pins - bush,
         lifts=(
-            pitch * notes.typical("sprocket_lift"),
-            pitch * notes.typical("idler_lift"),
-            pitch * notes.typical("carrier_lift"),
+            pitch * sheet.typical_value("sprocket_lift"),
+            pitch * sheet.typical_value("idler_lift"),
+            pitch * sheet.typical_value("carrier_lift"),
         ),
         roller_radius=roller,
-        rollers=_roller_count(sheet, chain, notes),
-        carrier_radius=_radius(
-            sheet.carrier_diameter, "gear.carrier_radius", "carrier_diameter", pitch, notes
-        ),
-        carriers=_carrier_count(sheet, chain, notes),
+        rollers=_roller_count(sheet, chain),
+        carrier_radius=_radius(sheet, "carrier_diameter", pitch),
+        carriers=_carrier_count(sheet, chain),
         heights=(_above(sheet.sprocket_height, axes), _above(sheet.idler_height, axes)),
         ends=ends,
     )
     if sheet.roller_diameter is None:
-        layout = _with_rollers_that_fit(layout, chain, notes)
+        layout = _with_rollers_that_fit(layout, chain)
     if sheet.idler_diameter is None:
         circle = _closing_circle(layout, chain)
-        how = "with it the chain closes at the length on ground"
     else:
         circle = math.hypot(0.5 * sheet.idler_diameter + rise, 0.5 * pitch)
-        how = "half of the diameter"
-    idler = layout.idler(circle)
-    tread = notes.note("gear.idler.radius", layout.tread(circle), "m", "derived", how)
-    rollers = layout.roller_places(circle)
-    carriers = layout.carrier_places(circle)
-    notes.note("gear.rollers", rollers, "m", "derived", "even between sprocket and idler, which they clear")
-    notes.note("gear.carriers", carriers, "m", "derived", "even under the upper run")
     radius = layout.roller_radius
-    carrier = layout.carrier_radius
-    return WheelPlaces(layout.sprocket, pins, reach, bush, idler, tread, rollers, radius, carriers, carrier)
+    return WheelPlaces(
+        sprocket=layout.sprocket,
+        pins=pins,
+        reach=reach,
+        bush=bush,
+        idler=layout.idler(circle),
+        idler_radius=layout.tread(circle),
+        rollers=layout.roller_places(circle),
+        roller_radius=radius,
+        carriers=layout.carrier_places(circle),
+        carrier_radius=layout.carrier_radius,
+        ruled={"gear.roller_radius": Ruled(radius, "in a row" if radius < roller else "")},
+    )
 
 
 def _above(height: float | None, axes: float) -> float | None:
@@ -168,32 +171,28 @@ def _above(height: float | None, axes: float) -> float | None:
     return None if height is None else height - axes
 
 
-def _radius(diameter: float | None, path: str, name: str, pitch: float, notes: Notes) -> float:
-    """Radius of wheels: of their printed diameter, or typical."""
-    if diameter is None:
-        return notes.sized(path, name, 0.5 * pitch)
-    return float(notes.note(path, 0.5 * diameter, "m", "derived", f"half of the {name}"))
+def _radius(sheet: Datasheet, name: str, pitch: float) -> float:
+    """Return the radius of wheels: by their printed diameter, or typical."""
+    diameter = getattr(sheet, name)
+    return 0.5 * pitch * sheet.typical_value(name) if diameter is None else 0.5 * float(diameter)
 
 
-def _roller_count(sheet: Datasheet, chain: Chain, notes: Notes) -> int:
+def _roller_count(sheet: Datasheet, chain: Chain) -> int:
     """Lower rollers of one track: printed, or by their spacing."""
     if sheet.lower_rollers is not None:
         return sheet.lower_rollers
-    count = max(2, 2 * sheet.bogies, round(chain.on_ground / (chain.pitch * notes.typical("roller_spacing"))))
-    return int(notes.note("lower rollers", count, "", "assumed", "length on ground by their typical spacing"))
+    spacing = chain.pitch * sheet.typical_value("roller_spacing")
+    return max(2, 2 * sheet.bogies, round(chain.on_ground / spacing))
 
 
-def _carrier_count(sheet: Datasheet, chain: Chain, notes: Notes) -> int:
+def _carrier_count(sheet: Datasheet, chain: Chain) -> int:
     """Carrier rollers of one track: printed, or by their spacing."""
     if sheet.carrier_rollers is not None:
         return sheet.carrier_rollers
-    count = round(chain.on_ground / (chain.pitch * notes.typical("carrier_spacing")))
-    return int(
-        notes.note("carrier rollers", count, "", "assumed", "length on ground by their typical spacing")
-    )
+    return round(chain.on_ground / (chain.pitch * sheet.typical_value("carrier_spacing")))
 
 
-def _with_rollers_that_fit(layout: Layout, chain: Chain, notes: Notes) -> Layout:
+def _with_rollers_that_fit(layout: Layout, chain: Chain) -> Layout:
     """Layout whose rollers stand beside each other: smaller ones where many are asked for."""
     radius = layout.roller_radius
     least = LEAST_ROLLER * layout.pitch
@@ -210,10 +209,6 @@ def _with_rollers_that_fit(layout: Layout, chain: Chain, notes: Notes) -> Layout
                 f"on {chain.on_ground:.3g} m of ground: {fit} of {2e3 * layout.roller_radius:.0f} mm do"
             )
         radius = max(least, 0.97 * radius)
-    if radius < layout.roller_radius:
-        notes.note(
-            "gear.roller_radius", radius, "m", "derived", "so small that all lower rollers stand in a row"
-        )
     return tried
 
 

@@ -179,7 +179,7 @@ def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:
     }
 
 
-class Entry(NamedTuple):
+class Item(NamedTuple):
     """A table or a value of a case: its place, its field and what stands there."""
 
     place: KeyPath
@@ -204,7 +204,7 @@ class Entry(NamedTuple):
         return self.field.description or about.split("\n\n")[0].replace("\n", " ")
 
 
-def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
+def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Item]:
     """Every table and value of a parameter object, in order.
 
     A table comes before what it holds, its values before its tables. A quantity over time is a value.
@@ -214,11 +214,11 @@ def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
     if name := beside(type(model)):
         values = dict(iter(values.pop(name))) | values
     for name, field in file_fields(type(model)).items():
-        entry = Entry((*place, name), field, values[name])
+        entry = Item((*place, name), field, values[name])
         if is_table(entry.value):
             tables.append(entry)
         elif isinstance(entry.value, tuple) and any(map(is_table, entry.value)):
-            tables += [Entry((*entry.place, k), field, part) for k, part in enumerate(entry.value)]
+            tables += [Item((*entry.place, k), field, part) for k, part in enumerate(entry.value)]
         else:
             yield entry
     for table in tables:
@@ -226,7 +226,7 @@ def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
         yield from walk(table.value, table.place)
 
 
-def entry_at(model: BaseModel, path: KeyPath) -> Entry | None:
+def entry_at(model: BaseModel, path: KeyPath) -> Item | None:
     """Table or value at a path, or that holds the list which the path leads into; None if there is none."""
     place = tuple(0 if part == EVERY else part for part in path)
     entries = {entry.place: entry for entry in walk(model)}
@@ -350,7 +350,7 @@ class Row(NamedTuple):
     meaning: str
 
 
-def values_of(case: BaseModel) -> Iterator[Entry]:
+def values_of(case: BaseModel) -> Iterator[Item]:
     """Every value of a case or a case file."""
     return (entry for entry in walk(case) if not is_table(entry.value))
 

@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.datasheet.figures import Figure as MachineFigure, figures
-from exudyn_crawler.case.datasheet.provenance import GENERAL, all_rows
+from exudyn_crawler.case.datasheet.ledger import GENERAL, ledger_of
 from exudyn_crawler.case.parameters.fields import value_text
+from exudyn_crawler.origins import Ledger
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.pages.page import Section, table, together
@@ -22,7 +23,6 @@ WIDTH, HEIGHT = 9.0, 3.2  # inches of a drawing
 COUNT = 2  # drawings beside each other where all of them are one picture
 GROUND = 0.15  # of the drawn height: ground below the track
 SEEN_THROUGH = 0.5  # opacity of shoes beside the wheels
-ORIGINS = ("given", "derived", "assumed")
 
 
 def draw_machine(ax: Axes, case_file: CaseFile) -> None:
@@ -75,11 +75,9 @@ def _text(value: float | None, figure: MachineFigure) -> str:
 
 
 def origins_line(case_file: CaseFile) -> str:
-    """How many values of a machine are given, derived and assumed."""
-    assert case_file.datasheet is not None
-    rows = [row for row in all_rows(case_file.case, case_file.datasheet) if row.how != GENERAL]
-    counts = ", ".join(f"{sum(row.origin == origin for row in rows)} {origin}" for origin in ORIGINS)
-    return f"Of its {len(rows)} values {counts}."
+    """Say how many values of a machine have which origin."""
+    ledger = Ledger(entry for entry in ledger_of(case_file) if entry.how != GENERAL)
+    return f"Of its {len(ledger)} values {ledger.summary}."
 
 
 def machines_page(case_files: dict[str, CaseFile]) -> str:

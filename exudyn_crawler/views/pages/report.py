@@ -11,9 +11,10 @@ import xarray as xr
 from markupsafe import Markup
 
 from exudyn_crawler.case import CellTerrain, Terrain
-from exudyn_crawler.case.datasheet.provenance import GENERAL, ORIGINS_FILE
+from exudyn_crawler.case.datasheet.ledger import GENERAL, ORIGINS_FILE
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
+from exudyn_crawler.origins import Origin
 from exudyn_crawler.results.history import History, ground_map, summary
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.pages import first_screen, packing, page, runs
@@ -23,9 +24,10 @@ from exudyn_crawler.views.scenes import pictures, shoes, track
 REPORT = "report.html"
 RECORD = "run.json"
 ORIGIN_WORDS = {
-    "given": "printed, or in the file",
-    "derived": "by which rule, and its source",
-    "assumed": "typical: range and source, and how it is known",
+    Origin.GIVEN: "in the file: its source",
+    Origin.LIBRARY: "not changed in the file: source of the library's machine",
+    Origin.DERIVED: "by which rule, and its source",
+    Origin.ASSUMED: "typical: range and source, and how it is known",
 }
 """Origins of values of a machine from its datasheet, and what stands beside each."""
 COMPARISON = "comparison.csv"
@@ -223,7 +225,7 @@ def _further(folder: Path, folders: list[Path]) -> Markup:
 
 
 def _origins(homes: Mapping[str, Path]) -> Markup:
-    """What is given, derived and assumed of machines from datasheets, with rule or range and source."""
+    """Return tables of the values of machines from datasheets by origin, with rule or source."""
     parts = []
     for name, home in homes.items():
         path = home / ORIGINS_FILE
@@ -231,9 +233,11 @@ def _origins(homes: Mapping[str, Path]) -> Markup:
             continue
         rows = runs.contents(path, lambda one: pd.read_csv(one, dtype=str, keep_default_na=False))
         general = rows["how"] == GENERAL
-        kinds = {origin: rows[(rows["origin"] == origin) & ~general] for origin in ORIGIN_WORDS}
+        kinds: dict[str, pd.DataFrame] = {
+            origin: rows[(rows["origin"] == origin) & ~general] for origin in ORIGIN_WORDS
+        }
         kinds["general"] = rows[general]
-        counts = ", ".join(f"{len(kinds[origin])} {origin}" for origin in ORIGIN_WORDS)
+        counts = ", ".join(f"{len(kinds[origin])} {origin}" for origin in ORIGIN_WORDS if len(kinds[origin]))
         parts.append(
             page.paragraph(f"{name}: of {len(rows)} values {counts}; {len(rows[general])} {GENERAL}.")
         )

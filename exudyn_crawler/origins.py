@@ -1,0 +1,111 @@
+"""Ledger of origins: where every value comes from, a datasheet's, a case's or an assessment's.
+
+A function that finds a value by one of several rules returns it as `Ruled`. All rules are rows of a table
+(`read_rules`), so that no function hands a ledger through. Whoever shows values builds one from the fields
+that hold them.
+"""
+
+import csv
+from collections.abc import Iterable, Iterator
+from enum import StrEnum
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+
+class Origin(StrEnum):
+    """Origin of a value."""
+
+    GIVEN = "given"
+    LIBRARY = "of the library's machine"
+    DERIVED = "derived"
+    ASSUMED = "assumed"
+
+
+class Ruled(NamedTuple):
+    """Value with the name of the rule that gave it."""
+
+    value: Any
+    rule: str
+    detail: str = ""
+    """Numbers of this case beside the rule's text."""
+
+
+class Rule(NamedTuple):
+    """Row of a table of rules."""
+
+    paths: tuple[str, ...]
+    """Of the values that it gives: without numbers of items, a trailing ``*`` for all below."""
+    name: str
+    """Of the rule, or of the figure with which it applies; empty: it needs none."""
+    origin: Origin | None
+    """None: that of the figure which the value is."""
+    made_of: tuple[str, ...]
+    """Names of figures and typical values, and paths of other values."""
+    text: str
+    source: str
+
+
+class Entry(NamedTuple):
+    """Value with its origin."""
+
+    path: str
+    value: Any
+    unit: str
+    origin: Origin
+    how: str
+    """Rule or source."""
+    meaning: str = ""
+
+
+class Ledger:
+    """Entries in order, each path once; the first one counts."""
+
+    def __init__(self, entries: Iterable[Entry]) -> None:
+        self.entries: dict[str, Entry] = {}
+        for entry in entries:
+            self.entries.setdefault(entry.path, entry)
+
+    def __iter__(self) -> Iterator[Entry]:
+        return iter(self.entries.values())
+
+    def __len__(self) -> int:
+        return len(self.entries)
+
+    def __contains__(self, path: object) -> bool:
+        return path in self.entries
+
+    def __getitem__(self, path: str) -> Entry:
+        return self.entries[path]
+
+    def get(self, path: str) -> Entry | None:
+        """Return the entry at a path; None without one."""
+        return self.entries.get(path)
+
+    @cached_property
+    def counts(self) -> dict[Origin, int]:
+        """Number of entries by origin, without origins that none has."""
+        counts = {origin: sum(entry.origin is origin for entry in self) for origin in Origin}
+        return {origin: count for origin, count in counts.items() if count}
+
+    @property
+    def summary(self) -> str:
+        """Counts for reading: ``12 given, 40 derived, 25 assumed``."""
+        return ", ".join(f"{count} {origin}" for origin, count in self.counts.items())
+
+
+def read_rules(path: Path) -> tuple[Rule, ...]:
+    """Read a table of rules: CSV with the columns paths, name, origin, made_of, rule and source."""
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return tuple(
+        Rule(
+            tuple(row["paths"].split()),
+            row["name"],
+            Origin(row["origin"]) if row["origin"] else None,
+            tuple(row["made_of"].split()),
+            row["rule"],
+            row["source"],
+        )
+        for row in rows
+    )
