@@ -47,6 +47,10 @@ class EquilibriumError(CrawlerError):
     """No static equilibrium was found before the run."""
 
 
+class NoAnswerError(CrawlerError):
+    """No run of a sweep has an answer."""
+
+
 class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as StopIteration does
     """A run ended before its time (s) for a reason; its history up to there is kept, None if it has none."""
 

@@ -127,5 +127,6 @@ def study(
     """Run what of the sweep a folder lacks, and draw lives; errors of `plate_meshes` and `run_sweep`."""
     meshes = plate_meshes(out / "meshes", THICKNESSES, say)
     run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
+    run.check_answers()
     save_figure(lives_figure(run.dataset), out / PICTURE, overwrite=True)
     return run

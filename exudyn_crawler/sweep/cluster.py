@@ -1,5 +1,7 @@
 """Dask for sweeps: a cluster of this machine's, or a scheduler elsewhere, and tasks run by its workers."""
 
+import asyncio
+import json
 import logging
 import os
 import time
@@ -59,7 +61,7 @@ def connected(
         warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
         with _local(workers) if scheduler is None else _remote(scheduler) as client:
             if client.dashboard_link:
-                report(f"dashboard: {client.dashboard_link}")
+                report(f"dashboard, for a browser: {client.dashboard_link}")
             with token_in(runs, client.id):
                 _check_workers(client, runs)
                 yield client
@@ -137,14 +139,47 @@ def _client(scheduler: Scheduler) -> distributed.Client:
         if not isinstance(scheduler, str | os.PathLike):
             return distributed.Client(scheduler, **how)
         where = os.fspath(scheduler)
-        if Path(where).suffix != ".json":
-            return distributed.Client(where, **how)
-        if not Path(where).is_file():
+        is_file = Path(where).suffix == ".json"
+        if is_file and not Path(where).is_file():
             raise FileNotFoundError("no such file")
-        return distributed.Client(scheduler_file=where, **how)
-    except (OSError, ValueError, TypeError, TimeoutError) as error:
+        _check_answers(json.loads(Path(where).read_text(encoding="utf-8"))["address"] if is_file else where)
+        return distributed.Client(**({"scheduler_file": where} if is_file else {"address": where}), **how)
+    except (OSError, ValueError, KeyError, TypeError, TimeoutError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"scheduler must be one that answers, got {scheduler}: {reason}") from error
+
+
+def _check_answers(address: str) -> None:
+    """Raise OSError or ValueError if no scheduler answers at an address.
+
+    A client that cannot connect waits 40 s at the end of the process and leaves a traceback there.
+    """
+    if address.startswith(("http://", "https://")):
+        raise ValueError("this is the dashboard; the scheduler's address is like tcp://host:8786")
+    address = distributed.core.coerce_to_address(address)
+    if address.startswith("inproc://"):
+        return
+    answered: Future[None] = Future()
+    how = distributed.Security().get_connection_args("client")
+
+    async def connect() -> None:
+        comm = await distributed.comm.connect(address, timeout=CONNECT_WAIT, **how)
+        await comm.close()
+
+    def ask() -> None:
+        try:
+            # the dashboard's server takes the connection and never says a word that Dask knows
+            asyncio.run(asyncio.wait_for(connect(), CONNECT_WAIT))
+        except TimeoutError as error:
+            answered.set_exception(OSError(str(error) or f"no scheduler there within {CONNECT_WAIT:g} s"))
+        except Exception as error:
+            answered.set_exception(error)
+        else:
+            answered.set_result(None)
+
+    # the caller's thread may have a loop at work, as a notebook's has
+    Thread(target=ask, daemon=True).start()
+    answered.result()
 
 
 def _check_workers(client: distributed.Client, runs: Path) -> None:

@@ -34,6 +34,8 @@ FOLDER_DIGITS = 16  # of a digest, in the name of a run's folder
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
 """Columns of a sweep's table beside those of what varies and of the answers."""
 ASSUMED = "assumed"  # key of a sweep's file: all that is assumed of a datasheet's machine is drawn
+TYPICAL = f"{datasheets.KEY}.typical"
+"""Begin of the paths of a datasheet's assumed values."""
 MESH = "flexible.mesh"
 MEASURED = ("low", "high", "values")  # of what varies, in the unit of the case
 LIVES = (*DamageOptions.model_fields, *Often.model_fields, "survival")
@@ -47,6 +49,7 @@ class PlannedRun(NamedTuple):
     values: Row
     digest: str  # SHA-256, names its folder
     asked: tuple[Answers, ...]
+    obstacle: str = ""  # why the machine of drawn typical values cannot be built; then there is no digest
 
 
 class Fleet(Parameters):
@@ -211,9 +214,18 @@ class Sweep(Variation):
     def planned(self) -> tuple[PlannedRun, ...]:
         """All runs, checked; warns of what is implausible, with the number of the first run that has it."""
         odd: dict[str, int] = {}
+        draws_typical = self.is_sampled and any(
+            path.startswith(TYPICAL) for variable in self.vary for path in variable.keys
+        )
 
         def plan(number: int, values: Row) -> PlannedRun:
-            case_file, digest, asked = self.case_of(values)
+            try:
+                case_file, digest, asked = self.case_of(values)
+            except ValueError as error:
+                # each typical value is one that machines have; some do not go together
+                if not draws_typical:
+                    raise
+                return PlannedRun(number, values, "", (), str(error))
             for answer in asked:
                 answer.check(case_file)
             for line in checks.implausible(case_file.case, case_file.duration):
@@ -223,9 +235,17 @@ class Sweep(Variation):
         planned = tuple(self._of_all(plan))
         lines = [f"{output.label}: {line}" for output in self.answers for line in checks.out_of_range(output)]
         lines += self._odd_fleet()
+        unbuilt = [run for run in planned if run.obstacle]
+        if len(unbuilt) == len(planned):
+            raise ValueError(f"none of {len(planned)} draws can be built; run 1: {unbuilt[0].obstacle}")
         lines += [f"run {number}: {line}" for line, number in odd.items()]
         more = [f"{len(lines) - SHOWN_WARNINGS} more warnings of this sweep's values"]
         checks.warn_of(lines[:SHOWN_WARNINGS] + more * (len(lines) > SHOWN_WARNINGS))
+        if unbuilt:
+            numbers = ", ".join(str(run.number) for run in unbuilt[:SHOWN_WARNINGS])
+            numbers += ", ..." * (len(unbuilt) > SHOWN_WARNINGS)
+            left_out = f"{len(unbuilt)} of {len(planned)} draws cannot be built and are left out"
+            checks.warn_of([f"{left_out}: runs {numbers}; the first: {unbuilt[0].obstacle}"])
         return planned
 
 

@@ -43,7 +43,7 @@ def write_page(
     if runs is not None:
         for name in results.best_and_worst(sweep, table)["folder"].unique():
             _report_of(runs / name, say)
-        links = {name: _link(folder, runs / name) for name in table["folder"]}
+        links = {name: _link(folder, runs / name) for name in table["folder"] if name}
     page.write_page(sweep_page(sweep, table, links), folder / report.REPORT, overwrite=True)
 
 

@@ -10,12 +10,17 @@ import xarray as xr
 from scipy.stats import binomtest, quantile_test, spearmanr
 
 from exudyn_crawler.case.parameters.fields import PREFIXES, prefix_of, value_text
+from exudyn_crawler.errors import NoAnswerError
 from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.sweep import answers, definition, worker
 from exudyn_crawler.sweep.scatter import AnySweep
 from exudyn_crawler.views.tables import write_table
 
 MISSING = "missing"  # status of a run without an outcome
+NOT_BUILT = "not built"
+"""Status of a draw whose machine cannot be built."""
+TABLE = "results.csv"
+"""File of the table of a sweep, in its folder."""
 BINS = 8  # of what varies continuously, for main effects
 LEAST_RUNS = 64  # finished runs of a sample from which first-order indices are estimated
 LEAST_SCATTERED = 10  # finished runs from which answers of a sample have a scatter
@@ -38,11 +43,31 @@ class SweepRun:
     dataset: xr.Dataset
     folder: Path
 
+    def check_answers(self) -> str:
+        """Return how many runs have no answer, and why; empty if all have one.
+
+        Raise `NoAnswerError` if none has one.
+        """
+        labels = [answer.label for answer in self.sweep.answers]
+        without = self.table[self.table[labels].isna().all(axis="columns")]
+        if without.empty:
+            return ""
+        counts = ", ".join(f"{count} {status}" for status, count in without["status"].value_counts().items())
+        reasons = without.loc[without["reason"] != "", "reason"].value_counts()
+        why = f"; {reasons.iloc[0]} of them: {reasons.index[0]}" if len(reasons) else ""
+        told = f"{len(without)} of {len(self.table)} runs have no answer ({counts}){why}"
+        if len(without) == len(self.table):
+            raise NoAnswerError(f"{self.folder}: {told}; {TABLE} has each, --retry runs failed ones again")
+        return told
+
 
 def results_table(sweep: AnySweep, outcomes: dict[str, worker.Outcome]) -> pd.DataFrame:
     """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
     table = sweep.table()
-    records = [outcomes.get(run.digest, {}) for run in sweep.planned]
+    records: list[worker.Outcome] = [
+        {"status": NOT_BUILT, "reason": run.obstacle} if run.obstacle else outcomes.get(run.digest, {})
+        for run in sweep.planned
+    ]
     for name in sweep.columns:
         table[name] = table[name].map(_cell)
     for answer in sweep.answers:

@@ -1,13 +1,17 @@
 """A sweep into its folder: what has finished is taken, what is missing run, and all of it gathered."""
 
+import json
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
 from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.parameters.fields import in_units
+from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from exudyn_crawler.files import writable_folder, write_netcdf
 from exudyn_crawler.run.folder import progress as parts, record
 from exudyn_crawler.sweep import answers, page, results, scatter
@@ -16,6 +20,9 @@ from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_version
 
 if TYPE_CHECKING:
     from exudyn_crawler.sweep.cluster import Scheduler
+
+SETTINGS = "sweep.json"
+"""File of the settings of a sweep, in its folder."""
 
 
 def run_sweep(
@@ -26,6 +33,7 @@ def run_sweep(
     workers: int | None = None,
     wait: float | None = None,
     retry: bool = False,
+    overwrite: bool = False,
     progress: bool | None = None,
     say: Callable[[str], None] = record.quiet,
 ) -> results.SweepRun:
@@ -38,44 +46,84 @@ def run_sweep(
     Every run has a folder in `runs` of `out`, which all workers have to share.
     `scheduler` is a Dask cluster: its address or scheduler file, a cluster object or a client; without, one
     of this machine's has `workers` processes, one a core if None. Runs are submitted before a worker is
-    there; `wait` limits the time (s) without one. `retry` repeats runs that have failed; see `run_case` for
-    the other arguments.
+    there; `wait` limits the time (s) without one. `retry` repeats runs that have failed,
+    `overwrite` replaces tables and page of another sweep; see `run_case` for the other arguments.
 
     A ValueError before anything runs if values do not fit each other, no scheduler answers, a worker has
     other versions, several threads, or does not see the folder, and later if one joins that does; a
-    TimeoutError beyond `wait`; an OSError if another sweep works in the folder, or it cannot be written to.
+    TimeoutError beyond `wait`; an OSError if another sweep works in the folder, or it cannot be written to,
+    or has results of runs that this sweep does not have.
     """
     sweep.planned  # noqa: B018 - refuses runs before a folder is made
     folder = writable_folder(Path(out))
     work = record.RunFolder(folder, say)
-    with record.held(folder, "sweep"), record.recorded(work):
-        if isinstance(sweep, scatter.DutyScatter):
-            with work.timed("draws"):
-                lives = enumerate(sweep.lives(work.say), 1)
-            stored: dict[str, Outcome] = {str(k): {"status": DONE, "answers": hours} for k, hours in lives}
-            return _gathered(sweep, stored, folder, None, work)
-        runs = writable_folder(folder.resolve() / "runs")
-        write_case(sweep.case, folder / "base.toml", overwrite=True)
-        stored, missing, line = _state(sweep, runs, retry)
-        work.say(line)
-        if missing:
-            # planning a sweep and looking at its results do without Dask
-            from exudyn_crawler.sweep.cluster import connected, outcomes
+    with record.held(folder, "sweep"):
+        if not overwrite:
+            refuse_other_results(sweep, folder)
+        with record.recorded(work):
+            return _run_into(sweep, work, scheduler, workers, wait, retry, progress)
 
-            shared = None if scheduler is None else folder / "reductions"
-            tasks = tasks_of(sweep, missing, runs, shared, retry)
-            with (
-                work.timed("runs"),
-                connected(scheduler, workers, runs, work.say) as client,
-                parts.progress_bar("sweep", len(missing), progress, unit="runs") as tell,
-                closing(outcomes(client, tasks, wait=wait, report=work.say)) as finished,
-            ):
-                for count, outcome in enumerate(finished, 1):
-                    stored[outcome["digest"]] = outcome
-                    if outcome["status"] == FAILED:
-                        work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
-                    tell(count)
-        return _gathered(sweep, stored, folder, runs, work)
+
+def refuse_other_results(sweep: scatter.AnySweep, folder: Path) -> None:
+    """Raise FileExistsError if results of a folder have runs, or draws, that a sweep does not have."""
+    path = folder / results.TABLE
+    if not path.is_file():
+        return
+    try:
+        if isinstance(sweep, scatter.DutyScatter):
+            earlier = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
+            is_other = earlier != json.loads(json.dumps(sweep.model_dump(mode="json")))
+        else:
+            rows = pd.read_csv(path, dtype=str, keep_default_na=False)
+            is_other = not {*rows["folder"]} <= {*sweep.table()["folder"]}
+    except (OSError, ValueError, KeyError):
+        is_other = True
+    if is_other:
+        raise FileExistsError(
+            f"{path} has results of another sweep, or of this one before it was changed: choose another "
+            f"folder (--out), or {ASK_TO_OVERWRITE} to replace its tables and page; its runs stay"
+        )
+
+
+def _run_into(
+    sweep: scatter.AnySweep,
+    work: record.RunFolder,
+    scheduler: "Scheduler | None",
+    workers: int | None,
+    wait: float | None,
+    retry: bool,
+    progress: bool | None,
+) -> results.SweepRun:
+    """Run what a sweep lacks in its folder, and gather; arguments: see `run_sweep`."""
+    folder = work.path
+    assert folder is not None
+    if isinstance(sweep, scatter.DutyScatter):
+        with work.timed("draws"):
+            lives = enumerate(sweep.lives(work.say), 1)
+        stored: dict[str, Outcome] = {str(k): {"status": DONE, "answers": hours} for k, hours in lives}
+        return _gathered(sweep, stored, folder, None, work)
+    runs = writable_folder(folder.resolve() / "runs")
+    write_case(sweep.case, folder / "base.toml", overwrite=True)
+    stored, missing, line = _state(sweep, runs, retry)
+    work.say(line)
+    if missing:
+        # planning a sweep and looking at its results do without Dask
+        from exudyn_crawler.sweep.cluster import connected, outcomes
+
+        shared = None if scheduler is None else folder / "reductions"
+        tasks = tasks_of(sweep, missing, runs, shared, retry)
+        with (
+            work.timed("runs"),
+            connected(scheduler, workers, runs, work.say) as client,
+            parts.progress_bar("sweep", len(missing), progress, unit="runs") as tell,
+            closing(outcomes(client, tasks, wait=wait, report=work.say)) as finished,
+        ):
+            for count, outcome in enumerate(finished, 1):
+                stored[outcome["digest"]] = outcome
+                if outcome["status"] == FAILED:
+                    work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
+                tell(count)
+    return _gathered(sweep, stored, folder, runs, work)
 
 
 def _gathered(
@@ -86,11 +134,11 @@ def _gathered(
     work: record.RunFolder,
 ) -> results.SweepRun:
     """Tables and page of a sweep's outcomes; runs, if they have them, are in folders of `runs`."""
-    record.write_json(folder / "sweep.json", sweep.model_dump(mode="json"))
+    record.write_json(folder / SETTINGS, sweep.model_dump(mode="json"))
     with work.timed("tables and page"):
         table = results.results_table(sweep, stored)
         dataset = results.results_dataset(sweep, table)
-        results.write_units_csv(table, folder / "results.csv")
+        results.write_units_csv(table, folder / results.TABLE)
         write_netcdf(dataset, folder / "results.nc", overwrite=True)
         page.write_page(sweep, table, folder, runs, work.say)
         return results.SweepRun(sweep, table, dataset, folder)
@@ -105,7 +153,7 @@ def folder_state(sweep: Sweep, out: Path, *, workers: int | None, retry: bool) -
 
 def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], list[PlannedRun], str]:
     """Outcomes there are, by digest, runs that have to be done (again), each once, and both in a line."""
-    different = {case.digest: case for case in sweep.planned}
+    different = {case.digest: case for case in sweep.planned if not case.obstacle}
     read = {digest: read_outcome(runs, digest) for digest in different}
     stored = {digest: outcome for digest, outcome in read.items() if outcome is not None}
     failed = {digest for digest, outcome in stored.items() if outcome["status"] == FAILED}
@@ -120,7 +168,7 @@ def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], l
         for digest, case in different.items()
         if digest not in answered and (retry or digest not in failed)
     ]
-    count = len(sweep.planned)
+    count = sum(not case.obstacle for case in sweep.planned)
     there = len(different) - len(missing)
     same = f", {count - len(different)} of them the same as others" if len(different) < count else ""
     more = f" ({len(failed)} failed)" if failed else ""

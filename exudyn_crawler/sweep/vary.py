@@ -90,7 +90,9 @@ class Vary(Parameters):
     def _value_errors(self, values: tuple[Any, ...]) -> Errors:
         if (self.low, self.high, self.count, self.distribution) != (None, None, None, "uniform"):
             yield "values take the place of low, high and count, and of a distribution"
-        if not values or any(value in values[:k] for k, value in enumerate(values)):
+        if not values:
+            yield "values must hold at least one value, got an empty list"
+        if any(value in values[:k] for k, value in enumerate(values)):
             yield f"values must be different ones, got {fields.shown(list(values))}"
         if self.settings is None:
             return
@@ -115,7 +117,7 @@ class Vary(Parameters):
     @property
     def _values(self) -> tuple[Any, ...]:
         """Values, or bounds."""
-        return self.values or (self.low, self.high)
+        return (self.low, self.high) if self.values is None else self.values
 
     def levels(self) -> tuple[Any, ...]:
         """Values of a grid; raises `ValueError` if there are bounds without a count."""

@@ -2,8 +2,10 @@
 
 import pytest
 
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.case.datasheet import library
+from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
 from exudyn_crawler.sweep.definition import read_sweep
+from exudyn_crawler.sweep.results import results_table, scatter_tables
 from exudyn_crawler.sweep.running import run_sweep
 
 MACHINE = """
@@ -58,6 +60,28 @@ def test_one_line_draws_all_that_is_assumed_from_its_range_and_the_machine_follo
 def test_assumed_values_of_no_datasheet_are_refused(sweep):
     with pytest.raises(CaseFileError, match="assumed needs a case with a datasheet"):
         sweep(SCATTER, 'base = "closed"\nduration = 0.1\n')
+
+
+def test_draws_whose_machine_cannot_be_built_are_named_and_counted(sweep):
+    scatter = sweep(
+        SCATTER.replace("runs = 4", "runs = 16"), library.machines()["marder"].read_text(encoding="utf-8")
+    )
+    with pytest.warns(ImplausibleWarning) as warned:
+        planned = scatter.planned
+    unbuilt = [run for run in planned if run.obstacle]
+    assert 0 < len(unbuilt) < len(planned) == 16
+    told = f"{len(unbuilt)} of 16 draws cannot be built and are left out: runs {unbuilt[0].number}"
+    assert any(str(one.message).startswith(told) for one in warned)
+    outcomes = {
+        run.digest: {"status": "done", "answers": {"tension": float(run.number)}}
+        for run in planned
+        if not run.obstacle
+    }
+    table = results_table(scatter, outcomes)
+    assert (table["status"] == "not built").sum() == len(unbuilt)
+    assert table.set_index("run").loc[unbuilt[0].number, "reason"] == unbuilt[0].obstacle
+    if len(outcomes) >= 10:
+        assert set(scatter_tables(scatter, table)["quantiles"]["runs"]) == {len(outcomes)}
 
 
 @pytest.mark.slow

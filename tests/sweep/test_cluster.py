@@ -5,6 +5,7 @@ import json
 import logging
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -218,6 +219,7 @@ def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatc
         ("tcp://127.0.0.1:9", "got tcp://127.0.0.1:9: "),
         (str(tmp_path / "none.json"), "none.json: no such file"),
         ("nowhere", "scheduler must be one that answers, got nowhere"),
+        ("http://127.0.0.1:8787/status", "this is the dashboard; the scheduler's address is like tcp://"),
     ):
         with pytest.raises(ValueError, match="scheduler must be one that answers") as refused:
             run_sweep(small_sweep(), tmp_path / "out", scheduler=address)
@@ -225,6 +227,31 @@ def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatc
         assert "\n" not in str(refused.value)
     assert list((tmp_path / "out" / "runs").iterdir()) == []
     assert dask.config.get("scheduler", None) is None
+
+
+def test_a_server_that_is_no_scheduler_is_told_in_time_and_leaves_nothing_behind(tmp_path, monkeypatch):
+    """A client that fails to connect is closed at the end of the process, after 40 s, with a traceback."""
+    monkeypatch.setattr(cluster, "CONNECT_WAIT", 0.5)
+    made = []
+
+    class Noted(Client):
+        def __init__(self, *given, **how):
+            made.append(given)
+
+        def __del__(self):
+            """Have nothing to close."""
+
+    monkeypatch.setattr(cluster.distributed, "Client", Noted)
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))
+        silent.listen()
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        with (
+            pytest.raises(ValueError, match=f"^scheduler must be one that answers, got {address}: "),
+            connected(address, None, tmp_path, print),
+        ):
+            pass
+    assert made == []
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,18 @@
 """Sweeps into their folders and single runs by a worker: answers, failures, goings-on, what is left."""
 
 import json
+import shutil
 
 import pandas as pd
 import pytest
 import xarray as xr
 
 from exudyn_crawler import History, simulate
-from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.errors import NoAnswerError, SimulationStopped
 from exudyn_crawler.run.folder.record import held
 from exudyn_crawler.sweep import worker
 from exudyn_crawler.sweep.answers import Answer
+from exudyn_crawler.sweep.results import SweepRun, results_dataset, results_table
 from exudyn_crawler.sweep.running import folder_state, run_sweep
 from exudyn_crawler.sweep.vary import Vary
 from exudyn_crawler.sweep.worker import (
@@ -82,7 +84,8 @@ def test_other_answers_are_those_of_the_same_histories(ran, scheduler):
     run, _ = ran
     before = times_of(run)
     other = small_sweep(answers=(Answer(quantity="penetration", statistic="mean"),))
-    found = run_sweep(other, run.folder, scheduler=scheduler, progress=False)
+    # the folder may have the results of one value more
+    found = run_sweep(other, run.folder, scheduler=scheduler, overwrite=True, progress=False)
     assert found.table["penetration_mean"].notna().all()
     assert times_of(run) == before
 
@@ -121,6 +124,8 @@ def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tm
     assert run.table["status"].tolist() == ["failed", "done"]
     assert run.table["reason"].tolist() == ["RuntimeError: it sank", ""]
     assert any(line.endswith("failed: RuntimeError: it sank") for line in told)
+    without = "1 of 2 runs have no answer (1 failed); 1 of them: RuntimeError: it sank"
+    assert run.check_answers() == without
     # it stays so until it is asked for
     for retry, status, reason in ((False, "failed", "RuntimeError: it sank"), (True, "done", "")):
         again = run_sweep(SWEEP, tmp_path, retry=retry, **how)
@@ -225,3 +230,29 @@ def test_outcomes_of_others_and_broken_ones_count_for_nothing(tmp_path, text):
     folder.mkdir()
     (folder / OUTCOME).write_text(text)
     assert read_outcome(tmp_path, DIGEST) is None
+
+
+def test_a_sweep_of_which_no_run_has_an_answer_is_an_error(tmp_path):
+    outcomes = {run.digest: {"status": "failed", "reason": "it sank", "answers": {}} for run in SWEEP.planned}
+    table = results_table(SWEEP, outcomes)
+    run = SweepRun(SWEEP, table, results_dataset(SWEEP, table), tmp_path)
+    with pytest.raises(NoAnswerError, match=r"2 of 2 runs have no answer \(2 failed\); 2 of them: it sank"):
+        run.check_answers()
+    table.loc[0, FORCE.label] = 1.0
+    assert run.check_answers().startswith("1 of 2 runs have no answer")
+
+
+@pytest.mark.usefixtures("without_reports")
+def test_results_of_another_sweep_are_replaced_only_where_that_is_allowed(ran, scheduler, tmp_path):
+    folder = tmp_path / "sweep"
+    shutil.copytree(ran[0].folder, folder)
+    before = (folder / "results.csv").read_bytes()
+    other = small_sweep(vary=(Vary(key=STIFFNESS, values=(1e7,)),))
+    with pytest.raises(FileExistsError, match=r"results.csv has results of another sweep.*\(--overwrite"):
+        run_sweep(other, folder)
+    assert (folder / "results.csv").read_bytes() == before
+    assert json.loads((folder / "run.json").read_text())["status"] == "done"
+    fewer = run_sweep(other, folder, overwrite=True)
+    assert len(pd.read_csv(folder / "results.csv")) == len(fewer.table) == 1
+    # the runs have stayed
+    assert run_sweep(SWEEP, folder).table["status"].tolist() == ["done", "done"]

@@ -74,7 +74,7 @@ def test_counts_between_bounds_are_whole_numbers():
         ),
         ({"values": (1.0,), "low": 1.0}, "values take the place of low, high and count"),
         ({"values": (1.0, 1.0)}, "values must be different ones"),
-        ({"values": ()}, "values must be different ones"),
+        ({"values": ()}, "values must hold at least one value, got an empty list"),
         (BOUNDS | {"within": 0.9}, "within must be left out with distribution 'uniform', got 0.9"),
         (
             BOUNDS | {"distribution": "weibull", "low": -1.0},
