@@ -1,5 +1,6 @@
 """The commands of measurement: soil from tests, drawbar test, pressure in the ground."""
 
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -78,6 +79,8 @@ def drawbar(
     numbers = pd.DataFrame(rows, columns=["result", "value", "unit"])
     write_table(numbers, folder / "drawbar_numbers.csv", overwrite=True)
     print_table(numbers, f"Drawbar test of {pulled.case.name}")
+    for remark in tests.remarks(done.history, table):
+        warnings.warn(remark, stacklevel=2)
     typer.echo(f"{folder}: drawbar.csv over slip, drawbar.png beside the closed form, drawbar_numbers.csv")
 
 

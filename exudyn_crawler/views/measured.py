@@ -92,8 +92,9 @@ def draw_drawbar(table: pd.DataFrame, track: EvenTrack, figure: Figure) -> None:
         axes.plot(slip, size * table[HEADS[name]].values, color="C0", marker=".", label="run")
         axes.set(ylabel=label)
     every = np.linspace(0.0, slip.max(), DRAWN)
-    pulls = 1e-3 * track.pull(0.01 * every)
-    panels[0].plot(every, pulls, color="C1", label="closed form, even pressure")
+    for starts, line, label in ((1, "-", "closed form"), (track.rollers, "--", "shear anew at each roller")):
+        pulls = 1e-3 * track.pull(0.01 * every, starts)
+        panels[0].plot(every, pulls, color="C1", linestyle=line, label=label)
     panels[0].legend(loc="lower right")
     for axes in panels[[0, 1, 3]]:
         axes.set(ylim=(min(0.0, axes.get_ylim()[0]), None))

@@ -100,7 +100,8 @@ class Drive(Parameters):
     )
     slip: StepProfile | None = quantity(
         "1",
-        "of closed tracks: a drawbar holds the frame at 1 less slip of the speed; None: no drawbar",
+        "of closed tracks: a drawbar holds the frame at 1 less slip of the speed, and the drive keeps the "
+        "chain's speed with any torque; None: no drawbar",
         (0.0, 1.0),
         default=None,
     )

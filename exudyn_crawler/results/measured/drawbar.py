@@ -1,17 +1,21 @@
 """Drawbar test of a closed track or a machine: pull, torque, efficiency and sinkage over slip.
 
-A drawbar lets the machine go slower than its tracks, by slips that are held one after the other. Means are
-over the passage of whole shoes, so that neither the polygon of the tumbler nor shoes that enter count.
+A drawbar lets the machine go slower than its tracks, by slips that are held one after the other, while the
+drive keeps the speed of the chains with any torque. Means are over the passage of whole shoes, so that
+neither the polygon of the tumbler nor shoes that enter count. Travel is that of the drawbar's place on the
+frame, and all signs are those of the sense of travel.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case import CaseFile, StepProfile
+from exudyn_crawler.case import Case, CaseFile, StepProfile
+from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.measured.traction import EvenTrack, even_track
 
@@ -21,7 +25,10 @@ RISE, SETTLED, COUNTED = 0.15, 2.5, 0.35
 """Lengths of the track that the chain goes while the slip rises, until the machine goes steadily, and over
 which means are. Shear below the track takes one length; trim and sinkage where ruts stay take the rest: after
 one length pull was 7 % short."""
+MISSED = 0.02
+"""Difference of a measured slip from the slip asked, as a fraction of the latter, beyond which it is said."""
 HEADS = {
+    "asked": "slip asked",
     "slip": "slip",
     "pull": "pull in N",
     "torque": "torque in N m",
@@ -29,6 +36,7 @@ HEADS = {
     "sinkage": "sinkage in m",
     "resistance": "motion resistance in N",
     "closed": "pull in closed form in N",
+    "anew": "pull in closed form with shear anew at each roller in N",
 }
 """Columns of the table."""
 
@@ -52,23 +60,24 @@ def read_slips(text: str) -> tuple[float, ...]:
 def pulled_case(case_file: CaseFile, test: DrawbarTest) -> CaseFile:
     """Case of a test: its drive holds the slips, and it lasts until the last one is measured.
 
-    Ground of cells gets as long as the travel; a measured map stays as it is.
+    Ground of cells gets as long as the travel, to the side to which the drive goes; a measured map stays as
+    it is.
 
     Raises
     ------
     ValueError
-        If the case has no closed track on cells, does not go forward, or slips do not increase within 0
+        If the case has no closed track on cells, its drive ends at rest, or slips do not increase within 0
         and 1.
     """
     case = case_file.case
     track = even_track(case)
     speed = float(case.drive.speed.values[-1])
-    if speed <= 0.0:
-        raise ValueError(f"drive.speed must end above zero in a drawbar test, got {speed:g} m/s")
+    if speed == 0.0:
+        raise ValueError("drive.speed must not end at zero in a drawbar test, whose chains travel")
     slips = np.array(test.slips, dtype=float)
     if not len(slips) or slips.min() <= 0.0 or slips.max() >= 1.0 or np.any(np.diff(slips) <= 0.0):
         raise ValueError(f"slips must increase between 0 and 1, got {list(test.slips)}")
-    length = track.length / speed
+    length = track.length / abs(speed)
     times = [float(case.drive.speed.times[-1]) + (SETTLED + COUNTED) * length]
     values = [0.0]
     for slip in slips.tolist():
@@ -79,16 +88,30 @@ def pulled_case(case_file: CaseFile, test: DrawbarTest) -> CaseFile:
     end = times[-1]
     terrain: Any = case.terrain
     if terrain.relief.measured is None:
-        front = case.outline(0.0)[:, 0].max() + float(drive.travel(end)) + track.length
-        beyond = max(0.0, front - terrain.bounds[0][1])
-        case = case.with_(terrain=terrain.with_(length=terrain.length + beyond))
+        case = case.with_(terrain=_longer(terrain, _reached(case, float(drive.travel(end)), track.length)))
     return case_file.with_(case=case.with_(drive=drive), duration=end)
+
+
+def _reached(case: Case, travel: float, margin: float) -> tuple[float, float]:
+    """Least and greatest x of the ground that a travel takes, m, with a margin (m) ahead."""
+    x = case.outline(0.0)[:, 0]
+    ends = (x.min() + travel - margin, x.max()) if travel < 0.0 else (x.min(), x.max() + travel + margin)
+    return float(ends[0]), float(ends[1])
+
+
+def _longer(terrain: Any, reached: tuple[float, float]) -> Any:
+    """Terrain of cells that holds an interval of x, m, as well as its own."""
+    rear, front = terrain.bounds[0]
+    behind = max(0.0, rear - reached[0])
+    ahead = max(0.0, reached[1] - front)
+    x, y = terrain.origin
+    return terrain.with_(origin=(x - behind, y), length=terrain.length + behind + ahead)
 
 
 def drawbar_table(history: History) -> pd.DataFrame:
     """Table of a test: columns of `HEADS` in SI units, a row for each slip that was held, zero first.
 
-    Slip is that of the travel: ``1 - travel of the machine / travel of the chain``. Efficiency is the pull's
+    The slip is measured: ``1 - travel of the drawbar / travel of the chain``. Efficiency is the pull's
     work over that of the drive, motion resistance the drive's work by the travel of the chain less the pull,
     so that it has the ground's and that of wheels and chain. ValueError if the history is of no drawbar test.
     """
@@ -98,17 +121,22 @@ def drawbar_table(history: History) -> pd.DataFrame:
         raise ValueError(f"case {case.name!r} must have a drive.slip, as drawbar makes it")
     time = history.time.values
     gear: Any = case.gear
-    turn = _by_track(history, "tumbler_angle", gear.tracks)
-    torque = _by_track(history, "drive_moment", gear.tracks)
-    pull = history.quantity("drawbar_pull").values
+    sense = math.copysign(1.0, case.drive.speed.values[-1])
+    turn = sense * _by_track(history, "tumbler_angle", gear.tracks)
+    torque = sense * _by_track(history, "drive_moment", gear.tracks)
+    pull = sense * history.quantity("drawbar_pull").values
     chain = gear.travel_per_angle(case.track) * (turn - turn[0]).mean(axis=1)
-    travel = history.side_frame_position.sel(axis="x").values
+    travel = sense * _drawbar_place(history)
     work = _summed(np.sum(0.5 * (torque[1:] + torque[:-1]) * np.diff(turn, axis=0), axis=1))
     pulling = _summed(0.5 * (pull[1:] + pull[:-1]) * np.diff(travel))
     # whole shoes before the end of each hold
     shoes = max(1, round(COUNTED * track.length / gear.chain_pitch(case.track)))
-    held = case.drive.slip.times[::2]
-    ends = np.interp([end for end in held if end <= time[-1] + 1e-9], time, chain)
+    held = [
+        (end, asked)
+        for end, asked in zip(case.drive.slip.times[::2], case.drive.slip.values[::2], strict=True)
+        if end <= time[-1] + 1e-9
+    ]
+    ends = np.interp([end for end, _ in held], time, chain)
     edges = np.interp(np.column_stack((ends - shoes * gear.chain_pitch(case.track), ends)), chain, time)
 
     def gained(values: np.ndarray) -> np.ndarray:
@@ -120,6 +148,7 @@ def drawbar_table(history: History) -> pd.DataFrame:
 
     slip = 1.0 - gained(travel) / gained(chain)
     rows = {
+        "asked": [asked for _, asked in held],
         "slip": slip,
         "pull": mean(pull),
         "torque": mean(torque.sum(axis=1)),
@@ -127,8 +156,37 @@ def drawbar_table(history: History) -> pd.DataFrame:
         "sinkage": mean(_sinkage(history)),
         "resistance": gained(work) / gained(chain) - mean(pull),
         "closed": track.pull(np.maximum(slip, 0.0)),
+        "anew": track.pull(np.maximum(slip, 0.0), track.rollers),
     }
     return pd.DataFrame(rows).rename(columns=HEADS)
+
+
+def remarks(history: History, table: pd.DataFrame) -> Iterator[str]:
+    """Yield what a reader of a test's table has to know: slips that are not met, a drive that would stall."""
+    for asked, slip in zip(table[HEADS["asked"]], table[HEADS["slip"]], strict=True):
+        if asked > 0.0 and abs(slip - asked) > MISSED * asked:
+            yield f"slip: {100.0 * asked:.4g} % asked, {100.0 * slip:.4g} % measured"
+    gear: Any = history.case.gear
+    if gear.torque_limit is None:
+        return
+    limit = gear.tracks * gear.torque_limit
+    beyond = table[table[HEADS["torque"]] > limit]
+    if len(beyond):
+        asked, torque = beyond.iloc[0][[HEADS["asked"], HEADS["torque"]]]
+        taken = f"{1e-3 * torque:.4g} kN m of its {1e-3 * limit:.4g} kN m (gear.torque_limit)"
+        yield (
+            f"the drive stalls before a slip of {100.0 * asked:.4g} %, which takes {taken}: "
+            "pulls from there on are what the ground gives"
+        )
+
+
+def _drawbar_place(history: History) -> np.ndarray:
+    """X of the place on the frame that the drawbar holds: array (times,), m."""
+    case = history.case
+    axes = rotation_matrices(history.side_frame_angles.transpose("time", "axis").values)
+    below = case.drive.drawbar_height - case.frame_start[2]
+    x: np.ndarray = history.side_frame_position.sel(axis="x").values + axes[:, 0, 2] * below
+    return x
 
 
 def _sinkage(history: History) -> np.ndarray:
@@ -191,6 +249,12 @@ def result_rows(result: DrawbarResult, slip: float) -> list[tuple[str, float, st
         ("slip there", 100.0 * result.slip_there, "%"),
         (f"pull {there}", 1e-3 * result.pull_at_slip, "kN"),
         (f"pull {there} in closed form", 1e-3 * float(track.pull(np.array([slip]))[0]), "kN"),
+        (
+            f"pull {there} in closed form, shear anew at each roller",
+            1e-3 * float(track.pull(np.array([slip]), track.rollers)[0]),
+            "kN",
+        ),
+        ("the ground springs back, of its sinkage at the mean pressure", 100.0 * track.rebound, "%"),
         ("greatest pull over weight", result.coefficient, ""),
         ("gradeability", math.degrees(result.gradeability), "deg"),
         ("motion resistance", 1e-3 * result.motion_resistance, "kN"),

@@ -18,6 +18,8 @@ class EvenTrack:
     Its thrust is Janosi and Hanamoto's shear, ``T (1 - exp(-j / K))`` with ``j = i x``, over its length
     (1st Int. Conf. on the Mechanics of Soil-Vehicle Systems, 1961), its resistance Bekker's work of
     compaction (Introduction to Terrain-Vehicle Systems, 1969), less what the ground gives back as it springs.
+    Ground that springs back little carries below the rollers alone: pressure between them falls to zero, and
+    shear starts again from zero below each, over their distance in place of the whole length.
     """
 
     law: Any  # of the cells
@@ -26,6 +28,7 @@ class EvenTrack:
     area: float  # m2, of all shoes that are loaded
     weight: float  # N, on them
     tracks: int
+    rollers: int  # of a track
 
     @property
     def pressure(self) -> float:
@@ -45,23 +48,34 @@ class EvenTrack:
         _, stress = self.law.drive(depth, slip, self.width)
         return float(stress[-1]) * self.area
 
-    def thrust(self, slip: np.ndarray) -> np.ndarray:
-        """Thrust at slips from zero on: array of their shape, N."""
-        shears = np.maximum(slip, 1e-9) * self.length / self.law.shear_deformation
+    @property
+    def rebound(self) -> float:
+        """Part of its sinkage by which the ground springs back from the mean pressure, 0 to 1."""
+        pressure = self._loop()[1][STEPS:]
+        return float(np.count_nonzero(pressure) / (STEPS - 1))
+
+    def thrust(self, slip: np.ndarray, starts: int = 1) -> np.ndarray:
+        """Thrust at slips from zero on, where shear starts so often along the length: of their shape, N."""
+        shears = np.maximum(slip, 1e-9) * self.length / starts / self.law.shear_deformation
         return self.strength * (1.0 + np.expm1(-shears) / shears)
 
     @property
     def resistance(self) -> float:
         """Work of compaction per metre, N: work of loading less that of unloading, over the loaded width."""
+        depth, pressure = self._loop()
+        work = float(np.trapezoid(pressure, depth))
+        return self.tracks * self.width * work
+
+    def _loop(self) -> tuple[np.ndarray, np.ndarray]:
+        """Depths (m) down to the mean pressure's sinkage and back, and the pressures (Pa) there."""
         down = np.linspace(0.0, self.sinkage, STEPS)
         path = np.concatenate((down, down[::-1]))
         pressure, _ = self.law.drive(path, np.zeros_like(path), self.width)
-        work = float(np.trapezoid(pressure, path))
-        return self.tracks * self.width * work
+        return path, pressure
 
-    def pull(self, slip: np.ndarray) -> np.ndarray:
-        """Pull at slips from zero on: thrust less resistance; array of their shape, N."""
-        return self.thrust(slip) - self.resistance
+    def pull(self, slip: np.ndarray, starts: int = 1) -> np.ndarray:
+        """Pull at slips from zero on: `thrust` less resistance; array of their shape, N."""
+        return self.thrust(slip, starts) - self.resistance
 
 
 def even_track(case: Case) -> EvenTrack:
@@ -78,4 +92,4 @@ def even_track(case: Case) -> EvenTrack:
     area = gear.tracks * length / pitch * case.shoe.ground_area
     masses = gear.carried_mass + case.track.shoe_count * case.shoe.mass
     weight = float(masses * -case.gravity_vector()[2]) - float(case.machine_wrench(0.0)[0][0, 2])
-    return EvenTrack(law, length, case.shoe.width, area, weight, gear.tracks)
+    return EvenTrack(law, length, case.shoe.width, area, weight, gear.tracks, len(gear.rollers))
