@@ -103,7 +103,7 @@ def wheel_trend() -> Trend:
 
 
 def _closed(drive: Drive, pretension: float | None = None, load: float = 1.0) -> Case:
-    """Half of the 4100C on LETE sand without rolling resistance, its load in the middle."""
+    """Half of the 4100C on LETE sand that keeps ruts, without rolling resistance, its load in the middle."""
     case = Case.closed()
     gear: Any = case.gear
     idler = gear.idler
@@ -111,7 +111,9 @@ def _closed(drive: Drive, pretension: float | None = None, load: float = 1.0) ->
         idler = idler.with_(pretension=pretension, slack=None)
     gear = gear.with_(rolling_resistance=0.0, com=(0.0, 0.0, gear.com[2]), idler=idler, mass=load * gear.mass)
     solver = case.solver.with_(step=5e-3, output_interval=0.05)
-    return case.with_(gear=gear, drive=drive, solver=solver).on_cells(BekkerSoil.lete_sand(), cell=0.2)
+    return case.with_(gear=gear, drive=drive, solver=solver).on_cells(
+        BekkerSoil.lete_sand("chrono"), cell=0.2
+    )
 
 
 def evenness(history: History) -> float:

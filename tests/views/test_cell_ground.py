@@ -25,7 +25,7 @@ RIDGE = Ridge(x=19.0, height=0.05, width=0.2, flank=0.3)
 """Ahead of the track's front shoe, where none stands."""
 
 
-SAND = BekkerSoil.lete_sand()
+SAND = BekkerSoil.lete_sand("chrono")
 CASES = {
     # the papers' track beside a ridge, whose drive starts at once
     "dragged": lambda: Case.translation().on_cells(SAND, Heights(parts=(RIDGE,))),

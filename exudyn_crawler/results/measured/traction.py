@@ -52,7 +52,8 @@ class EvenTrack:
     def rebound(self) -> float:
         """Part of its sinkage by which the ground springs back from the mean pressure, 0 to 1."""
         pressure = self._loop()[1][STEPS:]
-        return float(np.count_nonzero(pressure) / (STEPS - 1))
+        # a secant ends at zero but for rounding
+        return float(np.count_nonzero(pressure > 1e-9 * pressure[0]) / (STEPS - 1))
 
     def thrust(self, slip: np.ndarray, starts: int = 1) -> np.ndarray:
         """Thrust at slips from zero on, where shear starts so often along the length: of their shape, N."""

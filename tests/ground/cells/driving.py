@@ -12,7 +12,7 @@ from exudyn_crawler.ground.cells.pressing import TRIAL
 
 LENGTH, WIDTH, LOAD, MASS = 0.65, 3.505, 435e3, 4490.0
 AREA = LENGTH * WIDTH
-SAND = BekkerSoil.lete_sand("wong")
+SAND = BekkerSoil.lete_sand()
 ROCK = RockFloor.hard_floor()
 BOTH_LAWS = pytest.mark.parametrize("law", [SAND, ROCK], ids=["sand", "rock"])
 DOWN = np.array([0.0, 0.0, -LOAD, 0.0, 0.0, 0.0])

@@ -103,7 +103,7 @@ def test_tangents_are_the_differences_of_the_wrench(law, rough, step):
 
 def test_a_cell_that_a_shoe_has_left_is_sheared_anew_and_sand_keeps_its_rut():
     place = np.array([1.5, 3.0])
-    for law, depth in ((BekkerSoil.lete_sand(), 0.02), (ROCK, 2e-4)):
+    for law, depth in ((BekkerSoil.lete_sand("chrono"), 0.02), (ROCK, 2e-4)):
         shoe = Shoe(law, [*place, 0.0])
         for slip in np.linspace(0.0, 0.01, 20):
             slid = shoe.move([place[0] + slip, place[1], -depth])

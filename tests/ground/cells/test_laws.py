@@ -17,7 +17,7 @@ from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil, backbone
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from tests.ground.cells.driving import AREA, BOTH_LAWS, DOWN, LOAD, ROCK, SAND, Shoe, turn
 
-LAWS = pytest.mark.parametrize("law", [SAND, BekkerSoil.lete_sand(), BekkerSoil.oil_sand_low()])
+LAWS = pytest.mark.parametrize("law", [SAND, BekkerSoil.lete_sand("chrono"), BekkerSoil.oil_sand_low()])
 
 
 def pressure_after(law, depths):

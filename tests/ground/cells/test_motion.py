@@ -10,7 +10,8 @@ from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from tests.ground.cells import driving
 from tests.ground.cells.driving import AREA, DOWN, LENGTH, LOAD, MASS, ROCK, SAND, WIDTH, Driven, frame, turn
 
-LAWS = pytest.mark.parametrize("law", [SAND, BekkerSoil.lete_sand(), ROCK], ids=["wong", "chrono", "rock"])
+KEEPS_RUTS = BekkerSoil.lete_sand("chrono")
+LAWS = pytest.mark.parametrize("law", [SAND, KEEPS_RUTS, ROCK], ids=["wong", "chrono", "rock"])
 
 
 def stored_energy(shoe):

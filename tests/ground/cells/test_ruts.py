@@ -14,7 +14,7 @@ from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from tests.rolled import small_case
 
-SOIL = BekkerSoil.lete_sand()
+SOIL = BekkerSoil.lete_sand("chrono")
 DURATION = 0.05
 
 

@@ -19,6 +19,10 @@ SMALL = 1e-2
 """Share by which a sinkage grows, up to which the series of its power is exact to rounding."""
 
 
+Unloading = Literal["wong", "chrono"]
+"""Law by which a named soil unloads, see `BekkerSoil.lete_sand`."""
+
+
 class Bekker(NamedTuple):
     """Constants: ``p = k z**n`` with k = k_c / b + k_phi (N/m^(n+2)); the rest as in `BekkerSoil`, SI."""
 
@@ -111,13 +115,19 @@ class BekkerSoil(CellLaw):
     kernel: ClassVar[LawKernel] = LawKernel(Bekker, prepare, respond, fresh=0.0, forgets=False)
 
     @classmethod
-    def lete_sand(cls, unloading: Literal["chrono", "wong"] = "chrono") -> Self:
+    def lete_sand(cls, unloading: Unloading = "wong") -> Self:
         """LETE sand, dry: pressure and shear as Chrono has them (`demo_VEH_SCMTerrain_RigidTire.cpp`).
 
-        Open: unloading. Chrono's is one modulus, with which a rut of 16 mm stays at 213 kPa; Wong's tables
-        (A_u, not confirmed at the source) leave none below 24 mm.
+        Unloading decides the pull of a track, since pressure between rollers keeps the shear that the ground
+        has mobilized. The default is `"wong"`, ``A_u`` = 503e6 N/m4 of Wong's repeated plate tests on this
+        sand (Terramechanics and Off-Road Vehicle Engineering, chapter 4; recalled, not confirmed at the
+        source). Below a sinkage of 24 mm this line is softer than first loading, and the law springs back
+        wholly: no rut stays, and no work of compaction. `"chrono"`, 4e8 Pa/m, is a number that no test gave:
+        Chrono asks that it exceed ``k_phi`` and gives it to a soil of 2 MN/m3.1, too. It leaves nearly all of
+        the sinkage as a rut, and the pressure between rollers falls to zero. Shear then starts again below
+        each roller, as in Wong's repeated shear tests (recalled); Chrono's own soil never forgets it.
         """
-        steep, growth = (4e8, 0.0) if unloading == "chrono" else (0.0, 503e6)
+        steep, growth = (0.0, 503e6) if unloading == "wong" else (4e8, 0.0)
         return cls(
             k_c=102e3,
             k_phi=5301e3,
@@ -130,7 +140,7 @@ class BekkerSoil(CellLaw):
         )
 
     @classmethod
-    def oil_sand_low(cls) -> Self:
+    def oil_sand_low(cls, unloading: Unloading = "wong") -> Self:
         """McMurray oil sand, the soft and weak end of what is known.
 
         Shear strength: CIM 1960, 1741 to 1754 kg/m3, c of 2.6 to 5.9 kPa and phi of 30 to 40 deg; less when
@@ -138,12 +148,13 @@ class BekkerSoil(CellLaw):
         191 kPa, its share of the machine, as on the papers' ground; n, K and unloading are those of LETE
         sand.
         """
-        return cls.lete_sand().with_(k_c=0.0, k_phi=1.65e6, cohesion=2.6e3, friction_angle=30.0)
+        sand = cls.lete_sand(unloading)
+        return sand.with_(k_c=0.0, k_phi=1.65e6, cohesion=2.6e3, friction_angle=30.0)
 
     @classmethod
-    def oil_sand_high(cls) -> Self:
+    def oil_sand_high(cls, unloading: Unloading = "wong") -> Self:
         """McMurray oil sand, the stiff and strong end: sinks as LETE sand; strength as in `oil_sand_low`."""
-        return cls.lete_sand().with_(cohesion=5.9e3, friction_angle=40.0)
+        return cls.lete_sand(unloading).with_(cohesion=5.9e3, friction_angle=40.0)
 
     def constants(self, width: float) -> Bekker:
         """Constants for shoes whose shorter side is `width` (m)."""
