@@ -246,7 +246,7 @@ def result_rows(result: DrawbarResult, slip: float) -> list[tuple[str, float, st
     there = f"at {100.0 * slip:g} % slip"
     return [
         ("greatest pull", 1e-3 * result.greatest_pull, "kN"),
-        ("slip there", 100.0 * result.slip_there, "%"),
+        ("slip there, measured", 100.0 * result.slip_there, "%"),
         (f"pull {there}", 1e-3 * result.pull_at_slip, "kN"),
         (f"pull {there} in closed form", 1e-3 * float(track.pull(np.array([slip]))[0]), "kN"),
         (
