@@ -11,6 +11,7 @@ from exudyn_crawler import files
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.results.checks import cases, roller_path, solve
+from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.life import duty_runs, life as results
 from exudyn_crawler.results.life.duty import Duty, DutyRun, read_duty
@@ -80,7 +81,7 @@ def check_cases(
         check = cases.read_check(path)
     folder = _folder(check, out, (*CHECK_TABLES, CHECK_PAGE), overwrite)
     try:
-        solution = solve.solve_cases(check, solve.CheckedShoe(check), say)
+        solution = solve.solve_cases(check, CheckedShoe(check), say)
     except ValueError as error:
         if path is None or str(path) in str(error):
             raise

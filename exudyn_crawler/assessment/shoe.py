@@ -9,6 +9,7 @@ from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.states import CaseLoads
 from exudyn_crawler.case import Case
 from exudyn_crawler.results.checks import cases as ready, solve
+from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
 from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES
 from fem.body.element_stress import von_mises
@@ -89,7 +90,7 @@ def shoe_stresses(
     travel = [row for row in normal if row.drive == "straight"] or normal
     passing = max(travel, key=lambda row: row.roller)
     force = 0.5 * passing.roller
-    shoe = solve.CheckedShoe(check)
+    shoe = CheckedShoe(check)
     below = _below(shoe.outline.beside)
     wanted = {name for names in below.values() for name in names} | {TURNED, DRIVEN}
     cases = {case.name: case for case in ready.ready_cases(shoe.outline, force)}

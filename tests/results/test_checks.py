@@ -24,17 +24,15 @@ from exudyn_crawler.results.checks.cases import (
     read_check,
     ready_cases,
 )
+from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
 from exudyn_crawler.results.checks.roller_path import MIDDLE, PRESSURE, TYPICAL, hertz_table, roller_path
 from exudyn_crawler.results.checks.solve import (
     AT_BORES,
-    CYCLES,
-    UNLOADED,
-    CheckedShoe,
     CheckResults,
-    cycle_table,
     solve_cases,
 )
-from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.results.checks.tables import CYCLES, cycle_table
+from exudyn_crawler.results.life.duty import UNLOADED, DutyRun
 from exudyn_crawler.results.stress.recovery import node_stress
 from exudyn_crawler.views.figures import roller_path_figure
 from exudyn_crawler.views.outputs import write_tables

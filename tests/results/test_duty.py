@@ -11,8 +11,10 @@ from exudyn_crawler import Duty, FatigueMaterial, life, read_duty
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.life_run import roller_paths
 from exudyn_crawler.results.checks.cases import ShoeCheck
-from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, case_shapes, cycle_table
-from exudyn_crawler.results.life.duty import DutyCase, DutyRun, DutyStage
+from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
+from exudyn_crawler.results.checks.solve import case_shapes
+from exudyn_crawler.results.checks.tables import cycle_table
+from exudyn_crawler.results.life.duty import UNLOADED, DutyCase, DutyRun, DutyStage
 from exudyn_crawler.results.life.life import BETWEEN, BEYOND, hours_in_stages, life_of, life_of_stages
 from fem import Shapes
 from fem.fatigue.defects import CycleStage, Defect, growth

@@ -10,7 +10,8 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case.parameters.fields import case_rows
-from exudyn_crawler.results.checks.solve import CYCLES, CheckResults
+from exudyn_crawler.results.checks.solve import CheckResults
+from exudyn_crawler.results.checks.tables import CYCLES
 from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours
 from exudyn_crawler.results.stress.hot_spots import BORES, flat_triangles
 from exudyn_crawler.views import style
