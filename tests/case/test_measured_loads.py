@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import LoadCycle, read_case
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler import Case, LoadCycle, read_case
+from exudyn_crawler.case.parameters.checks import implausible
+from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
 from exudyn_crawler.results.history.history import MOST_PHASES, RunPhase, phases
 
 SUMS = "time [s],sum [kN],side shift [mm]\n0,390,0\n2.5,780,40\n"
@@ -35,6 +36,26 @@ def test_semicolons_decimal_commas_and_a_byte_order_mark_are_read(tmp_path):
     text = "time [s];load [kN]\r\n0;386,4\r\n1,5;400\r\n;\r\n"
     cycle = LoadCycle.from_file(written(tmp_path, text, "utf-8-sig"), 1)
     assert [(phase.end, *phase.loads) for phase in cycle.phases] == [(0.0, 386.4e3), (1.5, 400e3)]
+
+
+def test_german_thousands_are_asked_about_and_loads_that_pull_are_warned_of(tmp_path):
+    with pytest.raises(CaseFileError, match=r"measured\.csv: is 5\.023 in row 1 5\.023 or 5023\?"):
+        LoadCycle.from_csv(written(tmp_path, "time [s];sum [kN]\n0;5.023\n5;5.130\n"), 1)
+    pulled = written(tmp_path, "time [s],sum [kip],side shift [mm]\n0,1129,-3\n5,-1153,3\n")
+    with pytest.warns(ImplausibleWarning) as caught:
+        cycle = LoadCycle.from_csv(pulled, 1)
+    assert [str(one.message) for one in caught] == [
+        f"{pulled}: 'sum [kip]' is -1153 in row 2 and pulls the shoes up; loads press down and are positive"
+    ]
+    assert cycle.phases[0].loads == pytest.approx((1129e3 * 4.4482216152605,))
+
+
+def test_loads_below_the_weight_of_a_shoe_are_warned_of():
+    case = Case.translation()
+    count, weight = case.track.shoe_count, case.shoe.mass * 9.81
+    for share, told in ((0.4, True), (0.6, False)):
+        light = case.with_(loads=LoadCycle.constant((share * weight,) * count))
+        assert any("on a shoe, which weighs" in line for line in implausible(light)) is told
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.results.measured import series
 
 FACTOR, OFFSET, SHIFT = 1.25, 3.0, 0.02
@@ -66,9 +67,48 @@ def test_series_that_the_run_does_not_have_are_refused(rolled, tmp_path, head, w
         series.compare(rolled, path)
 
 
+def test_a_channel_may_have_values_at_some_times_alone(rolled, pull, tmp_path):
+    time, _, force = pull
+    slow = [f"{value:.12g}" if k % 5 == 0 else ("", "NaN")[k % 2] for k, value in enumerate(force)]
+    rows = [f"{at:.12g},{value:.12g},{gap}" for at, value, gap in zip(time, force, slow, strict=True)]
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(["time in s,drive_pull in kN,drive_pull in kN", *rows]))
+    fast, gapped = series.compare(rolled, path)
+    assert len(fast.place) == len(time)
+    assert gapped.measured == pytest.approx(force[::5])
+    assert gapped.rms < 1e-6
+    path.write_text("\n".join(["time in s,drive_pull in kN", *(f"{at:.12g}," for at in time)]))
+    with pytest.raises(ValueError, match=r"0 points of 'drive_pull' are within the run.*: time has none"):
+        series.compare(rolled, path)
+
+
+def test_heads_are_read_as_programs_write_them_or_told_how(rolled, pull, tmp_path):
+    time, _, force = pull
+    rows = [f"{k},{at:.12g},{value:.12g}" for k, (at, value) in enumerate(zip(time, force, strict=True))]
+    path = tmp_path / "a.csv"
+    for heads in (["index,Time_s_,drive_pull_kN_"], [",Time,drive_pull", ",s,kN"]):
+        path.write_text("\n".join([*heads, *rows]))
+        (beside,) = series.compare(rolled, path)
+        assert beside.rms < 1e-6
+    path.write_text("\n".join([",time,drive_pull", *rows]))
+    with pytest.raises(ValueError, match="column 'time': its head has no unit, such as 'time in s' or"):
+        series.compare(rolled, path)
+
+
+def test_a_turned_sign_is_asked_about(rolled, pull, tmp_path):
+    time, _, force = pull
+    path = write(tmp_path / "a.csv", "time in s,drive_pull in kN", time, -force)
+    with pytest.warns(
+        ImplausibleWarning, match=r"a\.csv: drive_pull: measured from .*: is its sign turned\?"
+    ):
+        series.compare(rolled, path)
+
+
 def test_series_beyond_the_run_are_refused(rolled, tmp_path):
     path = write(tmp_path / "a.csv", "time in s,drive_pull in N", np.linspace(7.0, 9.0, 5), np.ones(5))
-    with pytest.raises(ValueError, match="0 points are within the run, at least 3 must be: time is 7 to 9 s"):
+    with pytest.raises(
+        ValueError, match="0 points of 'drive_pull' are within the run, at least 3 must be: time is 7 to 9 s"
+    ):
         series.compare(rolled, path)
     path = write(tmp_path / "a.csv", "drive_pull in N,time in s", np.ones(5), np.ones(5))
     with pytest.raises(ValueError, match="first column 'time in s' or 'distance in m'"):

@@ -12,7 +12,7 @@ from exudyn_crawler.ground.cells.laws import read_law
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.measured import soil_fit
 from exudyn_crawler.results.measured.soil_fit import fit_plates, fit_shear, fit_soil
-from exudyn_crawler.results.measured.soil_tests import read_plates, read_shear
+from exudyn_crawler.results.measured.soil_tests import PlateTests, read_plates, read_shear
 from tests.results.soils import PRESSURES, SOIL, WIDTHS, plate_text, plates, shear, shear_text
 
 SAMPLES = 100
@@ -201,7 +201,10 @@ def test_sand_of_one_box_predicts_that_of_another():
             "sinkage in mm,pressure in mm,width in m\n1,2,3",
             "column 'pressure': unit must be one of Pa, got 'mm'",
         ),
-        ("sinkage,pressure in kPa,width in m\n1,2,3", "unit must be one of m, got 'none'"),
+        (
+            "sinkage,pressure in kPa,width in m\n1,2,3",
+            "column 'sinkage': its head has no unit, such as 'sinkage in m' or",
+        ),
         ("sinkage in mm,presure in kPa,width in m\n1,2,3", "got 'presure'; did you mean 'pressure'"),
         ("sinkage in mm,pressure in kPa\n1,2", "column 'width' .* or 'diameter'"),
         ("sinkage in mm,width in m\n1,2", "column 'pressure' or 'force'"),
@@ -295,6 +298,25 @@ def test_a_point_that_no_test_has_is_told(tests, column, value, words):
     changed = dataclasses.replace(tests, **{column: values})
     assert any(words in line for line in changed.odd())
     assert list(tests.odd()) == []
+
+
+def test_swapped_columns_are_asked_about(tmp_path):
+    sheared = shear()
+    swapped = dataclasses.replace(
+        sheared, displacement=1e-6 * sheared.stress, stress=1e6 * sheared.displacement
+    )
+    assert any("are the columns displacement and stress swapped?" in line for line in swapped.odd())
+    (tmp_path / "shear.csv").write_text("displacement in mm,stress in kPa,pressure in kPa\n0,20,0\n5,20,9\n")
+    with pytest.raises(ValueError, match="got 0 Pa; are the columns pressure and stress swapped"):
+        read_shear(tmp_path / "shear.csv")
+    down = (
+        np.array([0.0, 10.0, 20.0, 19.0, 18.5, 20.0, 30.0]),
+        np.array([0.0, 40.0, 60.0, 20.0, 1.0, 60.0, 80.0]),
+    )
+    for sinkage, pressure, told in ((*down, False), (*down[::-1], True)):
+        tests = PlateTests(1e-3 * sinkage, 1e3 * pressure, np.full(7, 0.1), np.full(7, "a"))
+        lines = [line for line in tests.odd() if "swapped" in line]
+        assert bool(lines) is told, lines
 
 
 def test_numbers_that_no_square_holds_are_refused(tmp_path):

@@ -17,6 +17,7 @@ logger = logging.getLogger("exudyn_crawler")
 
 _newtons = partial(fields.in_units, units={"GN": 1e9, "MN": 1e6, "kN": 1e3, "N": 1.0}, digits=4)
 LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7  # N, mean load of the machine on a shoe
+LIGHTEST = 0.5  # of a shoe's weight, which any machine exceeds on each of its shoes. Chosen here
 LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0  # m, radii of gyration of a shoe
 SHALLOWEST = 1e-5  # m that a shoe plausibly sinks into a unit at least
 BOTTOMLESS = 5.0  # heights of a shoe, or of a unit, beyond which nothing that sinks there rests. Chosen here
@@ -27,6 +28,7 @@ GREATEST_SAG = 0.5  # of a unit's height: how far its weight and its share of th
 def _loads(case: Case) -> Iterator[str]:
     """Phases whose loads lift shoes, are next to nothing or beyond any machine, or act beside the shoe."""
     core = case.shoe.width / 6.0
+    weight = case.shoe.mass * float(np.linalg.norm(case.gravity_vector()))
     for number, phase in enumerate(case.loads.phases):
         key = f"loads.phases[{number}]"
         end = f"at the end of {phase.name!r}"
@@ -40,6 +42,9 @@ def _loads(case: Case) -> Iterator[str]:
             if whole == 0.0:
                 cause = "nothing, so that the ground carries the shoes alone"
             yield f"{key}.loads: {len(loads)} shoes carry {cause}"
+        elif not case.gear.frame_parts and whole < LIGHTEST * len(loads) * weight:
+            each = f"{_newtons(whole / len(loads))} on a shoe, which weighs {_newtons(weight)} itself"
+            yield f"{key}.loads: {each}: are the load's unit and its marks of decimals and thousands right?"
         if abs(phase.side_shift) > core and loads.any():
             shift = f"{phase.side_shift:g} m {end} is beyond a sixth of the shoe's width, {core:.3g} m"
             yield f"{key}.side_shift: {shift}: the load pulls at the other edge"

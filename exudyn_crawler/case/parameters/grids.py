@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.case.parameters.columns import MISSING, read_text
 from exudyn_crawler.case.parameters.units import number_of
 
 LEAST = 4  # heights along each side, which a cubic spline takes
@@ -20,8 +21,6 @@ CLIFF = 1000.0
 HIGHEST = 12e3  # m, above or below sea level: no ground on Earth is beyond
 EVEN = 1e-6  # of a grid's extent, by which its places may differ from even ones
 CLOSE = 1e-6  # relative, within which a height is the declared one of missing ones: float32 rounds
-MISSING = {"nan", "-nan", "null", "none", "na", "n/a", "nodata", "*"}
-"""Words for a height that is missing, or for no declared one."""
 HEAD = ("ncols", "nrows", "cellsize", "dx", "dy", "nodata_value")
 CORNERS = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
 COMMA = re.compile(r"[+-]?\d*,\d+(?:e[+-]?\d+)?")
@@ -119,9 +118,8 @@ PROJECT = "heights are needed over places in m, such as those of a UTM zone (gda
 def _ascii(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     _refuse_spacing(units)
     try:
-        # some editors put a mark before the text
-        text = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError:
+        text = read_text(path)
+    except ValueError:
         raise ValueError("it is no text: an ESRI ASCII grid has a head and rows of numbers") from None
     words = text.lower().split()
     if "," in text and "." not in text:

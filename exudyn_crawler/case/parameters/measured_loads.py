@@ -1,6 +1,7 @@
 """Measured loads over time from CSV files: a time and loads a row, with units in the heads of the columns."""
 
 import re
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -8,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case.parameters import columns
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
 
 MOST_ROWS = 20_000
 SHOE = re.compile(r"(?:load\s+(?:on\s+)?)?shoe\s*(\d+)")
@@ -42,6 +43,8 @@ class Column(NamedTuple):
 def read_loads(path: Path, shoe_count: int) -> list[LoadRow]:
     """Read the rows of a file; one load stands for those of `shoe_count` shoes.
 
+    Warns of loads that pull the shoes up.
+
     Raises
     ------
     FileNotFoundError
@@ -61,6 +64,13 @@ def read_loads(path: Path, shoe_count: int) -> list[LoadRow]:
         ]
     except ValueError as error:
         raise CaseFileError(path, [str(error).removeprefix(f"{path}").lstrip(": ")]) from None
+    for head, column, values in zip(heads, kinds, numbers, strict=True):
+        row = int(values.argmin())
+        if column.kind not in WANTED and values[row] < 0.0:
+            pulls = f"{head!r} is {values[row] / column.size:.4g} in row {row + 1} and pulls the shoes up"
+            warnings.warn(
+                f"{path}: {pulls}; loads press down and are positive", ImplausibleWarning, stacklevel=3
+            )
     return _load_rows(path, kinds, numbers, shoe_count)
 
 

@@ -59,6 +59,7 @@ mph = mile / hour
 kph = 1000 * metre / hour = _ = kmh
 pound = 453.59237 * gram = lb
 pound_force = 4.4482216152605 * newton = lbf
+kip = 1000 * pound_force
 psi = pound_force / inch ** 2
 """
 SIGNS = str.maketrans(
@@ -100,6 +101,18 @@ def _registry() -> Any:
     registry: Any = pint.UnitRegistry(None, non_int_type=Fraction)
     registry.load_definitions(DEFINITIONS.strip().splitlines())
     return registry
+
+
+@cache
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit."""
+    if not re.fullmatch(UNIT, text, re.IGNORECASE):
+        return False
+    # what is wrong with a unit raises all kinds of errors
+    try:
+        return bool(_registry().parse_units(POWER.sub(r"^\1", text)))
+    except Exception:
+        return False
 
 
 @cache

@@ -1,6 +1,7 @@
 """Measured series beside a run: aligned by a stated shift, with mean error, bias and ratios of peaks."""
 
 import math
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,12 +10,14 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.case.parameters import columns
+from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.results.history.history import History
 
 OVER = {"time": "s", "distance": "m"}
 """First column of a measured table, which the others are over, and its unit."""
 LEAST_POINTS = 3  # that the run and the measurement have in common
+TURNED = 0.5  # of the difference's root mean square, below which the other sign fits. Chosen here
 LEAST_PEAK = 0.05  # share of the greatest size, below which a peak says nothing. Chosen here
 
 
@@ -35,6 +38,12 @@ class Compared:
     def rms(self) -> float:
         """Root mean square of the difference."""
         return float(np.sqrt(np.mean((self.run - self.measured) ** 2)))
+
+    @property
+    def seems_turned(self) -> bool:
+        """True if the difference would be far smaller with the other sign."""
+        turned = float(np.sqrt(np.mean((self.run + self.measured) ** 2)))
+        return turned < TURNED * self.rms
 
     @property
     def bias(self) -> float:
@@ -89,8 +98,9 @@ def chosen(history: History, head: str) -> xr.DataArray:
 def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
     """Series of a measured table beside a run, of which the first column is `time` or `distance`.
 
-    The `shift` (s or m) is added to it. ValueError, with the file and the column, if a series is not in the
-    run, has another unit, or has fewer than three points within the run.
+    The `shift` (s or m) is added to it. Rows in which a series has no value are left out of that series.
+    ValueError, with the file and the column, if a series is not in the run, has another unit, or has fewer
+    than three points within the run; a warning if its sign seems to be turned.
     """
     heads, rows = columns.read_table(path)
     names = [columns.head_parts(head) for head in heads]
@@ -100,22 +110,27 @@ def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
             f"{path} must have a first column 'time in s' or 'distance in m' and others, got {heads[0]!r}"
         )
     numbers = [
-        columns.numbers([row[place] for row in rows], f"{path}: {head}") for place, head in enumerate(heads)
+        columns.numbers([row[place] for row in rows], f"{path}: {head}", gaps=place > 0)
+        for place, head in enumerate(heads)
     ]
     _check_places(path, heads[0], over, numbers[0])
     place = _factor(path, over, unit, OVER[over]) * numbers[0] + shift
     run_place = history.time.values if over == "time" else distance_of(history)
     if np.any(np.diff(run_place) < -1e-6 * np.ptp(run_place)):
         raise ValueError(f"{path} must be over time: the run goes back and forth")
-    within = (place >= run_place[0]) & (place <= run_place[-1])
-    if within.sum() < LEAST_POINTS:
-        raise ValueError(
-            f"{path}: {within.sum()} points are within the run, at least {LEAST_POINTS} must be: {over} is "
-            f"{place.min():g} to {place.max():g} {OVER[over]} with the shift, the run's {run_place[0]:g} to "
-            f"{run_place[-1]:g}"
-        )
+    inside = (place >= run_place[0]) & (place <= run_place[-1])
     compared = []
     for (head, unit), measured in zip(names[1:], numbers[1:], strict=True):
+        within = inside & ~np.isnan(measured)
+        if within.sum() < LEAST_POINTS:
+            given = place[~np.isnan(measured)]
+            reach = (
+                f" is {given.min():g} to {given.max():g} {OVER[over]} with the shift" if len(given) else ""
+            )
+            raise ValueError(
+                f"{path}: {within.sum()} points of {head!r} are within the run, at least {LEAST_POINTS} must "
+                f"be: {over}{reach or ' has none'}, the run's {run_place[0]:g} to {run_place[-1]:g}"
+            )
         try:
             values = chosen(history, head)
         except ValueError as error:
@@ -125,11 +140,14 @@ def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
         factor = _factor(path, head, unit, stored) * size
         run_values = size * values.values
         run = np.interp(place[within], run_place, run_values)
-        compared.append(
-            Compared(
-                head, over, read_in, place[within], factor * measured[within], run, run_place, run_values
-            )
-        )
+        places = place[within], factor * measured[within], run
+        beside = Compared(head, over, read_in, *places, run_place, run_values)
+        if beside.seems_turned:
+            turned = f"measured from {beside.measured.min():.4g} to {beside.measured.max():.4g} {read_in}"
+            of_run = f"{run.min():.4g} to {run.max():.4g} {read_in} in the run"
+            line = f"{path}: {head}: {turned}, {of_run}: is its sign turned?"
+            warnings.warn(line, ImplausibleWarning, stacklevel=2)
+        compared.append(beside)
     return compared
 
 
@@ -149,7 +167,7 @@ def _check_places(path: Path, head: str, over: str, places: np.ndarray) -> None:
 def _factor(path: Path, head: str, unit: str, wanted: str) -> float:
     """Size of a column's unit in the wanted one."""
     try:
-        return columns.factor_of(unit, wanted)
+        return columns.factor_of(unit, wanted, head)
     except ValueError as error:
         raise ValueError(f"{path}: column {head!r}: {error}") from None
 

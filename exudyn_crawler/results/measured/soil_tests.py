@@ -22,6 +22,10 @@ DEEPEST, WIDEST, FARTHEST = 2.0, 3.0, 1.0
 """m, sinkage, size of plates and displacement in shear, beyond which a unit is not what its head says."""
 OFF = 10.0  # times more or less pressure, or sinkage, than both neighbours
 HIGHEST = 1e7  # Pa, of a pressure or a stress
+LEAST_CURVE = 4  # points of a shear test whose curve is looked at
+LIFTS = 0.5  # of the sinkage, by which no plate comes up while most of its pressure stays. Chosen here
+CONVEX = 0.4  # area below stress over displacement, of its rectangle, below which no soil shears. Chosen here
+SWAPPED = "are the columns {} and {} swapped?"
 STEEPEST, STICKIEST = 3.0, 1e5
 """Of a shear stress: slope over the pressure, and Pa without any, beyond which no soil shears."""
 PULLS = 0.05  # of the greatest value, by which one plausibly has the other sign, or weighs next to nothing
@@ -65,6 +69,16 @@ class PlateTests:
             # of an unloading the plate comes up
             sinkage = self.sinkage[points]
             pressure = self.pressure[points]
+            deepest = np.maximum.accumulate(sinkage)
+            up = np.flatnonzero(
+                (sinkage < (1.0 - LIFTS) * deepest) & (pressure > LIFTS * np.maximum.accumulate(pressure))
+            )
+            if len(up) > 1:
+                row = int(up[0])
+                lifts = (
+                    f"comes up from {deepest[row]:.4g} to {sinkage[row]:.4g} m under {pressure[row]:.4g} Pa"
+                )
+                yield f"at point {points[row] + 1} the plate {lifts}: {SWAPPED.format('sinkage', 'pressure')}"
             yield from _off_neighbours("pressure", "Pa", points, pressure, sinkage)
             yield from _off_neighbours("sinkage", "m", points, sinkage, pressure)
 
@@ -109,6 +123,9 @@ class ShearTests:
         yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
         yield from _other_sign("displacement", self.displacement, "m")
         yield from _other_sign("stress", self.stress, "Pa")
+        if (share := self._area_share) < CONVEX:
+            rises = "stress rises ever faster with displacement, and tends to no strength"
+            yield f"{rises} ({share:.2g} of the rectangle): {SWAPPED.format('displacement', 'stress')}"
         for points in _each(self.test):
             displacement = self.displacement[points]
             stress = self.stress[points]
@@ -124,6 +141,18 @@ class ShearTests:
         """Some of the points, by their numbers or as a mask."""
         values = self.displacement, self.stress, self.pressure, self.test
         return type(self)(*(array[points] for array in values))
+
+    @property
+    def _area_share(self) -> float:
+        """Area below stress over displacement, part of its rectangle: mean of the tests, 1 without any."""
+        shares = []
+        for points in _each(self.test):
+            displacement = np.append(0.0, self.displacement[points])
+            stress = np.append(0.0, self.stress[points])
+            rectangle = displacement.max() * stress.max()
+            if len(points) >= LEAST_CURVE and rectangle > 0.0 and np.all(np.diff(displacement) >= 0.0):
+                shares.append(np.trapezoid(stress, displacement) / rectangle)
+        return float(np.mean(shares)) if shares else 1.0
 
     @property
     def pressures(self) -> np.ndarray:
@@ -216,7 +245,9 @@ def read_shear(path: str | Path) -> ShearTests:
         if name not in columns:
             raise ValueError(f"{path} must have a column {name!r}")
     if (columns["pressure"] <= 0.0).any():
-        raise ValueError(f"{path}: pressure must be greater than zero, got {columns['pressure'].min():g} Pa")
+        swapped = f"; {SWAPPED.format('pressure', 'stress')}" if (columns["stress"] > 0.0).all() else ""
+        least = columns["pressure"].min()
+        raise ValueError(f"{path}: pressure must be greater than zero, got {least:g} Pa{swapped}")
     test = columns.get("test", np.array([f"{1e-3 * value:.4g} kPa" for value in columns["pressure"]]))
     tests = ShearTests(columns["displacement"], columns["stress"], columns["pressure"], test)
     _warn_of_odd(path, tests)
