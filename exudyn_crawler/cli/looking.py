@@ -13,7 +13,7 @@ from exudyn_crawler.views.tables import print_table, write_table
 
 COMPARED = ("quantity", "axis", "greatest in A", "greatest in B", "change in %", "unit")
 """Columns of what differs between two runs that are shown where not all fit, as `print_rows` takes them."""
-LIVES = ("region", "life in h at least", "life in h at most", "verdict", "main part", "node")
+LIVES = ("region", "life in h at least", "life in h at most", "above", "verdict", "main part", "node")
 """Same of shortest lives."""
 CRACKED = ("to", "from", "region", "cycles to a crack", "an hour", "above yield", "bores, not to be used")
 """Same of a check's cycles to a crack."""

@@ -16,6 +16,7 @@ from exudyn_crawler.results.life import duty_runs, life
 from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyCase, DutyRun, read_duty
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
 from exudyn_crawler.sweep import answers, definition
+from fem.fatigue.changes import EndsTracker, PassEnds, changes
 from fem.fatigue.defects import CycleStage
 
 WORST = 5
@@ -93,7 +94,7 @@ def _key(case: DutyCase) -> str:
 class CountedStage(NamedTuple):
     """Cycles at the nodes of a duty's draws in a stage: their part, node and stresses (Pa), each (n,).
 
-    `extremes` (2, parts, places, nodes) are the greatest and the least stress.
+    `ends` (parts, places, nodes) are those of the passes of the parts.
     """
 
     runs: Sequence[duty_runs.UsedRun]
@@ -101,10 +102,10 @@ class CountedStage(NamedTuple):
     node: np.ndarray
     begin: np.ndarray
     end: np.ndarray
-    extremes: np.ndarray
+    ends: PassEnds
 
-    def weighed(self, duty: Duty) -> tuple[np.ndarray, ...]:
-        """Node, both stresses (Pa) and number an hour of all cycles of a drawn duty."""
+    def weighed(self, duty: Duty) -> "WeighedCycles":
+        """Cycles of a drawn duty."""
         drawn = {run.name: run for run in duty.runs} | {_key(case): case for case in duty.cases}
         often = np.zeros(len(self.runs))
         load = np.ones(len(self.runs))
@@ -116,20 +117,39 @@ class CountedStage(NamedTuple):
                 case DutyRun() as run:
                     often[k] = run.times_an_hour(float(used_run.time[-1] - used_run.time[0]))
         there = often > 0.0
-        places = self.extremes.shape[2]
-        between = load[there, None, None] * self.extremes[:, there]
-        high = between[0].max(axis=0).ravel()
-        low = between[1].min(axis=0).ravel()
-        changes = often[there].min() if duty.changes_an_hour is None else duty.changes_an_hour
-        changes = changes if there.sum() > 1 else 0.0
+        _, places, nodes = self.ends.lowest.shape
+        passes = PassEnds(*(load[there, None, None] * values[there] for values in self.ends))
+        flat = PassEnds(*(values.reshape(there.sum(), -1) for values in passes))
+        mixed = changes(flat, often[there], duty.most_changes)
         factor = load[self.part]
-        nodes = np.tile(np.arange(self.extremes.shape[3]), places)
-        return (
-            np.concatenate((self.node, nodes)),
-            np.concatenate((factor * self.begin, low)),
-            np.concatenate((factor * self.end, high)),
-            np.concatenate((often[self.part], np.full(len(nodes), changes))) / places,
+        return WeighedCycles(
+            np.concatenate((self.node, mixed.place % nodes)),
+            np.concatenate((factor * self.begin, mixed.begin)),
+            np.concatenate((factor * self.end, mixed.end)),
+            np.concatenate((often[self.part], mixed.rate)) / places,
+            np.max([-passes.lowest.min(axis=(0, 1)), passes.highest.max(axis=(0, 1))], axis=0),
         )
+
+
+class WeighedCycles(NamedTuple):
+    """Cycles of a drawn duty in a stage: node, both stresses (Pa) and number an hour, each (n,).
+
+    Cycles that are replaced have negative numbers. `peak` (nodes,) is the greatest magnitude of stress, Pa.
+    """
+
+    node: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
+    rate: np.ndarray
+    peak: np.ndarray
+
+    def of(self, node: int, lasts: float) -> CycleStage:
+        """Cycles of a node that last so long, those that are replaced taken off."""
+        here = self.node == node
+        ends = np.sort(np.stack((self.begin[here], self.end[here]), axis=1), axis=1)
+        different, each = np.unique(ends, axis=0, return_inverse=True)
+        rate = np.bincount(each.ravel(), self.rate[here], len(different))
+        return CycleStage(*different.T, np.maximum(rate, 0.0), lasts)
 
 
 @dataclass(frozen=True)
@@ -163,12 +183,12 @@ class CountedDuty:
         residual = np.array([material.casting(region).residual_stress for region in self.regions])
         weighed = [stage.weighed(of) for stage, of in zip(self.stages, duty.by_stage(), strict=True)]
         damage = np.zeros((len(weighed), len(self.regions)))
-        for by_region, (node, begin, end, often) in zip(damage, weighed, strict=True):
-            moves = begin != end
-            amplitude = 0.5 * np.abs(end - begin)[moves]
-            mean = 0.5 * (begin + end)[moves]
-            each = curve.damage(amplitude, mean + residual[node[moves]], survival)[0]
-            by_region += np.bincount(node[moves], often[moves] * each, len(by_region))
+        for by_region, cycles in zip(damage, weighed, strict=True):
+            moves = cycles.begin != cycles.end
+            node, begin, end, often = (values[moves] for values in cycles[:4])
+            each = curve.damage(0.5 * np.abs(end - begin), 0.5 * (begin + end) + residual[node], survival)[0]
+            by_region += np.maximum(np.bincount(node, often * each, len(by_region)), 0.0)
+            by_region[cycles.peak > material.tensile_strength] = np.inf
         hours = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
         lives = life.hours_in_stages(damage, hours).sum(axis=0)
         shortest = {"life": life.BEYOND}
@@ -177,10 +197,7 @@ class CountedDuty:
             worst = here[np.argsort(lives[here])]
             least = min(float(lives[worst[0]]), life.BEYOND)
             for node in worst[:DEFECTS] if material.casting(region).defect_size else ():
-                stages = [
-                    CycleStage(begin[of == node], end[of == node], often[of == node], lasts)
-                    for (of, begin, end, often), lasts in zip(weighed, hours, strict=True)
-                ]
+                stages = [cycles.of(node, lasts) for cycles, lasts in zip(weighed, hours, strict=True)]
                 least = min(least, material.defect_life(region, duty.miner, stages, survival[0]))
             shortest[f"life_{region}".replace(" ", "_")] = least
             shortest["life"] = min(shortest["life"], least)
@@ -190,22 +207,22 @@ class CountedDuty:
 def _counted(stage: life.LifeResults, nodes: np.ndarray) -> CountedStage:
     """Cycles in a stage at some nodes, without those that no draw notices."""
     rows = []
-    extremes = []
+    ends = []
     for part, run in enumerate(stage.runs):
         counting = run.counting(stage.duty.material.curve(stage.duty.miner), (0.999,), 1e-3 / life.BEYOND)
         at_places = []
         for shoe in run.basis.coordinates:
             signals = duty_runs.node_signals(stage.duty.criterion, run.basis, shoe, nodes)
-            at_places.append((signals.max(axis=1), signals.min(axis=1)))
+            tracker = EndsTracker(len(signals))
+            tracker.add(slice(len(signals)), signals, 0)
+            at_places.append(tracker.ends)
             for node, signal in enumerate(signals):
                 cycles = counting.cycles(signal)
                 columns = np.full(len(cycles.begin), part), np.full(len(cycles.begin), node)
                 rows.append(np.stack((*columns, cycles.begin, cycles.end)))
-        extremes.append(np.array(at_places).swapaxes(0, 1))
+        ends.append(PassEnds.stacked(at_places))
     part, node, begin, end = np.concatenate(rows, axis=1)
-    return CountedStage(
-        stage.runs, part.astype(int), node.astype(int), begin, end, np.stack(extremes, axis=1)
-    )
+    return CountedStage(stage.runs, part.astype(int), node.astype(int), begin, end, PassEnds.stacked(ends))
 
 
 def read_scatter(path: str | Path) -> AnySweep:

@@ -15,6 +15,7 @@ import numpy as np
 from fem.body.mesh import Floats, Integers
 from fem.body.shapes import Columns
 from fem.compiling import compiler
+from fem.fatigue.changes import Changes, EndsTracker, PassEnds
 from fem.fatigue.rainflow import CycleCounter, Cycles, joined_cycles, repeated_cycles
 from fem.fatigue.sn_curve import SNCurve, check_survivals
 from fem.stress.folds import Fold, StressBlock, fold_stresses
@@ -118,16 +119,15 @@ class Damage:
         Their numbers.
     damage : array (n, s, p)
         By survival and phase; a crack appears at 1.
-    highest, lowest : array (n,)
-        Extremes in Pa of the signal that was counted.
+    ends : PassEnds
+        Of the signals that were counted, Pa.
     bound : array (n,)
         Greatest error of the stress, as a length in Pa.
     """
 
     nodes: Integers
     damage: Floats
-    highest: Floats
-    lowest: Floats
+    ends: PassEnds
     bound: Floats
 
 
@@ -218,7 +218,7 @@ class DamageOf(Fold[Damage]):
         self._counting.check(times)
         self._nodes, self._signals = nodes, np.empty((min(n, NODE_BLOCK), min(times, SEGMENT)))
         self._counted, self._bound = CountedDamage(self._counting, n), np.zeros(n)
-        self._highest, self._lowest = np.full(n, -np.inf), np.full(n, np.inf)
+        self._tracker = EndsTracker(n)
 
     def add(self, block: StressBlock) -> None:
         """Gather the signals of a block of nodes, and count those of a segment."""
@@ -232,12 +232,11 @@ class DamageOf(Fold[Damage]):
         self._bound[of] = np.maximum(self._bound[of], block.bound)
         if times.stop == whole.stop:
             self._counted.add(of, signals, whole.start)
-            self._highest[of] = np.maximum(self._highest[of], signals.max(axis=1))
-            self._lowest[of] = np.minimum(self._lowest[of], signals.min(axis=1))
+            self._tracker.add(of, signals, whole.start)
 
     def finish(self) -> Damage:
-        """Damage and extremes of all nodes."""
-        return Damage(self._nodes, self._counted.damage, self._highest, self._lowest, self._bound)
+        """Damage and ends of all nodes."""
+        return Damage(self._nodes, self._counted.damage, self._tracker.ends, self._bound)
 
 
 def recover_damage(
@@ -271,11 +270,11 @@ def recover_damage(
     return fold_stresses(stress_modes, q, DamageOf(criterion, counting), nodes, tolerance)
 
 
-def damage_between(curve: SNCurve, highest: Floats, lowest: Floats, survivals: Sequence[float]) -> Floats:
-    """Damage (s, n) of one cycle between extremes (n,) in Pa; none where they are equal."""
-    amplitude = 0.5 * (highest - lowest)
-    damage = np.zeros((len(survivals), len(highest)))
-    there = amplitude > 0.0
-    mean = 0.5 * (highest + lowest)[there]
-    damage[:, there] = curve.damage(amplitude[there], mean, survivals)
+def damage_of_changes(found: Changes, curve: SNCurve, survivals: Sequence[float], places: int) -> Floats:
+    """Return the damage (s, places) that cycles which come as histories are mixed add to those that go."""
+    damage = np.zeros((len(survivals), places))
+    amplitude = 0.5 * (found.end - found.begin)
+    each = found.rate * curve.damage(amplitude, 0.5 * (found.begin + found.end), survivals)
+    for of_survival, harm in zip(damage, each, strict=True):
+        of_survival += np.bincount(found.place, harm, places)
     return damage

@@ -11,7 +11,7 @@ from fem import damage_on_planes
 from fem.body.element_stress import evaluate, principal
 from fem.fatigue import critical_plane, damage
 from fem.fatigue.critical_plane import critical_planes, normal_stress_rows, plane_normals, surface_normals
-from fem.fatigue.damage import SIGNED_CRITERIA, Counting, damage_between, recover_damage, signed_signals
+from fem.fatigue.damage import SIGNED_CRITERIA, Counting, recover_damage, signed_signals
 from fem.fatigue.sn_curve import SNCurve
 from fem.stress import extremes, low_rank
 from tests.fem.refusals import refused
@@ -44,7 +44,7 @@ def test_constant_amplitude_is_the_closed_form(criterion):
     found = recover_damage(modes, q, criterion, EXACT, tolerance=None)
     one = TURNS / 1e6 * (80e6 * 1.2 / 150e6) ** 5
     assert found.damage[:, 1].sum(axis=1) == pytest.approx(one * sizes**5, rel=1e-9)
-    assert found.highest[:3] == pytest.approx(160e6 * sizes[:3])
+    assert found.ends.highest[:3] == pytest.approx(160e6 * sizes[:3])
     better = CURVE.strength_at(0.5) / 150e6
     assert found.damage[0, 0].sum() == pytest.approx(one / better**5, rel=1e-9)
 
@@ -147,8 +147,8 @@ def test_segments_change_neither_damage_nor_extremes(spread, monkeypatch, size, 
     np.testing.assert_allclose(parts.damage, whole.damage, rtol=1e-12, atol=0.0)
     np.testing.assert_allclose(planes_in_parts, planes, rtol=1e-12, atol=0.0)
     exact = {"rtol": 0.0 if size % 256 == 0 else 1e-12}
-    for name in ("highest", "lowest"):
-        np.testing.assert_allclose(getattr(parts, name), getattr(whole, name), **exact)
+    for name in ("highest", "lowest", "valley", "peak"):
+        np.testing.assert_allclose(getattr(parts.ends, name), getattr(whole.ends, name), **exact)
     for name in ("greatest", "least", "highest", "greatest_at", "highest_nodes"):
         np.testing.assert_allclose(getattr(most_in_parts, name), getattr(most, name), **exact)
 
@@ -203,7 +203,7 @@ def test_what_is_left_out_first_does_no_more_than_it_may(spread, miner):
     negligible = 1e-3 * exact.damage.sum(axis=2).max()
     short = replace(counting, negligible=negligible)
     found = recover_damage(modes, q, "signed von mises", short, tolerance=None)
-    swing = 0.5 * (exact.highest - exact.lowest)
+    swing = 0.5 * (exact.ends.highest - exact.ends.lowest)
     assert 0.1 < (swing <= short.cut).mean() < 0.95  # whole nodes are left out, and not all
     lost = (exact.damage - found.damage).sum(axis=2)
     assert lost.min() >= -1e-12 * exact.damage.max()
@@ -233,11 +233,6 @@ def test_normals_of_a_box_point_outward(cube):
     inside, modes = np.setdiff1d(np.arange(len(cube.nodes)), skin)[:1], np.zeros((len(cube.nodes), 6, 1))
     with pytest.raises(ValueError, match="nodes must be of the surface"):
         damage_on_planes(modes, PHASE[:, None], normals, np.zeros((1, 1)), EXACT, inside)
-
-
-def test_a_cycle_between_extremes():
-    found = damage_between(CURVE, np.array([150e6, 5e6]), np.array([-150e6, 5e6]), (0.9,))
-    assert found == pytest.approx(np.array([[1e-6, 0.0]]))
 
 
 def test_what_cannot_be_counted_is_refused(spread):

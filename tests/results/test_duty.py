@@ -15,7 +15,9 @@ from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
 from exudyn_crawler.results.checks.solve import case_shapes
 from exudyn_crawler.results.checks.tables import cycle_table
 from exudyn_crawler.results.life.duty import UNLOADED, DutyCase, DutyRun, DutyStage
-from exudyn_crawler.results.life.life import BETWEEN, BEYOND, hours_in_stages, life_of, life_of_stages
+from exudyn_crawler.results.life.duty_runs import BETWEEN, check_cases_of
+from exudyn_crawler.results.life.life import BEYOND, hours_in_stages, in_words, life_of, life_of_stages
+from exudyn_crawler.views.pages.life import life_lines
 from fem import Shapes
 from fem.fatigue.defects import CycleStage, Defect, growth
 from meshes.shoe import STEEL, joint_interfaces
@@ -158,6 +160,7 @@ def test_ready_materials_say_what_they_assume(name):
         ({"yield_strength": 900e6}, "yield_strength must not exceed tensile_strength = 8.6e"),
         ({"fkm_class": "wood"}, "fkm_class"),
         ({"survival": 1.0}, "survival"),
+        ({"fatigue_strength": 900e6}, "fatigue_strength must not exceed tensile_strength = 8.6e"),
         ({"castings": (PATH, PATH)}, "regions must differ"),
         ({"castings": ({"region": "pin"},)}, "region"),
     ],
@@ -213,7 +216,7 @@ def damage_of(amplitude: float) -> float:
 def test_damage_of_check_cases_is_the_sum_by_hand(mesh):
     found = life_of(duty(STONE, STRIKE, plane_nodes=3), [], shapes=pulled(mesh, 60e6, 140e6))
     parts = {"stones": 2.0 * damage_of(30e6), "strikes": 0.25 * damage_of(70e6)}
-    parts[BETWEEN] = 0.25 * damage_of(70e6)  # from the least to the greatest, as often as the rarest
+    parts[BETWEEN] = 0.0  # a strike holds both the least and the greatest stress
     assert found.dataset.part.values.tolist() == list(parts)
     node = mesh.surface_nodes[100]
     np.testing.assert_allclose(found.dataset.part_damage.sel(node=node), list(parts.values()), rtol=1e-9)
@@ -234,9 +237,92 @@ def test_a_cycle_between_two_cases_has_their_range_and_mean(mesh):
     np.testing.assert_allclose(found.dataset.part_damage.values[0, mesh.surface_nodes], expected, rtol=1e-9)
 
 
+def test_a_cycle_from_case_to_case_replaces_those_that_it_is_made_of(mesh):
+    """Pulled by 140 MPa 3 times an hour and pressed by 60 MPa twice: cycles of 200 MPa, once more of 140."""
+    press = DutyCase(name="presses", case="strike", an_hour=2.0)
+    found = life_of(duty(STONE.with_(an_hour=3.0), press), [], shapes=pulled(mesh, 140e6, -60e6))
+    node = int(mesh.surface_nodes[100])
+    curve = PLATE.curve()
+    amplitude, mean = np.array([100e6, 70e6]), np.array([40e6, 70e6])
+    expected = curve.damage(amplitude, mean, (0.975,))[0] @ [2.0, 1.0]
+    assert float(found.dataset.damage_an_hour.sel(node=node)[0]) == pytest.approx(expected, rel=1e-9)
+    shown = found.nodes[found.table["node"][0]]
+    assert shown.cycles["run"].tolist() == ["stones", BETWEEN]
+    assert shown.cycles["times an hour"].tolist() == [1.0, 2.0]
+    assert shown.cycles[["begin in Pa", "end in Pa"]].abs().max().max() == pytest.approx(140e6)
+    assert shown.by_criterion["signed von mises"] == pytest.approx(expected, rel=1e-9)
+    # as often as the duty says
+    seldom = life_of(
+        duty(STONE.with_(an_hour=3.0), press, changes_an_hour=0.5), [], shapes=pulled(mesh, 140e6, -60e6)
+    )
+    each = curve.damage(np.array([100e6, 70e6, 30e6]), np.array([40e6, 70e6, -30e6]), (0.975,))[0]
+    assert float(seldom.dataset.damage_an_hour.sel(node=node)[0]) == pytest.approx(each @ [0.5, 2.5, 1.5])
+
+
+def test_life_is_the_same_however_a_duty_is_cut(mesh):
+    """Rows in another order, each cut into several ones of the same case."""
+    random = np.random.default_rng(11)
+    stress = (140e6, -60e6, 90e6, 40e6, -100e6)
+    cases = [
+        DutyCase(name=f"case {k}", case=name, after=after, an_hour=rate)
+        for k, (name, after, rate) in enumerate(
+            [("a", UNLOADED, 3.0), ("b", UNLOADED, 2.0), ("c", "d", 5.0), ("e", "b", 0.7), ("a", "c", 1.1)]
+        )
+    ]
+    names = ("a", "b", "c", "d", "e")
+
+    def damage(rows):
+        asked = duty(*rows)
+        known = [names.index(name) for name in check_cases_of(asked)]
+        found = life_of(asked, [], shapes=pulled(mesh, *(stress[k] for k in known)))
+        return found.dataset.damage_an_hour.values[0, mesh.surface_nodes]
+
+    whole = damage(cases)
+    pieces = [
+        case.with_(name=f"{case.name}.{k}", an_hour=float(case.an_hour * part))
+        for case in cases
+        for k, part in enumerate(random.dirichlet(np.ones(random.integers(2, 5))))
+    ]
+    cut = damage([pieces[k] for k in random.permutation(len(pieces))])
+    np.testing.assert_allclose(cut, whole, rtol=1e-9)
+
+
+def test_stress_above_a_strength_is_said_beside_the_life(mesh):
+    """Yield of A36 is 250, its tensile strength 400 MPa."""
+    strong, breaking = (
+        life_of(duty(STONE.with_(an_hour=1e-4)), [], shapes=pulled(mesh, stress)) for stress in (300e6, 410e6)
+    )
+    assert set(strong.table["above"]) == {"yield strength"}
+    assert strong.table["peak in MPa"].to_numpy() == pytest.approx(300.0)
+    last = "life in h that 97.5 % survive"
+    assert strong.table[last].to_numpy() == pytest.approx(1e4 / damage_of(150e6))
+    lines = "\n".join(life_lines(strong))
+    assert "above yield strength:" in lines
+    assert "up to 300 MPa" in lines
+    assert "It does not know how far the steel flows" in lines
+    assert set(breaking.table["above"]) == {"tensile strength"}
+    assert set(in_words(breaking.table)[last]) == {"breaks"}
+    assert not breaking.dataset.life.values[0, mesh.surface_nodes].any()
+    assert not breaking.causes().to_numpy().any()
+    lines = life_lines(breaking)
+    assert lines[0].startswith("no machine hours: a crack at the first load at the worst node")
+    assert "A36's tensile strength is 400 MPa: it breaks at the first such load" in lines[1]
+    # in a later stage it breaks as that begins
+    whole = duty(STONE.with_(an_hour=1e-4), stages=STAGES)
+    later = [
+        life_of(one, [], shapes=pulled(mesh, stress))
+        for one, stress in zip(whole.by_stage(), (100e6, 410e6), strict=True)
+    ]
+    stages = life_of_stages(whole, later)
+    assert stages.dataset.life.values[0, mesh.surface_nodes] == pytest.approx(1000.0)
+    assert stages.table[last].to_numpy() == pytest.approx(1000.0)
+
+
 @pytest.mark.parametrize(
     ("damage", "hours", "spent"),
     [
+        ((1e-4, np.inf), (1000.0, 500.0), (1000.0, 0.0)),  # breaks as the second stage begins
+        ((np.inf, 1e-4), (1000.0, 500.0), (0.0, 0.0)),
         ((1e-4, 2e-4), (1000.0, 500.0), (1000.0, 4500.0)),  # 0.1, and 0.9 at twice the rate
         ((1e-3, 1.0), (2000.0, 1.0), (1000.0, 0.0)),  # cracks in the first stage
         ((0.0, 1e-5, 1e-4), (1e4, 2e4, 1.0), (1e4, 2e4, 8000.0)),

@@ -6,8 +6,8 @@ import rainflow
 
 from exudyn_crawler import Duty, FatigueMaterial, History
 from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.results.life.duty_runs import BETWEEN
 from exudyn_crawler.results.life.life import (
-    BETWEEN,
     BEYOND,
     in_words,
     life_hours,
@@ -92,6 +92,18 @@ def test_order_of_runs_does_not_matter(history, found):
     damage, expected = (one.dataset.damage_an_hour.values for one in (other, found))
     assert damage == pytest.approx(expected, rel=1e-9, abs=1e-15, nan_ok=True)
     assert other.table["node"].tolist() == found.table["node"].tolist()
+
+
+def test_life_is_the_same_however_its_runs_are_cut(history, found):
+    """Both runs cut into rows by their rates, in another order."""
+    rows = [
+        run.with_(name=f"{run.name} {part}", **{rate: part * getattr(run, rate)})
+        for part in (0.3, 0.7)
+        for run, rate in ((SECOND, "share"), (FIRST, "an_hour"))
+    ]
+    cut = life_of(duty(*rows, plane_nodes=0), [history] * 4)
+    damage, expected = (one.dataset.damage_an_hour.values for one in (cut, found))
+    assert damage == pytest.approx(expected, rel=1e-9, abs=1e-12, nan_ok=True)
 
 
 def test_table_has_every_region_and_the_shortest_first(found):
@@ -183,7 +195,7 @@ def test_castings_change_the_life_of_their_region_alone(modes_alone):
 
 
 def test_no_damage_is_a_life_beyond_what_is_told(modes_alone, found):
-    strong = FatigueMaterial.a36().with_(fatigue_strength=1e10)
+    strong = FatigueMaterial.a36().with_(tensile_strength=1e10, fatigue_strength=1e10)
     good = (found.dataset.verdict >= 0) & (found.dataset.verdict < OPEN)
     chosen = np.flatnonzero(good)[:5]
     long = life_of(Duty(runs=(FIRST,), material=strong, nodes=tuple(chosen.tolist())), [modes_alone])

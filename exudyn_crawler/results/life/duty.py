@@ -4,6 +4,7 @@ The strength is by local stresses of the FKM guideline ("Analytical Strength Ass
 Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -97,6 +98,11 @@ class FatigueMaterial(Parameters):
         least = self.yield_strength
         if least > strength:
             yield f"yield_strength must not exceed tensile_strength = {strength:g} Pa, got {least:g} Pa"
+        if self.fatigue_strength is not None and self.fatigue_strength > strength:
+            yield (
+                f"fatigue_strength must not exceed tensile_strength = {strength:g} Pa, got "
+                f"{self.fatigue_strength:g} Pa"
+            )
         regions = [casting.region for casting in self.castings]
         if double := sorted({region for region in regions if regions.count(region) > 1}):
             yield f"castings: regions must differ, got {double} twice"
@@ -300,8 +306,8 @@ class Duty(DamageOptions):
     )
     changes_an_hour: float | None = quantity(
         "1/h",
-        "how often an hour the shovel goes from one of the runs through all others and back, a cycle between "
-        "their extremes each; none: as often as the rarest of them",
+        "how often an hour a shoe goes from one of the runs or cases to another and back, at most; none: as "
+        "often as the rarer of both happens",
         ge=0,
         le=1e6,
         default=None,
@@ -321,6 +327,11 @@ class Duty(DamageOptions):
             yield f"survivals must be different and rise, got {fields.shown(self.survivals)}"
         for duty in self.by_stage():
             _check_shares({run.name: run.share for run in duty.runs if run.share is not None})
+
+    @property
+    def most_changes(self) -> float:
+        """Changes an hour from one of the runs or cases to another and back, at most."""
+        return math.inf if self.changes_an_hour is None else self.changes_an_hour
 
     @property
     def parts(self) -> tuple[DutyRun | DutyCase, ...]:

@@ -1,5 +1,6 @@
 """Runs and check cases of a duty as damage is counted over them: repeated parts, cycles of single nodes."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -13,12 +14,14 @@ from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
 from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.stress.basis import StressBasis, parts_of, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
-from fem import Counting, Cycles, Shapes, SNCurve
+from fem import Counting, Shapes, SNCurve
 from fem.fatigue import damage
+from fem.fatigue.changes import Changes, EndsTracker, PassEnds, changes
 from fem.fatigue.rainflow import repeated_cycles
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
 LEAST_TIMES = 3  # stored times that can hold a cycle
+BETWEEN = "between runs"  # cycles that no run or check case closes alone
 CLASSES = 32  # of a rainflow matrix, along either side
 
 
@@ -140,11 +143,14 @@ class NodeLife:
     `cycles` has a row a cycle: run, shoe (place), phases, times (s) and stresses (Pa) of both ends, how often
     an hour a shoe has it that takes all places, its damage an hour at the greatest survival; "contribution
     of LOAD" for each load: its part of the range between the ends, 1 in all and negative where it relieves.
-    `by_criterion` is the damage an hour by each of `SIGNED_CRITERIA`, without what goes from run to run.
+    Cycles from run to run have the name `BETWEEN`, and those that they replace are as much rarer.
+    `by_criterion` is the damage an hour by each of `SIGNED_CRITERIA`, `peak` the greatest von Mises stress,
+    Pa.
     """
 
     cycles: pd.DataFrame
     by_criterion: Mapping[str, float]
+    peak: float
 
     @property
     def load_shares(self) -> dict[str, float]:
@@ -168,11 +174,15 @@ class NodeLife:
         return table.assign(**{"cycles an hour": counts[rows, columns]})
 
     def damage_history(self) -> pd.DataFrame:
-        """Damage an hour as it grows over each run at each place: half of a cycle's comes at either end."""
+        """Damage an hour as it grows over each run at each place: half of a cycle's comes at either end.
+
+        Cycles from run to run are in none.
+        """
         by = ["run", "shoe", "time in s"]
         columns = [["run", "shoe", f"{end} time in s"] for end in ("begin", "end")]
-        table = pd.concat([self.cycles[names].set_axis(by, axis=1) for names in columns])
-        table["damage an hour"] = np.tile(0.5 * self.cycles["damage an hour"], 2)
+        cycles = self.cycles[self.cycles["run"] != BETWEEN]
+        table = pd.concat([cycles[names].set_axis(by, axis=1) for names in columns])
+        table["damage an hour"] = np.tile(0.5 * cycles["damage an hour"], 2)
         summed = table.groupby(by, sort=True, as_index=False).sum()
         summed["damage an hour"] = summed.groupby(["run", "shoe"])["damage an hour"].cumsum()
         return summed
@@ -182,23 +192,74 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
     """Cycles and causes at some nodes with their S-N curves, with stresses at full rank."""
     tables: dict[int, list[pd.DataFrame]] = {node: [] for node in curves}
     by_criterion = {node: dict.fromkeys(map(str, damage.SIGNED_CRITERIA), 0.0) for node in curves}
-    for run, shoe in [(used_run, place) for used_run in runs for place in used_run.basis.coordinates]:
-        often = run.times_an_hour / len(run.basis.coordinates)
-        counted = {}
-        for node, curve in curves.items():
-            for criterion in damage.SIGNED_CRITERIA:
-                cycles = repeated_cycles(node_signals(criterion, run.basis, shoe, [node])[0])
-                harm = often * curve.damage(cycles.amplitude, cycles.mean, duty.survivals[-1:])[0]
-                by_criterion[node][criterion] += float(harm.sum())
-                if criterion == duty.criterion:
-                    columns = {"times an hour": often, "damage an hour": harm}
-                    counted[node] = cycles, _table(run, shoe, cycles).assign(**columns)
-        of_loads = _of_loads(duty, run.basis, shoe, {node: cycles for node, (cycles, _) in counted.items()})
-        for node, (cycles, table) in counted.items():
-            size = cycles.end - cycles.begin
-            shares = {SHARE + name: part / size for name, part in of_loads[node].items()}
-            tables[node].append(table.assign(**shares))
-    return {node: NodeLife(pd.concat(tables[node], ignore_index=True), by_criterion[node]) for node in curves}
+    peaks = dict.fromkeys(curves, 0.0)
+    places = [*runs[0].basis.coordinates]
+    for shoe in places:
+        rows = {}
+        for (node, curve), criterion in itertools.product(curves.items(), damage.SIGNED_CRITERIA):
+            signals = [node_signals(criterion, run.basis, shoe, [node])[0] for run in runs]
+            cycles = _cycle_rows(duty, runs, signals, len(places))
+            ends = cycles["begin in Pa"].to_numpy(), cycles["end in Pa"].to_numpy()
+            each = curve.damage(
+                0.5 * np.abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1]), duty.survivals[-1:]
+            )
+            harm = cycles["times an hour"].to_numpy() * each[0]
+            by_criterion[node][criterion] += float(harm.sum())
+            if criterion == "signed von mises":
+                peaks[node] = max(peaks[node], *(float(np.abs(signal).max()) for signal in signals))
+            if criterion == duty.criterion:
+                rows[node] = cycles.assign(**{"damage an hour": harm})
+        shares = _load_shares(duty, runs, shoe, rows)
+        for node, cycles in rows.items():
+            tables[node].append(_named(runs, shoe, cycles).assign(**shares[node]))
+    return {
+        node: NodeLife(pd.concat(tables[node], ignore_index=True), by_criterion[node], peaks[node])
+        for node in curves
+    }
+
+
+def _cycle_rows(
+    duty: Duty, runs: Sequence[UsedRun], signals: Sequence[np.ndarray], places: int
+) -> pd.DataFrame:
+    """Return the cycles of runs with signals (t,) that are mixed: stresses, rate, numbers of runs and rows.
+
+    Cycles from run to run replace cycles of runs, which are as much rarer.
+    """
+    of_runs = []
+    passes = []
+    for k, (run, signal) in enumerate(zip(runs, signals, strict=True)):
+        cycles = repeated_cycles(signal)
+        ends = cycles.begin, cycles.end, cycles.begin_row, cycles.end_row
+        columns = dict(zip(("begin in Pa", "end in Pa", "begin row", "end row"), ends, strict=True))
+        rate = run.times_an_hour / places
+        of_runs.append(pd.DataFrame(columns).assign(**{"begin of": k, "end of": k, "times an hour": rate}))
+        tracker = EndsTracker(1)
+        tracker.add(slice(1), signal[None], 0)
+        passes.append(tracker)
+    found = mixed_cycles(duty, runs, PassEnds.stacked([tracker.ends for tracker in passes]), places)
+    levels = {"low": found.low, "high": found.high, "begin in Pa": found.begin, "end in Pa": found.end}
+    events = pd.DataFrame(levels | {"times an hour": found.rate})
+    net = events.groupby(["low", "high", "begin in Pa", "end in Pa"], as_index=False, sort=False).sum()
+    is_own = net["low"] == net["high"]
+    for k, rate in net.loc[is_own, ["low", "times an hour"]].itertuples(index=False):
+        own = of_runs[int(k)]
+        widest = (own["end in Pa"] - own["begin in Pa"]).abs().idxmax()
+        own.loc[widest, "times an hour"] += rate
+    new = net[~is_own]
+    at = PassEnds.stacked([tracker.rows for tracker in passes])
+    rows = {"low": np.concatenate((at.lowest, at.valley)), "high": np.concatenate((at.highest, at.peak))}
+    for end, level in (("begin", "low"), ("end", "high")):
+        number = new[level].to_numpy()
+        new = new.assign(**{f"{end} of": number % len(runs), f"{end} row": rows[level][number, 0]})
+    cycles = pd.concat((*of_runs, new.drop(columns=["low", "high"])), ignore_index=True)
+    # what is replaced to the last bit of its rate
+    return cycles[cycles["times an hour"] > 1e-12 * cycles["times an hour"].max()].reset_index(drop=True)
+
+
+def mixed_cycles(duty: Duty, runs: Sequence[UsedRun], ends: PassEnds, places: int = 1) -> Changes:
+    """Return the cycles that come and go as runs are mixed, by the ends (runs, n) of their passes."""
+    rates = np.array([run.times_an_hour for run in runs])
+    return changes(ends, rates / places, duty.most_changes / places)
 
 
 def node_signals(
@@ -214,40 +275,54 @@ def node_signals(
     return np.concatenate(signals, axis=1)
 
 
-def _table(run: UsedRun, shoe: int, cycles: Cycles) -> pd.DataFrame:
-    """Ends of the cycles of a node over a run."""
-    phase = np.asarray(run.phase)
-    begin = cycles.begin_row
-    end = cycles.end_row
-    columns = {
-        "run": run.run.name,
-        "shoe": shoe,
-        "begin phase": phase[begin],
-        "end phase": phase[end],
-        "begin time in s": run.time[begin],
-        "end time in s": run.time[end],
-        "begin in Pa": cycles.begin,
-        "end in Pa": cycles.end,
-    }
-    return pd.DataFrame(columns, index=range(len(begin)))
+def _named(runs: Sequence[UsedRun], shoe: int, cycles: pd.DataFrame) -> pd.DataFrame:
+    """Return cycles of a shoe with names, phases and times in place of numbers and rows."""
+    is_own = (cycles["begin of"] == cycles["end of"]).to_numpy()
+    names = np.array([run.run.name for run in runs], dtype=object)
+    columns = {"run": np.where(is_own, names[cycles["begin of"]], BETWEEN), "shoe": shoe}
+    for end in ("begin", "end"):
+        places = list(zip(cycles[f"{end} of"], cycles[f"{end} row"], is_own, strict=True))
+        columns[f"{end} phase"] = [
+            runs[k].phase[row] if own else runs[k].parts[runs[k].phase.codes[row]] for k, row, own in places
+        ]
+        columns[f"{end} time in s"] = [runs[k].time[row] for k, row, _ in places]
+    kept = ["begin in Pa", "end in Pa", "times an hour", "damage an hour"]
+    return pd.concat((pd.DataFrame(columns, index=cycles.index), cycles[kept]), axis=1)
 
 
-def _of_loads(
-    duty: Duty, basis: StressBasis, shoe: int, cycles: Mapping[int, Cycles]
+def _load_shares(
+    duty: Duty, runs: Sequence[UsedRun], shoe: int, cycles: Mapping[int, pd.DataFrame]
 ) -> dict[int, dict[str, np.ndarray]]:
-    """Part of each load in the duty's signal at nodes of a shoe between the ends of cycles (n,), in Pa."""
+    """Return the part of each load in the range of cycles (n,), at nodes of a shoe, by columns of a table."""
+    shares: dict[int, dict[str, np.ndarray]] = {node: {} for node in cycles}
+    for k, run in enumerate(runs):
+        for end, sense in (("begin", -1.0), ("end", 1.0)):
+            here = {node: np.flatnonzero(rows[f"{end} of"] == k) for node, rows in cycles.items()}
+            instants = {node: rows[f"{end} row"].to_numpy()[here[node]] for node, rows in cycles.items()}
+            for node, of_loads in _load_parts(duty, run.basis, shoe, instants).items():
+                rows = cycles[node]
+                size = (rows["end in Pa"] - rows["begin in Pa"]).to_numpy()[here[node]]
+                for load, part in of_loads.items():
+                    share = shares[node].setdefault(SHARE + load, np.zeros(len(rows)))
+                    share[here[node]] += sense * part / size
+    return shares
+
+
+def _load_parts(
+    duty: Duty, basis: StressBasis, shoe: int, instants: Mapping[int, np.ndarray]
+) -> dict[int, dict[str, np.ndarray]]:
+    """Return the part of each load in the duty's signal at nodes of a shoe at instants (n,), in Pa."""
     q = basis.coordinates[shoe]
-    by_node: dict[int, dict[str, np.ndarray]] = {node: {} for node in cycles}
+    by_node: dict[int, dict[str, np.ndarray]] = {node: {} for node in instants}
     for rows in parts_of(len(q)):
         loads = basis.by_load(shoe, rows)
         coordinates = q[rows]
-        for node, of in cycles.items():
+        for node, chosen in instants.items():
             modes = basis.shapes.stress_modes[node]
-            for end, sense in ((of.end_row, 1.0), (of.begin_row, -1.0)):
-                here = np.flatnonzero((end >= rows.start) & (end < rows.stop))
-                instants = end[here] - rows.start
-                along = stress_directions(duty.criterion, coordinates[instants] @ modes.T)
-                for load, part in loads.items():
-                    of_load = by_node[node].setdefault(load, np.zeros(len(end)))
-                    of_load[here] += sense * np.einsum("tk,tk->t", along, part[instants] @ modes.T)
+            here = np.flatnonzero((chosen >= rows.start) & (chosen < rows.stop))
+            at = chosen[here] - rows.start
+            along = stress_directions(duty.criterion, coordinates[at] @ modes.T)
+            for load, part in loads.items():
+                of_load = by_node[node].setdefault(load, np.zeros(len(chosen)))
+                of_load[here] += np.einsum("tk,tk->t", along, part[at] @ modes.T)
     return by_node

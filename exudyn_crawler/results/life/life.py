@@ -1,8 +1,8 @@
 """Life of the shoes in machine hours, at every node of their surface, over the runs of a duty.
 
 A shoe takes every place in the track in turn: its damage is the mean over those of the flexible shoes. Each
-run repeats itself, each check case is a cycle; from one to another goes a cycle between their extremes, as
-often as the duty says. Stages of wear add up by Miner's rule.
+run repeats itself, each check case is a cycle; cycles from one to another replace those that they are made of
+(`fem.fatigue.changes`). Stages of wear add up by Miner's rule. Above the tensile strength there is no life.
 """
 
 import itertools
@@ -18,18 +18,30 @@ from scipy.spatial import cKDTree
 from exudyn_crawler.case import Track
 from exudyn_crawler.results.history import History, catalogue
 from exudyn_crawler.results.life.duty import Duty
-from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_cases, used_runs
+from exudyn_crawler.results.life.duty_runs import (
+    BETWEEN,
+    NodeLife,
+    UsedRun,
+    mixed_cycles,
+    node_lives,
+    used_cases,
+    used_runs,
+)
 from exudyn_crawler.results.stress import hot_spots
 from fem import Shapes, SNCurve
 from fem.fatigue import critical_plane, defects
-from fem.fatigue.damage import SIGNED_CRITERIA, damage_between, recover_damage
+from fem.fatigue.changes import PassEnds
+from fem.fatigue.damage import SIGNED_CRITERIA, damage_of_changes, recover_damage
 from fem.stress import low_rank, trust
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
-BETWEEN = "between runs"  # part of the damage that no run has alone
+BROKEN = 0.0  # h, life where a stress exceeds the tensile strength
 MEGA = 1e6
 MILLI = 1e-3
 LIFE = "life in h"  # what the columns of lives begin with
+PEAK, EXCEEDS = "peak in MPa", "above"
+YIELD, TENSILE = "yield strength", "tensile strength"
+"""Columns of the greatest stress and of the strength that it exceeds, and names of these."""
 
 
 @dataclass(frozen=True)
@@ -37,10 +49,11 @@ class LifeResults:
     """Life of the shoes over a duty.
 
     `dataset` is what the catalogue of quantities has of life: dimensions shoe (place in the track), survival,
-    part ("run: phase", or "between runs"), node, axis, face and corner of the surface's triangles. Not a
-    number inside, and where the drive pulls at a single node. `damage_an_hour` is the mean over the places of
-    `place_damage`, `life` its reciprocal; `plane_damage` is known at the worst nodes, without what goes from
-    run to run; `stress_error`, `verdict` and `life_factor` say how far to trust the life.
+    part ("run: phase", each as if alone, and "between runs", what their mixing adds), node, axis, face and
+    corner of the surface's triangles. Not a number inside, and where the drive pulls at a single node.
+    `damage_an_hour` is the mean over the places of `place_damage`, `life` its reciprocal, or 0 where
+    `part_peak` exceeds the tensile strength; `plane_damage` is known at the worst nodes, without what goes
+    from run to run; `stress_error`, `verdict` and `life_factor` say how far to trust the life.
     """
 
     duty: Duty
@@ -58,13 +71,17 @@ class LifeResults:
     def causes(self) -> pd.DataFrame:
         """Shortest life in h of each region (columns) by each part of the damage alone; 1e9 for all beyond.
 
-        The shortest first. With stages a part is that of all of them, by its damage until the crack.
+        The shortest first; 0 where it breaks. With stages a part is that of all of them, by its damage until
+        the crack.
         """
         names = list(self.dataset.part.values)
         for stage in self.duty.stages:
             names = [name.removeprefix(f"{stage.name}, ") for name in names]
         damage = pd.DataFrame(self.dataset.part_damage.values).groupby(names, sort=False).sum()
         lives = damage.T.groupby(self.regions).max().T.map(life_hours)
+        peaks = pd.DataFrame(self.dataset.part_peak.values).groupby(names, sort=False).max()
+        breaks = self.duty.material.tensile_strength < peaks.T.groupby(self.regions).max().T
+        lives = lives.mask(breaks, BROKEN)
         lives = lives.loc[lives.min(axis=1).sort_values(kind="stable").index]
         return lives[lives.min(axis=0).sort_values(kind="stable").index].rename_axis(index="part")
 
@@ -101,9 +118,11 @@ def life_of(
     for shoe in basis.coordinates:
         say(f"shoe {shoe}: counting cycles of {len(surface)} nodes")
         at_places.append(_at_place(duty, runs, groups, shoe))
-    damage, parts, amplitude = (np.array(column) for column in zip(*at_places, strict=True))
+    damage, parts, amplitude, peaks = (np.array(column) for column in zip(*at_places, strict=True))
     mean = damage.mean(axis=0)
-    known = _worst_first(mean[-1])
+    peak = np.where(np.isnan(mean[-1]), np.nan, peaks.max(axis=0))
+    breaks = peak.max(axis=0) > duty.material.tensile_strength
+    known = _worst_first(np.where(breaks, np.inf, mean[-1]))
     shown = _shown(known, regions, duty)
     worst = np.union1d(known.index[known > 0.0][: duty.plane_nodes], shown)
     say(f"critical planes of the {len(worst)} worst nodes")
@@ -112,8 +131,9 @@ def life_of(
     values = {
         "place_damage": damage,
         "damage_an_hour": mean,
-        "life": life_hours(mean),
+        "life": np.where(breaks, BROKEN, life_hours(mean)),
         "part_damage": np.where(np.isnan(mean[-1]), np.nan, parts.mean(axis=0)),
+        "part_peak": peak,
         "plane_damage": on_plane,
         "plane_normal": directions,
         **_life_trust(runs, next(iter(groups)), damage[:, -1], amplitude, spreads),
@@ -126,7 +146,9 @@ def life_of(
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, _curves(duty, regions, shown))
-    life = LifeResults(duty, dataset, shortest_lives(dataset, nodes, runs, regions), nodes, runs, regions)
+    life = LifeResults(
+        duty, dataset, shortest_lives(duty, dataset, nodes, runs, regions), nodes, runs, regions
+    )
     return _with_castings(life, [life], [np.arange(len(whole.nodes))])
 
 
@@ -147,7 +169,7 @@ def _with_castings(
 ) -> LifeResults:
     """Same with residual stress, defect and life with it in its table, if its material has castings.
 
-    Without what goes between runs; at the nodes of its table, and the `nearest` ones of earlier stages.
+    At the nodes of its table, and the `nearest` ones of earlier stages.
     """
     duty = lives.duty
     material = lives.duty.material
@@ -155,7 +177,11 @@ def _with_castings(
     if not any(cast_part.defect_size or cast_part.residual_stress for cast_part in material.castings):
         return lives
     lasting = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
-    for region, node in zip(lives.table["region"], lives.table["node"], strict=True):
+    known = (
+        lives.table[name]
+        for name in ("region", "node", EXCEEDS, f"{LIFE} that {100.0 * duty.survivals[-1]:g} % survive")
+    )
+    for region, node, exceeds, sound in zip(*known, strict=True):
         cycles = []
         for stage_life, near, hours in zip(stages, nearest, lasting, strict=True):
             neighbour = int(near[node])
@@ -169,6 +195,7 @@ def _with_castings(
             begin, end, rate = (by_node[neighbour].cycles[name].to_numpy(dtype=float) for name in names)
             cycles.append(defects.CycleStage(begin, end, rate, hours))
         life = material.defect_life(region, duty.miner, cycles, duty.survivals[-1])
+        life = np.minimum(life, sound) if exceeds == TENSILE else life
         casting = material.casting(region)
         row = {"residual stress in MPa": casting.residual_stress / MEGA}
         rows.append(row | {"defect in mm": casting.defect_size / MILLI, f"{LIFE}, defect": min(life, BEYOND)})
@@ -176,7 +203,7 @@ def _with_castings(
 
 
 def _worst_first(damage: np.ndarray) -> pd.Series:
-    """Known ones of damages (nodes,) by node, falling."""
+    """Known ones of damages (nodes,) by node, falling; those of nodes that break are infinite."""
     return pd.Series(damage).dropna().sort_values(ascending=False, kind="stable")
 
 
@@ -204,9 +231,15 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     nearest = [nearest_nodes(stage, last) for stage in stages]
     each = [stage.dataset.isel(node=k) for stage, k in zip(stages, nearest, strict=True)]
     damage = np.stack([data.damage_an_hour.values for data in each])
-    spent = hours_in_stages(damage, [stage.hours for stage in duty.stages])
-    shares = spent / spent.sum(axis=0)
+    strength = duty.material.tensile_strength
+    breaks = np.stack([data.part_peak.max("part").values > strength for data in each])[:, None]
+    spent = hours_in_stages(np.where(breaks, np.inf, damage), [stage.hours for stage in duty.stages])
+    hours = spent.sum(axis=0)
+    # of what breaks at once the first stage counts
+    first = np.eye(len(damage))[0][:, None, None]
+    shares = np.where(hours > 0.0, spent / np.maximum(hours, np.finfo(float).tiny), first)
     mean = (shares * damage).sum(axis=0)
+    broken = (breaks & (np.cumsum(spent, axis=0) >= hours)).any(axis=0)
     parts = [share[-1] * data.part_damage.values for share, data in zip(shares, each, strict=True)]
     of_stages = zip(duty.stages, each, strict=True)
     names = [f"{stage.name}, {part}" for stage, data in of_stages for part in data.part.values]
@@ -215,10 +248,13 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
             share * data.place_damage.values for share, data in zip(shares, each, strict=True)
         ),
         "damage_an_hour": mean,
-        "life": life_hours(mean),
+        "life": np.where(broken, np.where(np.isnan(mean), np.nan, hours), life_hours(mean)),
         "part_damage": np.concatenate(parts),
+        "part_peak": np.concatenate([data.part_peak.values for data in each]),
     }
-    shown = _shown(_worst_first(mean[-1]), last.regions, duty)
+    worst = np.divide(1.0, hours[-1], out=np.full(mean[-1].shape, np.inf), where=hours[-1] > 0.0)
+    worst = np.where(broken[-1], worst, mean[-1])
+    shown = _shown(_worst_first(np.where(np.isnan(mean[-1]), np.nan, worst)), last.regions, duty)
     nodes = dict(last.nodes)
     if more := [node for node in shown if node not in nodes]:
         nodes |= node_lives(last.duty, last.runs, _curves(duty, last.regions, more))
@@ -230,7 +266,7 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     dataset = last.dataset.drop_dims("part").assign_coords(part=np.array(names, dtype=object))
     dataset = dataset.assign({name: catalogue.variable(name, value) for name, value in values.items()})
     dataset = dataset.assign_attrs(duty=duty.model_dump_json())
-    table = shortest_lives(dataset, nodes, last.runs, last.regions)
+    table = shortest_lives(duty, dataset, nodes, last.runs, last.regions)
     life = replace(last, duty=duty, dataset=dataset, table=table, nodes=nodes)
     return _with_castings(life, stages, nearest)
 
@@ -238,14 +274,15 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
 def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
     """Hours (stages, ...) that are spent in each stage until damages an hour (stages, ...) add up to 1.
 
-    The last stage goes on, `BEYOND` at most.
+    The last stage goes on, `BEYOND` at most. None are spent in a stage of infinite damage.
     """
     rest = np.ones(damage.shape[1:])
     spent = np.zeros(damage.shape)
     for k, rate in enumerate(damage):
         until = rest / np.maximum(rate, 1.0 / BEYOND)
         spent[k] = until if k == len(damage) - 1 else np.minimum(until, hours[k])
-        rest = np.maximum(rest - spent[k] * rate, 0.0)
+        used = np.multiply(spent[k], rate, out=np.ones(rate.shape), where=np.isfinite(rate))
+        rest = np.maximum(rest - used, 0.0)
     return spent
 
 
@@ -266,7 +303,10 @@ def nearest_nodes(stage: LifeResults, last: LifeResults) -> np.ndarray:
 def _at_place(
     duty: Duty, runs: Sequence[UsedRun], groups: Mapping[SNCurve, np.ndarray], shoe: int
 ) -> list[np.ndarray]:
-    """Damage an hour (survivals, nodes), also (parts, nodes), and amplitude (nodes,), Pa, of a shoe."""
+    """Return the damage an hour of a shoe by survival and by part, amplitudes and by part peaks of stress.
+
+    Arrays (survivals, nodes), (parts, nodes), (nodes,) and (parts, nodes); stresses in Pa.
+    """
     whole = runs[0].basis.shapes
     surface = np.concatenate([*groups.values()])
     of_groups = zip(*(_of_group(duty, runs, *group, shoe) for group in groups.items()), strict=True)
@@ -279,24 +319,28 @@ def _at_place(
 
 def _of_group(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, surface: np.ndarray, shoe: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Same of some nodes of the surface, which have the same S-N curve."""
-    parts, ends = [], []  # (survivals, phases, nodes) each; highest and lowest stresses
+    parts, ends, peaks = [], [], []  # (survivals, phases, nodes); of the passes; (phases, nodes)
     for run in runs:
         counting = run.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
         modes = run.basis.shapes.stress_modes
         q = run.basis.coordinates[shoe]
         recovery = recover_damage(modes, q, duty.criterion, counting, surface)
         parts.append(run.times_an_hour * recovery.damage.transpose(1, 2, 0))
-        ends.append((recovery.highest, recovery.lowest))
-    highest = np.max([high for high, _ in ends], axis=0)
-    lowest = np.min([low for _, low in ends], axis=0)
+        ends.append(recovery.ends)
+        peak = np.maximum(np.abs(recovery.ends.lowest), np.abs(recovery.ends.highest))
+        peaks.append(np.tile(peak, (len(run.parts), 1)))
+    passes = PassEnds.stacked(ends)
     if len(runs) > 1:
-        often = min(run.times_an_hour for run in runs)
-        often = often if duty.changes_an_hour is None else duty.changes_an_hour
-        parts.append(often * damage_between(curve, highest, lowest, duty.survivals)[:, None])
+        mixed = mixed_cycles(duty, runs, passes)
+        parts.append(damage_of_changes(mixed, curve, duty.survivals, len(surface))[:, None])
+        peaks.append(np.zeros((1, len(surface))))
     damage = sum((each.sum(axis=1) for each in parts), start=np.zeros((len(duty.survivals), len(surface))))
-    return damage, np.concatenate([each[-1] for each in parts]), 0.5 * (highest - lowest)
+    # cycles that are replaced may be so small that they have not been counted
+    damage = np.maximum(damage, 0.0)
+    amplitude = 0.5 * (passes.highest.max(axis=0) - passes.lowest.min(axis=0))
+    return damage, np.concatenate([each[-1] for each in parts]), amplitude, np.concatenate(peaks)
 
 
 def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
@@ -381,6 +425,7 @@ def life_hours(damage: np.ndarray | float) -> np.ndarray:
 
 
 def shortest_lives(
+    duty: Duty,
     dataset: xr.Dataset,
     nodes: Mapping[int, NodeLife],
     runs: Sequence[UsedRun],
@@ -388,11 +433,12 @@ def shortest_lives(
 ) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.
 
-    A row a node: region, node and its place in the shoe (m); life (h, 1e9 for all beyond) at each survival,
-    the range of the last given the uncertainty of the stress, and the verdict; the place in the track that
-    wears it most and the life of a shoe that stays there; run and phase, and load, with the greatest part of
-    the damage, and the parts of all loads; life by each criterion, those signed without what goes from run
-    to run; and whether a joint's rigid spider is near.
+    A row a node: region, node and its place in the shoe (m); life (h, 1e9 for all beyond, 0 where it breaks)
+    at each survival, the range of the last given the uncertainty of the stress, and the verdict; the greatest
+    von Mises stress of all runs, and which strength it exceeds; the place in the track that wears it most and
+    the life of a shoe that stays there; run and phase, and load, with the greatest part of the damage, and
+    the parts of all loads; life by each criterion, that by the critical plane without what goes from run to
+    run; and whether a joint's rigid spider is near.
     """
     whole = runs[0].basis.shapes
     data = dataset.sel(node=list(nodes))
@@ -405,9 +451,16 @@ def shortest_lives(
     columns |= hot_spots.in_the_shoe(data.node_position)
     for survival, lives in zip(data.survival.values, data.life.values, strict=True):
         columns[f"{LIFE} that {100.0 * survival:g} % survive"] = lives
+    peak = np.maximum(data.part_peak.max("part").values, [node_life.peak for node_life in nodes.values()])
+    material = duty.material
+    exceeds = np.select(
+        [peak > material.tensile_strength, peak > material.yield_strength], [TENSILE, YIELD], ""
+    )
     columns |= {
         f"{LIFE} at least": life_hours(damage * factor),
         f"{LIFE} at most": life_hours(damage / factor),
+        PEAK: peak / MEGA,
+        EXCEEDS: exceeds,
         "verdict": trust.verdict_words(data.verdict, all(run.basis.bound is not None for run in runs)),
         "worst place": places.shoe.values[np.nanargmax(places, axis=0)],
         f"{LIFE} there": life_hours(places.max("shoe").values),
@@ -421,6 +474,13 @@ def shortest_lives(
             np.array([node_life.by_criterion[name] for node_life in nodes.values()])
         )
     columns[f"{LIFE}, critical plane"] = life_hours(data.plane_damage.values[-1])
+    broken = data.part_peak.max("part").values > material.tensile_strength
+    shortest = data.life.values[-1]
+    columns |= {
+        name: np.where(broken, np.minimum(hours, shortest), hours)
+        for name, hours in columns.items()
+        if name.startswith(LIFE)
+    }
     beside = np.where(np.isin(data.node, whole.nodes_beside_spiders), "beside spider", "")
     columns["flag"] = np.where(np.isin(data.node, whole.spider_nodes), trust.IN_SPIDER, beside)
     return pd.DataFrame(columns)
@@ -433,7 +493,9 @@ def in_words(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def life_words(hours: float) -> float | str:
-    """Life in h of four digits, or words where it is not known or beyond all machines."""
+    """Life in h of four digits, or words where it is not known, none, or beyond all machines."""
     if np.isnan(hours):
         return "not known"
+    if hours == BROKEN:
+        return "breaks"
     return "beyond 1e9" if hours >= BEYOND else float(f"{hours:.4g}")

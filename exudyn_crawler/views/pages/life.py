@@ -1,5 +1,6 @@
 """Pages of a life and of a check of a shoe: the shoe in 3D, coloured, tables, curves; pictures of a check."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib as mpl
@@ -12,7 +13,19 @@ from matplotlib.figure import Figure
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.results.checks.solve import CheckResults
 from exudyn_crawler.results.checks.tables import CYCLES
-from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours
+from exudyn_crawler.results.life.life import (
+    BEYOND,
+    BROKEN,
+    EXCEEDS,
+    LIFE,
+    PEAK,
+    TENSILE,
+    YIELD,
+    LifeResults,
+    in_words,
+    life_hours,
+    life_words,
+)
 from exudyn_crawler.results.stress.hot_spots import BORES, flat_triangles
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import packing, page
@@ -20,6 +33,7 @@ from exudyn_crawler.views.scenes import pictures, scene, shoes
 from exudyn_crawler.views.tables import cell_text
 from fem.body.element_stress import von_mises
 
+LEAST_LIFE = 1.0  # h, that colours tell
 LEAST_DECADES = 2  # powers of ten of life that the colours span at least
 DRAWN, POINTS = 3, 2000
 """Nodes of the table whose growing damage is drawn, and points of a drawn curve at most."""
@@ -33,7 +47,7 @@ UNKNOWN = (
 )
 SHARES = (
     "The contribution of a load is its part of the stress ranges, weighted by their damage; that of a load "
-    "that relieves is negative. Lives by single criteria leave out the cycles from run to run."
+    "that relieves is negative. The life by the critical plane leaves out the cycles from run to run."
 )
 CAUSES = (
     "Machine hours after which each run or check case alone would crack a region: the darker, the sooner. "
@@ -96,16 +110,43 @@ def life_lines(lives: LifeResults) -> list[str]:
     shortest = cell_text(worst[f"{LIFE} that {survival:g} % survive"])
     low, high = (cell_text(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = material.factors()
+    beyond = list(_beyond_strength(lives))
     strength = material.curve(lives.duty.miner).strength / style.MEGA
+    until = f"{shortest} machine hours until a crack"
+    if shortest == cell_text(life_words(BROKEN)):
+        until = "no machine hours: a crack at the first load"
     return [
-        f"{shortest} machine hours until a crack at the worst node ({worst['region']}; rigid pin couplings "
+        f"{until} at the worst node ({worst['region']}; rigid pin couplings "
         f"left out), which {survival:g} % of the shoes survive{mean}"
         f"{worn and f'; stages{worn[1:]}, the last goes on'}",
+        *beyond,
         f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
         f"{lives.duty.criterion}, Miner {lives.duty.miner}; {material.name}: strength at the "
         f"surface {strength:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / style.MEGA:.4g} MPa), mean "
         f"stress sensitivity {factors['mean_sensitivity']:.3g}; {material.provenance()}",
     ]
+
+
+def _beyond_strength(lives: LifeResults) -> Iterator[str]:
+    """Yield what lives do not know where stress exceeds a strength, a line each; bores are left out."""
+    material = lives.duty.material
+    table = lives.table[lives.table["flag"] != "in spider"].sort_values(PEAK, ascending=False, kind="stable")
+    for name, strength, unknown in (
+        (TENSILE, material.tensile_strength, "it breaks at the first such load, and there are no hours"),
+        (
+            YIELD,
+            material.yield_strength,
+            "the life is by linear stress. It does not know how far the steel flows, what residual stress "
+            "that leaves, cracks after few cycles of flow, and that the shoe bends for good",
+        ),
+    ):
+        rows = table[table[EXCEEDS] == name]
+        if len(rows):
+            row = rows.iloc[0]
+            regions = ", ".join(dict.fromkeys(rows["region"]))
+            at = f"up to {cell_text(row[PEAK])} MPa at node {row['node']}"
+            limit = f"{material.name}'s {name} is {cell_text(strength / style.MEGA)} MPa"
+            yield f"above {name}: {regions}, {at}; {limit}: {unknown}"
 
 
 def life_solid(lives: LifeResults) -> scene.Solid:
@@ -118,9 +159,12 @@ def life_solid(lives: LifeResults) -> scene.Solid:
         for survival in reversed(data.survival.values)
     }
     fields |= {
-        f"stays at place {shoe}": life_hours(at_last.sel(shoe=shoe).values) for shoe in data.shoe.values
+        f"stays at place {shoe}": np.where(
+            data.life.values[-1] == BROKEN, BROKEN, life_hours(at_last.sel(shoe=shoe).values)
+        )
+        for shoe in data.shoe.values
     }
-    logs = {name: np.log10(life[used]) for name, life in fields.items()}
+    logs = {name: np.log10(np.maximum(life[used], LEAST_LIFE)) for name, life in fields.items()}
     high = float(np.log10(BEYOND))
     low = min(*(float(np.nanmin(log)) for log in logs.values()), high - LEAST_DECADES)
     colours = (low, high, f"{style.STRESS_MAP}_r")
@@ -138,8 +182,8 @@ def life_solid(lives: LifeResults) -> scene.Solid:
 def causes_figure(lives: LifeResults) -> go.Figure:
     """Life by each part of the damage alone, a row each, in every region: colours and hours."""
     causes = lives.causes()
-    words = causes.map(lambda hours: "" if hours >= BEYOND else cell_text(hours))
-    decades = np.log10(causes)
+    words = causes.map(lambda hours: "" if hours >= BEYOND else cell_text(life_words(hours)))
+    decades = np.log10(causes.clip(lower=LEAST_LIFE))
     low = float(decades.min().min())
     high = float(np.log10(BEYOND))
     ticks = np.arange(np.floor(low), high + 1.0)

@@ -1,0 +1,273 @@
+"""Cycles of histories that are mixed: passes of them follow each other in an order that is not known.
+
+A history that is repeated closes its own cycles. Where another one follows, the highest peak of one may close
+a cycle with the lowest valley of the other, which replaces cycles that they closed alone. As in the maximum-
+minimum counting of ASME VIII-2, annex 5-B, the highest peak of all is paired with the lowest valley of all at
+the rate of the rarer, then the next with what is left. Here a pass stays whole. It begins and ends somewhere:
+what is left of it closes a cycle with that, and others may follow there a pass that closes the widest cycle
+alone. Rates alone enter, so that neither the order nor the cutting of the histories matters.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from fem.body.mesh import Floats, Integers
+from fem.compiling import compiler
+
+LOW, HIGH = 0, 1
+"""Senses of extremes."""
+WHOLE, PEAK, VALLEY = 0, 1, 2
+"""What is left of a pass: all of it, its peak, its valley."""
+EVENTS = 5  # cycles that come and go as a peak is paired with a valley, at most
+PAIRS = 12  # pairs a history, which many more than there ever are
+BUFFER = 1 << 18  # events that are gathered in one call
+
+
+class PassEnds(NamedTuple):
+    """Stresses of histories over one pass by which they may be joined to others.
+
+    Attributes
+    ----------
+    lowest, highest : array (...)
+        Extremes.
+    valley : array (...)
+        Stress down to which the history goes both before and after its highest one: its valley if that is
+        taken by a higher peak of another history.
+    peak : array (...)
+        Stress up to which it goes both before and after its lowest one.
+    """
+
+    lowest: Floats
+    highest: Floats
+    valley: Floats
+    peak: Floats
+
+    @classmethod
+    def stacked(cls, passes: Sequence["PassEnds"]) -> Self:
+        """Ends (h, ...) of h histories."""
+        return cls(*map(np.stack, zip(*passes, strict=True)))
+
+
+class EndsTracker:
+    """Ends of n histories whose values come in parts."""
+
+    def __init__(self, count: int) -> None:
+        self._values = np.full((count, 2, 3), np.nan)
+        self._rows = np.zeros((count, 2, 3), dtype=np.int64)
+
+    def add(self, of: slice, signals: Floats, start: int) -> None:
+        """Follow the next values (k, t) of some histories, of which `start` is the first's row."""
+        _follow(signals, start, self._values[of], self._rows[of])
+
+    @property
+    def _other(self) -> Integers:
+        """Side, 1 before and 2 after an extreme, of the lesser of both turns beside it: (n, 2)."""
+        before, after = self._values[..., 1], self._values[..., 2]
+        is_before = np.stack([before[:, LOW] <= after[:, LOW], before[:, HIGH] >= after[:, HIGH]], axis=1)
+        return np.where(is_before, 1, 2)
+
+    def _chosen(self, values: np.ndarray) -> tuple[np.ndarray, ...]:
+        turns = np.take_along_axis(values, self._other[..., None], axis=2)[..., 0]
+        return values[:, LOW, 0], values[:, HIGH, 0], turns[:, HIGH], turns[:, LOW]
+
+    @property
+    def ends(self) -> PassEnds:
+        """Ends (n,) of the histories."""
+        return PassEnds(*self._chosen(self._values))
+
+    @property
+    def rows(self) -> PassEnds:
+        """Rows (n,) of the ends."""
+        return PassEnds(*self._chosen(self._rows))
+
+
+@compiler(nogil=True)
+def _follow(signals, start, values, rows):
+    """Extremes of signals (k, t), and the least opposite turn before and after each, into (k, 2, 3)."""
+    for k in range(signals.shape[0]):
+        for t in range(signals.shape[1]):
+            value = np.float64(signals[k, t])
+            row = start + t
+            for sense in range(2):
+                sign = 1.0 if sense == 1 else -1.0
+                extreme, before, after = values[k, sense, 0], values[k, sense, 1], values[k, sense, 2]
+                if row == 0:
+                    values[k, sense, :] = value
+                    rows[k, sense, :] = 0
+                elif sign * value > sign * extreme:
+                    # all turns so far come before it
+                    if sign * after < sign * before:
+                        values[k, sense, 1] = after
+                        rows[k, sense, 1] = rows[k, sense, 2]
+                    values[k, sense, 0] = value
+                    values[k, sense, 2] = value
+                    rows[k, sense, 0] = row
+                    rows[k, sense, 2] = row
+                elif sign * value < sign * after:
+                    values[k, sense, 2] = value
+                    rows[k, sense, 2] = row
+
+
+class Changes(NamedTuple):
+    """Cycles that come, and with negative rates those that go, as histories are mixed.
+
+    Attributes
+    ----------
+    place : int array (m,)
+        Column of the ends that each is of.
+    begin, end : array (m,)
+        Stress at its valley and at its peak.
+    rate : array (m,)
+        How often it happens.
+    low, high : int array (m,)
+        History of its valley and of its peak; plus their number, if it is the turn and not the extreme.
+    """
+
+    place: Integers
+    begin: Floats
+    end: Floats
+    rate: Floats
+    low: Integers
+    high: Integers
+
+
+def changes(ends: PassEnds, rates: Floats, most: float = np.inf) -> Changes:
+    """Changes of the cycles of h histories that are mixed in an unknown order.
+
+    Parameters
+    ----------
+    ends : PassEnds
+        Arrays (h, n), at n places.
+    rates : array (h,)
+        How often each history happens.
+    most : float
+        How often the histories change, there and back, at most.
+    """
+    lows = np.ascontiguousarray(np.concatenate((ends.lowest, ends.valley)), dtype=np.float64)
+    highs = np.ascontiguousarray(np.concatenate((ends.highest, ends.peak)), dtype=np.float64)
+    count, n = lows.shape
+    room = EVENTS * PAIRS * count
+    where = np.empty((3, max(BUFFER, room)), dtype=np.int64)
+    often = np.empty(where.shape[1])
+    gathered = [(np.empty((3, 0), dtype=np.int64), np.empty(0))]
+    first = 0
+    while first < n:
+        first, found = _pair_ends(lows, highs, np.asarray(rates, dtype=np.float64), most, first, where, often)
+        gathered.append((where[:, :found].copy(), often[:found].copy()))
+    place, low, high = np.concatenate([part for part, _ in gathered], axis=1)
+    rate = np.concatenate([part for _, part in gathered])
+    return Changes(place, lows[low, place], highs[high, place], rate, low, high)
+
+
+@compiler(nogil=True)
+def _pair_ends(lows, highs, rates, most, first, where, often):
+    """Write the events of places from `first` on while there is room; return the next place and their number.
+
+    `lows` and `highs` (2 h, n) are the lowest and highest stresses of h histories, then their turns.
+    """
+    both, n = lows.shape
+    h = both // 2
+    count = 0
+    # rates of passes, and of what is left between their own cycles, of which nothing or one extreme is taken
+    left = np.empty((3, both))
+    for place in range(first, n):
+        if count + EVENTS * PAIRS * both > often.shape[0]:
+            return place, count
+        low = lows[:, place]
+        high = highs[:, place]
+        left[:] = 0.0
+        left[WHOLE, :h] = rates
+        changes_left = most
+        for _ in range(PAIRS * both):
+            i = _outermost(high, low, left[WHOLE], left[PEAK], 1.0)
+            j = _outermost(low, high, left[WHOLE], left[VALLEY], -1.0)
+            if i < 0 or j < 0 or high[i] <= low[j]:
+                break
+            own = _holder(low, high, left[WHOLE], low[j], high[i])
+            if own >= 0:
+                # closes this cycle alone, and others may follow where it starts and ends
+                if own < h:
+                    left[WHOLE, own + h] += left[WHOLE, own]
+                left[WHOLE, own] = 0.0
+                continue
+            of_i = PEAK if left[PEAK, i] > 0.0 else WHOLE
+            of_j = VALLEY if left[VALLEY, j] > 0.0 else WHOLE
+            # what is left of a pass is better off with its own turn
+            alone_i = of_i == PEAK and low[i + h] <= low[j]
+            alone_j = of_j == VALLEY and high[j + h] >= high[i]
+            if alone_i:
+                left[PEAK, i] = 0.0
+            if alone_j:
+                left[VALLEY, j] = 0.0
+            if alone_i or alone_j:
+                continue
+            rate = min(left[of_i, i], left[of_j, j], changes_left)
+            if rate <= 0.0:
+                break
+            changes_left -= rate
+            left[of_i, i] -= rate
+            left[of_j, j] -= rate
+            events = [(j, i, rate)]
+            if of_i == PEAK:
+                events.append((i + h, i, -rate))
+            elif i < h:
+                left[VALLEY, i] += rate
+                events.append((i, i, -rate))
+                events.append((i, i + h, rate))
+            if of_j == VALLEY:
+                events.append((j, j + h, -rate))
+            elif j < h:
+                left[PEAK, j] += rate
+                events.append((j, j, -rate))
+                events.append((j + h, j, rate))
+            for lower, higher, each in events:
+                if high[higher] > low[lower]:
+                    where[0, count] = place
+                    where[1, count] = lower
+                    where[2, count] = higher
+                    often[count] = each
+                    count += 1
+    return n, count
+
+
+@compiler(nogil=True)
+def _outermost(level, other, whole, half, sense):
+    """Find the history whose level is highest (sense 1) or lowest (-1) of those left; -1 if none is.
+
+    Among equal ones, which others decide but not their order: the half of a pass, the wider, the one whose
+    turns are wider.
+    """
+    h = len(level) // 2
+    best = -1
+    for k in range(len(level)):
+        if whole[k] <= 0.0 and half[k] <= 0.0:
+            continue
+        if best < 0 or sense * level[k] > sense * level[best]:
+            best = k
+            continue
+        if level[k] != level[best]:
+            continue
+        if (half[k] > 0.0) != (half[best] > 0.0):
+            if half[k] > 0.0:
+                best = k
+        elif other[k] != other[best]:
+            if sense * other[k] < sense * other[best]:
+                best = k
+        elif k < h and best < h:
+            if other[k + h] != other[best + h]:
+                if sense * other[k + h] < sense * other[best + h]:
+                    best = k
+            elif sense * level[k + h] > sense * level[best + h]:
+                best = k
+    return best
+
+
+@compiler(nogil=True)
+def _holder(low, high, whole, lowest, highest):
+    """Find a history of which a whole pass is left that holds both extremes; -1 if none does."""
+    for k in range(len(low)):
+        if whole[k] > 0.0 and low[k] == lowest and high[k] == highest:
+            return k
+    return -1
