@@ -149,7 +149,7 @@ class WeighedCycles(NamedTuple):
         ends = np.sort(np.stack((self.begin[here], self.end[here]), axis=1), axis=1)
         different, each = np.unique(ends, axis=0, return_inverse=True)
         rate = np.bincount(each.ravel(), self.rate[here], len(different))
-        return CycleStage(*different.T, np.maximum(rate, 0.0), lasts)
+        return CycleStage(different[:, 0], different[:, 1], np.maximum(rate, 0.0), lasts)
 
 
 @dataclass(frozen=True)
