@@ -15,7 +15,7 @@ from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
 from exudyn_crawler.results.checks.solve import case_shapes
 from exudyn_crawler.results.checks.tables import cycle_table
 from exudyn_crawler.results.life.duty import UNLOADED, DutyCase, DutyRun, DutyStage
-from exudyn_crawler.results.life.duty_runs import BETWEEN, check_cases_of
+from exudyn_crawler.results.life.duty_runs import BETWEEN, check_cases_of, node_lives, used_cases
 from exudyn_crawler.results.life.life import BEYOND, hours_in_stages, in_words, life_of, life_of_stages
 from exudyn_crawler.views.pages.life import life_lines
 from fem import Shapes
@@ -252,39 +252,45 @@ def test_a_cycle_from_case_to_case_replaces_those_that_it_is_made_of(mesh):
     assert shown.cycles[["begin in Pa", "end in Pa"]].abs().max().max() == pytest.approx(140e6)
     assert shown.by_criterion["signed von mises"] == pytest.approx(expected, rel=1e-9)
     # as often as the duty says
-    seldom = life_of(
-        duty(STONE.with_(an_hour=3.0), press, changes_an_hour=0.5), [], shapes=pulled(mesh, 140e6, -60e6)
-    )
     each = curve.damage(np.array([100e6, 70e6, 30e6]), np.array([40e6, 70e6, -30e6]), (0.975,))[0]
-    assert float(seldom.dataset.damage_an_hour.sel(node=node)[0]) == pytest.approx(each @ [0.5, 2.5, 1.5])
+    seldom = damage_at(mesh, node, STONE.with_(an_hour=3.0), press, changes_an_hour=0.5)
+    assert seldom == pytest.approx(each @ [0.5, 2.5, 1.5])
 
 
-def test_life_is_the_same_however_a_duty_is_cut(mesh):
+def damage_at(mesh, node, *rows, **changes):
+    """Damage an hour of a node under rows of check cases that pull by some stresses."""
+    stress = {"stone": 140e6, "strike": -60e6, "third": 90e6, "fourth": 40e6, "fifth": -100e6}
+    asked = duty(*rows, **changes)
+    runs = used_cases(asked, pulled(mesh, *(stress[name] for name in check_cases_of(asked))), [])
+    found = node_lives(asked, runs, {node: PLATE.curve()})[node]
+    assert found.cycles["damage an hour"].sum() == pytest.approx(
+        found.by_criterion[asked.criterion], rel=1e-9
+    )
+    return found.by_criterion[asked.criterion]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_life_is_the_same_however_a_duty_is_cut(mesh, seed):
     """Rows in another order, each cut into several ones of the same case."""
-    random = np.random.default_rng(11)
-    stress = (140e6, -60e6, 90e6, 40e6, -100e6)
-    cases = [
-        DutyCase(name=f"case {k}", case=name, after=after, an_hour=rate)
-        for k, (name, after, rate) in enumerate(
-            [("a", UNLOADED, 3.0), ("b", UNLOADED, 2.0), ("c", "d", 5.0), ("e", "b", 0.7), ("a", "c", 1.1)]
-        )
-    ]
-    names = ("a", "b", "c", "d", "e")
-
-    def damage(rows):
-        asked = duty(*rows)
-        known = [names.index(name) for name in check_cases_of(asked)]
-        found = life_of(asked, [], shapes=pulled(mesh, *(stress[k] for k in known)))
-        return found.dataset.damage_an_hour.values[0, mesh.surface_nodes]
-
-    whole = damage(cases)
+    random = np.random.default_rng(seed)
+    node = int(mesh.surface_nodes[100])
+    states = ["stone", "strike", "third", "fourth", "fifth", UNLOADED]
+    cases = []
+    for k in range(5):
+        after, state = random.choice(6), random.choice(5)
+        also = {"after": states[after if after != state else 5]}
+        cases.append(DutyCase(name=f"{k}", case=states[state], an_hour=random.uniform(0.1, 5.0), **also))
     pieces = [
         case.with_(name=f"{case.name}.{k}", an_hour=float(case.an_hour * part))
         for case in cases
-        for k, part in enumerate(random.dirichlet(np.ones(random.integers(2, 5))))
+        for k, part in enumerate(random.dirichlet(np.ones(random.integers(1, 5))))
     ]
-    cut = damage([pieces[k] for k in random.permutation(len(pieces))])
-    np.testing.assert_allclose(cut, whole, rtol=1e-9)
+    cut = [pieces[k] for k in random.permutation(len(pieces))]
+    for changes_an_hour in (None, 0.7, 0.0):
+        whole, again = (
+            damage_at(mesh, node, *rows, changes_an_hour=changes_an_hour) for rows in (cases, cut)
+        )
+        assert again == pytest.approx(whole, rel=1e-9)
 
 
 def test_stress_above_a_strength_is_said_beside_the_life(mesh):
@@ -309,11 +315,7 @@ def test_stress_above_a_strength_is_said_beside_the_life(mesh):
     assert "A36's tensile strength is 400 MPa: it breaks at the first such load" in lines[1]
     # in a later stage it breaks as that begins
     whole = duty(STONE.with_(an_hour=1e-4), stages=STAGES)
-    later = [
-        life_of(one, [], shapes=pulled(mesh, stress))
-        for one, stress in zip(whole.by_stage(), (100e6, 410e6), strict=True)
-    ]
-    stages = life_of_stages(whole, later)
+    stages = life_of_stages(whole, [strong, breaking])
     assert stages.dataset.life.values[0, mesh.surface_nodes] == pytest.approx(1000.0)
     assert stages.table[last].to_numpy() == pytest.approx(1000.0)
 
