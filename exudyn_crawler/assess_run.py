@@ -6,11 +6,11 @@ from pathlib import Path
 from exudyn_crawler import files
 from exudyn_crawler.assessment import run_forces
 from exudyn_crawler.assessment.assessment import Assessment, assessment_of
-from exudyn_crawler.assessment.inputs import Origin
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.datasheet.ledger import ledger_of
 from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.origins import Ledger
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.views import assessment as drawings, style, tables
@@ -70,7 +70,7 @@ def assess(
         for name in (*ASSESSED_TABLES, COMPARED, ASSESSED_PAGE):
             files.refuse_existing(folder / name, overwrite)
     given: tuple[str, ...] = ()
-    known: dict[str, tuple[Origin, str]] = {}
+    origins: Ledger | None = None
     if isinstance(machine, Case):
         case = machine
         settings = settings or AssessmentSettings(name=case.name)
@@ -78,11 +78,11 @@ def assess(
         asked = read_assessment(machine)
         case = asked.machine.case
         given = asked.given if settings is None else ()
-        known = {entry.path: (entry.origin, entry.how) for entry in ledger_of(asked.machine)}
+        origins = ledger_of(asked.machine)
         settings = settings or asked.settings
     checks.warn_of([*checks.out_of_range(settings), *_odd_payload(case, settings)])
     runs = [_forces(named) for named in ([run] if isinstance(run, str | Path) else run)]
-    found = assessment_of(case, settings, given=given, origins=known, runs=runs, say=say)
+    found = assessment_of(case, settings, given=given, origins=origins, runs=runs, say=say)
     if folder is not None:
         write_assessment(found, files.writable_folder(folder), overwrite)
     return found

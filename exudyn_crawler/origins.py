@@ -44,6 +44,16 @@ class Rule(NamedTuple):
     """Names of figures and typical values, and paths of other values."""
     text: str
     source: str
+    unit: str = ""
+    """Of a value that no field holds."""
+
+    def gives(self, plain: str) -> bool:
+        """True if it gives the value at a path, which is written without numbers of items."""
+        return any(plain == key or (key[-1] == "*" and plain.startswith(key[:-1])) for key in self.paths)
+
+    def how(self, detail: str = "") -> str:
+        """Return text and source, with numbers of the case."""
+        return "; ".join(filter(None, (f"{self.text}: {detail}" if detail else self.text, self.source)))
 
 
 class Entry(NamedTuple):
@@ -95,7 +105,7 @@ class Ledger:
 
 
 def read_rules(path: Path) -> tuple[Rule, ...]:
-    """Read a table of rules: CSV with the columns paths, name, origin, made_of, rule and source."""
+    """Read a table of rules: CSV with the columns paths, name, origin, made_of, rule, source, maybe unit."""
     with path.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     return tuple(
@@ -106,6 +116,7 @@ def read_rules(path: Path) -> tuple[Rule, ...]:
             tuple(row["made_of"].split()),
             row["rule"],
             row["source"],
+            row.get("unit", ""),
         )
         for row in rows
     )

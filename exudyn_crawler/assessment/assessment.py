@@ -1,7 +1,7 @@
 """Assessment of a machine: its inputs, load cases and items, as tables."""
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.resources import files
@@ -10,13 +10,15 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler.assessment import machine_items, part_items, run_forces, slewing
-from exudyn_crawler.assessment.inputs import AssessmentNumbers, Origin, numbers_of
+from exudyn_crawler.assessment.inputs import AssessmentNumbers, numbers_of
 from exudyn_crawler.assessment.items import NOT_KNOWN, AssessedItem, governing
+from exudyn_crawler.assessment.ledger import inputs_ledger
 from exudyn_crawler.assessment.load_cases import LoadCases, read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress, check_of, shoe_stresses
 from exudyn_crawler.assessment.states import FORMULA, CaseLoads, loads_of
 from exudyn_crawler.case import Case
+from exudyn_crawler.origins import Ledger, Origin
 
 KILO = 1e3
 ATTACHMENT = "work.payload and work.reach are a payload, or an attachment's mass and place; payload = 0: none"
@@ -34,6 +36,8 @@ class Assessment:
     name: str
     settings: AssessmentSettings
     numbers: AssessmentNumbers
+    ledger: Ledger
+    """Inputs, with where each comes from."""
     load_cases: LoadCases
     loads: list[CaseLoads]
     found: list[AssessedItem]
@@ -74,7 +78,7 @@ class Assessment:
     @property
     def inputs(self) -> pd.DataFrame:
         """Table of the inputs, with where each comes from."""
-        return pd.DataFrame([row._asdict() | {"value": _text(row.value)} for row in self.numbers.inputs])
+        return pd.DataFrame([row._asdict() | {"value": _text(row.value)} for row in self.ledger])
 
     @property
     def cases(self) -> pd.DataFrame:
@@ -129,7 +133,7 @@ class Assessment:
         """Lines that say what governs, what exceeds its limit, and what the numbers stand on."""
         first = self.governing[0]
         over = [item for item in self.governing if item.utilisation > 1.0]
-        assumed = sum(row.origin == "assumed" for row in self.numbers.inputs)
+        assumed = self.ledger.counts.get(Origin.ASSUMED, 0)
         exceed = f"{len(over)} of {len(self.governing)} items exceed their limit"
         if over:
             exceed += ": " + ", ".join(item.item for item in over)
@@ -141,7 +145,7 @@ class Assessment:
             exceed,
             *([f"{NOT_KNOWN}: {names}; they need {', '.join(needs)}"] if unknown else []),
             *([ATTACHMENT] if "work.payload" in needs else []),
-            f"load cases: {self.load_cases.name}; {assumed} of {len(self.numbers.inputs)} inputs are assumed",
+            f"load cases: {self.load_cases.name}; {assumed} of {len(self.ledger)} inputs are assumed",
             *(f"{row.name!r} has the forces of {row.basis}" for row in self.loads if row.basis != FORMULA),
             *self.left_out,
         ]
@@ -160,17 +164,18 @@ def assessment_of(
     *,
     name: str | None = None,
     given: tuple[str, ...] = (),
-    origins: Mapping[str, tuple[Origin, str]] | None = None,
+    origins: Ledger | None = None,
     runs: Sequence[tuple[str | None, run_forces.RunForces]] = (),
     say: Callable[[str], None] = lambda _text: None,
 ) -> Assessment:
     """Assessment of the machine of a case; a ValueError if it does not stand on two closed tracks.
 
-    `given` and `origins`: see `numbers_of`; each of the `runs` gives its forces to the load case of the name
-    beside it, or to that which it is of if the name is none.
+    `given` and `origins`: see `inputs_ledger`. Each of the `runs` gives its forces to the load case of the
+    name beside it, or to that which it is of if the name is none.
     """
     settings = settings or AssessmentSettings(name=case.name)
-    numbers = numbers_of(case, settings, given, origins)
+    numbers = numbers_of(case, settings)
+    ledger = inputs_ledger(case, settings, numbers, given, origins)
     load_cases = read_load_cases(settings.load_cases)
     by_formula = loads_of(numbers, load_cases)
     loads = by_formula
@@ -198,4 +203,14 @@ def assessment_of(
         items.append(part_items.fatigue_item(numbers, settings, loads, fatigue))
     items += machine_items.machine_items(numbers, settings)
     beside = pd.concat(compared, ignore_index=True) if compared else None
-    return Assessment(name or settings.name, settings, numbers, load_cases, loads, items, left_out, beside)
+    return Assessment(
+        name=name or settings.name,
+        settings=settings,
+        numbers=numbers,
+        ledger=ledger,
+        load_cases=load_cases,
+        loads=loads,
+        found=items,
+        left_out=left_out,
+        compared=beside,
+    )

@@ -1,11 +1,10 @@
-"""Numbers of an assessment from a case and settings, each with where it comes from.
+"""Numbers of an assessment from a case and settings.
 
 Nothing else of the room reads a case. Places are in the axes of `assessment.forces`: from the middle of the
 rectangle on which both tracks stand.
 """
 
 import math
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from exudyn_crawler.assessment.stability import Edges
 from exudyn_crawler.assessment.utilisation import PartStrength, PinnedHinge, RollerTread, chain_strength
 from exudyn_crawler.case import Case, CellContact, Machine, PairContact
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.origins import Ruled
 from meshes.geometry import PITCH, ShoeDimensions
 
 RISE = 5e-3
@@ -33,19 +33,6 @@ PINS = {"diameter": 0.21, "inner": 0.50, "outer": 0.20, "gap": 0.005}
 
 WORK_TO_STATE = ("payload", "reach", "digging", "wind_area")
 """Work that no machine says by itself."""
-
-Origin = str
-
-
-class AssessmentInput(NamedTuple):
-    """Number of an assessment with where it comes from."""
-
-    name: str
-    value: Any
-    unit: str
-    origin: Origin
-    how: str
-    """Key of the file, rule, or range and source."""
 
 
 class RollerNumbers(NamedTuple):
@@ -155,7 +142,8 @@ class AssessmentNumbers(NamedTuple):
     drive: travel.TrackDrive
     power: float | None
     """W, of both tracks."""
-    inputs: list[AssessmentInput]
+    ruled: dict[str, Ruled]
+    """Numbers with their rules where the settings have none, by their keys, and those that no field has."""
     not_stated: frozenset[str] = frozenset()
     """Keys of the settings that have no value, where none follows from the machine."""
 
@@ -178,92 +166,48 @@ class AssessmentNumbers(NamedTuple):
         )
 
 
-class _Notes:
-    """Inputs in the order in which they come, with the origin that the case's file or the settings know."""
+def numbers_of(case: Case, settings: AssessmentSettings) -> AssessmentNumbers:
+    """Return the numbers of a machine on two closed tracks.
 
-    def __init__(self, given: tuple[str, ...], origins: Mapping[str, tuple[Origin, str]]) -> None:
-        self.given = given
-        self.origins = origins
-        self.rows: list[AssessmentInput] = []
-
-    def case(self, name: str, value: Any, unit: str, key: str) -> Any:
-        """Value that stands in the case at a key."""
-        origin, how = self.origins.get(key, ("given", f"case: {key}"))
-        return self.note(name, value, unit, origin, how)
-
-    def setting(
-        self, name: str, value: Any, unit: str, key: str, how: str = "default of the settings"
-    ) -> Any:
-        """Value of the settings at a key, given by their file or a default."""
-        is_given = any(key == path or path.startswith(f"{key}.") for path in self.given)
-        if is_given:
-            return self.note(name, value, unit, "given", f"settings: {key}")
-        return self.note(name, value, unit, "assumed", how)
-
-    def either(self, name: str, given: Any, unit: str, key: str, value: Any, origin: Origin, how: str) -> Any:
-        """Value of the settings where it is not None, else another one with its origin."""
-        if given is not None:
-            return self.note(name, given, unit, "given", f"settings: {key}")
-        return self.note(name, value, unit, origin, how)
-
-    def note(self, name: str, value: Any, unit: str, origin: Origin, how: str) -> Any:
-        """Note a value, which comes back."""
-        self.rows.append(AssessmentInput(name, value, unit, origin, how))
-        return value
-
-
-def numbers_of(
-    case: Case,
-    settings: AssessmentSettings,
-    given: tuple[str, ...] = (),
-    origins: Mapping[str, tuple[Origin, str]] | None = None,
-) -> AssessmentNumbers:
-    """Numbers of a machine on two closed tracks.
-
-    Parameters
-    ----------
-    case : Case
-        Of a machine; a ValueError if its gear is none.
-    settings : AssessmentSettings
-        What the case does not say.
-    given : tuple of str
-        Paths of the settings that a file gave; others count as assumed.
-    origins : mapping of str
-        Origin, and how it came about, of values of the case by their keys; others count as given.
+    `settings` are what the case does not say. A ValueError if the case is of no machine.
     """
     gear = case.gear
     if not isinstance(gear, Machine):
         raise ValueError(f"gear.kind must be 'machine', which stands on two tracks, got {gear.kind!r}")
-    notes = _Notes(given, origins or {})
-    gravity = notes.case("gravity", case.gravity, "m/s2", "gravity")
+    gravity = case.gravity
     stand = _stands(case, gear)
-    length = notes.either(
-        "length on ground", settings.length, "m", "length", stand.length, "derived", stand.how
-    )
-    least = notes.either(
-        "length on the fewest shoes",
-        settings.length,
-        "m",
-        "length",
-        stand.least_length,
-        "derived",
-        "whole shoes below the rollers, p (floor(span / p) + 1), or the length on ground",
-    )
-    gauge = notes.case("gauge", gear.car_body.track_distance, "m", "gear.car_body.track_distance")
-    width = notes.case("width of the shoes", case.shoe.width, "m", "shoe.width")
+    length = settings.length or stand.length
+    least = settings.length or stand.least_length
+    gauge = gear.car_body.track_distance
+    width = case.shoe.width
     footprints = Footprints(gauge, length, width)
     middle = 0.5 * (stand.rear + stand.front)
     side = 0.5 * gauge if settings.side_edges == "middle" else 0.5 * (gauge + width)
     edges = Edges(stand.front - middle, middle - stand.rear, side, side)
-    words = f"{settings.side_edges} of the tracks"
-    how = f"{stand.standing}, else the outer rollers"
-    notes.note("edges in front and at the rear", 0.5 * (stand.front - stand.rear), "m", "derived", how)
-    notes.setting("edges at the sides", side, "m", "side_edges", f"{words}; ISO 10567 has the outside")
-    weights = _weights(case, gear, middle, notes)
-    work, least_reach = _work(settings, notes)
-    steep = notes.setting("permitted grade", settings.work.grade, "1", "work.grade", "rise over run, assumed")
-    slope = notes.setting("permitted side slope", settings.work.side_slope, "1", "work.side_slope", "assumed")
-    pitch = notes.case("pitch", gear.chain_pitch(case.track), "m", "track.pitch")
+    weights = _weights(case, gear, middle)
+    work, least_reach = _work(settings)
+    pitch = gear.chain_pitch(case.track)
+    rollers = _rollers(case, gear, middle, length, pitch)
+    shoe = _shoe(case, settings, pitch)
+    of_chain, tensions = _chain(case, gear, settings, shoe, pitch)
+    ground, of_ground = _ground(case, settings, footprints, gravity, weights)
+    drive, torque = _drive(gear, settings, gravity * (weights.lower_mass + weights.upper_mass), case)
+    ruled = {
+        "length": Ruled(stand.length, "", stand.standing),
+        "fewest.length": Ruled(least, ""),
+        "edges.front": Ruled(edges.front, "", stand.standing),
+        "edges.side": Ruled(side, settings.side_edges),
+        "weights.lower_mass": Ruled(weights.lower_mass, ""),
+        "weights.lower_com": Ruled(weights.lower_com, ""),
+        "work.least_reach": Ruled(least_reach, ""),
+        "rollers.above_ground": Ruled(rollers.above_ground, ""),
+        "chain.weight": Ruled(of_chain.weight, ""),
+        "drive.radius": Ruled(drive.radius, ""),
+        "drive.torque": torque,
+        **{f"pins.{name}": Ruled(size, "ready shoe" if shoe.ready else "") for name, size in _sizes(shoe)},
+        **tensions,
+        **of_ground,
+    }
     return AssessmentNumbers(
         gravity=gravity,
         footprints=footprints,
@@ -272,19 +216,24 @@ def numbers_of(
         weights=weights,
         work=work,
         least_reach=least_reach,
-        grade=math.atan(steep),
-        slope=math.atan(slope),
-        rollers=_rollers(case, gear, middle, length, pitch, notes),
-        shoe=(shoe := _shoe(case, settings, pitch, notes)),
-        chain=_chain(case, gear, settings, shoe, pitch, notes),
-        ground=_ground(case, settings, footprints, gravity, weights, notes),
-        drive=_drive(gear, settings, gravity * (weights.lower_mass + weights.upper_mass), case, notes),
+        grade=math.atan(settings.work.grade),
+        slope=math.atan(settings.work.side_slope),
+        rollers=rollers,
+        shoe=shoe,
+        chain=of_chain,
+        ground=ground,
+        drive=drive,
         power=settings.drive.power,
-        inputs=notes.rows,
+        ruled=ruled,
         not_stated=frozenset(
             f"work.{name}" for name in WORK_TO_STATE if getattr(settings.work, name) is None
         ),
     )
+
+
+def _sizes(shoe: ShoeNumbers) -> list[tuple[str, float]]:
+    """Return the sizes of a hinge joint by the names of the settings."""
+    return [(name, getattr(shoe.hinge, name)) for name in PINS]
 
 
 class _Stand(NamedTuple):
@@ -297,7 +246,6 @@ class _Stand(NamedTuple):
     least_length: float
     standing: str
     """End wheels that stand, in words."""
-    how: str
 
 
 def _stands(case: Case, gear: Machine) -> _Stand:
@@ -323,12 +271,11 @@ def _stands(case: Case, gear: Machine) -> _Stand:
     whole = pitch * (math.floor(span / pitch + 1e-9) + 1)
     names = " and ".join(name for _, name in standing) or "neither tumbler nor idler"
     words = f"{names} as low as the rollers (within {1e3 * RISE:g} mm)"
-    how = f"{words}; half a pitch beyond outer rollers, as the chain lies on the mean"
     least = min(span + beyond, whole) if not standing else span + beyond
-    return _Stand(rear, front, span + beyond, least, words, how)
+    return _Stand(rear, front, span + beyond, least, words)
 
 
-def _weights(case: Case, gear: Machine, middle: float, notes: _Notes) -> MachineWeights:
+def _weights(case: Case, gear: Machine, middle: float) -> MachineWeights:
     """Masses and places of what slews and what does not."""
     start = case.frame_start
     shift = np.array([-middle, 0.0, start[2]])
@@ -350,55 +297,39 @@ def _weights(case: Case, gear: Machine, middle: float, notes: _Notes) -> Machine
     fixed.append((case.shoe.mass * len(shoes), shoes.mean(axis=0)))
     mass = sum(part for part, _ in fixed)
     com = np.sum([part * place for part, place in fixed], axis=0) / mass + shift
-    how = "sum of car body, side frames, tumblers and shoes of the case"
-    notes.note("mass of all that does not slew", mass, "kg", "derived", how)
-    notes.note(
-        "its COM", tuple(com.round(4).tolist()), "m", "derived", f"{how}; from the middle, on the ground"
-    )
-    upper = notes.case("mass of the upper structure", body.upper_mass, "kg", "gear.car_body.upper_mass")
     ahead, aside, above = body.upper_com
     place = (ahead - body.swing_axis, aside, above + float(start[2]))
-    key = "gear.car_body.upper_com"
-    notes.case("its COM from the swing axis, on the ground", tuple(np.round(place, 4).tolist()), "m", key)
-    return MachineWeights(mass, tuple(com.tolist()), upper, place, body.swing_axis - middle)
+    return MachineWeights(mass, tuple(com.tolist()), body.upper_mass, place, body.swing_axis - middle)
 
 
-def _work(settings: AssessmentSettings, notes: _Notes) -> tuple[Work, float]:
+def _work(settings: AssessmentSettings) -> tuple[Work, float]:
     """Work of the upper structure, and its least reach."""
     asked = settings.work
-    none = "none given"
-    payload = notes.setting("payload", asked.payload or 0.0, "kg", "work.payload", none)
-    reach = notes.setting("reach of the payload", asked.reach or 0.0, "m", "work.reach", none)
-    least = 0.5 * reach if asked.least_reach is None else asked.least_reach
-    notes.setting("least reach", least, "m", "work.least_reach", "half of the reach")
-    height = notes.setting("height of the payload", asked.height, "m", "work.height", none)
-    bank = asked.digging or (0.0, 0.0)
-    digging = notes.setting("force of the bank, away and up", bank, "N", "work.digging", none)
-    rate = notes.setting("rate of slewing", asked.slew_rate, "rad/s", "work.slew_rate", none)
-    pressure = notes.setting("pressure of the wind", asked.wind_pressure, "Pa", "work.wind_pressure")
-    area = notes.setting("area of the wind", asked.wind_area or 0.0, "m2", "work.wind_area", none)
-    middle = notes.setting("height of the wind", asked.wind_height, "m", "work.wind_height", none)
-    work = Work(payload, reach, height, digging, pressure * area, middle, 0.0, rate)
-    return work, least
+    reach = asked.reach or 0.0
+    wind = asked.wind_pressure * (asked.wind_area or 0.0)
+    work = Work(
+        asked.payload or 0.0,
+        reach,
+        asked.height,
+        asked.digging or (0.0, 0.0),
+        wind,
+        asked.wind_height,
+        0.0,
+        asked.slew_rate,
+    )
+    return work, 0.5 * reach if asked.least_reach is None else asked.least_reach
 
 
-def _rollers(
-    case: Case, gear: Machine, middle: float, length: float, pitch: float, notes: _Notes
-) -> RollerNumbers:
-    places = np.array(notes.case("lower rollers", gear.rollers, "m", "gear.rollers")) - middle
+def _rollers(case: Case, gear: Machine, middle: float, length: float, pitch: float) -> RollerNumbers:
+    places = np.array(gear.rollers) - middle
     pairs = {bogie.rollers[0] - 1: tuple(number - 1 for number in bogie.rollers) for bogie in gear.bogies}
     second = {pair[1] for pair in pairs.values()}
     groups = tuple(pairs.get(number, (number,)) for number in range(len(places)) if number not in second)
-    radius = notes.case("radius of the rollers", gear.roller_radius, "m", "gear.roller_radius")
-    width = notes.case("width of each tread", gear.tread_width, "m", "gear.tread_width")
     lying = length / pitch * case.shoe.mass * case.gravity
-    notes.note(
-        "weight of the shoes on the ground", lying, "N", "derived", "length on ground by the pitch, a track"
-    )
-    return RollerNumbers(places, groups, RollerTread(radius, width), lying)
+    return RollerNumbers(places, groups, RollerTread(gear.roller_radius, gear.tread_width), lying)
 
 
-def _shoe(case: Case, settings: AssessmentSettings, pitch: float, notes: _Notes) -> ShoeNumbers:
+def _shoe(case: Case, settings: AssessmentSettings, pitch: float) -> ShoeNumbers:
     """Shoe with its hinges: those of the ready shoe where it is that, else by the pitch."""
     rails = case.shoe.rails
     assert rails is not None  # of a closed track
@@ -409,82 +340,39 @@ def _shoe(case: Case, settings: AssessmentSettings, pitch: float, notes: _Notes)
         "outer": ShoeDimensions.cheek_width,
         "gap": ShoeDimensions.side_clearance,
     }
-    play = notes.setting("pin: play in its hole", settings.pins.play, "m", "pins.play", "none given")
-    origin: Origin = "derived" if ready else "assumed"
-    how = (
-        "dimension of the ready shoe"
-        if ready
-        else "by the pitch; pins 0.20 to 0.22 p (remembered), others assumed"
-    )
+    usual = own if ready else {name: size * pitch for name, size in PINS.items()}
     asked = settings.pins
-    sizes = {
-        name: notes.either(
-            f"pin: {name}",
-            getattr(asked, name),
-            "m",
-            f"pins.{name}",
-            own[name] if ready else PINS[name] * pitch,
-            origin,
-            how,
-        )
-        for name in own
-    }
-    steel = "42CrMo4 quenched and tempered, 100 to 160 mm (EN 10083-3, remembered)"
-    pin = PartStrength(
-        notes.setting("pin: tensile strength", asked.tensile_strength, "Pa", "pins.tensile_strength", steel),
-        notes.setting("pin: yield strength", asked.yield_strength, "Pa", "pins.yield_strength", steel),
-    )
-    allowed = "wear of dry bores of manganese 40 to 80 MPa (remembered)"
-    wear = notes.setting(
-        "pin: pressure that wear allows", asked.wear_pressure, "Pa", "pins.wear_pressure", allowed
-    )
-    material = settings.material
-    lug = PartStrength(
-        notes.setting("shoe: tensile strength", material.tensile_strength, "Pa", "material", material.name),
-        notes.setting("shoe: yield strength", material.yield_strength, "Pa", "material", material.name),
-    )
-    mass = notes.case("mass of a shoe", case.shoe.mass, "kg", "shoe.mass")
+    stated = {name: getattr(asked, name) for name in PINS if getattr(asked, name) is not None}
+    pin = PartStrength(asked.tensile_strength, asked.yield_strength)
+    lug = PartStrength(settings.material.tensile_strength, settings.material.yield_strength)
     rail = 0.5 * (rails.left - rails.right)
-    hinge = PinnedHinge(**sizes, play=play)
-    return ShoeNumbers(mass, case.shoe.width, rail, hinge, 2, pin, lug, wear, ready)
+    hinge = PinnedHinge(**(usual | stated), play=asked.play)
+    return ShoeNumbers(case.shoe.mass, case.shoe.width, rail, hinge, 2, pin, lug, asked.wear_pressure, ready)
 
 
 def _chain(
-    case: Case, gear: Machine, settings: AssessmentSettings, shoe: ShoeNumbers, pitch: float, notes: _Notes
-) -> ChainNumbers:
-    """Chain with its tension at rest, by sag or pretension, and what breaks it."""
+    case: Case, gear: Machine, settings: AssessmentSettings, shoe: ShoeNumbers, pitch: float
+) -> tuple[ChainNumbers, dict[str, Ruled]]:
+    """Return the chain with its tension at rest, by sag or pretension, and what breaks it; their rules."""
     rails = case.shoe.rails
     assert rails is not None  # of a closed track
     weight = shoe.mass * case.gravity / pitch
-    notes.note("weight of the chain", weight, "N/m", "derived", "mass of a shoe by the pitch")
     idler = gear.idler
     if idler.pretension is not None:
-        rest: float = idler.pretension
-        origin, how = notes.origins.get("gear.idler.pretension", ("given", "case: gear.idler.pretension"))
+        of_rest = Ruled(idler.pretension, "gear.idler.pretension")
     elif idler.tensioner is not None:
-        rest = 0.5 * idler.tensioner.preload
-        origin = "derived"
-        how = "half of the tensioner's preload"
+        of_rest = Ruled(0.5 * idler.tensioner.preload, "tensioner")
     else:
         span = float(gear.upper_spans[-1])
-        rest = chain.tension_of_sag(weight, span, gear.wanted_sag, rails.front - rails.rear)
-        origin = "derived"
-        how = f"w l2 / (8 f), span {span:.4g} m less a rail, sag {1e3 * gear.wanted_sag:.4g} mm"
-    rest = notes.either(
-        "tension at rest", settings.drive.rest_tension, "N", "drive.rest_tension", rest, origin, how
-    )
-    limit = gear.tension_limit
-    strength = limit or chain_strength(shoe.hinge, shoe.hinges, shoe.pin)
-    words = "case: gear.tension_limit" if limit else "0.6 f_u of the pins in all their sections"
-    breaking = notes.either(
-        "breaking tension",
-        settings.drive.breaking_tension,
-        "N",
-        "drive.breaking_tension",
-        strength,
-        "given" if limit else "derived",
-        words,
-    )
+        tension = chain.tension_of_sag(weight, span, gear.wanted_sag, rails.front - rails.rear)
+        of_rest = Ruled(tension, "sag", f"l {span:.4g} m, f {1e3 * gear.wanted_sag:.4g} mm")
+    if gear.tension_limit:
+        of_breaking = Ruled(gear.tension_limit, "gear.tension_limit")
+    else:
+        of_breaking = Ruled(chain_strength(shoe.hinge, shoe.hinges, shoe.pin), "pins")
+    drive = settings.drive
+    rest: float = of_rest.value if drive.rest_tension is None else drive.rest_tension
+    breaking: float = of_breaking.value if drive.breaking_tension is None else drive.breaking_tension
     speed = max(abs(value) for value in case.drive.speed.values)
     drag = 2.0 * gear.rolling_resistance * rest
     rise = rails.height - case.track.pin_height
@@ -497,40 +385,29 @@ def _chain(
     runs = gear.rollers[0] - gear.tumbler.place[0], gear.idler.place[0] - gear.rollers[-1]
     rises = tuple(max(lift, 0.0) / run for lift, run in zip(lifts, runs, strict=True))
     shoes = case.track.shoe_count // case.tracks
-    return ChainNumbers(weight, pitch, shoes, rest, breaking, speed, drag, (rises[0], rises[1]))
+    numbers = ChainNumbers(weight, pitch, shoes, rest, breaking, speed, drag, (rises[0], rises[1]))
+    return numbers, {"drive.rest_tension": of_rest, "drive.breaking_tension": of_breaking}
 
 
-class _GroundValue(NamedTuple):
-    """Value of the ground with where it comes from."""
-
-    value: float
-    origin: Origin
-    how: str
-
-
-def _of_case(case: Case, notes: _Notes) -> tuple[str, dict[str, _GroundValue]]:
+def _of_case(case: Case) -> tuple[str, dict[str, Ruled]]:
     """Return the name of a case's ground, its friction while shoes slip, rolling resistance and cohesion."""
-
-    def of_key(value: float, key: str) -> _GroundValue:
-        return _GroundValue(value, *notes.origins.get(key, ("given", f"case: {key}")))
-
     contact = case.contact
-    cohesion = _GroundValue(0.0, "derived", "friction alone in the case's contact")
+    cohesion = Ruled(0.0, "friction alone")
     name = "ground of the case"
     if isinstance(contact, PairContact):
-        friction = of_key(contact.dynamic_friction, "contact.dynamic_friction")
+        friction = Ruled(contact.dynamic_friction, "contact.dynamic_friction")
     elif not isinstance(contact, CellContact):
-        friction = of_key(contact.friction, "contact.friction")
+        friction = Ruled(contact.friction, "contact.friction")
     else:
         law: Any = contact.law
         name = f"{name}, {law.model}"
         if isinstance(law, BekkerSoil):
             slope = math.tan(math.radians(law.friction_angle))
-            friction = of_key(slope, "contact.law.friction_angle")
-            cohesion = of_key(law.cohesion, "contact.law.cohesion")
+            friction = Ruled(slope, "contact.law.friction_angle")
+            cohesion = Ruled(law.cohesion, "contact.law.cohesion")
         else:
-            friction = of_key(float(law.friction), "contact.law.friction")
-    rolling = of_key(case.running_gear().rolling_resistance, "gear.rolling_resistance")
+            friction = Ruled(float(law.friction), "contact.law.friction")
+    rolling = Ruled(case.running_gear().rolling_resistance, "gear.rolling_resistance")
     return name, {"friction": friction, "rolling": rolling, "cohesion": cohesion}
 
 
@@ -540,9 +417,8 @@ def _ground(
     footprints: Footprints,
     gravity: float,
     weights: MachineWeights,
-    notes: _Notes,
-) -> GroundNumbers:
-    """Return one ground: the named one, or that of the case; the settings replace single values of it."""
+) -> tuple[GroundNumbers, dict[str, Ruled]]:
+    """Return one ground, the named one or that of the case, with single values of the settings; its rules."""
     asked = settings.ground
     law: Law | None = None
     law_name = "linear"
@@ -552,18 +428,11 @@ def _ground(
         named = grounds.ground(asked.name)
         name = named.name
         how = f"{name}: {named.source} [{named.mark}]"
-        values = {
-            key: _GroundValue(getattr(named, key), "derived", how)
-            for key in ("friction", "rolling", "cohesion")
-        }
-        pressure = named.allowed_pressure
-        allowed = notes.either(
-            "allowed pressure", allowed, "Pa", "ground.allowed_pressure", pressure, "derived", how
-        )
+        keys = ("friction", "rolling", "cohesion", "allowed_pressure")
+        values = {key: Ruled(getattr(named, key), "named ground", how) for key in keys}
+        allowed = named.allowed_pressure if allowed is None else allowed
     else:
-        name, values = _of_case(case, notes)
-        if allowed is not None:
-            notes.note("allowed pressure", allowed, "Pa", "given", "settings: ground.allowed_pressure")
+        name, values = _of_case(case)
         if isinstance(case.contact, CellContact):
             of_cells = case.contact.law
             least = min(footprints.width, footprints.length)
@@ -572,52 +441,37 @@ def _ground(
             law_name = of_cells.model
             if isinstance(of_cells, BekkerSoil):
                 compaction = travel.Compaction(of_cells.k_c, of_cells.k_phi, of_cells.exponent)
-    words = {
-        "friction": ("friction on the ground", "1"),
-        "rolling": ("resistance straight", "1"),
-        "cohesion": ("cohesion of the ground", "Pa"),
-    }
     if asked.friction is not None:
         # traction over load, as it is given, has the cohesion in it
-        values["cohesion"] = _GroundValue(0.0, "derived", "in the friction that is given")
+        values["cohesion"] = Ruled(0.0, "given friction")
     friction, rolling, cohesion = (
-        notes.either(title, getattr(asked, key), unit, f"ground.{key}", *values[key])
-        for key, (title, unit) in words.items()
+        values[key].value if (own := getattr(asked, key)) is None else own
+        for key in ("friction", "rolling", "cohesion")
     )
-    undrained = asked.undrained_strength
-    if undrained is not None:
-        notes.note("undrained strength", undrained, "Pa", "given", "settings: ground.undrained_strength")
-    return GroundNumbers(
+    numbers = GroundNumbers(
         name,
         math.nan if allowed is None else allowed,
         friction,
         rolling,
         cohesion,
-        undrained,
+        asked.undrained_strength,
         compaction,
         law,
         law_name,
     )
+    return numbers, {f"ground.{key}": value for key, value in values.items()}
 
 
 def _drive(
-    gear: Machine, settings: AssessmentSettings, weight: float, case: Case, notes: _Notes
-) -> travel.TrackDrive:
-    """Drive of one track."""
+    gear: Machine, settings: AssessmentSettings, weight: float, case: Case
+) -> tuple[travel.TrackDrive, Ruled]:
+    """Return the drive of one track, and its torque where the settings have none, with its rule."""
     radius = gear.travel_per_angle(case.track)
-    notes.note("travel for a radian of the tumbler", radius, "m", "derived", "teeth x pitch / (2 pi)")
     asked = settings.drive
-    efficiency = notes.setting(
-        "efficiency of the chain", asked.efficiency, "1", "drive.efficiency", "0.9 to 0.95 (remembered)"
-    )
     if gear.torque_limit is not None:
-        torque: float = gear.torque_limit
-        origin, how = notes.origins.get("gear.torque_limit", ("given", "case: gear.torque_limit"))
+        torque = Ruled(gear.torque_limit, "gear.torque_limit")
     else:
         share = PULL_OF_SHOVEL if weight > HEAVY * case.gravity else PULL_OF_OTHERS
-        torque = 0.5 * share * weight * radius / efficiency
-        origin = "assumed"
-        ranges = "0.4 to 0.6 of shovels, 0.75 to 1 of excavators (remembered)"
-        how = f"pull of both tracks {share:g} of the weight; {ranges}"
-    torque = notes.either("torque of a tumbler", asked.torque, "N m", "drive.torque", torque, origin, how)
-    return travel.TrackDrive(torque, radius, efficiency)
+        torque = Ruled(0.5 * share * weight * radius / asked.efficiency, "pull", f"{share:g}")
+    greatest: float = torque.value if asked.torque is None else asked.torque
+    return travel.TrackDrive(greatest, radius, asked.efficiency), torque

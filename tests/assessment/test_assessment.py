@@ -8,12 +8,15 @@ from exudyn_crawler.assessment import forces, pressure, states
 from exudyn_crawler.assessment.assessment import assessment_of
 from exudyn_crawler.assessment.grounds import ground, grounds
 from exudyn_crawler.assessment.inputs import numbers_of
+from exudyn_crawler.assessment.ledger import rules
 from exudyn_crawler.assessment.load_cases import read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
 from exudyn_crawler.assessment.slewing import least_over_slew
 from exudyn_crawler.case import MachineCycle, read_case, write_case
 from exudyn_crawler.case.datasheet import library
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.origins import Entry, Ledger, Origin
 from tests.test_release import read
 
 GRAVITY = 9.81
@@ -214,20 +217,32 @@ def test_a_turn_stalls_at_the_friction_that_the_drive_has_the_pull_for(found):
 
 
 def test_inputs_say_where_they_come_from(found):
-    origin = {row.name: row.origin for row in found.numbers.inputs}
-    assert origin["payload"] == "given"
-    assert origin["height of the payload"] == "given"
-    assert origin["length on ground"] == "derived"
-    assert origin["torque of a tumbler"] == "assumed"
-    assert origin["pin: tensile strength"] == "assumed"
-    assert all(row.how for row in found.numbers.inputs)
-    marked = assessment_of(
-        Case.shovel(),
-        AssessmentSettings(mesh=None),
-        origins={"gear.roller_radius": ("assumed", "0.75 to 0.9 p, remembered")},
-    )
-    rollers = next(row for row in marked.numbers.inputs if row.name == "radius of the rollers")
-    assert rollers[3:] == ("assumed", "0.75 to 0.9 p, remembered")
+    ledger = found.ledger
+    assert ledger["work.payload"].origin is Origin.GIVEN
+    assert ledger["work.height"].origin is Origin.GIVEN
+    assert ledger["length"].origin is Origin.DERIVED
+    assert ledger["drive.torque"].origin is Origin.ASSUMED
+    assert ledger["pins.tensile_strength"].origin is Origin.ASSUMED
+    assert all(entry.how for entry in ledger)
+    # values, units and meanings are those of the fields, or of the numbers that the formulas take
+    assert ledger["length"].value == found.numbers.footprints.length
+    assert (ledger["length"].unit, ledger["length"].meaning[:10]) == ("m", "of a track")
+    assert ledger["chain.weight"].value == found.numbers.chain.weight
+    assert ledger["chain.weight"].unit == "N/m"
+    remembered = Entry("gear.roller_radius", 0.4, "m", Origin.ASSUMED, "0.75 to 0.9 p, remembered")
+    marked = assessment_of(Case.shovel(), AssessmentSettings(mesh=None), origins=Ledger([remembered]))
+    assert marked.ledger["gear.roller_radius"] == remembered
+
+
+def test_rules_of_inputs_are_of_numbers_that_there_are(found):
+    """Rules name a key of the settings, or a number that no field has with its unit."""
+    keys = {item.path for item in fields.values_of(found.settings)}
+    for rule in rules():
+        known = [path for path in rule.paths if path in keys or path.endswith("*")]
+        assert (known == list(rule.paths)) != bool(rule.unit), rule
+        assert rule.text
+        if rule.unit:
+            assert set(rule.paths) <= set(found.numbers.ruled)
 
 
 @pytest.mark.parametrize("name", ["pc300lc", "d155ax"])
@@ -240,9 +255,14 @@ def test_machines_of_datasheets_are_assessed(name):
     assert found.numbers.weight / area == pytest.approx(sheet.ground_pressure, rel=0.15)
     # its end wheels are a little higher than the rollers
     assert 0.8 < found.numbers.footprints.length / sheet.length_on_ground < 1.0
-    origin = {row.name: row.origin for row in found.numbers.inputs}
-    assert (origin["gauge"] == "assumed") == ("gauge" in sheet.remembered)
-    assert origin["radius of the rollers"] == "assumed"
+    ledger = found.ledger
+    gauge = ledger["gear.car_body.track_distance"].origin
+    assert gauge is (Origin.ASSUMED if "gauge" in sheet.remembered else Origin.LIBRARY)
+    assert ledger["gear.roller_radius"].origin is Origin.ASSUMED
+    # what the settings leave to the case has its origin
+    assert ledger["ground.friction"].how == "LETE sand; the file may name another soil; " + (
+        "demo_VEH_SCMTerrain_RigidTire of Project Chrono"
+    )
     assert "left out: the shoe's stress" in found.lines[-1]
     loads = {row.name: row for row in found.loads}
     assert loads["travels straight on the level"].ends == "goes"

@@ -109,10 +109,7 @@ class RuledMachine:
         name = self.ruled[path].rule if path in self.ruled else ""
         plain = ".".join(fields.names_of(fields.parse_path(path)))
         for rule in rules():
-            of_path = any(
-                plain == key or (key[-1] == "*" and plain.startswith(key[:-1])) for key in rule.paths
-            )
-            if of_path and (rule.name in ("", name) or _is_given(self.filled, rule.name)):
+            if rule.gives(plain) and (rule.name in ("", name) or _is_given(self.filled, rule.name)):
                 return rule
         return None
 
@@ -178,7 +175,7 @@ class RuledMachine:
             return
         detail = self.ruled[path].detail if path in self.ruled else ""
         origin = rule.origin
-        how = "; ".join(filter(None, (f"{rule.text}: {detail}" if detail else rule.text, rule.source)))
+        how = rule.how(detail)
         names = [name for name in self._made_of(path) if self._is_typical(name)]
         own = [name for name in names if getattr(self.printed.typical, name) is not None]
         if origin is None:
