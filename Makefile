@@ -7,8 +7,6 @@ OUT ?= results
 # more options of a study, such as ARGS=--overwrite
 ARGS ?=
 INSTALLED := $(VENV)/installed
-# netgen, which only shoes of other dimensions need
-MESHER := $(VENV)/mesher
 # two processes of tests share two cores; threads that wait for each other would take half of them
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
@@ -28,10 +26,6 @@ $(INSTALLED): requirements.lock pyproject.toml
 	$(BIN)/exudyn-crawler demo --prepare
 	@touch $@
 	@echo "installed: make demo shows a track, make help what else there is"
-
-$(MESHER): $(INSTALLED)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[mesh]'
-	touch $@
 
 demo: $(INSTALLED)  ## half a machine drives on a closed track with a flexible shoe: a page to look at, in 20 s
 	$(BIN)/exudyn-crawler demo --out $(OUT)/demo $(ARGS)
@@ -69,7 +63,7 @@ sweep-terrain: $(INSTALLED)  ## 40 runs: stiffness of the ground and friction ag
 scatter: $(INSTALLED)  ## 200 runs over oil sand that is drawn from a distribution: quantiles of pull and forces
 	$(BIN)/exudyn-crawler scatter studies/scatter.toml --out $(OUT)/scatter $(ARGS)
 
-sweep-plate: $(MESHER)  ## 9 runs: top plate of the shoe and the ground against the life of the roller path
+sweep-plate: $(INSTALLED)  ## 9 runs: top plate of the shoe and the ground against the life of the roller path
 	$(BIN)/python -m studies plate-sweep --out $(OUT)/plate_sweep $(ARGS)
 
 check: $(INSTALLED) lint  ## lint and the tests that run no simulation, within a minute

@@ -1,6 +1,6 @@
 """Mesh a shoe of any dimensions: `python -m meshes.build_shoe thick.msh.gz --top-thickness 0.05`.
 
-It needs netgen (extra `mesh`), which brings its own geometry kernel and needs no libraries of the system.
+It needs netgen, which brings its own geometry kernel and needs no libraries of the system.
 """
 
 import argparse
@@ -15,12 +15,14 @@ import numpy as np
 from fem.body.distortion import straighten_distorted
 from fem.body.mesh import Mesh
 from fem.files.mesh_files import write_mesh
+from meshes import mesher
 from meshes.geometry import COM_HEIGHT, JOINT_CENTERS, SHOE_SIZES, ShoeDimensions
 from meshes.solid import build_solid
 
 FROM_NETGEN = [1, 0, 2, 3, 4, 5, 7, 8, 6, 9]
 """Nodes of a tetrahedron of netgen's, which has the other sense and order of edges, as VTK has them."""
 FROM_NETGEN_TRIANGLE = [0, 1, 2, 5, 3, 4]
+OTHER_DIMENSIONS = "change the dimensions a little, or the size of the elements"
 LEVEL = 1e-5
 """m, within which a face is level."""
 FLANGE = "flange"
@@ -93,13 +95,10 @@ def _set_sizes(body: Any, size: ElementSizes, shoe: ShoeDimensions) -> None:
 
 
 def netgen_kernel() -> Any:
-    """Geometry kernel of netgen; a ModuleNotFoundError that says how to get it."""
-    try:
-        from netgen import occ  # wanted only here
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(
-            "meshing a shoe needs netgen: pip install 'exudyn-crawler[mesh]'"
-        ) from error
+    """Return the geometry kernel of netgen; a ModuleNotFoundError says how to get it."""
+    mesher.require_netgen("meshing a shoe")
+    from netgen import occ  # wanted only here
+
     return occ
 
 
@@ -128,9 +127,14 @@ def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes
     """
     if isinstance(size, str) and size not in SIZES:
         raise ValueError(f"size must be one of {SHOE_SIZES} or ElementSizes, got {size!r}")
+    mesher.require_netgen("meshing a shoe")
     resolution = SIZES[size] if isinstance(size, str) else size
+    return mesher.call(_meshed, dimensions or ShoeDimensions(), resolution)
+
+
+def _meshed(shoe: ShoeDimensions, resolution: ElementSizes) -> Mesh:
+    """Mesh a shoe in the mesher's process."""
     occ = netgen_kernel()
-    shoe = dimensions or ShoeDimensions()
     body = build_solid(occ, shoe)
     _name_faces(body, shoe)
     _set_sizes(body, resolution, shoe)
@@ -142,6 +146,7 @@ def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes
 
 def netgen_mesh(occ: Any, body: Any, size: ElementSizes) -> Any:
     """Mesh a solid with curved elements of second order."""
+    mesher.begin_step("the meshing of the solid", OTHER_DIMENSIONS)
     mesh = occ.OCCGeometry(body).GenerateMesh(
         maxh=size.elsewhere, grading=size.growth, curvaturesafety=size.on_curves, segmentsperedge=0.5
     )

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fem.body.mesh import Mesh
-from meshes import build_shoe
+from meshes import build_shoe, mesher
 from meshes.geometry import PITCH
 from meshes.solid import box, lug, notch_cutter, polygon, throat_cutter
 
@@ -197,6 +197,12 @@ def mesh_grouser_shoe(shoe: GrouserShoe, size: build_shoe.ElementSizes) -> Mesh:
 
     Origin in the middle of the plate's underside. A ModuleNotFoundError if netgen is not there.
     """
+    mesher.require_netgen("meshing a shoe")
+    return mesher.call(_meshed, shoe, size)
+
+
+def _meshed(shoe: GrouserShoe, size: build_shoe.ElementSizes) -> Mesh:
+    """Mesh a shoe of links in the mesher's process."""
     occ = build_shoe.netgen_kernel()
     body = build_grouser_solid(occ, shoe)
     heights = {"underside": 0.0, PLATE_TOP: shoe.plate_thickness, "roller path": shoe.rail_height}

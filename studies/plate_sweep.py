@@ -37,16 +37,13 @@ VARIED = ("flexible.mesh", "shoe.mass", "shoe.inertia", "shoe.load_point")
 
 
 def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str], None]) -> dict[float, Path]:
-    """Meshes of shoes with these top plates (m) in a folder, made if missing; ValueError without netgen."""
+    """Meshes of shoes with these top plates (m) in a folder, made if missing."""
     paths = {}
     for thickness in thicknesses:
         path = folder / f"shoe_{SIZE}_top_{1e3 * thickness:g}mm.msh.gz"
         if not path.is_file():
             say(f"meshing a shoe with a top plate of {1e3 * thickness:g} mm")
-            try:
-                mesh = mesh_shoe(ShoeDimensions(top_thickness=thickness), SIZE)
-            except ModuleNotFoundError as error:
-                raise ValueError(str(error)) from error
+            mesh = mesh_shoe(ShoeDimensions(top_thickness=thickness), SIZE)
             folder.mkdir(parents=True, exist_ok=True)
             write_mesh(path, mesh)
         paths[thickness] = path.resolve()

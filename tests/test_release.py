@@ -15,7 +15,7 @@ from exudyn_crawler import __main__
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-NOT_ON_CONDA_FORGE = {"exudyn", "pylife"}
+NOT_ON_CONDA_FORGE = {"exudyn", "netgen-mesher", "pylife"}
 DEMO = [sys.executable, "-m", "exudyn_crawler", "demo"]
 
 

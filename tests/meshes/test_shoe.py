@@ -264,7 +264,9 @@ def test_bad_sizes_are_refused_before_netgen_is_asked_for(of_size):
 
 def test_without_netgen_it_is_told_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "netgen", None)
-    with pytest.raises(ModuleNotFoundError, match=r"needs netgen: pip install 'exudyn-crawler\[mesh\]'"):
+    with pytest.raises(
+        ModuleNotFoundError, match="needs netgen, which is not installed: pip install netgen-mesher"
+    ):
         meshes.mesh_shoe()
 
 
