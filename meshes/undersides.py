@@ -5,9 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.body.mesh import Floats, Mesh, triangle_normals
+from meshes.geometry import JOINT_CENTERS
+from meshes.recognition import bores
 
 SAME_HEIGHT = 2e-3
 """m above the underside: what of the shoe reaches no higher presses on the ground with it."""
+ROUNDING = 1e-6
+"""m, by which an underside may be longer than the pitch."""
 WHOLE = 1e-6
 """Of the rectangle: a part that is missing in rounding alone."""
 BESIDE = 1e-4
@@ -20,7 +24,9 @@ class GroundOutline(NamedTuple):
     Attributes
     ----------
     low, high : array (2,)
-        Least and greatest x and y of the underside.
+        Least and greatest x and y of the underside; where it is longer than the pitch, since lugs reach the
+        ground and interleave with those of the neighbours, those of a rectangle as wide, of the same area and
+        about the same middle, or as long as the pitch where the underside consists of strips.
     level : float
         z of most of its area: of a plate, below which grousers at its edges belong to it.
     share : float
@@ -55,8 +61,16 @@ def ground_outline(mesh: Mesh) -> GroundOutline:
     pressing = (corners[..., 2] <= max(level, under[:, 2].max()) + SAME_HEIGHT).all(axis=1)
     pressing &= ((middles >= low) & (middles <= high)).all(axis=1)
     area = float(downward[pressing].sum())
-    share = min(area / float(np.prod(high - low)), 1.0)
     strips = _spans(corners[pressing & (downward > 0.0)][..., 0])
+    pitch = pitch_of(mesh)
+    if _is_longer(low, high, pitch):
+        length = pitch - ROUNDING
+        if len(strips) == 1:
+            length = min(area / float(high[1] - low[1]), length)
+        middle = float(downward[pressing] @ middles[pressing, 0]) / area
+        low = np.array([middle - 0.5 * length, low[1]])
+        high = np.array([middle + 0.5 * length, high[1]])
+    share = min(area / float(np.prod(high - low)), 1.0)
     return GroundOutline(
         low,
         high,
@@ -64,6 +78,32 @@ def ground_outline(mesh: Mesh) -> GroundOutline:
         1.0 if share > 1.0 - WHOLE else share,
         float(np.diff(strips, axis=1).mean()) if len(strips) > 1 else 0.0,
     )
+
+
+def is_interleaved(mesh: Mesh) -> bool:
+    """Return whether a shoe's underside is longer than its pitch, as where lugs reach the ground."""
+    under = mesh.nodes[mesh.nodes_of("underside"), :2]
+    return _is_longer(under.min(axis=0), under.max(axis=0), pitch_of(mesh))
+
+
+def _is_longer(low: Floats, high: Floats, pitch: float) -> bool:
+    return bool(high[0] - low[0] > pitch + ROUNDING)
+
+
+def pin_place(mesh: Mesh, end: str) -> Floats:
+    """Return the middle of the front or rear pins' axis by a fit to the corners of their bores: (3,), m."""
+    joints = [joint for joint in JOINT_CENTERS if joint.startswith(end)]
+    corners = [mesh.nodes[np.unique(mesh.surface(f"bore {joint}")[:, :3])] for joint in joints]
+    axis, point, _, _ = bores.fit_axis(corners, np.array([0.0, 1.0, 0.0]))
+    middle = np.mean([0.5 * (places[:, 1].min() + places[:, 1].max()) for places in corners])
+    return np.asarray(point + (middle - point[1]) / axis[1] * axis)
+
+
+def pitch_of(mesh: Mesh) -> float:
+    """Return the distance of front and rear pins along x, m; infinite if their bores have no names."""
+    if not {f"bore {joint}" for joint in JOINT_CENTERS} <= set(mesh.surfaces):
+        return np.inf
+    return float(pin_place(mesh, "front")[0] - pin_place(mesh, "rear")[0])
 
 
 def _level(corners: Floats) -> float:

@@ -7,13 +7,15 @@ costs four look-ups, however many nodes the mesh has.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator
+from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
 from fem.body.mesh import Floats, Integers
 from fem.compiling import compiler
 
 CELL = 0.03
 """m, greatest side of a cell of the grid; the underside's elements are several times as large."""
+BESIDE = 0.1
+"""Of the rectangle: part that may lie beside the nodes, as on undersides that are no rectangles."""
 FEWEST = 16
 """Cells along each side: a coarser grid of hats over a narrow underside has to be found of them."""
 
@@ -122,20 +124,25 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
     Raises
     ------
     ValueError
-        If the nodes leave a part of the rectangle out.
+        If the nodes leave more than `BESIDE` of the rectangle out; cells there move with the nearest node.
     """
     low = footprint[[0, 2]]
     high = footprint[[1, 3]]
     counts = np.maximum(np.ceil((high - low) / CELL).astype(int), FEWEST)
     cell = (high - low) / counts
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell[k] for k in range(2))
-    shapes = LinearNDInterpolator(positions, modes.reshape(len(positions), -1))
-    values = shapes(*np.meshgrid(x, y, indexing="ij")).reshape(*counts, *modes.shape[1:])
-    outside = int(np.isnan(values).any(axis=(2, 3)).sum())
+    columns = modes.reshape(len(positions), -1)
+    places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    values = LinearNDInterpolator(positions, columns)(places)
+    is_outside = np.isnan(values).any(axis=2)
+    outside = int(is_outside.sum())
     if outside:
+        values[is_outside] = NearestNDInterpolator(positions, columns)(places[is_outside])
+    values = values.reshape(*counts, *modes.shape[1:])
+    if outside > BESIDE * counts.prod():
         raise ValueError(
-            f"positions must surround the rectangle {footprint[:4].tolist()} m, "
-            f"got {outside} of its {counts.prod()} cells outside"
+            f"positions must surround the rectangle {footprint[:4].tolist()} m but for {100.0 * BESIDE:g} % "
+            f"of it, got {outside} of its {counts.prod()} cells outside"
         )
     integral = np.zeros((counts[0] + 1, counts[1] + 1, *modes.shape[1:]))
     integral[1:, 1:] = values.cumsum(axis=0).cumsum(axis=1) * cell[0] * cell[1]

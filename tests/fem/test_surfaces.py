@@ -198,9 +198,18 @@ def test_linear_shapes_are_integrated_exactly(positions):
 
 
 def test_nodes_that_leave_a_part_out_are_refused(positions):
-    wider = FOOTPRINT + np.array([0.0, 0.1, 0.0, 0.0, 0.0])
+    wider = FOOTPRINT + np.array([0.0, 0.2 * (FOOTPRINT[1] - FOOTPRINT[0]), 0.0, 0.0, 0.0])
     with pytest.raises(ValueError, match=r"surround the rectangle .* got \d+ of its \d+ cells outside"):
         integrate_underside(positions, np.zeros((len(positions), 3, 1)), wider)
+
+
+def test_cells_beside_the_nodes_move_with_the_nearest_one(positions):
+    length = FOOTPRINT[1] - FOOTPRINT[0]
+    wider = FOOTPRINT + np.array([0.0, 0.05 * length, 0.0, 0.0, 0.0])
+    shift = np.broadcast_to([[[1.0], [2.0], [3.0]]], (len(positions), 3, 1))
+    found = integrate_underside(positions, shift, wider)
+    area = 1.05 * length * (FOOTPRINT[3] - FOOTPRINT[2])
+    np.testing.assert_allclose(found.integral[-1, -1, :, 0], area * np.array([1.0, 2.0, 3.0]), rtol=1e-9)
 
 
 def test_means_over_any_rectangles_are_those_of_the_equations(positions):

@@ -52,6 +52,7 @@ def shoe_of_mesh(name: str) -> MeshShoe:
     """Shoe of a mesh by its name or path; a DatasheetError says what it lacks."""
     # a case without a mesh need not wait for finite elements
     from meshes import STEEL, mesh_named
+    from meshes.undersides import pin_place
 
     try:
         mesh = mesh_named(name)
@@ -60,7 +61,7 @@ def shoe_of_mesh(name: str) -> MeshShoe:
         places = {joint: _bore(mesh, joint) for joint in JOINT_CENTERS}
     except (OSError, KeyError, ValueError) as error:
         raise DatasheetError(f"shoe_mesh {name}: {error}") from error
-    front, rear = (_pin(mesh, end) for end in ("front", "rear"))
+    front, rear = (pin_place(mesh, end) for end in ("front", "rear"))
     if abs(front[2] - rear[2]) > SAME_PITCH:
         raise DatasheetError(
             f"shoe_mesh {name} must have front and rear pins at one height, the front pins are "
@@ -82,17 +83,6 @@ def _bore(mesh: fem.Mesh, joint: str) -> np.ndarray:
     """Least and greatest x, y, z of a bore: array (2, 3), m."""
     nodes = mesh.nodes[mesh.nodes_of(f"bore {joint}")]
     return np.stack((nodes.min(axis=0), nodes.max(axis=0)))
-
-
-def _pin(mesh: fem.Mesh, end: str) -> np.ndarray:
-    """Place of a pin's axis in the middle of its bores, by a fit to their corners: array (3,), m."""
-    from meshes.recognition import bores
-
-    joints = [joint for joint in JOINT_CENTERS if joint.startswith(end)]
-    corners = [mesh.nodes[np.unique(mesh.surface(f"bore {joint}")[:, :3])] for joint in joints]
-    axis, point, _, _ = bores.fit_axis(corners, np.array([0.0, 1.0, 0.0]))
-    middle = np.mean([0.5 * (places[:, 1].min() + places[:, 1].max()) for places in corners])
-    return np.asarray(point + (middle - point[1]) / axis[1] * axis)
 
 
 def _joint(places: dict[str, np.ndarray], side: str) -> float:
