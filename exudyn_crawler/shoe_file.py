@@ -27,6 +27,7 @@ from meshes.recognition import quality
 from meshes.recognition.axes import Choices
 from meshes.recognition.picture import draw_recognized
 from meshes.recognition.shoe import RecognizedShoe, recognize_file
+from meshes.undersides import is_interleaved
 
 MODES = 6
 """Elastic free-free modes of the table."""
@@ -81,6 +82,11 @@ class ShoeFile:
                 f"{shoe.ground_area:.4g} m2 press on the ground, {100.0 * shoe.ground_share:.0f} % of the "
                 f"underside's rectangle of {shoe.length:.4g} x {shoe.width:.4g} m"
             )
+        if is_interleaved(self.mesh):
+            yield (
+                "the underside is longer than the pitch, and interleaves with those of its neighbours: "
+                f"a rectangle of {shoe.length:.4g} x {shoe.width:.4g} m stands for it"
+            )
         yield "the front is the end with the outer lugs; --flip-front if the other one leads"
         for question in self.recognized.questions:
             yield f"to be decided: {question}"
@@ -96,8 +102,8 @@ def shoe_of(
     `name` is that of the case, whose mesh is NAME.msh.gz; the file's if it is not given. Errors are those of
     `meshes.recognition.shoe.recognize_file`; a MeshError if the mesh is a mechanism or a surface is cut.
     """
+    name = name or shoe_name(Path(path))
     recognized = recognize_file(path, choices, size)
-    name = name or Path(path).name.partition(".")[0]
     mesh = with_load_surfaces(recognized.mesh)
     check_whole(mesh, str(path))
     body = fem.ElasticBody(mesh, replace(STEEL, density=STEEL_DENSITY))
@@ -184,9 +190,9 @@ def _table(
     rear, front = recognized.axes.pins.lines
     scale = recognized.axes.scale
     of_mesh = quality.mesh_quality(mesh)
-    words = ", ".join(f"{value:.4g}" for value in frequencies)
+    of_modes = ", ".join(f"{value:.4g}" for value in frequencies)
     rows: list[tuple[str, object, str]] = [
-        ("unit of the file", recognized.axes.unit, ""),
+        ("unit of the file", recognized.unit, ""),
         ("mass", f"{body.mass:.5g}", "kg"),
         ("COM above the underside", f"{shoe.com_height:.5g}", "m"),
         ("length, width, height", " x ".join(f"{side:.4g}" for side in size), "m"),
@@ -196,13 +202,15 @@ def _table(
             ", ".join(f"{inertia[a, b]:.3g}" for a, b in ((1, 2), (0, 2), (0, 1))),
             "kg m2",
         ),
-        ("first free-free frequencies", words, "Hz"),
+        ("first free-free frequencies", of_modes, "Hz"),
         ("pitch", f"{1e3 * recognized.pitch:.3f}", "mm"),
         ("pins ahead of and above the COM", f"{recognized.pin_ahead:.5g}, {recognized.pin_height:.5g}", "m"),
         ("joints at y", f"{recognized.joint_y[0]:.5g}, {recognized.joint_y[1]:.5g}", "m"),
     ]
     for end, line in (("front", front), ("rear", rear)):
-        fit = f"{len(line.bores)} of radius {1e3 * scale * line.radius:.3f}"
+        radii = [line.radius] if line.has_equal_radii else sorted({bore.radius for bore in line.bores})
+        words = " and ".join(dict.fromkeys(f"{1e3 * scale * radius:.3f}" for radius in radii))
+        fit = f"{len(line.bores)} of radius {words}"
         rows.append((f"{end} bores", f"{fit}, round within {1e3 * scale * line.off_round:.2g}", "mm"))
     footprint = f"{recognized.surfaces.footprint}, {shoe.ground_area:.4g}"
     rows.append(("underside that presses", footprint, "m2"))
@@ -215,6 +223,17 @@ def _table(
         wall = f"{1e3 * of_mesh.thinnest:.3g} mm, 1 element thick, as at {share:.0f} % of the surface"
     rows.append(("thinnest wall in elements", wall, ""))
     return pd.DataFrame(rows, columns=["quantity", "value", "unit"])
+
+
+def shoe_name(path: Path) -> str:
+    """Return the name of a maker's file without its endings; ValueError if it has nothing before them."""
+    name = path.name.partition(".")[0]
+    if not name:
+        raise ValueError(
+            f"{path}: the file must have a name before its ending, such as shoe{path.name}, by which mesh "
+            "and case are called"
+        )
+    return name
 
 
 def paths_of(name: str, folder: Path) -> dict[str, Path]:

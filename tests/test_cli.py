@@ -611,6 +611,29 @@ def test_commands_without_what_they_need_say_how_to_get_it(refused, soils, monke
     assert f"pip install 'exudyn-crawler[{command}]'" in refused(command, soils.name)
 
 
+def test_a_package_that_is_not_installed_is_told_of_with_what_installs_it(refused, tmp_path, monkeypatch):
+    (tmp_path / "mine.step").write_text("ISO-10303-21;")
+    with monkeypatch.context() as without:
+        without.setitem(sys.modules, "netgen", None)
+        words = "a STEP file needs netgen, which is not installed: pip install netgen-mesher"
+        assert words in refused("shoe", "mine.step")
+    for package, where in (("pythonfmu", "'.[fmu]'"), ("salib", "'.[sweep]'"), ("meshio", ".")):
+        monkeypatch.setitem(sys.modules, package, None)
+        missing = ModuleNotFoundError(f"No module named '{package}.some'", name=f"{package}.some")
+        lines, code = application._lines(missing)
+        assert code == application.BAD_INPUT
+        assert lines[0].startswith(f"the package {package} is not installed: pip install -e {where} in")
+    # a module that an installed package should have is a fault of the program
+    lines, code = application._lines(ModuleNotFoundError("No module named 'fem.gone'", name="fem.gone"))
+    assert (code, lines[0][-31:]) == (application.OTHER, "(unexpected; --debug shows where)"[-31:])
+
+
+def test_a_shoe_that_has_an_ending_for_its_name_is_refused(refused, tmp_path):
+    (tmp_path / ".step").write_text("ISO-10303-21;")
+    for command in ("shoe", "check"):
+        assert "must have a name before its ending, such as shoe.step" in refused(command, ".step")
+
+
 def test_the_rest_before_a_run_tells_its_progress_in_a_folder_that_is_there(refused, tmp_path, monkeypatch):
     def stopped(_case):
         raise ValueError(f"noted in {[path.parent.name for path in progress._noting]}")

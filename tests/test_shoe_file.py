@@ -1,6 +1,7 @@
 """A maker's file becomes a case that runs and checks read without editing."""
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,7 @@ from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases
 from exudyn_crawler.results.history.summary import HELD, key_results
 from exudyn_crawler.results.stress.hot_spots import peak_spots
-from exudyn_crawler.shoe_file import MARK, shoe_of, write_shoe
+from exudyn_crawler.shoe_file import MARK, shoe_name, shoe_of, write_shoe
 from meshes import mesh_named
 from meshes.recognition.axes import Choices
 from meshes.undersides import ground_outline
@@ -211,6 +212,38 @@ def test_a_resting_shoe_presses_with_its_weight_over_tips_or_plate(grousers, on_
         assert rest.dataset.area.isel(time=0).sum() == pytest.approx(2.0 * area, rel=1e-3)
         pressures.append(pressure.mean())
     assert pressures[1] / pressures[0] == pytest.approx(0.23 / 0.02, rel=2e-2)
+
+
+def test_an_underside_whose_lugs_stand_between_the_neighbours_is_a_rectangle_of_its_area(tmp_path):
+    nodes, tets = SweptShoe(facets=8, standing=True).mesh()
+    shoe = shoe_of(written(tmp_path / "standing.vtu", nodes, [("tetra", tets)]))
+    assert any("longer than the pitch" in line for line in shoe.lines())
+    of_case = read_case(write_shoe(shoe, tmp_path)["case"]).case
+    # four lugs of 40 mm ahead of the plate and two behind it, 50 mm long
+    lugs = 4 * 0.04 * 0.05, 2 * 0.04 * 0.05
+    area = 0.23 * 0.7 + sum(lugs)
+    assert of_case.shoe.ground_area == pytest.approx(area)
+    assert of_case.shoe.width == pytest.approx(0.7)
+    assert of_case.shoe.length == pytest.approx(area / 0.7)
+    assert of_case.shoe.length < of_case.track.pitch
+    middle = (lugs[0] - lugs[1]) * 0.14 / area
+    com = of_case.track.pin_ahead - 0.125  # of the plate's middle from the COM
+    assert of_case.shoe.underside_center[0] == pytest.approx(com + middle)
+    assert shoe.refusals == ()
+    case = of_case.with_({"shoe.rails": None, "flexible": None})
+    case = case.with_(track=case.track.with_(shoe_count=2), loads=LoadCycle.constant(3e3, 2))
+    rest = simulate(case, 0.002, progress=False)
+    weight = 3e3 + case.shoe.mass * case.gravity
+    pressure = rest.quantity("ground_pressure").isel(time=0).values
+    assert pressure.mean() == pytest.approx(weight / area, rel=1e-3)
+
+
+def test_a_file_whose_whole_name_is_an_ending_is_refused():
+    with pytest.raises(
+        ValueError, match=r"\.step: the file must have a name before its ending, such as shoe\.step"
+    ):
+        shoe_of(".step")
+    assert shoe_name(Path("a/my.shoe.step")) == "my"
 
 
 def test_grousers_at_a_plates_edges_belong_to_its_rectangle():

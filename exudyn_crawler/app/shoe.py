@@ -10,7 +10,7 @@ from exudyn_crawler.app.form import refuse
 from exudyn_crawler.app.machine import load
 from exudyn_crawler.app.results import BUSY, command
 from exudyn_crawler.files import writable_folder
-from exudyn_crawler.shoe_file import paths_of
+from exudyn_crawler.shoe_file import paths_of, shoe_name
 from exudyn_crawler.views.scenes.recognized import shoe_figure
 from fem import read_mesh
 from meshes.recognition.axes import UNITS
@@ -74,7 +74,13 @@ class ShoePanel:
         await self._make(f"{case.stem}_shoe", case, "--out", case.parent)
 
     async def _dropped(self, event: events.UploadEventArguments) -> None:
-        self.file = writable_folder(self.document.folder / SHOES) / Path(event.file.name).name
+        name = Path(event.file.name)
+        try:
+            shoe_name(name)
+            self.file = writable_folder(self.document.folder / SHOES) / name.name
+        except (OSError, ValueError) as error:
+            refuse(error)
+            return
         await event.file.save(self.file)
         self.flips.clear()
         self.asked.set_visibility(True)
@@ -85,7 +91,7 @@ class ShoePanel:
         said: list[object] = [*sorted(self.flips), "--out", self.file.parent, "--overwrite"]
         for option, select in self.selects.items():
             said += [option, select.value] if select.value else []
-        await self._make(self.file.name.partition(".")[0], self.file, *said)
+        await self._make(shoe_name(self.file), self.file, *said)
 
     async def _make(self, name: str, source: Path, *options: object) -> None:
         """Make a shoe of a name of a file, and show it."""

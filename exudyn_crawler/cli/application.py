@@ -14,7 +14,8 @@ import warnings
 from collections.abc import Callable
 from functools import partial, wraps
 from importlib import resources
-from importlib.metadata import EntryPoints, entry_points
+from importlib.metadata import EntryPoints, entry_points, requires
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -80,6 +81,8 @@ def report_made(path: Path, what_now: str = "") -> None:
 OTHER, BAD_INPUT, STOPPED = 1, 2, 3  # exit codes
 OF_PATHS = FileNotFoundError, FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError
 BAD_INPUT_ERRORS = (ValueError, BlockingIOError, *OF_PATHS)
+DISTRIBUTION = "exudyn-crawler"
+OF_EXTRA = re.compile(r"extra == ['\"]([\w-]+)['\"]")
 CASES = "exudyn_crawler.cases"  # entry points of cases to start from: functions that return a `CaseFile`
 
 
@@ -210,9 +213,24 @@ def _lines(error: BaseException) -> tuple[list[str], int]:
     if hasattr(error, "format_message"):
         words = " ".join(error.format_message().split())
         return [f"{words}; --help shows what is allowed"] if words else [], BAD_INPUT
+    if isinstance(error, ModuleNotFoundError) and (missing := _missing(error)):
+        return [missing], BAD_INPUT
     text = " ".join(str(error).split())
     of_system = isinstance(error, OSError)
     return [text if of_system else f"{type(error).__name__}: {text} (unexpected; --debug shows where)"], OTHER
+
+
+def _missing(error: ModuleNotFoundError) -> str:
+    """Return what installs a missing package; empty for a module that an installed one lacks."""
+    if "pip install" in str(error):
+        return str(error)
+    package = (error.name or "").partition(".")[0]
+    if not package or find_spec(package) is not None:
+        return ""
+    lines = [line for line in requires(DISTRIBUTION) or () if line.lower().startswith(package.lower())]
+    extras = [found[1] for line in lines if (found := OF_EXTRA.search(line)) and found[1] != "dev"]
+    where = f"'.[{extras[0]}]'" if extras else "."
+    return f"the package {package} is not installed: pip install -e {where} in the folder of {DISTRIBUTION}"
 
 
 def _interrupted(error: BaseException | None) -> bool:

@@ -289,10 +289,10 @@ def shoe(
         datasheets.fit_shoe(file, size, out, overwrite)
         return
     from exudyn_crawler.files import refuse_existing
-    from exudyn_crawler.shoe_file import paths_of, shoe_of, write_shoe
+    from exudyn_crawler.shoe_file import paths_of, shoe_name, shoe_of, write_shoe
     from meshes.recognition.axes import Choices
 
-    name = file.name.partition(".")[0]
+    name = shoe_name(file)
     for path in paths_of(name, out).values():
         refuse_existing(path, overwrite)
     with heartbeat(f"shoe of {file}"):
@@ -343,7 +343,9 @@ def check(
             out=folder,
             overwrite=overwrite,
         )
-        file = folder / f"{file.name.partition('.')[0]}.toml"
+        from exudyn_crawler.shoe_file import shoe_name
+
+        file = folder / f"{shoe_name(file)}.toml"
     elif (unit, flip_front, flip_up, footprint, body, pins) != (None, False, False, None, None, 1):
         raise ValueError(f"flags of a shoe's shape must go with a maker's file, got {file}")
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)

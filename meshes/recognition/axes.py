@@ -26,6 +26,11 @@ GREATEST_MASS = 2e4
 """kg, of the same."""
 STEEL_DENSITY = 7850.0
 """kg/m3, by which a unit is likely or not."""
+KILO = 1e3
+RANGE = (
+    f"a pitch of {LEAST_PITCH:g} to {GREATEST_PITCH:g} m and a mass of {LEAST_MASS:g} kg to "
+    f"{GREATEST_MASS / KILO:g} t"
+)
 SAME_REACH = 0.02
 """Of the outer lugs' reach: within which both ends have the same."""
 WEAK = 0.25
@@ -61,6 +66,24 @@ class Question(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.words}; {self.flag} decides"
+
+
+class NodesUnit(NamedTuple):
+    """Unit of a solid whose file names one.
+
+    Attributes
+    ----------
+    of_nodes : str
+        Unit that the coordinates were converted to.
+    name : str
+        Unit that the file names.
+    metres : float
+        The latter in m.
+    """
+
+    of_nodes: Unit
+    name: str
+    metres: float
 
 
 class Choices(NamedTuple):
@@ -108,13 +131,17 @@ class ShoeAxes:
         return np.asarray(point - axis * point[1] / axis[1])
 
 
-def find_axes(triangles: Triangles, pairs: list[PinPair], choices: Choices) -> ShoeAxes:
+def find_axes(
+    triangles: Triangles, pairs: list[PinPair], choices: Choices, named: NodesUnit | None = None
+) -> ShoeAxes:
     """Find unit and axes of a shoe by its pins, and what is open about them.
+
+    Where the file has `named` its unit, `choices` do not change it.
 
     Raises
     ------
     ValueError
-        If no unit makes it a shoe.
+        If no unit makes it a shoe, or that of the file or the user does not.
     """
     questions = []
     pair = pairs[0]
@@ -123,7 +150,7 @@ def find_axes(triangles: Triangles, pairs: list[PinPair], choices: Choices) -> S
             f"another pair of bores, {pairs[1].pitch / pair.pitch:.3g} times as far apart, could be the pins"
         )
         questions.append(Question("--pins 2", words))
-    unit, asked = _unit(pair.pitch, triangles.volume, choices)
+    unit, asked = _unit(pair.pitch, triangles.volume, choices.unit, named)
     questions += asked
     ordered, asked = _front(pair, choices)
     axes = ShoeAxes(_rows(ordered), triangles.center, unit, ordered, ())
@@ -132,26 +159,66 @@ def find_axes(triangles: Triangles, pairs: list[PinPair], choices: Choices) -> S
     return replace(_levelled(triangles, turned), questions=tuple(questions))
 
 
-def _unit(pitch: float, volume: float, choices: Choices) -> tuple[Unit, list[Question]]:
-    """Unit of a file that makes pitch and mass those of a shoe."""
-    if choices.unit is not None:
-        return choices.unit, []
-    fits = [
-        unit
-        for unit, size in UNITS.items()
-        if LEAST_PITCH <= pitch * size <= GREATEST_PITCH
-        and LEAST_MASS <= volume * size**3 * STEEL_DENSITY <= GREATEST_MASS
-    ]
+def _unit(
+    pitch: float, volume: float, chosen: Unit | None, named: NodesUnit | None
+) -> tuple[Unit, list[Question]]:
+    """Return the unit of the coordinates of a solid, which makes pitch and mass those of a shoe."""
+    if named is not None:
+        size = UNITS[named.of_nodes]
+        if not _is_shoe(pitch * size, volume * size**3):
+            # as they stand in the file
+            numbers = pitch * size / named.metres, volume * (size / named.metres) ** 3
+            raise ValueError(
+                f"is the unit wrong? The file names {named.name}, with which "
+                f"{_implausible(*numbers, named.metres)}; {_likely(*numbers)}: "
+                "export the shoe again in its unit"
+            )
+        return named.of_nodes, []
+    if chosen is not None:
+        if not _is_shoe(pitch * UNITS[chosen], volume * UNITS[chosen] ** 3):
+            raise ValueError(
+                f"with --unit {chosen} {_implausible(pitch, volume, UNITS[chosen])}; {_likely(pitch, volume)}"
+            )
+        return chosen, []
+    fits = _fitting_units(pitch, volume)
     if not fits:
         raise ValueError(
-            f"the shoe must have a pitch of {LEAST_PITCH:g} to {GREATEST_PITCH:g} m and a mass of "
-            f"{LEAST_MASS:g} to {GREATEST_MASS:g} kg in mm, m, inch or cm; with a pitch of {pitch:.4g} and a "
-            f"volume of {volume:.4g} in its unit it has neither; --unit names the unit"
+            f"the shoe must have {RANGE} in mm, m, inch or cm; with a pitch of {pitch:.4g} and a volume of "
+            f"{volume:.4g} in its unit it has neither"
         )
     if len(fits) == 1:
         return fits[0], []
     sizes = ", ".join(f"{unit}: pitch {pitch * UNITS[unit]:.4g} m" for unit in fits)
     return fits[0], [Question("--unit", f"the unit may be {sizes}; {fits[0]} was taken")]
+
+
+def _is_shoe(pitch: float, volume: float) -> bool:
+    """Return whether pitch (m) and volume (m3) are those of a steel shoe of any machine."""
+    return LEAST_PITCH <= pitch <= GREATEST_PITCH and LEAST_MASS <= volume * STEEL_DENSITY <= GREATEST_MASS
+
+
+def _fitting_units(pitch: float, volume: float) -> list[Unit]:
+    """Return the units in which numbers are pitch and volume of a shoe, the likeliest first."""
+    return [unit for unit, size in UNITS.items() if _is_shoe(pitch * size, volume * size**3)]
+
+
+def _sizes(pitch: float, volume: float, size: float) -> str:
+    """Describe pitch and mass of a steel shoe, by numbers in a unit of so many m."""
+    mass = volume * size**3 * STEEL_DENSITY
+    weight = f"{mass:.4g} kg" if mass < KILO else f"{mass / KILO:.4g} t"
+    return f"a pitch of {pitch * size:.4g} m and {weight}"
+
+
+def _implausible(pitch: float, volume: float, size: float) -> str:
+    """Describe a shoe of implausible size, by numbers of its pitch and volume in a unit of so many m."""
+    return f"the shoe would have {_sizes(pitch, volume, size)} of steel; shoes have {RANGE}"
+
+
+def _likely(pitch: float, volume: float) -> str:
+    """Describe the shoe in the units that make it one."""
+    fits = _fitting_units(pitch, volume)
+    shown = " or ".join(f"{_sizes(pitch, volume, UNITS[unit])} in {unit}" for unit in fits)
+    return f"it would have {shown}" if fits else "no unit of mm, m, inch and cm makes it one"
 
 
 def _front(pair: PinPair, choices: Choices) -> tuple[PinPair, list[Question]]:

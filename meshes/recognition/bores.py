@@ -66,6 +66,11 @@ class Bore:
     faces: Integers
     off_round: float
 
+    @property
+    def middle(self) -> Floats:
+        """Middle of its axis: array (3,)."""
+        return self.point + 0.5 * sum(self.ends) * self.axis
+
 
 def across(places: Floats, axis: Floats, point: Floats) -> Floats:
     """Ways (..., 3) from an axis to places (..., 3), at right angles to it."""

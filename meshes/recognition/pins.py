@@ -23,6 +23,8 @@ SAME_LINE = 0.15
 """Of the radius: greatest distance of the axes of holes on one line."""
 SAME_RADIUS = 0.15
 """Of the radius of most of a line: other holes on it are counterbores or for other parts."""
+EQUAL_RADII = 2e-3
+"""Of the radius: greatest difference of bores that are equal, by a coarse mesh."""
 OVERLAP = 0.05
 """Of the shorter line's length: greatest part over which bores of both lines lie over each other."""
 REACH = 0.6
@@ -64,6 +66,13 @@ class PinLine:
         """Mean radius, by length."""
         lengths = [bore.ends[1] - bore.ends[0] for bore in self.bores]
         return float(np.average([bore.radius for bore in self.bores], weights=lengths))
+
+    @property
+    def has_equal_radii(self) -> bool:
+        """True for bores of one radius, within what their corners are off round."""
+        radii = [bore.radius for bore in self.bores]
+        slack = EQUAL_RADII * max(radii) + 2.0 * max(bore.off_round for bore in self.bores)
+        return max(radii) - min(radii) <= slack
 
     @property
     def faces(self) -> Integers:
@@ -158,11 +167,16 @@ def interleaved(a: Floats, b: Floats) -> bool:
     return overlap(a, b) < OVERLAP * least and reach > -REACH * least
 
 
-def overlap(a: Floats, b: Floats) -> float:
-    """Length over which spans (k, 2) and (m, 2) lie over each other."""
+def overlap_of_spans(a: Floats, b: Floats) -> Floats:
+    """Lengths (k, m) over which each of the spans (k, 2) and each of (m, 2) lie over each other."""
     low = np.maximum(a[:, None, 0], b[None, :, 0])
     high = np.minimum(a[:, None, 1], b[None, :, 1])
-    return float(np.maximum(high - low, 0.0).sum())
+    return np.maximum(high - low, 0.0)
+
+
+def overlap(a: Floats, b: Floats) -> float:
+    """Length over which spans (k, 2) and (m, 2) lie over each other."""
+    return float(overlap_of_spans(a, b).sum())
 
 
 def refined(triangles: Triangles, pair: PinPair) -> PinPair:

@@ -1,6 +1,8 @@
 """Shoes of makers' files in the program's form: STEP, STL or tetrahedra, in any unit and axes."""
 
+import itertools
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,10 +14,12 @@ import numpy as np
 from fem.body.mesh import Floats, Integers, Mesh, MeshError, boundary_faces
 from fem.files.mesh_content import VolumeMesh
 from fem.files.mesh_files import read_volume
+from meshes import mesher
 from meshes.load_surfaces import with_known_names
 from meshes.recognition import bores, elements as tetrahedra, pins, quality, solids
-from meshes.recognition.axes import Choices, Question, ShoeAxes, Unit, find_axes
+from meshes.recognition.axes import UNITS, Choices, NodesUnit, Question, ShoeAxes, find_axes
 from meshes.recognition.pins import PinPair
+from meshes.recognition.step_units import StepUnit
 from meshes.recognition.surfaces import ShoeSurfaces, find_surfaces
 from meshes.recognition.triangles import Triangles
 
@@ -30,7 +34,9 @@ FLATTEST = 1e-3
 FLAT = 0.05
 """Shapes of elements, 1 of a regular one: flatter ones spoil all that is computed, or stress beside them."""
 DOUBLE_PINS = 0.5
-"""Of the extent: how far apart two lines of equal bores are that connectors link."""
+"""Of the extent: how far apart lines of bores are that are those of two pins."""
+EQUAL_LINES = 0.9
+"""Of the longer line's length: overlap of equal lines, such as those of two pins that connectors link."""
 
 
 class FileSolid(NamedTuple):
@@ -41,8 +47,8 @@ class FileSolid(NamedTuple):
     nodes : array (n, 3)
         In the file's unit and axes.
     elements : int array (m, 10)
-    unit : str or None
-        What the file says; None if it says nothing.
+    unit : NodesUnit or None
+        Unit of the nodes and that of the file, if the file names one.
     surfaces : dict of str to int array (k, 6)
         That the file names.
     remarks : tuple of str
@@ -51,7 +57,7 @@ class FileSolid(NamedTuple):
 
     nodes: Floats
     elements: Integers
-    unit: Unit | None
+    unit: NodesUnit | None
     surfaces: dict[str, Integers]
     remarks: tuple[str, ...] = ()
     questions: tuple[Question, ...] = ()
@@ -67,6 +73,8 @@ class RecognizedShoe:
         In m, x ahead, y to the left, z up, origin at the COM; with all named surfaces.
     axes : ShoeAxes
     surfaces : ShoeSurfaces
+    unit : str
+        Unit of the file, and how it is known.
     remarks : tuple of str
         What was left out or done.
     questions : tuple of Question
@@ -76,6 +84,7 @@ class RecognizedShoe:
     mesh: Mesh
     axes: ShoeAxes
     surfaces: ShoeSurfaces
+    unit: str
     remarks: tuple[str, ...]
     questions: tuple[Question, ...]
 
@@ -155,7 +164,8 @@ def read_solid(path: Path, choices: Choices, size: solids.SizesOfElements) -> Fi
     """Tetrahedra of 10 nodes of a file; parameters and errors are those of `recognize_file`."""
     suffix = path.suffix.lower()
     if suffix in STEP_FILES:
-        return _of_step(path, choices, size)
+        mesher.require_netgen("a STEP file")
+        return mesher.call(_of_step, path, choices, size)
     if suffix in STL_FILES:
         return _of_stl(path, choices, size)
     return _of_mesh(read_volume(path), choices)
@@ -175,19 +185,40 @@ def recognize_solid(solid: FileSolid, choices: Choices) -> RecognizedShoe:
         name: faces for name, faces in with_known_names(others).surfaces.items() if name not in named
     }
     known = sorted(set(with_known_names(others).surfaces) & set(named))
-    remarks = [*solid.remarks, *surfaces.remarks]
+    remarks = [*solid.remarks, *differing_bores(axes), *surfaces.remarks]
     if known:
         remarks.append(f"surfaces of the file that the shape also gives are replaced: {', '.join(known)}")
     return RecognizedShoe(
         others.with_surfaces(named) if not known else Mesh(nodes, solid.elements, others_of_file | named),
         axes,
         surfaces,
+        _unit_words(solid.unit, choices, axes),
         tuple(remarks),
         (*solid.questions, *axes.questions, *surfaces.questions),
     )
 
 
-def axes_of(triangles: Triangles, choices: Choices, unit: Unit | None = None) -> ShoeAxes:
+def _unit_words(named: NodesUnit | None, choices: Choices, axes: ShoeAxes) -> str:
+    """Return the unit of a file and how it is known."""
+    if named is not None:
+        return f"{named.name}, named by the file"
+    return f"{axes.unit}, by --unit" if choices.unit else f"{axes.unit}, by the size of the shoe"
+
+
+def differing_bores(axes: ShoeAxes) -> Iterator[str]:
+    """Yield a remark for each end whose bores have different radii."""
+    size = 1e3 * axes.scale
+    for end, line in zip(("rear", "front"), axes.pins.lines, strict=True):
+        if line.has_equal_radii:
+            continue
+        bores = sorted(
+            (size * (bore.middle - axes.origin) @ axes.rows[1], bore.radius) for bore in line.bores
+        )
+        words = ", ".join(f"{size * radius:.3f} mm at y = {y:.4g} mm" for y, radius in bores)
+        yield f"the {end} bores have different radii, {words}: is one worn, or bored for another pin?"
+
+
+def axes_of(triangles: Triangles, choices: Choices, unit: NodesUnit | None = None) -> ShoeAxes:
     """Axes and unit of a shoe by the bores on its boundary.
 
     Raises
@@ -198,53 +229,65 @@ def axes_of(triangles: Triangles, choices: Choices, unit: Unit | None = None) ->
     lines = pins.pin_lines(bores.find_bores(triangles))
     pairs = pins.pin_pairs(triangles, lines)
     if not pairs:
-        raise ValueError(_no_pins(triangles, lines))
+        raise ValueError(_no_pins(triangles, lines, unit))
     if not 1 <= choices.pins <= len(pairs):
         raise ValueError(
             f"--pins must be in 1..{len(pairs)}, the pairs of bores that make a chain, got {choices.pins}"
         )
     chosen = pins.refined(triangles, pairs.pop(choices.pins - 1))
-    return find_axes(triangles, [chosen, *pairs], choices._replace(unit=choices.unit or unit))
+    return find_axes(triangles, [chosen, *pairs], choices, unit)
 
 
-def _no_pins(triangles: Triangles, lines: list[pins.PinLine]) -> str:
-    """Reason why a shoe has no pins of a chain."""
-    held = [f"{len(line.bores)} of radius {line.radius:.4g}" for line in lines if line.length > 0.0]
+def _no_pins(triangles: Triangles, lines: list[pins.PinLine], unit: NodesUnit | None) -> str:
+    """Return the reason why a shoe has no pins of a chain."""
+    length = unit.of_nodes if unit else "units of the file"
+    held = [f"{len(line.bores)} of radius {line.radius:.4g} {length}" for line in lines if line.length > 0.0]
     words = "; ".join(held[:8]) + (f" and {len(held) - 8} more" if len(held) > 8 else "")
     reason = (
         "it must have round bores at both ends whose lugs stand between those of its neighbours, "
         f"got {f'lines of {words}' if held else 'no round hole'}"
     )
-    if _is_double_pin(triangles, lines):
-        reason += (
-            "; two equal lines over each other are those of a track with two pins a link and connectors, "
-        )
-        reason += "which is not covered"
+    if (pair := _overlapping_lines(triangles, lines)) is None:
+        return reason
+    first, second = (line.spans(pair[0].axis) for line in pair)
+    beside = pins.overlap_of_spans(first, second)
+    reason += (
+        f"; if the lines of radius {pair[0].radius:.4g} and {pair[1].radius:.4g} {length} are the pins, "
+        f"front and rear lugs overlap by {beside.max():.4g} {length} along them, and neighbours would meet: "
+        "lugs have to stand beside each other"
+    )
+    whole = max(line.length for line in pair)
+    if beside.sum() > EQUAL_LINES * whole:
+        reason += "; a track with two pins a link and connectors, whose lines are equal, is not covered"
     return reason
 
 
-def _is_double_pin(triangles: Triangles, lines: list[pins.PinLine]) -> bool:
-    """True where two lines of bores have the same spans, far apart."""
-    for number, first in enumerate(lines):
-        for second in lines[:number]:
-            if abs(first.axis @ second.axis) < pins.PARALLEL:
-                continue
-            apart = bores.across(second.point, first.axis, first.point)
-            far = float(np.linalg.norm(apart))
-            extent = np.ptp(triangles.points @ (apart / max(far, 1e-300)))
-            spans = first.spans(first.axis), second.spans(first.axis)
-            whole = max(first.length, second.length)
-            if far > DOUBLE_PINS * extent and pins.overlap(*spans) > 0.9 * whole:
-                return True
-    return False
+def _overlapping_lines(
+    triangles: Triangles, lines: list[pins.PinLine]
+) -> tuple[pins.PinLine, pins.PinLine] | None:
+    """Return the likeliest two lines of bores, far apart, that lie over each other, or None."""
+    found = []
+    for first, second in itertools.combinations(lines, 2):
+        if abs(first.axis @ second.axis) < pins.PARALLEL:
+            continue
+        apart = bores.across(second.point, first.axis, first.point)
+        far = float(np.linalg.norm(apart))
+        extent = np.ptp(triangles.points @ (apart / max(far, 1e-300)))
+        radii = sorted((first.radius, second.radius))
+        least = min(first.length, second.length)
+        beside = pins.overlap(first.spans(first.axis), second.spans(first.axis))
+        if far > DOUBLE_PINS * extent and radii[1] < pins.RADII * radii[0] and beside > pins.OVERLAP * least:
+            found.append((least * far * radii[0], (first, second)))
+    return max(found, key=lambda one: one[0])[1] if found else None
 
 
 def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileSolid:
-    """Solid of a STEP file: bores found on a quick mesh of its faces get small elements."""
-    solid = solids.StepSolid(path, choices.body)
+    """Mesh the solid of a STEP file: bores found on a quick mesh of its faces get small elements."""
+    solid = _step_solid(path, choices.body)
+    unit = _checked_unit(solid.unit, choices)
     triangles, face = solid.quick()
     try:
-        guess = axes_of(triangles, choices, "mm")
+        guess = axes_of(triangles, choices, unit)
     except ValueError as error:
         if not solid.questions:
             raise
@@ -256,7 +299,7 @@ def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> File
     for line in pair.lines:
         solid.refine(face[line.faces], size.of_bores * line.radius)
     nodes, elements, straightened = solid.mesh(size.of_pitch * pair.pitch)
-    final = axes_of(Triangles(nodes, boundary_faces(elements)[:, :3]), choices, "mm")
+    final = axes_of(Triangles(nodes, boundary_faces(elements)[:, :3]), choices, unit)
     turned = np.arccos(np.clip((np.trace(final.rows @ guess.rows.T) - 1.0) / 2.0, -1.0, 1.0))
     if turned > SAME_AXES or abs(final.pins.pitch / pair.pitch - 1.0) > SAME_AXES:
         raise ValueError(
@@ -265,9 +308,47 @@ def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> File
             "between two: mesh it finer (--size fine)"
         )
     remarks = [f"meshed by netgen: {len(nodes)} nodes, {len(elements)} elements"]
+    if unit is None:
+        remarks.append(
+            f"the file names no unit of length, {final.unit} was taken: export the shoe with its unit"
+        )
+    if solid.healed:
+        first = solid.healed[0].words(solid.unit or solids.MM)
+        remarks.append(f"{len(solid.healed)} slivers were removed, the smallest {first}")
     if straightened:
         remarks.append(f"{straightened} elements have straight edges, which curved ones would have folded")
-    return FileSolid(nodes, elements, "mm", {}, tuple(remarks), tuple(solid.questions))
+    return FileSolid(nodes, elements, unit, {}, tuple(remarks), tuple(solid.questions))
+
+
+def _step_solid(path: Path, body: str | None) -> solids.StepSolid:
+    """Read the solid of a STEP file; where it has several links, the error says so."""
+    try:
+        return solids.StepSolid(path, body)
+    except solids.ApartError as error:
+        if not error.apart:
+            raise
+        try:
+            first = solids.StepSolid(path, "1")
+            pair = axes_of(first.quick()[0], Choices(), _checked_unit(first.unit, Choices())).pins
+        except ValueError:
+            raise error from None
+        if abs(error.apart / pair.pitch - 1.0) > SAME_AXES:
+            raise
+        raise MeshError(
+            f"{error}; they are {error.count} equal links, one pitch apart: --body 1 takes one"
+        ) from error
+
+
+def _checked_unit(unit: StepUnit | None, choices: Choices) -> NodesUnit | None:
+    """Return the unit of a STEP file's nodes, which netgen makes mm; ValueError if the user names another."""
+    if unit is None:
+        return None
+    if choices.unit and not unit.is_same(UNITS[choices.unit]):
+        raise ValueError(
+            f"--unit {choices.unit} contradicts the file, which names {unit.name}: leave the flag out, or "
+            "export the shoe again in its unit"
+        )
+    return NodesUnit("mm", *unit)
 
 
 def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileSolid:

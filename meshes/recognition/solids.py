@@ -1,5 +1,7 @@
-"""Solids of STEP files and closed STL boundaries, meshed by netgen with its own CAD kernel (extra `mesh`)."""
+"""Solids of STEP files and closed STL boundaries, meshed by netgen with its own CAD kernel."""
 
+import importlib
+import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -7,18 +9,23 @@ import numpy as np
 
 from fem.body.distortion import straighten_distorted
 from fem.body.mesh import Floats, Integers, MeshError
+from meshes import mesher
 from meshes.build_shoe import FROM_NETGEN
+from meshes.recognition import slivers, step_units
 from meshes.recognition.axes import Question
+from meshes.recognition.step_units import StepUnit
 from meshes.recognition.triangles import Triangles
 
 SEND_STEP = "send the shoe as STEP, or as a mesh of tetrahedra"
-NEEDS = "{} needs netgen: pip install 'exudyn-crawler[mesh]'"
 QUICK = 0.06
 """Of the extent: greatest edge of the mesh on which bores are searched."""
 QUICK_CURVES = 2.0
 CURVES = 1.0
 """Elements along a curve's radius, of the search and of the shoe."""
 GROWTH = 0.3
+MM = StepUnit("mm", 1e-3)
+EQUAL = 1e-6
+"""Relative difference of the volumes of equal solids."""
 OPEN = 1e-9
 """Share of edges with one triangle, or three, of a boundary that is not closed."""
 
@@ -40,20 +47,41 @@ SIZES = {
 
 def netgen_module(name: str, for_what: str) -> Any:
     """Module of netgen; a ModuleNotFoundError says what needs it, and how to get it."""
-    import importlib
-
-    try:
-        module = importlib.import_module(f"netgen.{name}")
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(NEEDS.format(for_what)) from error
+    mesher.require_netgen(for_what)
+    module = importlib.import_module(f"netgen.{name}")
     from netgen import libngpy
 
     libngpy._meshing.SetMessageImportance(0)
     return module
 
 
+class ApartError(MeshError):
+    """A file has several solids that do not touch.
+
+    Attributes
+    ----------
+    apart : float
+        Distance of the largest solid from the nearest one that is equal to it, mm; 0 if not all are equal.
+    count : int
+    """
+
+    def __init__(self, text: str, apart: float = 0.0, count: int = 0) -> None:
+        super().__init__(text)
+        self.apart = apart
+        self.count = count
+
+
 class StepSolid:
     """One solid of a STEP file, in mm, as netgen hands it out whatever the file's unit.
+
+    Attributes
+    ----------
+    shape : TopoDS_Shape
+    unit : StepUnit or None
+        That the file names; None if it names none: numbers are then taken for mm.
+    healed : tuple of Sliver
+        Slivers that were removed.
+    questions : list of Question
 
     Raises
     ------
@@ -65,8 +93,15 @@ class StepSolid:
 
     def __init__(self, path: Path, body: str | None = None) -> None:
         self._occ = netgen_module("occ", "a STEP file")
-        if not path.read_bytes()[:4096].lstrip().startswith(b"ISO-10303-21"):
-            raise MeshError(f"{path} must be a STEP file, which begins with ISO-10303-21")
+        with path.open("rb") as file:
+            if not file.read(4096).lstrip().startswith(b"ISO-10303-21"):
+                raise MeshError(f"{path} must be a STEP file, which begins with ISO-10303-21")
+        units = step_units.units_of(path)
+        if len(units) > 1:
+            names = ", ".join(unit.name for unit in units)
+            raise MeshError(f"{path} must be in one unit of length, its parts are in {names}")
+        self.unit = units[0] if units else None
+        mesher.begin_step("the reading of the file")
         try:
             whole = self._occ.OCCGeometry(str(path)).shape
             solids = sorted(whole.solids, key=lambda solid: -solid.mass)
@@ -78,15 +113,27 @@ class StepSolid:
             )
         self.questions: list[Question] = []
         self.shape = self._chosen(path, solids, body)
+        found = slivers.find_slivers(self.shape)
+        self.healed: tuple[slivers.Sliver, ...] = ()
+        self._suspects = slivers.suspects(found, self.unit or MM)
+        if found:
+            mesher.begin_step("the removal of slivers", self._suspects)
+            if (shape := slivers.healed(self._occ, self.shape)) is not None:
+                self.shape = shape
+                self.healed = tuple(found)
 
     def _chosen(self, path: Path, solids: list[Any], body: str | None) -> Any:
+        unit = self.unit or MM
+        cubed = (MM.metres / unit.metres) ** 3
         volumes = ", ".join(
-            f"{number}: {solid.mass:.4g} mm3" for number, solid in enumerate(solids[:8], start=1)
+            f"{number}: {cubed * solid.mass:.4g} {unit.name}3"
+            for number, solid in enumerate(solids[:8], start=1)
         )
         if body not in (None, "all"):
             return solids[body_number(body, len(solids), volumes) - 1]
         if len(solids) == 1:
             return solids[0]
+        mesher.begin_step("the fusion of its solids")
         try:
             fused = solids[0]
             for solid in solids[1:]:
@@ -95,9 +142,11 @@ class StepSolid:
         except Exception as error:  # the kernel raises all kinds of errors
             raise MeshError(f"{path}: its {len(solids)} solids cannot be fused: {_line(error)}") from error
         if len(parts) != 1:
-            raise MeshError(
+            raise ApartError(
                 f"{path} must hold one solid, or several that touch, got {len(parts)} apart of {volumes}; "
-                "--body N chooses one"
+                "--body N chooses one",
+                _distance_of_equals(solids),
+                len(solids),
             )
         if body is None:
             self.questions = [
@@ -107,9 +156,8 @@ class StepSolid:
 
     def quick(self) -> tuple[Triangles, Integers]:
         """Triangles of a mesh on which bores are searched, and the number of each one's face of the solid."""
-        low, high = self.shape.bounding_box
-        size = QUICK * max(high.x - low.x, high.y - low.y, high.z - low.z)
-        mesh = self._generate(size, QUICK_CURVES, surface=True)
+        mesher.begin_step("the meshing of its surface", self._suspects)
+        mesh = self._generate(QUICK * slivers.extent_of(self.shape), QUICK_CURVES, surface=True)
         sides = mesh.Elements2D().NumPy()
         triangles = Triangles(np.array(mesh.Coordinates()), sides["nodes"][:, :3].astype(np.int64) - 1)
         return triangles.outward(), sides["index"].astype(np.int64)
@@ -121,6 +169,7 @@ class StepSolid:
 
     def mesh(self, size: float) -> tuple[Floats, Integers, int]:
         """Nodes (mm) and tetrahedra of 10 nodes with edges up to a size, and how many were straightened."""
+        mesher.begin_step("the meshing of the solid", self._suspects)
         mesh = self._generate(size, CURVES)
         mesh.SecondOrder()
         return second_order(mesh)
@@ -138,7 +187,16 @@ class StepSolid:
                 return steps.OCCGeometry(self.shape).GenerateMesh(curvaturesafety=finer * curves, **how)
             except Exception as error:  # netgen raises all kinds of errors
                 last = _line(error)
-        raise MeshError(f"netgen cannot mesh the solid: {last}; heal it, or send a mesh of tetrahedra")
+        remedy = self._suspects or "heal it in CAD, or send a mesh of tetrahedra"
+        raise MeshError(f"netgen cannot mesh the solid: {last}; {remedy}")
+
+
+def _distance_of_equals(shapes: list[Any]) -> float:
+    """Return how far the first of some equal solids is from the nearest other one, mm; 0 if they differ."""
+    first = shapes[0]
+    if any(abs(shape.mass / first.mass - 1.0) > EQUAL for shape in shapes):
+        return 0.0
+    return min(math.dist(tuple(first.center), tuple(shape.center)) for shape in shapes[1:])
 
 
 def body_number(body: str, count: int, held: str) -> int:
@@ -165,12 +223,19 @@ def fill_boundary(triangles: Triangles, size: float) -> tuple[Floats, Integers]:
     MeshError
         If the boundary is not closed, or netgen cannot fill it.
     """
-    meshing = netgen_module("meshing", "an STL file")
+    mesher.require_netgen("an STL file")
     if triangles.open_share > OPEN:
         raise MeshError(
             f"its boundary must be closed, got {100.0 * triangles.open_share:.2g} % of edges that have not "
             f"two triangles; {SEND_STEP}"
         )
+    return mesher.call(_filled, triangles, size)
+
+
+def _filled(triangles: Triangles, size: float) -> tuple[Floats, Integers]:
+    """Fill a closed boundary in the mesher's process."""
+    meshing = netgen_module("meshing", "an STL file")
+    mesher.begin_step("the filling of the boundary", SEND_STEP)
     mesh = meshing.Mesh()
     mesh.Add(meshing.FaceDescriptor(surfnr=1, domin=1, bc=1))
     mesh.AddPoints(np.ascontiguousarray(triangles.points))

@@ -29,6 +29,7 @@ class SweptShoe:
     grouser: bool = False  # one below the plate
     rails: bool = True
     decoy: bool = True  # a hole along y through the web
+    standing: bool = False  # lugs that reach the ground
     links: bool = False  # rails on lugs, the front half of each beside its rear one
 
     @property
@@ -50,7 +51,7 @@ class SweptShoe:
             out.append((-15.0, 115.0, PLATE, WEB + 10.0))
         if self.rails and 80.0 < abs(y) < 120.0:
             out.append((-65.0, 65.0, WEB, WEB + 10.0))
-        tall = (PIN_Z - 40.0, PIN_Z + 40.0)
+        tall = (0.0 if self.standing else PIN_Z - 40.0, PIN_Z + 40.0)
         if any(low < y < high for low, high in self.front):
             out.append((65.0, self.half_pitch + 40.0, *tall))
         if any(low < y < high for low, high in self.rear):

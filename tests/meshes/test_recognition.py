@@ -195,6 +195,14 @@ def test_equal_lines_over_each_other_are_of_a_double_pin_track():
         shoe.axes_of(Triangles(nodes, boundary_faces(tets)), Choices())
 
 
+def test_front_and_rear_lugs_that_overlap_are_told_of_with_their_length():
+    rear = ((-150.0, -110.0), (110.0, 150.0))
+    nodes, tets = SweptShoe(front=((-165.0, -125.0), (125.0, 165.0)), rear=rear, decoy=False).mesh()
+    with pytest.raises(ValueError, match=r"lugs overlap by 25 .* lugs have to stand beside") as caught:
+        shoe.axes_of(Triangles(nodes, boundary_faces(tets)), Choices())
+    assert "connectors" not in str(caught.value)
+
+
 def test_centre_of_a_volume_is_that_of_its_boundary():
     nodes, tets = SweptShoe().mesh()
     expected = Triangles(nodes, boundary_faces(tets)).center

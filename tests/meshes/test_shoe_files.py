@@ -1,5 +1,7 @@
 """Makers' files become shoes: tetrahedra without sets, STL and STEP; broken ones are refused in a line."""
 
+from dataclasses import replace
+
 import meshio
 import numpy as np
 import pytest
@@ -7,12 +9,15 @@ from scipy.spatial.transform import Rotation
 
 import fem
 from fem.body.mesh import boundary_faces
-from meshes.recognition.axes import Choices
+from meshes.recognition.axes import Choices, NodesUnit
 from meshes.recognition.elements import peeled
 from meshes.recognition.quality import mesh_quality
-from meshes.recognition.shoe import axes_of, recognize_file
+from meshes.recognition.shoe import axes_of, differing_bores, recognize_file
+from meshes.recognition.slivers import find_slivers, healed, suspects
 from meshes.recognition.solids import StepSolid
+from meshes.recognition.step_units import StepUnit
 from meshes.recognition.surfaces import find_surfaces
+from meshes.recognition.triangles import Triangles
 from tests.meshes.swept import SweptShoe
 
 TURN = Rotation.from_rotvec([0.3, 2.0, -0.7]).as_matrix()
@@ -82,8 +87,25 @@ def test_a_body_without_bores_is_refused_with_what_it_has(tmp_path):
 
 def test_a_shoe_in_no_unit_is_refused(tmp_path):
     path = written(tmp_path / "tiny.vtu", 1e-6 * NODES, [("tetra", TETS)])
-    with pytest.raises(ValueError, match=r"must have a pitch of 0\.05 to 1\.5 m .*--unit names the unit"):
+    with pytest.raises(ValueError, match=r"must have a pitch of 0\.05 to 1\.5 m .* in mm, m, inch or cm"):
         recognize_file(path)
+
+
+def test_a_unit_that_makes_no_shoe_is_refused_with_the_one_that_does():
+    boundary = Triangles(NODES, BOUNDARY)
+    times = VOLUME * 7850.0  # kg
+    words = (
+        r"is the unit wrong\? The file names cm, with which the shoe would have a pitch of 2\.5 m and "
+        rf"{times:.4g} t of steel; shoes have .*; it would have a pitch of 0\.25 m and {times:.4g} kg in mm"
+    )
+    # as converted to mm
+    with pytest.raises(ValueError, match=words):
+        axes_of(replace(boundary, points=10.0 * NODES), Choices(), NodesUnit("mm", "cm", 1e-2))
+    with pytest.raises(ValueError, match=r"with --unit cm the shoe would .* pitch of 0\.25 m and .* in mm"):
+        axes_of(boundary, Choices(unit="cm"))
+    # a flag does not change a unit that is known
+    named = axes_of(boundary, Choices(unit="cm"), NodesUnit("mm", "cm", 1e-2))
+    assert (named.unit, named.pins.pitch) == ("mm", pytest.approx(250.0))
 
 
 def test_other_choices_and_files_are_refused_by_name(tmp_path):
@@ -174,7 +196,10 @@ def plate_shoe(occ):
     return body
 
 
-@pytest.mark.parametrize("unit", [pytest.param("mm", marks=pytest.mark.slow), "m"])
+MILLI = "SI_UNIT(.MILLI.,.METRE.)"
+
+
+@pytest.mark.parametrize("unit", ["m", *(pytest.param(unit, marks=pytest.mark.slow) for unit in ("mm", ""))])
 def test_a_step_file_becomes_a_shoe(tmp_path, unit):
     occ = pytest.importorskip("netgen.occ")
     path = tmp_path / "plate.step"
@@ -182,10 +207,22 @@ def test_a_step_file_becomes_a_shoe(tmp_path, unit):
     if unit == "m":
         body = body.Scale(occ.Pnt(0, 0, 0), 1e-3)
     body.WriteStep(str(path))
+    # coordinates stay, and count in m, or in a unit that is not named
+    text = path.read_text()
     if unit == "m":
-        # coordinates stay, and count in m
-        path.write_text(path.read_text().replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
-    found = recognize_file(path, size="coarse")
+        path.write_text(text.replace(MILLI, "SI_UNIT($,.METRE.)"))
+    elif not unit:
+        path.write_text(
+            text.replace(f"LENGTH_UNIT() NAMED_UNIT(*) {MILLI}", "NAMED_UNIT(*) SI_UNIT($,.AMPERE.)")
+        )
+    found = recognize_file(path, Choices(unit=unit or None), size="coarse")
+    if unit:
+        assert found.unit == f"{unit}, named by the file"
+        with pytest.raises(ValueError, match=rf"--unit cm contradicts the file, which names {unit}"):
+            recognize_file(path, Choices(unit="cm"), size="coarse")
+    else:
+        assert found.unit == "mm, by the size of the shoe"
+        assert any("names no unit, mm was taken" in one for one in found.remarks)
     assert found.pitch == pytest.approx(0.2, abs=1e-6)
     assert found.radii == pytest.approx((0.015, 0.015), abs=1e-6)
     assert found.joint_y == pytest.approx((-0.1175, 0.1175), abs=1e-3)
@@ -207,7 +244,7 @@ def test_cross_holes_chamfers_and_other_holes_do_no_harm(tmp_path):
     body -= occ.Cylinder(occ.Pnt(60, -151, 10), occ.Y, 5, 302)
     body.WriteStep(str(tmp_path / "holes.step"))
     triangles, _ = StepSolid(tmp_path / "holes.step").quick()
-    axes = axes_of(triangles, Choices(), "mm")
+    axes = axes_of(triangles, Choices(), NodesUnit("mm", "mm", 1e-3))
     assert axes.pins.pitch == pytest.approx(200.0, abs=1e-3)
     assert [line.radius for line in axes.pins.lines] == pytest.approx([15.0, 15.0], abs=1e-3)
     assert [len(line.bores) for line in axes.pins.lines] == [2, 2]
@@ -229,8 +266,56 @@ def test_solids_that_touch_are_fused_and_others_chosen_from(tmp_path):
     assert "--body N" in [one.flag for one in found.questions]
     apart = tmp_path / "apart.step"
     occ.Compound([body, below.Move(occ.Vec(500, 0, 0))]).WriteStep(str(apart))
-    with pytest.raises(fem.MeshError, match=r"several that touch, got 2 apart .*--body N chooses one"):
+    with pytest.raises(fem.MeshError, match=r"several that touch, got 2 apart .*--body N chooses one$"):
         recognize_file(apart)
+    for x, low in ((-81, 119), (-81, -161), (69, 74), (69, -116)):  # so that the next shoe does not touch
+        body -= occ.Box(occ.Pnt(x, low, 20), occ.Pnt(x + 12, low + 42, 91))
+    occ.Compound([body, body.Move(occ.Vec(200, 0, 0))]).WriteStep(str(apart))
+    with pytest.raises(fem.MeshError, match=r"are 2 equal links, one pitch apart: --body 1 takes one"):
+        recognize_file(apart)
+
+
+def test_bores_of_one_line_that_differ_are_told_of_with_their_radii(tmp_path):
+    occ = pytest.importorskip("netgen.occ")
+    path = tmp_path / "worn.step"
+    (plate_shoe(occ) - occ.Cylinder(occ.Pnt(100, 119, 60), occ.Y, 15.5, 42)).WriteStep(str(path))
+    axes = axes_of(StepSolid(path).quick()[0], Choices(), NodesUnit("mm", "mm", 1e-3))
+    assert [line.has_equal_radii for line in axes.pins.lines] == [True, False]
+    assert sorted(bore.radius for bore in axes.pins.lines[1].bores) == pytest.approx([15.0, 15.5], abs=1e-6)
+    (words,) = differing_bores(axes)
+    assert words.startswith("the front bores have different radii, 15.000 mm at y = -1")
+    assert "15.500 mm at y = 1" in words
+
+
+@pytest.mark.parametrize("width", [0.005, 0.0005])
+def test_slivers_of_a_solid_are_found_and_healed(width):
+    occ = pytest.importorskip("netgen.occ")
+    block = occ.Box(occ.Pnt(0, 0, 0), occ.Pnt(600, 200, 50))
+    # a notch that leaves walls as thin as this
+    shape = (block - occ.Box(occ.Pnt(100, -1, 50 - width), occ.Pnt(160, 100, 60))).solids[0]
+    found = find_slivers(shape)
+    assert {sliver.kind for sliver in found} == {"edge", "face"}
+    assert min(sliver.size for sliver in found) == pytest.approx(width, rel=0.1)
+    words = next(sliver for sliver in found if sliver.kind == "edge").words(StepUnit("cm", 1e-2))
+    assert words.startswith(f"an edge {0.1 * width:.3g} cm long at (1")
+    assert suspects(found, StepUnit("mm", 1e-3)).startswith(
+        f"the solid has {len(found)} slivers, the smallest a"
+    )
+    whole = healed(occ, shape)
+    assert find_slivers(whole) == []
+    assert whole.mass == pytest.approx(shape.mass, rel=1e-5)
+    assert find_slivers(block.solids[0]) == []
+
+
+@pytest.mark.slow
+def test_a_shoe_with_slivers_is_read_without_them(tmp_path):
+    occ = pytest.importorskip("netgen.occ")
+    path = tmp_path / "sliver.step"
+    notch = occ.Box(occ.Pnt(-30, -149.9995, 19.9995), occ.Pnt(30, -149, 30))
+    (plate_shoe(occ) - notch).WriteStep(str(path))
+    found = recognize_file(path, size="coarse")
+    assert any("slivers were removed, the smallest" in remark for remark in found.remarks)
+    assert found.mesh.volume == pytest.approx(1e-9 * plate_shoe(occ).mass, rel=2e-3)
 
 
 def test_pins_that_fill_bores_are_told_of_with_the_flag_that_leaves_them_out(tmp_path):
@@ -243,7 +328,9 @@ def test_pins_that_fill_bores_are_told_of_with_the_flag_that_leaves_them_out(tmp
     with pytest.raises(ValueError, match=words):
         recognize_file(path, size="coarse")
     triangles, _ = StepSolid(path, "1").quick()
-    assert axes_of(triangles, Choices(), "mm").pins.pitch == pytest.approx(200.0, abs=1e-3)
+    assert axes_of(triangles, Choices(), NodesUnit("mm", "mm", 1e-3)).pins.pitch == pytest.approx(
+        200.0, abs=1e-3
+    )
 
 
 def test_broken_step_files_are_refused(tmp_path):
