@@ -8,7 +8,7 @@ from exudyn_crawler.assessment import run_forces
 from exudyn_crawler.assessment.assessment import Assessment, assessment_of
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.datasheet.ledger import ledger_of
+from exudyn_crawler.case.datasheet.ledger import ledger_of, stated_ledger
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.origins import Ledger
 from exudyn_crawler.results.history import History
@@ -78,7 +78,7 @@ def assess(
         asked = read_assessment(machine)
         case = asked.machine.case
         given = asked.given if settings is None else ()
-        origins = ledger_of(asked.machine)
+        origins = ledger_of(asked.machine) or stated_ledger(case, asked.stated)
         settings = settings or asked.settings
     checks.warn_of([*checks.out_of_range(settings), *_odd_payload(case, settings)])
     runs = [_forces(named) for named in ([run] if isinstance(run, str | Path) else run)]

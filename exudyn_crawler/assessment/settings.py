@@ -5,10 +5,10 @@ from typing import Any, Literal
 
 from exudyn_crawler.assessment.grounds import ground
 from exudyn_crawler.case import CaseFile, case_of, read_case
-from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters import base, fields
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.fields import NONE
-from exudyn_crawler.case.parameters.reading import errors_named, from_content, toml_content
+from exudyn_crawler.case.parameters.reading import errors_named, from_content, stated, toml_content
 from exudyn_crawler.results.life.duty import FatigueMaterial
 
 MACHINE = "machine"  # key of the case that an assessment is of
@@ -150,6 +150,7 @@ class AskedAssessment(Parameters):
     machine: CaseFile
     settings: AssessmentSettings
     given: tuple[str, ...] = option("paths of the settings that a file gave", ())
+    stated: tuple[str, ...] = option("paths of the values that the machine's file states", ())
 
 
 def read_assessment(path: str | Path) -> AskedAssessment:
@@ -164,24 +165,27 @@ def read_assessment(path: str | Path) -> AskedAssessment:
         if not _is_of_assessment(content):
             machine = None
         else:
-            machine = case_of(content.pop(MACHINE), path)
+            entry = content.pop(MACHINE)
+            machine = case_of(entry, path)
+            of_machine = _stated(entry, path)
             settings = from_content(AssessmentSettings, {"name": path.stem} | content, path.parent)
     if machine is None:
         case_file = read_case(path)
-        return AskedAssessment(machine=case_file, settings=AssessmentSettings(name=path.stem))
-    return AskedAssessment(machine=machine, settings=settings, given=tuple(_paths(content)))
+        settings = AssessmentSettings(name=path.stem)
+        return AskedAssessment(machine=case_file, settings=settings, stated=_stated(content, path))
+    given = tuple(map(fields.path_text, stated(content)))
+    return AskedAssessment(machine=machine, settings=settings, given=given, stated=of_machine)
+
+
+def _stated(entry: object, path: Path) -> tuple[str, ...]:
+    """Return the paths of the values that a machine's file or table states; of a named case none."""
+    if isinstance(entry, str):
+        named = path.parent / entry
+        entry = toml_content(named, "case file") if named.is_file() else {}
+    return tuple(map(fields.path_text, stated(entry))) if isinstance(entry, dict) else ()
 
 
 def _is_of_assessment(content: dict[str, Any]) -> bool:
     """True where a file names a machine, and not a case what acts on its machine, or that nothing does."""
     machine = content.get(MACHINE, NONE)
     return machine != NONE and not (isinstance(machine, dict) and "phases" in machine)
-
-
-def _paths(content: dict[str, Any], above: str = "") -> list[str]:
-    """Paths of all values of a table."""
-    paths = []
-    for name, value in content.items():
-        below = _paths(value, f"{above}{name}.") if isinstance(value, dict) else []
-        paths += below or [f"{above}{name}"]
-    return paths

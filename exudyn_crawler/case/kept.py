@@ -1,8 +1,7 @@
 """Values of its base that a case file keeps in tables whose scale it changes, for reading."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files import read_case
@@ -29,7 +28,7 @@ def kept_lines(path: str | Path, changes: Iterable[str] = ()) -> list[str]:
         return []
     case = read_case(path, changes).case
     base = fields.named_values(Case)[name]()
-    in_file = set(_paths(content))
+    in_file = set(reading.stated(content))
     tables = _tables(case)
     of_base = {entry.path: entry for entry in fields.values_of(base)}
     scaled = {table: _scaled(entries, of_base) for table, entries in tables.items()}
@@ -88,12 +87,3 @@ def _in_both(entry: fields.Item, before: fields.Item) -> str:
     """Value in the file and in the base, for reading."""
     texts = (fields.value_text(each.value, each.unit) for each in (entry, before))
     return f"{entry.place[-1]} {' in place of '.join(texts)}"
-
-
-def _paths(content: Mapping[str, Any], above: fields.KeyPath = ()) -> Iterator[fields.KeyPath]:
-    """Paths of all values that a table gives."""
-    for key, value in content.items():
-        if isinstance(value, dict):
-            yield from _paths(value, (*above, key))
-        else:
-            yield (*above, key)

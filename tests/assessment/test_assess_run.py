@@ -17,6 +17,7 @@ from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.origins import Origin
 from exudyn_crawler.results.checks.cases import ShoeCheck
 from fem import Mesh, write_mesh
 from meshes import mesh_named
@@ -290,7 +291,11 @@ def test_the_command_leaves_tables_drawings_and_a_page(told, refused, tmp_path):
     used = items["utilisation"].dropna()
     assert used.is_monotonic_decreasing
     assert set(items["mark"]) <= {"S", "D", "R"}
-    assert set(pd.read_csv(folder / "inputs.csv")["origin"]) == {"given", "derived", "assumed"}
+    inputs = pd.read_csv(folder / "inputs.csv").set_index("path")
+    assert set(inputs["origin"]) == set(Origin)
+    # the file names a case of the program, and gives the payload
+    assert inputs.origin["shoe.width"] == Origin.LIBRARY
+    assert inputs.origin["work.payload"] == Origin.GIVEN
     page = (folder / "assessment.html").read_text()
     for words in ("Ground pressure", "Tipping", "Clauses followed", "no conformity", "stiff clay"):
         assert words in page

@@ -8,7 +8,7 @@ import pytest
 from exudyn_crawler.case import read_case
 from exudyn_crawler.case.datasheet import figures, library, typical
 from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.ledger import case_ledger, ledger_of, sheet_ledger
+from exudyn_crawler.case.datasheet.ledger import case_ledger, ledger_of, sheet_ledger, stated_ledger
 from exudyn_crawler.case.datasheet.odd_figures import odd_figures, odd_values
 from exudyn_crawler.case.datasheet.ruled_machine import rules
 from exudyn_crawler.case.datasheet.sheet import Datasheet
@@ -132,6 +132,13 @@ def test_gauge_follows_from_the_width_over_the_shoes():
     )
     assert rows["datasheet.gauge"].value == pytest.approx(2.59)
     assert rows["datasheet.gauge"].origin is Origin.DERIVED
+
+
+def test_of_a_case_over_a_named_one_only_what_the_file_states_is_given(written):
+    case = read_case(written('base = "shovel"\n[gear]\nroller_radius = "0.41 m"\n')).case
+    rows = stated_ledger(case, ["base", "gear.roller_radius"])
+    assert [row.path for row in rows if row.origin is Origin.GIVEN] == ["gear.roller_radius"]
+    assert rows["shoe.mass"].origin is Origin.LIBRARY
 
 
 def machine_sheets():

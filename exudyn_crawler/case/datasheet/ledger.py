@@ -1,6 +1,6 @@
 """Ledger of a case file with a datasheet: where every value of the machine comes from."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from exudyn_crawler.case.case import Case
@@ -15,6 +15,7 @@ from exudyn_crawler.origins import Entry, Ledger, Origin
 
 FLEXIBLE = "steel, and modes and damping of the papers' flexible shoes"
 DEFAULT = "default of the program"
+NAMED_CASE = "named case or part that the file begins with, or a default of the program"
 GENERAL = "of all machines, chosen: no datasheet says it"
 """Source of what no rule gives."""
 ORIGINS_FILE = "origins.csv"
@@ -28,6 +29,21 @@ def ledger_of(case_file: CaseFile) -> Ledger:
     """
     sheet = case_file.datasheet
     return Ledger(()) if sheet is None else Ledger([*case_ledger(case_file), *sheet_ledger(sheet)])
+
+
+def stated_ledger(case: Case, stated: Sequence[str]) -> Ledger:
+    """Return the ledger of a case without a datasheet, of which a file states values at some paths.
+
+    All others are those of the named case, or of the named part, that the file begins with, or defaults.
+    """
+    above = tuple(f"{path}{end}" for path in stated for end in (".", "["))
+
+    def entry(item: fields.Item) -> Entry:
+        given = item.path in stated or item.path.startswith(above)
+        origin, how = (Origin.GIVEN, FILE) if given else (Origin.LIBRARY, NAMED_CASE)
+        return Entry(item.path, item.value, item.unit, origin, how, item.meaning)
+
+    return Ledger(map(entry, fields.values_of(case)))
 
 
 def sheet_ledger(sheet: Datasheet) -> Ledger:
@@ -72,21 +88,12 @@ def _library_values(machine: library.LibraryMachine, case: Case) -> dict[str, An
     beside = {name: value for name, value in machine.content.items() if name not in (KEY, "duration")}
     filled = reading.filled(beside, Case, below=case.model_dump(mode="json"))
     values = {}
-    for place in _places(beside):
+    for place in reading.stated(beside):
         value: Any = filled
         for name in place:
             value = value[name]
         values[fields.path_text(place)] = value
     return values
-
-
-def _places(content: reading.Content, above: fields.KeyPath = ()) -> Iterator[fields.KeyPath]:
-    """Yield the places of all values that a table gives."""
-    for name, value in content.items():
-        if isinstance(value, dict):
-            yield from _places(value, (*above, name))
-        else:
-            yield (*above, name)
 
 
 def _plain(value: Any) -> Any:

@@ -106,6 +106,15 @@ def from_content(kind: type[Model], content: Content, folder: Path | None = None
     return kind.model_validate_json(text, strict=True, context=folder)
 
 
+def stated(content: Content, above: fields.KeyPath = ()) -> Iterator[fields.KeyPath]:
+    """Yield the places of all values that a file states; a list is one value."""
+    for key, value in content.items():
+        if isinstance(value, dict):
+            yield from stated(value, (*above, key))
+        else:
+            yield (*above, key)
+
+
 def filled(
     content: Content,
     *kinds: type[BaseModel],
