@@ -1,7 +1,7 @@
-"""Compiled functions that are cached on disk and notice changes of the functions that they call.
+"""Cache of compiled functions on disk, valid until a function that they call changes.
 
-numba caches compiled code beside the source and compiles again when that one file changes. Code inlined from
-other files would stay as it was, so that a cached function is stamped with all sources that it consists of.
+numba caches compiled code beside the source and compiles again when that file changes. It does not notice
+changes in other files. A cached function is therefore stamped with all sources that it consists of.
 """
 
 import hashlib
@@ -24,27 +24,27 @@ from numba.core.event import Event, Listener, install_listener
 from fem.interrupts import interrupts_wait
 
 THEIRS = {*sys.stdlib_module_names, *sys.builtin_module_names, "llvmlite", "numba", "numpy"}
-"""Top modules whose changes make no compiled code stale: numba looks at its own version."""
+"""Top modules whose changes make no compiled code stale: numba checks its own version."""
 CONSTANTS = (bool, int, float, complex, str, bytes, tuple, type(None), np.generic, np.ndarray)
-"""Values that compiled code takes as they are."""
+"""Types of values that compiled code takes as they are."""
 
 
 def compiler(*parts: Any, **options: Any) -> Callable[[Callable], Any]:
-    """Decorator that compiles a function and caches the result until one of its sources changes.
+    """Return a decorator that compiles a function and caches the code until one of its sources changes.
 
     Parameters
     ----------
     parts : Any
-        Functions and classes that the function consists of beside those that it names itself.
+        Functions and classes that the function uses without naming them itself.
     options :
-        Those of `numba.njit`.
+        Options of `numba.njit`.
     """
-    # a function that says nothing about counts of references would take what its first caller says
+    # without this option a function takes the reference counting of its first caller
     options = {"_nrt": True} | options
 
     def compiled(function: Callable) -> Any:
         dispatcher = njit(cache=True, **options)(function)
-        # as it is now: a later change is not that of the code that was imported
+        # read now: a later change of the file does not concern the imported code
         _content(Path(function.__code__.co_filename))
         # numba has no public way to add sources
         cached: Any = getattr(dispatcher, "_cache", None)
@@ -58,9 +58,9 @@ def compiler(*parts: Any, **options: Any) -> Callable[[Callable], Any]:
         cached.save_overload = _forgiving(cached.save_overload, cached.flush)
         add_stamp = cache(lambda: _add_stamp(file, _stamp(dispatcher, *parts)))
 
-        # LLVM asks Python for cached code; if an interrupt comes just then, it calls what is not there
+        # LLVM asks Python for cached code; an interrupt at that moment makes it call a missing function
         def stamped(signature: Any) -> Any:
-            # now, since the functions that it calls may stand below it
+            # only now, since called functions may be defined below this one
             add_stamp()
             return compile_now(signature)
 
@@ -76,7 +76,7 @@ def _content(path: Path) -> bytes:
 
 
 def _stamp(*roots: Any) -> str:
-    """Digest of all that compiled functions and classes consist of."""
+    """Return the digest of all sources and constants of compiled functions and classes."""
     files, texts = _reached(roots)
     digest = hashlib.sha256()
     for content in sorted(map(_content, files)):
@@ -86,14 +86,15 @@ def _stamp(*roots: Any) -> str:
 
 
 def sources_of(function: Any) -> set[Path]:
-    """Files of a compiled function and of all that it calls and reads, but for those of constants."""
+    """Return the files of a compiled function and all functions and classes it uses; none of constants."""
     return _reached([function])[0]
 
 
 def _reached(roots: Iterable[Any]) -> tuple[set[Path], set[str]]:
-    """Files of functions and classes that compiled functions name, and those name, and so on.
+    """Return the files of all functions and classes that compiled functions use, directly or not.
 
-    And, as texts, their options and the values of the constants that they read, whose files may be any.
+    The second result holds, as texts, their options and the values of the constants that they read: a
+    constant may come from any file.
     """
     files: set[Path] = set()
     texts: set[str] = set()
@@ -111,7 +112,7 @@ def _reached(roots: Iterable[Any]) -> tuple[set[Path], set[str]]:
 
 
 def _consists_of(thing: Any) -> tuple[set[Path], set[str], list[Any]]:
-    """File of a thing that compiled code names, what else it depends on, and the things that it names."""
+    """Return the file of an object of compiled code, its dependencies as texts, and the objects it names."""
     function = getattr(thing, "py_func", getattr(thing, "_defn", thing))
     if isinstance(thing, ModuleType) or _is_theirs(function):
         return set(), set(), []
@@ -136,18 +137,18 @@ def _consists_of(thing: Any) -> tuple[set[Path], set[str], list[Any]]:
 
 
 def _options(options: Mapping[str, Any]) -> str:
-    """Options of a compiled function; sets, whose order differs from process to process, in order."""
+    """Return the options of a compiled function as text; sets are sorted, since their order varies."""
     ordered = {name: sorted(value) if isinstance(value, set) else value for name, value in options.items()}
     return str(sorted(ordered.items()))
 
 
 def _text(value: Any) -> str:
-    """Value of a constant."""
+    """Return the value of a constant as text."""
     return f"{value.dtype} {value.tolist()}" if isinstance(value, np.ndarray) else repr(value)
 
 
 def _is_theirs(thing: Any) -> bool:
-    """True for what Python, numpy and numba bring."""
+    """Return True for a function or class of Python, numpy or numba."""
     module = getattr(thing, "__module__", None) or ""
     return isinstance(thing, FunctionType | BuiltinFunctionType | type) and (
         module.partition(".")[0] in THEIRS
@@ -155,7 +156,7 @@ def _is_theirs(thing: Any) -> bool:
 
 
 def _named_by(function: FunctionType) -> list[tuple[str, Any]]:
-    """Values of the global names and the free variables of a function, and of what it takes from modules."""
+    """Return the values of a function's global names, free variables and names taken from modules."""
     names: set[str] = set()
     codes = [function.__code__]
     while codes:
@@ -172,9 +173,9 @@ def _named_by(function: FunctionType) -> list[tuple[str, Any]]:
 
 
 def _add_stamp(file: Any, stamp: str) -> None:
-    """Let a file of numba's cache be valid for some sources only, whenever these were written.
+    """Make a file of numba's cache valid for the stamped sources only, whenever they were written.
 
-    The version is compared before anything else of the file is read, which may name types that are gone.
+    numba compares the version before it reads the rest of the file, where types may be named that are gone.
     """
     file._version = f"{file._version} {stamp}"
     file._source_stamp = None
@@ -182,12 +183,12 @@ def _add_stamp(file: Any, stamp: str) -> None:
 
 @cache
 def _compares_stamps(kind: type) -> bool:
-    """True if a class of numba's, of the files of its cache, notices a change of what `_add_stamp` adds.
+    """Return True if numba's class of cache files notices another stamp of `_add_stamp`.
 
     Warns
     -----
     RuntimeWarning
-        If it does not: code that was compiled from other sources would be taken for that of these.
+        If it does not: code compiled from other sources would pass for that of the present ones.
     """
     try:
         with TemporaryDirectory() as folder:
@@ -212,7 +213,7 @@ def _compares_stamps(kind: type) -> bool:
 
 @contextmanager
 def notify_compiling(functions: Collection[Any], notify: Callable[[], None]) -> Iterator[None]:
-    """Call `notify` once if one of some compiled functions has to be compiled within the context."""
+    """Call `notify` once if one of the given compiled functions has to be compiled within the context."""
     with install_listener("numba:compile", _Once(functions, notify)):
         yield
 
@@ -228,17 +229,17 @@ class _Once(Listener):
             self._notify()
 
     def on_end(self, event: Event) -> None:
-        """Nothing happens at the end."""
+        """Do nothing at the end of a compilation."""
 
 
 def _forgiving(save: Callable[..., None], forget: Callable[[], None]) -> Callable[..., None]:
-    """Save compiled code, which only saves time: a full disk must not end the run that compiled it."""
+    """Return a function that saves compiled code and ignores a full disk: the cache only saves time."""
 
     def saved(*values: Any) -> None:
         try:
             save(*values)
         except OSError:
-            # numba writes the index first, whose name for the code may be that of a file of earlier sources
+            # numba writes the index first; it may then name a file with code of earlier sources
             with suppress(OSError):
                 forget()
 

@@ -1,4 +1,4 @@
-"""Delay of interrupts while a library cannot handle them, and memory of those that are lost."""
+"""Delay of interrupts during calls of compiled libraries, and a record of interrupts that Python loses."""
 
 import signal
 import threading
@@ -8,11 +8,11 @@ from contextlib import contextmanager
 
 @contextmanager
 def interrupts_wait() -> Iterator[list[int]]:
-    """Delay Ctrl-C and requests to terminate until the end of the block; yield the list of those that wait.
+    """Delay Ctrl-C and requests to terminate until the end of the block; yield the list of delayed signals.
 
-    Also a decorator. Compiled libraries that call Python (HDF5 with its lock and with Python files, LLVM that
-    asks for cached code, VTK that imports its parts) crash, end the process, lose the interrupt or report
-    another error if it comes within such a call. Signals that are ignored stay ignored.
+    It is also a decorator. Some compiled libraries call Python: HDF5 for its lock and for Python files, LLVM
+    for cached code, VTK for the import of its parts. An interrupt within such a call makes them crash, end
+    the process, lose the interrupt or report another error. Signals that are ignored stay ignored.
     """
     waiting: list[int] = []
     if threading.current_thread() is not threading.main_thread():
@@ -34,10 +34,10 @@ def interrupts_wait() -> Iterator[list[int]]:
 
 @contextmanager
 def interrupts_remembered() -> Iterator[Callable[[], None]]:
-    """Give a function that raises `KeyboardInterrupt` if there was an interrupt within the block.
+    """Yield a function that raises `KeyboardInterrupt` if there was an interrupt within the block.
 
-    One that comes while Python frees an object is raised in a callback there, which ends in a line on stderr
-    and nothing else: who works through many parts asks between them.
+    Python raises an interrupt in a callback if it frees an object at that moment. The callback prints a line
+    on stderr, and the interrupt is lost. A loop over many parts therefore calls the function between them.
     """
     came: list[int] = []
 

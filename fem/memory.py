@@ -1,4 +1,4 @@
-"""Memory of freed arrays, which the C library holds on to."""
+"""Release of freed memory to the operating system."""
 
 import ctypes
 from collections.abc import Callable
@@ -6,10 +6,10 @@ from functools import cache
 
 
 def give_back_memory() -> None:
-    """Give memory of arrays that were freed back to the operating system, where the C library does so.
+    """Release the memory of freed arrays to the operating system, if the C library can do so.
 
-    glibc holds on to what lies between objects that are still in use, some hundred MB after a matrix was made
-    of elements. Another library is left as it is.
+    glibc keeps free memory between objects in use: some hundred MB after the assembly of a matrix. Nothing
+    happens with another C library.
     """
     trim = _trim()
     if trim is not None:
@@ -18,7 +18,7 @@ def give_back_memory() -> None:
 
 @cache
 def _trim() -> Callable[[int], int] | None:
-    """Function of glibc that does so; None for others."""
+    """Return glibc's `malloc_trim`; None with another C library."""
     try:
         return ctypes.CDLL(None).malloc_trim
     except (AttributeError, OSError, TypeError):

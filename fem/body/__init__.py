@@ -1,1 +1,1 @@
-"""An elastic body of tetrahedra: mesh, matrices, supports, loads and its Craig-Bampton reduction."""
+"""Elastic body of tetrahedra: mesh, matrices, supports, loads and its Craig-Bampton reduction."""

@@ -1,15 +1,15 @@
-"""Straight edges for quadratic tetrahedra whose curved edges fold them at a node."""
+"""Straight edges for quadratic tetrahedra that are folded at a node by their curved edges."""
 
 import numpy as np
 
 from fem.body.mesh import TETRA_EDGES, Floats, Integers, jacobian_determinants
 
 LEAST_JACOBIAN_RATIO = 0.15
-"""Elements whose Jacobian varies more than this from node to node get straight edges."""
+"""Ratio of an element's least to its greatest nodal Jacobian below which it gets straight edges."""
 
 
 def straighten_distorted(nodes: Floats, elements: Integers) -> tuple[Floats, int]:
-    """Give straight edges to those elements that a curved edge turns inside out.
+    """Straighten the edges of elements that a curved edge turns inside out.
 
     Parameters
     ----------

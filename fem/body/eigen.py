@@ -1,9 +1,9 @@
 """Lowest modes of K u = w^2 M u by shift-inverted block Lanczos.
 
-Single solves dominate the usual Lanczos iteration; a block of right-hand sides costs the direct
-solver about a third of as many single ones. Two passes of Gram-Schmidt keep the basis orthonormal in
-mass (Golub and Van Loan, Matrix Computations, 10.3). The answer is a Rayleigh-Ritz projection, so that
-the modes are orthonormal to rounding.
+Single solves dominate the usual Lanczos iteration. The direct solver needs about a third of their time for
+as many right-hand sides in a block. Two passes of Gram-Schmidt keep the basis orthonormal in mass (Golub
+and Van Loan, Matrix Computations, 10.3). The modes come from a Rayleigh-Ritz projection, so that they are
+orthonormal to rounding.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from fem.body.solver import Backend, Solve, factorized
 
 BLOCK = 12
 DENSE = 1000
-"""Size up to which dense algebra is faster."""
+"""Number of unknowns up to which dense algebra is faster."""
 RESIDUAL = 1e-8
 SEED = 6_2016
 
@@ -23,7 +23,7 @@ SEED = 6_2016
 def _orthonormal_in_mass(
     block: Floats, mass: csr_array, basis: Floats, mass_basis: Floats
 ) -> tuple[Floats, Floats]:
-    """Make a block orthonormal in mass, also to a basis; dependent columns are dropped."""
+    """Make a block orthonormal in mass, also to a basis; drop its dependent columns."""
     for _ in range(2):
         block = block - basis @ (mass_basis.T @ block)
         moved = mass @ block
@@ -38,12 +38,12 @@ def _orthonormal_in_mass(
 
 
 def is_small(size: int, count: int) -> bool:
-    """True where dense algebra gives `count` modes of so small a system faster than the iteration."""
+    """Return True if dense algebra finds `count` modes of a system of this size faster than the iteration."""
     return size <= max(DENSE, _capacity(count))
 
 
 def _capacity(count: int) -> int:
-    """Vectors of the iteration's basis, at most."""
+    """Return the greatest number of vectors in the iteration's basis."""
     return 4 * count + 12 * BLOCK
 
 
@@ -54,18 +54,18 @@ def lowest_modes(
     shift: float = 0.0,
     backend: Backend | None = None,
 ) -> tuple[Floats, Floats]:
-    """Lowest eigenvalues and modes of a symmetric pencil.
+    """Find the lowest eigenvalues and modes of a symmetric pencil.
 
     Parameters
     ----------
     stiffness, mass : sparse array (n, n)
-        The stiffness positive semidefinite, the mass definite.
+        Positive semidefinite stiffness and positive definite mass.
     count : int
         Number of modes.
     shift : float
         Positive number in 1/s2 that makes K + shift M definite; 0 if K is.
     backend : str, optional
-        Of `solver.factorized`.
+        See `solver.factorized`.
 
     Returns
     -------
@@ -94,16 +94,16 @@ def lowest_modes(
 
 
 def iterated_modes(solve: Solve, mass: csr_array, count: int, shift: float = 0.0) -> tuple[Floats, Floats]:
-    """Lowest eigenvalues and modes of a system that is not small, see `is_small`.
+    """Find the lowest eigenvalues and modes of a system that is not small, see `is_small`.
 
-    Its stiffness is not needed beside its factors, which take most of the memory.
+    The stiffness matrix itself is not needed, only its factors: these take most of the memory.
 
     Parameters
     ----------
     solve : Solve
         Solution of (K + shift M) x = b.
     mass, count, shift
-        See `lowest_modes`, whose results and errors these are.
+        See `lowest_modes`; results and errors are the same.
     """
     n = mass.shape[0]
     block = np.random.default_rng(SEED).standard_normal((n, BLOCK))

@@ -1,4 +1,4 @@
-"""An elastic body: mesh and material with their matrices, rigid properties and loads."""
+"""Elastic body: mesh and material with their matrices, rigid properties and loads."""
 
 from functools import cached_property, lru_cache
 
@@ -15,11 +15,11 @@ from fem.body.surfaces import surface_weights
 from fem.memory import give_back_memory
 
 SHIFT_FREQUENCY_RATIO = 0.3
-"""Frequency of the spectral shift over that of a rod as long as the body's greatest extent."""
+"""Ratio of the spectral shift's frequency to that of a rod as long as the body's greatest extent."""
 
 
 def rigid_modes(positions: Floats, center: Floats) -> Floats:
-    """Displacements (3n, 6) of unit translations along and unit rotations about x, y, z."""
+    """Return the displacements (3n, 6) of unit translations along and unit rotations about x, y, z."""
     modes = np.zeros((len(positions), 3, 6))
     modes[:, range(3), range(3)] = 1.0
     for axis in range(3):
@@ -50,19 +50,19 @@ class ElasticBody:
 
     @property
     def stiffness(self) -> csr_array:
-        """Stiffness matrix (3n, 3n) in N/m, made of what is remembered of it."""
+        """Stiffness matrix (3n, 3n) in N/m, converted from its stored blocks."""
         return csr_array(self._stiffness)
 
     @cached_property
     def _stiffness(self) -> bsr_array:
-        """Its blocks (3, 3), in two thirds of the memory; products of the other form are twice as fast."""
+        """Stiffness matrix in blocks (3, 3): two thirds of the memory of rows, but products half as fast."""
         matrix = stiffness_matrix(self.mesh, self.material)
-        # those of the elements were six times as large
+        # the element matrices were six times as large
         give_back_memory()
         return matrix
 
     def forget_matrices(self) -> None:
-        """Free stiffness and mass matrix, which are made again when they are asked for."""
+        """Free the stiffness and mass matrices; they are assembled again at the next use."""
         self.__dict__.pop("_stiffness", None)
         self.__dict__.pop("mass_matrix", None)
 
@@ -102,7 +102,7 @@ class ElasticBody:
 
     @property
     def gradient_operator(self) -> csr_array:
-        """Matrix (3n, n) of `element_stress.nodal_gradient_operator`; remembered for two meshes."""
+        """Matrix (3n, n) of `element_stress.nodal_gradient_operator`, cached for two meshes."""
         return _gradient_operator(self.mesh)
 
     @property
@@ -113,7 +113,7 @@ class ElasticBody:
         return float((SHIFT_FREQUENCY_RATIO * np.pi * speed / length) ** 2)
 
     def free_modes(self, count: int) -> tuple[Floats, Floats]:
-        """First free-free modes, the six of the rigid body included.
+        """Find the first free-free modes, the six rigid-body modes included.
 
         Returns
         -------
@@ -125,21 +125,21 @@ class ElasticBody:
         Raises
         ------
         ValueError
-            If there are fewer modes than asked for.
+            If the body has fewer modes.
         """
         return lowest_modes(self.stiffness, self.mass_matrix, count, self.shift)
 
     def natural_frequencies(self, count: int) -> Floats:
-        """First free-free frequencies (count,) in Hz, the six zeros included."""
+        """Return the first free-free frequencies (count,) in Hz, the six zeros included."""
         eigenvalues, _ = self.free_modes(count)
         return np.sqrt(np.maximum(eigenvalues, 0.0)) / (2 * np.pi)
 
     def stress(self, displacements: Floats, nodes: Integers | None = None) -> Floats:
-        """Nodal stress (n or len(nodes), 6, m) in Pa of displacements (n, 3, m) in m."""
+        """Return the nodal stress (n or len(nodes), 6, m) in Pa of displacements (n, 3, m) in m."""
         return nodal_stress(self.gradient_operator, self.material, displacements, nodes)
 
     def surface_weights(self, surface: str | Integers) -> Floats:
-        """Integral of each node's shape function over a surface, (n,) in m2; their sum is its area.
+        """Integrate each node's shape function over a surface: (n,) in m2, in sum its area.
 
         Parameters
         ----------
@@ -155,21 +155,21 @@ class ElasticBody:
         return surface_weights(self.mesh, faces)
 
     def surface_load(self, surface: str | Integers, force: Floats) -> Floats:
-        """Nodal forces (n, 3) in N of a total force (3,) in N spread evenly over a surface."""
+        """Return the nodal forces (n, 3) in N of a total force (3,) in N spread evenly over a surface."""
         weights = self.surface_weights(surface)
         return weights[:, None] / weights.sum() * np.asarray(force, dtype=float)
 
     def balanced(self, forces: Floats) -> Floats:
-        """Self-equilibrated nodal forces (3n, m): minus the inertia of the rigid acceleration."""
+        """Return self-equilibrated nodal forces (3n, m): the forces less the inertia of the rigid motion."""
         rigid = self.rigid_modes
         moved = self.mass_matrix @ rigid
         return np.asarray(forces - moved @ np.linalg.solve(rigid.T @ moved, rigid.T @ forces))
 
     def displacement_under(self, forces: Floats) -> Floats:
-        """Displacements under self-equilibrated loads by inertia relief, free of rigid motion.
+        """Find the displacements under loads by inertia relief, free of rigid motion.
 
-        Loads are balanced by the rigid acceleration that they cause; the answer is orthogonal in
-        mass to the rigid-body modes.
+        The rigid acceleration that the loads cause balances them. The displacements are orthogonal in mass to
+        the rigid-body modes.
 
         Parameters
         ----------
@@ -199,7 +199,7 @@ class ElasticBody:
         return self.determinate_of(np.arange(len(self.mesh.nodes)))
 
     def determinate_of(self, nodes: Integers) -> Integers:
-        """Six degrees of freedom (3 node + axis) of some nodes that hold the body without stress."""
+        """Select six degrees of freedom (3 node + axis) of nodes that hold the body without stress."""
         places = self.mesh.nodes[nodes]
         first = int(np.argmin(places @ np.ones(3)))
         arm = places - places[first]

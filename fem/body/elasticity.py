@@ -60,7 +60,7 @@ class Material:
 
 
 def scalar_basis(mesh: Mesh, order: int | None = None, points: Floats | None = None) -> Basis:
-    """Shape functions of every element, isoparametric, with scikit-fem.
+    """Return the isoparametric shape functions of all elements as a basis of scikit-fem.
 
     Local functions are in the order of the element's nodes.
 
@@ -68,16 +68,16 @@ def scalar_basis(mesh: Mesh, order: int | None = None, points: Floats | None = N
     ----------
     mesh : Mesh
     order : int, optional
-        Quadrature order, or
+        Quadrature order.
     points : array (3, q), optional
-        Local coordinates to evaluate at instead.
+        Local coordinates in place of quadrature points.
     """
     local = ElementTetP1() if mesh.order == 1 else ElementTetP2()
     corners, t = np.unique(mesh.elements[:, :4], return_inverse=True)
     t = np.ascontiguousarray(t.reshape(-1, 4).T)
     linear = MeshTet1(np.ascontiguousarray(mesh.nodes[corners].T), t, sort_t=False)
     grid = linear
-    # the mapping that a mesh makes itself refers to it in a circle, with hundreds of MB that would stay
+    # a mesh and its own mapping refer to each other: the cycle would keep hundreds of MB in memory
     mapping: Mapping = MappingAffine(linear)
     if mesh.order == 2:
         numbering = Basis(linear, local, mapping, quadrature=(np.full((3, 1), 0.25), np.ones(1)))
@@ -91,7 +91,7 @@ def scalar_basis(mesh: Mesh, order: int | None = None, points: Floats | None = N
 
 
 def _values_and_gradients(basis: Basis) -> tuple[Floats, Floats]:
-    """Shape functions (a, e, q) and their gradients (a, 3, e, q), in 1/m."""
+    """Return the shape functions (a, e, q) and their gradients (a, 3, e, q) in 1/m."""
     shape = basis.dx.shape
     values = np.stack([np.broadcast_to(np.asarray(f[0]), shape) for f in basis.basis])
     gradients = np.stack([np.broadcast_to(f[0].grad, (3, *shape)) for f in basis.basis])
@@ -99,7 +99,7 @@ def _values_and_gradients(basis: Basis) -> tuple[Floats, Floats]:
 
 
 def shape_gradients(mesh: Mesh, points: Floats) -> Floats:
-    """Gradients of the shape functions (a, 3, e, q) in 1/m at local points (3, q)."""
+    """Return the gradients of the shape functions (a, 3, e, q) in 1/m at local points (3, q)."""
     return _values_and_gradients(scalar_basis(mesh, points=points))[1]
 
 
@@ -121,7 +121,7 @@ def _sum_blocks(mesh: Mesh, blocks: Floats) -> bsr_array:
 
 
 def stiffness_matrix(mesh: Mesh, material: Material) -> bsr_array:
-    """Stiffness matrix (3n, 3n) in N/m of blocks (3, 3), xyz per node, symmetric."""
+    """Assemble the symmetric stiffness matrix (3n, 3n) in N/m, of blocks (3, 3), xyz per node."""
     lam, mu = material.lame
     basis = scalar_basis(mesh, STIFFNESS_ORDER)
     _, grad = _values_and_gradients(basis)
@@ -138,7 +138,7 @@ def stiffness_matrix(mesh: Mesh, material: Material) -> bsr_array:
 
 
 def mass_matrix(mesh: Mesh, density: float) -> csr_array:
-    """Consistent mass matrix (3n, 3n) in kg, xyz per node, symmetric."""
+    """Assemble the symmetric consistent mass matrix (3n, 3n) in kg, xyz per node."""
     basis = scalar_basis(mesh, MASS_ORDER[mesh.order])
     values, _ = _values_and_gradients(basis)
     v = np.ascontiguousarray(values.transpose(1, 0, 2))  # e, a, q

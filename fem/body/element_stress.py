@@ -1,10 +1,10 @@
-"""Stresses from nodal displacements, and the scalars of criteria.
+"""Stresses from nodal displacements, and scalar stress criteria.
 
-Components are always in the order xx, yy, zz, xy, yz, xz, with xy, yz, xz the tensor's shear.
+Components are always in the order xx, yy, zz, xy, yz, xz; shear components are those of the tensor.
 
 Recovery rule: the strain of each element at its quadrature points (four for tet10, one for tet4)
-is extrapolated linearly to its corners; a mid-side node has the mean of its edge's corners; a node of
-the mesh has the plain mean over its elements. CalculiX has the same rule.
+is extrapolated linearly to its corners; a mid-side node gets the mean of its edge's corners; a node of
+the mesh gets the plain mean over its elements. CalculiX has the same rule.
 """
 
 from functools import lru_cache
@@ -35,10 +35,10 @@ CRITERIA: tuple[Criterion, ...] = (
 
 CORNERS = 4
 AT_ONCE = 16
-"""Fields of displacement whose stress is recovered at once."""
+"""Number of displacement fields whose stress is recovered at once."""
 
 ELEMENTS_AT_ONCE = 4096
-"""Elements whose gradients are averaged at the nodes at once."""
+"""Number of elements whose gradients are averaged at the nodes at once."""
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """Tensor indices of the six components."""
@@ -56,7 +56,7 @@ DEVIATOR = np.array(
 
 
 def _extension(order: int) -> tuple[Floats, Floats]:
-    """Quadrature points (3, q) and the matrix (nodes, q) that extends values from them."""
+    """Return quadrature points (3, q) and the matrix (nodes, q) that extrapolates values from them."""
     if order == 1:
         return np.full((3, 1), 0.25), np.ones((4, 1))
     points, _ = get_quadrature(ElementTetP1, STIFFNESS_ORDER)
@@ -66,7 +66,7 @@ def _extension(order: int) -> tuple[Floats, Floats]:
 
 
 def element_gradient_operator(mesh: Mesh) -> Floats:
-    """Gradients of the shape functions at the nodes of each element, extrapolated.
+    """Return the shape functions' gradients at the nodes of each element, extrapolated.
 
     Returns
     -------
@@ -78,27 +78,27 @@ def element_gradient_operator(mesh: Mesh) -> Floats:
 
 @lru_cache(maxsize=2)
 def corner_gradient_operator(mesh: Mesh) -> Floats:
-    """Rows (e, 4, 3, function) of `element_gradient_operator` at corners; cached for two meshes."""
+    """Return rows (e, 4, 3, function) of `element_gradient_operator` at corners, cached for two meshes."""
     operator = np.ascontiguousarray(_gradients_at(mesh, CORNERS))
     operator.setflags(write=False)
     return operator
 
 
 def _gradients_at(mesh: Mesh, count: int) -> Floats:
-    """Rows of `element_gradient_operator` at the first nodes of each element, of which there may be fewer."""
+    """Return rows of `element_gradient_operator` at the first `count` nodes of each element."""
     points, extend = _extension(mesh.order)
     gradients = shape_gradients(mesh, points)
     return np.asarray(np.einsum("pq,bieq->epib", extend[:count], gradients, optimize=True))
 
 
 def nodal_gradient_operator(mesh: Mesh) -> csr_array:
-    """Sparse matrix (3n, n): rows 3 k + i give d/dx_i of a nodal field at node k, averaged."""
-    # four times the memory of the matrix, and not kept beside it
+    """Return the matrix (3n, n) whose rows 3 k + i give d/dx_i of a nodal field at node k, averaged."""
+    # four times the memory of the matrix, and therefore not cached
     local = element_gradient_operator(mesh)
     n = len(mesh.nodes)
     count = np.bincount(mesh.elements.ravel(), minlength=n)
     total = csr_array((3 * n, n))
-    # all entries of the elements would take many times the memory of the matrix
+    # the entries of all elements at once would take many times the memory of the matrix
     for first in range(0, len(local), ELEMENTS_AT_ONCE):
         of = slice(first, first + ELEMENTS_AT_ONCE)
         elements = mesh.elements[of].astype(np.int32)
@@ -111,7 +111,7 @@ def nodal_gradient_operator(mesh: Mesh) -> csr_array:
 
 
 def stress_of_gradient(gradient: Floats, material: Material) -> Floats:
-    """Stress (..., 6) in Pa of displacement gradients (..., i, j) = du_j/dx_i."""
+    """Return the stress (..., 6) in Pa of displacement gradients (..., i, j) = du_j/dx_i."""
     lam, mu = material.lame
     trace = lam * np.einsum("...ii->...", gradient)
     stress = np.empty((*gradient.shape[:-2], 6))
@@ -125,17 +125,17 @@ def stress_of_gradient(gradient: Floats, material: Material) -> Floats:
 def nodal_stress(
     operator: csr_array, material: Material, displacements: Floats, nodes: Integers | None = None
 ) -> Floats:
-    """Nodal stresses of displacement fields.
+    """Recover the nodal stresses of displacement fields.
 
     Parameters
     ----------
     operator : sparse array (3n, n)
-        Of `nodal_gradient_operator`.
+        Result of `nodal_gradient_operator`.
     material : Material
     displacements : array (n, 3, m)
         In m.
     nodes : int array, optional
-        Node numbers to recover, all if left out.
+        Nodes whose stress is recovered; all if left out.
 
     Returns
     -------
@@ -147,7 +147,7 @@ def nodal_stress(
         rows = (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
         operator = operator[rows]
     stress = np.empty((operator.shape[0] // 3, 6, m))
-    # gradients take more memory than what becomes of them
+    # gradients take more memory than the stress
     for first in range(0, m, AT_ONCE):
         columns = slice(first, first + AT_ONCE)
         fields = displacements[:, :, columns]
@@ -160,12 +160,12 @@ def nodal_stress(
 def stress_at_node(
     nodes: Floats, elements: Integers, material: Material, displacements: Floats, node: int
 ) -> Floats:
-    """Nodal stress (6, m) in Pa of displacement fields at one node, from the elements around it alone.
+    """Recover the stress (6, m) in Pa of displacement fields at one node from its own elements alone.
 
     Parameters
     ----------
     nodes : array (n, 3)
-        Of the mesh, m.
+        Nodes of the mesh, m.
     elements : int array (e, 4 or 10)
     material : Material
     displacements : array (n, 3, m)
@@ -182,9 +182,9 @@ def stress_at_node(
 def element_deviator(
     mesh: Mesh, material: Material, displacement: Floats, elements: Integers | None = None
 ) -> Floats:
-    """Combinations `DEVIATOR` of the stress of a displacement (n, 3) at all elements' nodes, (e, a, 5) in Pa.
+    """Return the combinations `DEVIATOR` of a displacement's stress at all elements' nodes, (e, a, 5) in Pa.
 
-    `elements` are the numbers of some, all if left out.
+    `displacement` is (n, 3) in m. `elements` selects elements by number, all if left out.
     """
     operator = corner_gradient_operator(mesh)
     nodes = mesh.elements
@@ -193,7 +193,7 @@ def element_deviator(
         nodes = nodes[elements]
     count, _, _, functions = operator.shape
     gradient = operator.reshape(count, 3 * CORNERS, functions) @ displacement[nodes]
-    # of each of the nine derivatives
+    # deviator of each of the nine derivatives
     units = np.eye(9).reshape(9, 3, 3)
     deviators = stress_of_gradient(units, material) @ DEVIATOR.T
     corners = (gradient.reshape(-1, 9) @ deviators).reshape(count, CORNERS, -1)
@@ -204,13 +204,13 @@ def element_deviator(
 
 
 def von_mises(stress: Floats) -> Floats:
-    """Von Mises equivalent stress of stresses (..., 6)."""
+    """Return the von Mises equivalent stress of stresses (..., 6)."""
     xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
     return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + yz**2 + xz**2))
 
 
 def principal(stress: Floats) -> Floats:
-    """Principal stresses (..., 3) of stresses (..., 6), ascending."""
+    """Return the principal stresses (..., 3) of stresses (..., 6), ascending."""
     tensor = np.empty((*stress.shape[:-1], 3, 3))
     for k, (i, j) in enumerate(VOIGT):
         tensor[..., i, j] = tensor[..., j, i] = stress[..., k]
@@ -218,7 +218,7 @@ def principal(stress: Floats) -> Floats:
 
 
 def evaluate(criterion: Criterion, stress: Floats) -> Floats:
-    """Scalar (...) of a criterion of stresses (..., 6).
+    """Evaluate a scalar criterion (...) of stresses (..., 6).
 
     "signed von mises" has the sign of the hydrostatic stress (tension positive); "greatest shear"
     is half the difference of the extreme principal stresses.
@@ -226,7 +226,7 @@ def evaluate(criterion: Criterion, stress: Floats) -> Floats:
     Raises
     ------
     ValueError
-        If the criterion is not known.
+        If the criterion is unknown.
     """
     if criterion == "von mises":
         return von_mises(stress)

@@ -1,11 +1,11 @@
-"""Attachment points: groups of nodes tied to a joint centre by a rigid or an averaging spider.
+"""Interfaces: groups of nodes tied to a joint centre by a rigid or an averaging spider.
 
 The motion of a joint centre has six components: translation along and small rotation about the
 body's x, y, z, in m and rad.
 
 The nodes of a rigid spider (RBE2) move with the centre only: it stiffens the bore and distorts the
-stress beside it. An averaging one (RBE3) makes the centre move as the weighted mean of its
-nodes and spreads a load over them without stiffening (NASTRAN's RBE3 with equal weights).
+stress beside it. The centre of an averaging spider (RBE3) moves as the weighted mean of its nodes. It
+spreads a load over them without stiffening (NASTRAN's RBE3 with equal weights).
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ from fem.body.mesh import Floats, Integers, Mesh
 
 Spider = Literal["rigid", "averaging"]
 COLLINEAR = 1e-6
-"""Least ratio of a node group's second to its greatest extent."""
+"""Least ratio of a node group's second to its greatest extent; below it the nodes are collinear."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,9 +105,9 @@ def check_interfaces(mesh: Mesh, interfaces: Sequence[Interface]) -> None:
 
 
 def averaging_rows(positions: Floats, weights: Floats, center: Floats) -> Floats:
-    """Rows (6, 3k) that give the weighted-mean rigid motion of k nodes, seen at a centre.
+    """Return rows (6, 3k) that give the weighted-mean rigid motion of k nodes, seen at a centre.
 
-    It is the weighted least-squares fit of a rigid motion; the transpose spreads a force and a
+    The motion is the weighted least-squares fit of a rigid motion. The transpose spreads a force and a
     moment at the centre over the nodes.
 
     Parameters
@@ -125,13 +125,13 @@ def averaging_rows(positions: Floats, weights: Floats, center: Floats) -> Floats
 
 
 def center_loads(interfaces: Sequence[Interface], forces: Mapping[str, ArrayLike]) -> Floats:
-    """Forces on joint centres as `reduction.Partition.static_response` takes them.
+    """Assemble forces on joint centres for `reduction.Partition.static_response`.
 
     Parameters
     ----------
     interfaces : sequence of Interface
     forces : mapping of str to array (3,)
-        In N, body axes, by name of the interface; none on the others.
+        In N, body axes, by name of the interface; zero for interfaces that are not named.
 
     Returns
     -------
@@ -154,7 +154,7 @@ def center_loads(interfaces: Sequence[Interface], forces: Mapping[str, ArrayLike
 
 
 def rigid_motion_of_centers(interfaces: Sequence[Interface], origin: Floats) -> Floats:
-    """Motions (6 i, 6) of the joint centres when the body moves rigidly, rotating about origin."""
+    """Return the joint centres' motions (6 i, 6) in rigid motions of the body; `origin` is the pivot."""
     motion = np.zeros((len(interfaces), 6, 6))
     for k, interface in enumerate(interfaces):
         motion[k, :3] = rigid_modes(interface.center[None], origin)
@@ -163,14 +163,14 @@ def rigid_motion_of_centers(interfaces: Sequence[Interface], origin: Floats) -> 
 
 
 def spider_transformation(mesh: Mesh, interfaces: Sequence[Interface]) -> tuple[csr_array, csr_array]:
-    """Displacements that the spiders allow: u = Tq q + Tr r.
+    """Return the matrices of all displacements that the spiders allow: u = Tq q + Tr r.
 
     Returns
     -------
     Tq : sparse array (3n, 6 i)
-        Of the joint centres' motions q.
+        For the joint centres' motions q.
     Tr : sparse array (3n, r)
-        Of the remaining free displacements; Tr r leaves all q at zero.
+        For the remaining free displacements; Tr r leaves all q at zero.
     """
     size = 3 * len(mesh.nodes)
     free = np.ones(size, dtype=bool)

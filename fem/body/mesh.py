@@ -1,4 +1,4 @@
-"""Tetrahedral meshes with named surfaces: reading, checking, writing.
+"""Tetrahedral meshes with named surfaces, and checks of them.
 
 Node order within an element is meshio's (`tetra`, `tetra10`), which is also VTK's and that of the
 C3D10 of Abaqus and CalculiX: the four corners, then the mid-points of the edges
@@ -28,23 +28,23 @@ TETRA_FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 
 
 
 class MeshError(ValueError):
-    """A mesh cannot be used; the message says what is wrong and where."""
+    """Error for a mesh that cannot be used; the message says what is wrong and where."""
 
 
 class MeshWarning(UserWarning):
-    """A mesh can be used, but its file or its surfaces are not all that they seem to be."""
+    """Warning for a mesh that can be used although something in its file or its surfaces is doubtful."""
 
 
 CUBIC_POINTS = np.vstack([np.full(4, 0.25), np.full((4, 4), 1.0 / 6.0) + np.eye(4) / 3.0])
 """Barycentric points of the five-point rule that is exact for cubic functions in a tetrahedron."""
 CUBIC_WEIGHTS = np.array([-0.8, 0.45, 0.45, 0.45, 0.45]) / 6.0
-"""Weights of that rule; their sum is the volume of the unit tetrahedron."""
+"""Weights of the five-point rule; their sum is the volume of the unit tetrahedron."""
 STIFFNESS_POINTS = np.full((4, 4), (5.0 - 5.0**0.5) / 20.0) + np.eye(4) / 5.0**0.5
 """Barycentric points at which programs integrate the stiffness of a tetrahedron of 10 nodes."""
 
 
 def jacobian_determinants(nodes: Floats, elements: Integers, points: Floats | None = None) -> Floats:
-    """Jacobian determinant of each element at each of its nodes, or at other points.
+    """Return the Jacobian determinant of each element at each of its nodes, or at other points.
 
     Parameters
     ----------
@@ -72,35 +72,35 @@ def jacobian_determinants(nodes: Floats, elements: Integers, points: Floats | No
         at_edges = 4 * (points[:, a, None] * slopes[b] + points[:, b, None] * slopes[a])
         gradients = np.concatenate([at_corners, at_edges], axis=1)
     frames = np.einsum("pai,eac->epic", gradients, nodes[elements], optimize=True)
-    with np.errstate(all="ignore"):  # of places that are no mesh's
+    with np.errstate(all="ignore"):  # coordinates of an invalid mesh may overflow
         return np.linalg.det(frames)
 
 
 def listed(numbers: np.ndarray, count: int = 5) -> str:
-    """First of some numbers as text."""
+    """Return the first of some numbers as text."""
     return ", ".join(str(number) for number in numbers[:count]) + (", ..." if len(numbers) > count else "")
 
 
 def triangle_normals(corners: Floats) -> Floats:
-    """Normals of triangles by the right hand, twice as long as their areas: array (k, 3).
+    """Return right-hand normals (k, 3) of triangles; their lengths are twice the areas.
 
-    `corners` (k, 3 or more, 3) are those of triangles, or of flat faces whose first three count.
+    `corners` (k, 3 or more, 3) belong to triangles, or to flat faces whose first three corners count.
     """
     first = corners[:, 0]
     return np.cross(corners[:, 1] - first, corners[:, 2] - first)
 
 
 def sorted_rows(rows: Integers) -> tuple[Integers, NDArray[np.bool_]]:
-    """Order (k,) that sorts rows (k, c) of numbers, and which of them but the last are like the next one.
+    """Return the order (k,) that sorts rows (k, c) of numbers, and True for each row equal to its next.
 
-    Unique rows of numpy are compared as bytes, which takes four times as long.
+    The last row has no next one. numpy's unique compares rows as bytes and takes four times as long.
     """
     order = np.lexsort(rows.T)
     return order, (rows[order[1:]] == rows[order[:-1]]).all(axis=1)
 
 
 def boundary_faces(elements: Integers) -> Integers:
-    """Triangles of the boundary of tetrahedra, (k, 3) or (k, 6), corners in outward sense."""
+    """Find the boundary triangles of tetrahedra, (k, 3) or (k, 6), corners in outward sense."""
     local = TETRA_FACES[:, :3] if elements.shape[1] == 4 else TETRA_FACES
     faces = elements[:, local].reshape(-1, local.shape[1])
     order, same = sorted_rows(np.sort(faces[:, :3], axis=1))
@@ -112,7 +112,7 @@ def boundary_faces(elements: Integers) -> Integers:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """One connected body of tetrahedra of one kind.
+    """Mesh of one connected body of tetrahedra of one kind.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class Mesh:
     surfaces : mapping of str to int array (k, 3 or 6)
         Named parts of the boundary as triangles of nodes; parts may overlap.
     notes : tuple of str
-        What its file has that is not in the mesh.
+        Contents of its file that are not in the mesh.
 
     Raises
     ------
@@ -250,7 +250,7 @@ class Mesh:
 
     @property
     def volume(self) -> float:
-        """Volume in m3; exact, also with curved edges, where the determinant is cubic."""
+        """Volume in m3, exact also with curved edges, since the determinant is cubic."""
         determinants = jacobian_determinants(self.nodes, self.elements, CUBIC_POINTS)
         weights = CUBIC_WEIGHTS if self.order == 2 else [CUBIC_WEIGHTS.sum()]
         return float(np.sum(determinants @ weights))
@@ -266,7 +266,7 @@ class Mesh:
         return np.unique(self.boundary)
 
     def surface(self, name: str) -> Integers:
-        """Triangles of a named surface.
+        """Return the triangles of a named surface.
 
         Raises
         ------
@@ -278,7 +278,7 @@ class Mesh:
         return self.surfaces[name]
 
     def with_surfaces(self, more: Mapping[str, Integers]) -> Self:
-        """Mesh with more named surfaces, (k, 3 or 6) by name, or others under the same names.
+        """Return the mesh with additional or replaced named surfaces, (k, 3 or 6) by name.
 
         Raises
         ------
@@ -288,7 +288,7 @@ class Mesh:
         return type(self)(self.nodes, self.elements, {**self.surfaces, **more}, self.notes)
 
     def nodes_of(self, name: str) -> Integers:
-        """Numbers of the nodes of a named surface, ascending."""
+        """Return the numbers of a named surface's nodes, ascending."""
         return np.unique(self.surface(name))
 
     @cached_property

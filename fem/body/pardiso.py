@@ -1,7 +1,7 @@
-"""Factors of a symmetric positive definite matrix by PARDISO of MKL, whose library pypardiso brings.
+"""Factors of a symmetric positive definite matrix by MKL's PARDISO, from the library of pypardiso.
 
-PARDISO gets plain addresses. The pointers that NumPy makes of arrays refer to themselves: with them the
-matrix and both sides of each solution would stay in memory until Python searches for such cycles.
+PARDISO gets plain addresses. NumPy's pointers to arrays refer to themselves: they would keep the matrix and
+both sides of each solution in memory until Python collects such cycles.
 """
 
 import ctypes
@@ -18,7 +18,7 @@ ANALYSE_AND_FACTORIZE = 12
 SOLVE = 33
 RELEASE = -1
 BY_DEFAULT, CHOSEN = 0, 1
-"""Values of the first of PARDISO's parameters."""
+"""Values of PARDISO's first parameter."""
 ARGUMENTS = 16
 WORDS = 64
 """Length of PARDISO's handle and of its parameters."""
@@ -26,7 +26,7 @@ WORDS = 64
 
 @cache
 def library() -> Any:
-    """Library that has PARDISO, looked for late since that takes long; None if there is no wheel."""
+    """Return the library with PARDISO, imported late since that takes long; None without pypardiso."""
     try:
         from pypardiso import ps
     except ImportError:
@@ -35,7 +35,7 @@ def library() -> Any:
 
 
 class Factors:
-    """Factors of a matrix, in memory that Python does not manage until they are released.
+    """Factors of a matrix, in memory that Python does not manage, until they are released.
 
     Parameters
     ----------
@@ -57,31 +57,31 @@ class Factors:
         self._columns = upper.indices.astype(np.int32, copy=False) + np.int32(1)
         self._handle = np.zeros(WORDS, dtype=np.int64)
         self._parameters = np.zeros(WORDS, dtype=np.int32)
-        # an index gives a function of its own, with types of its own
+        # an index gives a separate function object with its own argument types
         self._pardiso = library()["pardiso"]
         self._pardiso.argtypes = [ctypes.c_void_p] * ARGUMENTS
         self._pardiso.restype = None
         self._call(ANALYSE_AND_FACTORIZE, np.zeros((upper.shape[0], 1)))
 
     def solve(self, forces: Floats, refined: bool) -> Floats:
-        """Solution (n, k) for right-hand sides (n, k)."""
-        # chosen parameters are zeros but for this one, without refinement among them
+        """Return the solution (n, k) for right-hand sides (n, k)."""
+        # with chosen parameters all others are zero, so that there is no refinement
         self._parameters[0] = BY_DEFAULT if refined else CHOSEN
         return np.ascontiguousarray(self._call(SOLVE, np.asfortranarray(forces, dtype=np.float64)))
 
     def release(self) -> None:
-        """Free the factors; there is no solution behind it."""
+        """Free the factors; no solution is possible afterwards."""
         self._call(RELEASE, np.zeros((len(self._rows) - 1, 1)))
 
     def _call(self, phase: int, sides: Floats) -> Floats:
-        """Right-hand sides (n, k), one column after the other, through a phase: array (n, k) alike."""
+        """Run a phase with right-hand sides (n, k) stored by columns; return an array of this shape."""
         answers = np.zeros_like(sides)
         nothing = np.zeros(1, dtype=np.int32)
         error = ctypes.c_int32(0)
         one = ctypes.c_int32(1)
         self._pardiso(
             self._handle.ctypes.data,
-            ctypes.byref(one),  # matrices with these places of entries
+            ctypes.byref(one),  # matrices with this sparsity pattern
             ctypes.byref(one),  # number of this one among them
             ctypes.byref(ctypes.c_int32(SYMMETRIC_POSITIVE_DEFINITE)),
             ctypes.byref(ctypes.c_int32(phase)),

@@ -1,4 +1,4 @@
-"""Loads on a rectangle of a flat surface: tractions on a grid over it, and forces at stations along it.
+"""Loads on a flat rectangle of a surface: tractions on a grid over it, and forces at stations along it.
 
 The rectangle is level, such as the underside of a shoe or one of its rails. Nodal forces are integrals over
 the elements' shape functions: loads need not follow the elements' edges.
@@ -20,24 +20,24 @@ from fem.body.surfaces import faces_joined_to
 GAUSS = 2
 """Points along each side of a cell of the quadrature."""
 QUADRATURE_CELL = 0.02
-"""m, greatest side of such a cell: the elements are several times as large."""
+"""Greatest side of a quadrature cell, m; the elements are several times as large."""
 INSIDE = 1e-9
-"""Part of a rectangle by which samples stay off its edges, since rounding may put them beside these."""
+"""Distance of samples from the edges, fraction of the rectangle; rounding may put them outside otherwise."""
 AT_ONCE = 1024
-"""Points whose faces are searched at once: the search tries all faces near any of them on each."""
+"""Number of points whose faces are searched at once: each point is tried on all faces near any of them."""
 LEVEL = 1e-6
-"""Greatest difference of a level surface's heights over the extent of the body."""
+"""Greatest height difference of a level surface, fraction of the body's extent."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlatRectangle:
-    """Rectangle of a named surface that is level.
+    """Level rectangle of a named surface.
 
     Parameters
     ----------
     mesh : Mesh
     surface : str
-        Its name; its faces outside the rectangle do not matter.
+        Name of the surface; its faces outside the rectangle do not matter.
     low, high : array (2,)
         Least and greatest x and y in m, body axes.
 
@@ -72,19 +72,19 @@ class FlatRectangle:
 
     @cached_property
     def _faces(self) -> Integers:
-        """Faces (k, 3 or 6) whose middles lie inside."""
+        """Faces (k, 3 or 6) with their centroids inside the rectangle."""
         faces = self.mesh.surface(self.surface)
         middles = self.mesh.nodes[faces[:, :3]].mean(axis=1)[:, :2]
         return faces[((middles > self.low) & (middles < self.high)).all(axis=1)]
 
     @property
     def height(self) -> float:
-        """Its z in m."""
+        """Height z in m."""
         return float(self.mesh.nodes[self._faces, 2].mean())
 
     @cached_property
     def _basis(self) -> tuple[Basis, Integers]:
-        """Shape functions of the faces in the plane, and the node of each of them."""
+        """Shape functions of the faces in the plane, and the node of each function."""
         faces = self._faces
         corners, triangles = np.unique(faces[:, :3], return_inverse=True)
         plane = MeshTri(
@@ -98,7 +98,7 @@ class FlatRectangle:
         return basis, nodes
 
     def samples(self, x: Floats, y: Floats) -> csr_array:
-        """Shape functions at points of the rectangle: sparse (p, n) for coordinates (p,), (p,) in m.
+        """Return the shape functions at points of the rectangle: sparse (p, n) for x (p,) and y (p,) in m.
 
         Raises
         ------
@@ -123,9 +123,9 @@ class FlatRectangle:
 
 
 def flat_parts(mesh: Mesh, surface: str) -> list[FlatRectangle]:
-    """Rectangles filled by the parts of a surface, such as two rails, in order of y and then x.
+    """Return the rectangles that the parts of a surface fill, such as two rails, in order of y and then x.
 
-    Errors are those of `FlatRectangle`.
+    See `FlatRectangle` for errors.
     """
     open_ = mesh.surface(surface)
     parts = []
@@ -138,7 +138,7 @@ def flat_parts(mesh: Mesh, surface: str) -> list[FlatRectangle]:
 
 
 def _points(edges: Floats) -> tuple[Floats, Floats]:
-    """Gauss points and weights of intervals between edges (k,), each cut into cells."""
+    """Return Gauss points and weights of intervals between edges (k,), each cut into cells."""
     cells = [
         np.linspace(a, b, 1 + int(np.ceil((b - a) / QUADRATURE_CELL))) for a, b in itertools.pairwise(edges)
     ]
@@ -152,13 +152,13 @@ def _points(edges: Floats) -> tuple[Floats, Floats]:
 class PressureGrid:
     """Tractions over a rectangle, bilinear between the points of a grid.
 
-    A coordinate is the traction at a point in Pa, along any direction.
+    A coordinate is the traction at a grid point in Pa, along any direction.
 
     Parameters
     ----------
     rectangle : FlatRectangle
     counts : tuple of int
-        Points along x and along y, at least two each, the edges' included.
+        Points along x and along y, at least two each, points on the edges included.
 
     Raises
     ------
@@ -175,7 +175,7 @@ class PressureGrid:
 
     @cached_property
     def _hats(self) -> tuple[BSpline, BSpline]:
-        """Functions (p,) of x and of y that are 1 at one point and 0 at the others."""
+        """Hat functions (p,) of x and of y: 1 at one grid point and 0 at the others."""
         sides = zip(self.rectangle.low, self.rectangle.high, self.counts, strict=True)
         grids = [np.linspace(low, high, count) for low, high, count in sides]
         along_x, along_y = (BSpline(np.r_[grid[0], grid, grid[-1]], np.eye(len(grid)), 1) for grid in grids)
@@ -192,17 +192,17 @@ class PressureGrid:
         return csr_array(shapes.T @ csr_array(tractions))
 
     def coordinates(self, forces: Floats, low: Floats, high: Floats) -> Floats:
-        """Tractions of the grid nearest to those of forces that are spread evenly over rectangles.
+        """Project forces that are spread evenly over rectangles on the grid, by least squares.
 
-        They have the same resultants: force and moments.
+        The tractions of the grid have the same resultant force and moments.
 
         Parameters
         ----------
         forces : array (t, 3)
             In N, body axes.
         low, high : array (t, 2)
-            Least and greatest x and y in m; parts beyond the grid's edges are cut off, and a part without
-            width there is a line along the edge.
+            Least and greatest x and y of the rectangles in m. Parts beyond the grid's edges are cut off. A
+            rectangle left without width is a line along the edge.
 
         Returns
         -------
@@ -227,10 +227,10 @@ class PressureGrid:
 
 @dataclass(frozen=True, eq=False)
 class Stations:
-    """Forces at stations along a rectangle, each spread about its station.
+    """Forces at stations along a rectangle, each spread around its station.
 
-    A coordinate is a force in N. Its traction is even across the rectangle, and along it a raised cosine.
-    Beyond an end it is cut off and the remainder is inclined, so that the force acts at its station.
+    A coordinate is a force in N. Its traction is even across the rectangle and a raised cosine along it. The
+    cosine is cut off at an end, and the rest is inclined so that the force acts at its station.
 
     Parameters
     ----------
@@ -239,8 +239,8 @@ class Stations:
     count : int
         Stations from end to end, at least two.
     reach : float
-        Half the length in m that a force is spread over, up to half the rectangle's length. Stations apart by
-        half of it give an error of 4 % of the stress between them, by a third of it 1 % (`python -m
+        Half the length in m over which a force is spread, up to half the rectangle's length. Stations spaced
+        by half the reach give an error of 4 % of the stress between them, by a third 1 % (`python -m
         benchmarks.static_fields`).
 
     Raises
@@ -262,7 +262,7 @@ class Stations:
 
     @property
     def positions(self) -> Floats:
-        """Their x in m."""
+        """Positions (count,) of the stations along x in m."""
         return np.linspace(self.rectangle.low[0], self.rectangle.high[0], self.count)
 
     @cached_property
@@ -271,7 +271,7 @@ class Stations:
         return self.weights_at(self.positions)
 
     def weights_at(self, x: Floats) -> csr_array:
-        """Nodal forces (n, k) of unit forces that are spread in the same way about any x (k,) in m.
+        """Return the nodal forces (n, k) of unit forces spread in the same way around any x (k,) in m.
 
         Raises
         ------
@@ -296,9 +296,9 @@ class Stations:
         return csr_array(shapes.T @ csr_array(np.kron(spread, across[:, None] / across.sum())))
 
     def coordinates(self, forces: Floats, x: Floats) -> Floats:
-        """Forces at the stations in place of forces between them, by splines of third degree at most.
+        """Replace forces between the stations by forces at them, with splines of third degree at most.
 
-        They have the same resultants: force and moments.
+        The forces at the stations have the same resultant force and moments.
 
         Parameters
         ----------

@@ -1,7 +1,7 @@
-"""Mean motion of the underside of a body over any rectangle of it.
+"""Mean motion of a body's underside over any rectangle of it.
 
-The mode shapes of the underside are integrated once over a fine grid, so that their mean over a rectangle
-costs four look-ups, however many nodes the mesh has.
+The mode shapes of the underside are integrated once over a fine grid. Their mean over a rectangle then
+costs four look-ups, whatever the number of nodes.
 """
 
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from fem.body.mesh import Floats, Integers
 from fem.compiling import compiler
 
 CELL = 0.03
-"""m, greatest side of a cell of the grid; the underside's elements are several times as large."""
+"""Greatest side of a grid cell, m; the underside's elements are several times as large."""
 BESIDE = 0.1
-"""Of the rectangle: part that may lie beside the nodes, as on undersides that are no rectangles."""
+"""Greatest fraction of the rectangle without nodes around it, as on undersides that are not rectangles."""
 FEWEST = 16
-"""Cells along each side: a coarser grid of hats over a narrow underside has to be found of them."""
+"""Least number of cells along a side: `hat_grid` finds its coarser grid from them, also if narrow."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Underside:
         return self.integral.shape[-1]
 
     def rectangle_mean(self, low: Floats, high: Floats) -> tuple[Integers, Floats]:
-        """Means over rectangles as sums over points of the grid: the same as in `mean_rows`.
+        """Express means over rectangles as weighted sums over grid points; `mean_rows` gives the same means.
 
         Parameters
         ----------
@@ -54,16 +54,16 @@ class Underside:
         Returns
         -------
         points : int array (times, 16)
-            Numbers of grid points, of which those along y run fastest.
+            Numbers of grid points; y runs fastest.
         weights : array (times, 16)
-            Of the integrals there, 1/m2; zero where a rectangle has no area on the underside.
+            Weights of the integrals at the points, 1/m2; zero for a rectangle without area on the underside.
         """
         counts = np.array(self.integral.shape[:2]) - 1
         ends = np.stack((high, low), axis=1) - self.corner
         ends = np.clip(ends, 0.0, counts * self.cell)
         first = np.minimum((ends / self.cell).astype(int), counts - 1)
         beyond = ends / self.cell - first
-        # of each end the two grid points beside it, along x and along y: (times, 4)
+        # the two grid points beside each end, along x and along y: (times, 4)
         points = np.concatenate((first, first + 1), axis=1)
         weights = np.concatenate((1.0 - beyond, beyond), axis=1) * np.array([1, -1, 1, -1])[:, None]
         area = np.prod(ends[:, 0] - ends[:, 1], axis=1)
@@ -74,11 +74,11 @@ class Underside:
 
 
 def hat_grid(underside: Underside, counts: tuple[int, int]) -> tuple[Floats, Floats]:
-    """Nodes of a coarse grid of an underside, and the displacements that its modes have there.
+    """Project the modes of an underside on the hat functions of a coarse grid.
 
-    The grid's bilinear hat functions with these values are, in the mean square over the underside, as close
-    to each mode as they can be. What a unit force at a node does to the modes is then that of a traction
-    spread by hat functions, with the force and the moment of that force.
+    Bilinear hat functions with the nodal values approximate each mode with the least mean square error. A
+    unit force at a node then acts on the modes like a traction spread by hat functions with the same force
+    and moment.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def hat_grid(underside: Underside, counts: tuple[int, int]) -> tuple[Floats, Flo
     sides = columns * underside.cell
     hats = []
     for k, count in enumerate(counts):
-        # of each cell's middle its place in the grid's meshes
+        # position of each cell's middle in meshes of the coarse grid
         place = (np.arange(columns[k]) + 0.5) / columns[k] * (count - 1)
         hats.append(np.maximum(0.0, 1.0 - np.abs(place[:, None] - np.arange(count))))
     modes = np.diff(np.diff(underside.integral, axis=0), axis=1)
@@ -124,7 +124,7 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
     Raises
     ------
     ValueError
-        If the nodes leave more than `BESIDE` of the rectangle out; cells there move with the nearest node.
+        If the nodes leave out more than `BESIDE` of the rectangle; cells left out move with the nearest node.
     """
     low = footprint[[0, 2]]
     high = footprint[[1, 3]]
@@ -153,7 +153,7 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
 def mean_rows(corner, cell, integral, rectangle, out):
     """Write the mean displacement rows (3, modes) over a rectangle into `out`.
 
-    `corner`, `cell` and `integral` as in `Underside`; `rectangle` is least and greatest x, least and
+    `corner`, `cell` and `integral` are those of `Underside`. `rectangle` is least and greatest x, least and
     greatest y, m, body axes.
     """
     out.fill(0.0)

@@ -1,4 +1,4 @@
-"""A reduced elastic body: modes, stress modes, interfaces, loads and the recovery of stresses."""
+"""Reduced elastic body: modes, stress modes, interfaces, loads and the recovery of stresses."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,8 +18,8 @@ from fem.body.shapes import Shapes
 class ReducedBody(Shapes):
     """Reduced elastic body in body axes; n nodes, m elastic modes, i interfaces.
 
-    The modal mass matrix is the identity, the modal stiffness diag((2 pi f)^2); rigid-body modes
-    are left out, and all modes are orthogonal to them in mass.
+    The modal mass matrix is the identity, the modal stiffness diag((2 pi f)^2). Rigid-body modes are left
+    out, and all modes are orthogonal to them in mass.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ class ReducedBody(Shapes):
     parameters : mapping
         Arguments of the reduction.
     ritz : array (m, b)
-        Elastic part, in modal coordinates, of each vector that the modes combine: 6 i constraint modes, the
-        fixed-interface modes, one for each residual load. Empty, (m, 0), if modes were left out.
+        Elastic part, in modal coordinates, of each Ritz vector: 6 i constraint modes, the fixed-interface
+        modes, one for each residual load. Empty, (m, 0), if modes were left out.
     """
 
     mesh: Mesh
@@ -72,7 +72,7 @@ class ReducedBody(Shapes):
         parameters: Mapping[str, Any],
         ritz: Floats,
     ) -> Self:
-        """Take a body's properties."""
+        """Return the reduced body with the mass, inertia and surfaces of an elastic body."""
         return cls(
             body.mesh,
             body.material,
@@ -92,12 +92,12 @@ class ReducedBody(Shapes):
     def stress_modes(self) -> Floats:
         """Nodal stress (n, 6, m) in Pa per unit, in the order xx, yy, zz, xy, yz, xz.
 
-        It takes twice the memory of the modes, which a run does without: it is recovered at first use.
+        It is recovered at first use, since it takes twice the memory of the modes and a run does not need it.
         """
         return ElasticBody(self.mesh, self.material).stress(self.modes)
 
     def forget_stress_modes(self) -> None:
-        """Free the stress modes; they are recovered again when they are asked for."""
+        """Free the stress modes; they are recovered again at the next use."""
         self.__dict__.pop("stress_modes", None)
 
     @property
@@ -106,12 +106,12 @@ class ReducedBody(Shapes):
         return np.diag((2 * np.pi * self.frequencies) ** 2)
 
     def with_modes(self, modes: Sequence[int]) -> Self:
-        """Keep some of the modes only, counted from 0.
+        """Return the body with a selection of its modes, counted from 0.
 
         Raises
         ------
         ValueError
-            If there is none, one twice or one that does not exist.
+            If the selection is empty, or a mode appears twice or does not exist.
         """
         chosen = np.asarray(modes, dtype=np.int64)
         count = len(self.frequencies)
@@ -129,14 +129,14 @@ class ReducedBody(Shapes):
         )
 
     def weights(self, where: str | Integers) -> Floats:
-        """Weights (n,) of a load: area shares of a named surface, equal ones of a list of nodes.
+        """Return the weights (n,) of a load: area shares of a named surface, equal ones of listed nodes.
 
         Raises
         ------
         KeyError
             If there is no such surface.
         ValueError
-            If nodes are missing or do not exist.
+            If no node is given or one does not exist.
         """
         n = len(self.mesh.nodes)
         if isinstance(where, str):
@@ -150,13 +150,13 @@ class ReducedBody(Shapes):
         return weights
 
     def load(self, where: str | Integers, force: Floats) -> Floats:
-        """Modal load (m,) of a total force (3,) in N, spread evenly over a surface or nodes."""
+        """Return the modal load (m,) of a total force (3,) in N, spread evenly over a surface or nodes."""
         return np.asarray(force, dtype=float) @ self.mean_rows(self.weights(where))
 
     def mean_rows(self, weights: Floats) -> Floats:
-        """Weighted-mean displacement rows (3, m) of nodal weights (n,), which need not sum to 1.
+        """Return weighted-mean displacement rows (3, m) of nodal weights (n,); these need not sum to 1.
 
-        Their transpose turns a force spread by the same weights into a modal load.
+        The transpose turns a force spread by the same weights into a modal load.
 
         Raises
         ------
@@ -174,9 +174,9 @@ class ReducedBody(Shapes):
         return np.tensordot(weights[chosen] / total, self.modes[chosen], axes=1)
 
     def motion_rows(self, weights: Floats, center: Floats) -> Floats:
-        """Weighted-mean motion rows (6, m) of nodal weights (n,) seen at a centre (3,).
+        """Return weighted-mean motion rows (6, m) of nodal weights (n,) seen at a centre (3,).
 
-        Translation and rotation of the weighted least-squares rigid motion (RBE3); the transpose
+        They give translation and rotation of the weighted least-squares rigid motion (RBE3). The transpose
         turns a force and a moment at the centre into a modal load.
         """
         chosen = np.flatnonzero(weights)
@@ -186,7 +186,7 @@ class ReducedBody(Shapes):
         return rows @ self.modes[chosen].reshape(3 * len(chosen), -1)
 
     def polygon_weights(self, surface: str, polygon: Floats) -> Floats:
-        """Area weights (n,) in m2 of a surface's nodes whose x, y lie inside a polygon (k, 2).
+        """Return area weights (n,) in m2 of a surface's nodes with x, y inside a polygon (k, 2).
 
         Raises
         ------
@@ -204,7 +204,7 @@ class ReducedBody(Shapes):
         return np.where(inside, self._weights_of(surface), 0.0)
 
     def _weights_of(self, surface: str) -> Floats:
-        """Area weights (n,) in m2 of a named surface."""
+        """Return area weights (n,) in m2 of a named surface."""
         if surface not in self.surface_weights:
             raise KeyError(f"surface must be one of {sorted(self.surface_weights)}, got {surface!r}")
         return self.surface_weights[surface]

@@ -1,8 +1,8 @@
 """Craig-Bampton reduction of an elastic body with interfaces.
 
 R. R. Craig and M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA Journal 6
-(1968) 1313-1319. Orthonormalised like the flexible bodies of multibody codes: the modes are
-eigenvectors of the reduced pencil, their mass matrix is the identity, their stiffness diagonal.
+(1968) 1313-1319. The modes are orthonormalised as in multibody codes: they are eigenvectors of the
+reduced pencil, their mass matrix is the identity, their stiffness diagonal.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,13 +28,13 @@ from fem.body.solver import Backend, Solve, factorized
 from fem.memory import give_back_memory
 
 BALANCED = 1e-9
-"""Part of a load beyond its inertia below which it is rounding."""
+"""Norm of a balanced load below which it is rounding, fraction of the load's norm."""
 RIGID_RESIDUAL = 1e-6
-"""Greatest strain energy of a rigid-body mode over that of the first elastic mode."""
+"""Greatest ratio of a rigid-body mode's strain energy to that of the first elastic mode."""
 
 
 class Partition:
-    """An elastic body whose interfaces are tied by spiders, with its exact static answers.
+    """Elastic body with interfaces tied by spiders, and its exact static responses.
 
     Parameters
     ----------
@@ -67,17 +67,17 @@ class Partition:
 
     @property
     def of_centers(self) -> csr_array:
-        """Displacements (3n, 6 i) by motions of the joint centres."""
+        """Matrix (3n, 6 i) from motions of the joint centres to displacements."""
         return self._spiders[0]
 
     @property
     def of_rest(self) -> csr_array:
-        """Displacements (3n, r) by free motions with the joint centres held."""
+        """Matrix (3n, r) from free motions to displacements with the joint centres held."""
         return self._spiders[1]
 
     @property
     def stiffness(self) -> csr_array:
-        """Stiffness (r, r) in N/m with the joint centres held; not kept beside its factors."""
+        """Stiffness (r, r) in N/m with the joint centres held; only its factors are kept in memory."""
         matrix = csr_array(self.of_rest.T @ self.body.stiffness @ self.of_rest)
         matrix.sort_indices()
         return matrix
@@ -92,12 +92,12 @@ class Partition:
         return factorized(self.stiffness, self.backend)
 
     def held_response(self, forces: Floats, refined: bool = True) -> Floats:
-        """Solve for displacements (3n, k) in m of forces (3n, k) in N, joint centres held."""
+        """Solve for displacements (3n, k) in m under forces (3n, k) in N with the joint centres held."""
         return self.of_rest @ self._solver(np.asfortranarray(self.of_rest.T @ forces), refined)
 
     @cached_property
     def constraint_modes(self) -> Floats:
-        """Static displacements (3n, 6 i) of unit motions of one joint centre, the others held."""
+        """Static displacements (3n, 6 i) under unit motions of one joint centre, the others held."""
         unit = self.of_centers.toarray()
         return unit - self.held_response(self.body.stiffness @ unit)
 
@@ -109,7 +109,7 @@ class Partition:
         return elastic @ np.linalg.solve(elastic.T @ stiffness @ elastic, elastic.T)
 
     def fixed_interface_modes(self, count: int) -> Floats:
-        """First modes (3n, count) with the joint centres held, orthonormal in mass."""
+        """Find the first modes (3n, count) with the joint centres held, orthonormal in mass."""
         if count == 0:
             return np.zeros((self.of_rest.shape[0], 0))
         mass = self.mass
@@ -120,10 +120,10 @@ class Partition:
         return self.of_rest @ modes
 
     def static_response(self, forces: Floats | None = None, center_loads: Floats | None = None) -> Floats:
-        """Inertia-relief displacements under nodal forces and loads on the joint centres.
+        """Find the displacements under nodal forces and loads on the joint centres by inertia relief.
 
-        The loads are balanced by the rigid acceleration that they cause. The answer is that of the
-        full model with its spiders, orthogonal in mass to the rigid-body modes.
+        The rigid acceleration that the loads cause balances them. The displacements are those of the full
+        model with its spiders, orthogonal in mass to the rigid-body modes.
 
         Parameters
         ----------
@@ -155,7 +155,7 @@ class Partition:
         resultant = rigid.T @ loads + at_centers.T @ pulls
         balanced = loads - moved @ np.linalg.solve(inertia, resultant)
         centers = self._center_flexibility @ (pulls + self.constraint_modes.T @ balanced)
-        # unrefined answers differ by some 1e-9; modes, on which runs depend, are refined
+        # unrefined solutions differ by some 1e-9; modes are refined, since runs depend on them
         answer = self.constraint_modes @ centers + self.held_response(balanced, refined=False)
         return answer - rigid @ np.linalg.solve(inertia, moved.T @ answer)
 
@@ -170,8 +170,8 @@ def craig_bampton(
 ) -> ReducedBody:
     """Reduce a body to constraint modes, fixed-interface modes and optional residual modes.
 
-    The rigid-body modes are those six combinations of constraint modes that move all joint centres
-    as one rigid body. They are removed exactly, not by a frequency limit.
+    The rigid-body modes are the six combinations of constraint modes that move all joint centres as one rigid
+    body. They are removed exactly, not by a frequency limit.
 
     Parameters
     ----------
@@ -181,8 +181,8 @@ def craig_bampton(
     n_fixed_modes : int
         Number of fixed-interface modes.
     residual_loads : mapping of str to array, optional
-        Nodal forces (n, 3) in N by name; the static mode of each joins the basis, so that
-        truncation does not lose its stress.
+        Nodal forces (n, 3) in N by name. The static mode of each load joins the basis, so that truncation
+        does not lose its stress.
     backend : str, optional
         Of `solver.factorized`.
     partition : Partition, optional
@@ -196,10 +196,10 @@ def craig_bampton(
     Raises
     ------
     ValueError
-        If interfaces do not fit, more modes are asked for than the mesh has, a residual load only moves
-        the body as a whole, or the basis is linearly dependent.
+        If interfaces do not fit, the mesh has fewer modes, a residual load only moves the body as a whole,
+        or the basis is linearly dependent.
     RuntimeError
-        If a mode that should be rigid stores energy, or another one does not.
+        If a rigid-body mode stores energy, or an elastic mode does not.
     """
     partition = partition or Partition(body, interfaces, backend)
     available = partition.of_rest.shape[1]
@@ -239,7 +239,7 @@ def craig_bampton(
 
 
 def _balanced(body: ElasticBody, loads: Mapping[str, Floats]) -> Floats:
-    """Loads (3n,) as in `ElasticBody.balanced`, none of which may vanish: array (3n, loads)."""
+    """Balance loads (3n,), see `ElasticBody.balanced`: array (3n, loads); raise an error if one vanishes."""
     forces = np.column_stack(list(loads.values()))
     balanced = body.balanced(forces)
     for name, force, rest in zip(loads, forces.T, balanced.T, strict=True):
@@ -251,34 +251,34 @@ def _balanced(body: ElasticBody, loads: Mapping[str, Floats]) -> Floats:
 
 
 class Nested(NamedTuple):
-    """A reduction inside one of M modes.
+    """Reduction inside another one with M modes.
 
     Attributes
     ----------
     body : ReducedBody
-        With m modes.
+        Inner reduction with m modes.
     inside : array (M, m)
-        Its modes in the coordinates of the other: its ``modes`` are those of that one ``@ inside``.
+        Its modes in the coordinates of the outer reduction: inner ``modes`` = outer ``modes @ inside``.
     """
 
     body: ReducedBody
     inside: Floats
 
     def with_modes(self, modes: Sequence[int]) -> Self:
-        """Keep some of the modes only, see `ReducedBody.with_modes`."""
+        """Return the reduction with a selection of its modes, see `ReducedBody.with_modes`."""
         return type(self)(self.body.with_modes(modes), self.inside[:, list(modes)])
 
 
 def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequence[str] = ()) -> Nested:
-    """Reduce a body to fewer of the vectors that its modes combine.
+    """Reduce a reduced body to fewer Ritz vectors.
 
-    Craig-Bampton bases nest: a reduction with fewer fixed-interface modes lies inside one with more, in whose
-    coordinates it is a Rayleigh-Ritz projection of its size alone. The body is that of `craig_bampton`.
+    Craig-Bampton bases nest: a reduction with fewer fixed-interface modes lies inside one with more. A small
+    Rayleigh-Ritz projection in the coordinates of the larger one gives the same body as `craig_bampton`.
 
     Parameters
     ----------
     body : ReducedBody
-        Of `craig_bampton`, with all of its modes.
+        Result of `craig_bampton` with all of its modes.
     n_fixed_modes : int
         Number of its fixed-interface modes to keep.
     residual_loads : sequence of str
@@ -287,7 +287,7 @@ def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequ
     Raises
     ------
     ValueError
-        If the body has fewer fixed-interface modes or lacks these loads, or modes of it were left out.
+        If the body has fewer fixed-interface modes, lacks these loads, or has lost some of its modes.
     """
     most = body.parameters["n_fixed_modes"]
     loads = body.parameters["residual_loads"]
@@ -322,10 +322,10 @@ def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequ
 
 
 def _senses(motions: Floats) -> Floats:
-    """Signs (m,) that make the first large one of the joint centres' motions (6 i, m) positive in every mode.
+    """Return signs (m,) that make the first large motion of the joint centres (6 i, m) positive in each mode.
 
-    The sign of an eigenvector depends on rounding, but a stored modal coordinate needs a fixed one. The
-    greatest motion does not determine it: a symmetric body has two of one size.
+    The sign of an eigenvector depends on rounding, but a stored modal coordinate needs a fixed sign. The
+    greatest motion does not determine it: a symmetric body has two motions of one size.
     """
     large = np.abs(motions) > 0.9 * np.abs(motions).max(axis=0)
     first = np.take_along_axis(motions, large.argmax(axis=0)[None], axis=0)[0]
@@ -337,7 +337,7 @@ def _elastic_combinations(
 ) -> tuple[Floats, Floats, Floats]:
     """Find the combinations (b, m) of a basis (3n, b) that are elastic modes.
 
-    Beside them their eigenvalues (m,) and the basis' elastic part in their coordinates (m, b).
+    Also return their eigenvalues (m,) and the basis' elastic part in their coordinates (m, b).
     """
     mass = basis.T @ (body.mass_matrix @ basis)
     stiffness = basis.T @ (body.stiffness @ basis)

@@ -1,4 +1,4 @@
-"""Columns that displacement and stress are recovered from: of modes and of static fields."""
+"""Columns of modes and of static fields, for the recovery of displacement and stress."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +12,7 @@ from fem.body.mesh import Floats, Integers, Mesh
 
 
 class SideBySide:
-    """Arrays (n, c, m) side by side along their last axis, without a copy of all of them.
+    """Arrays (n, c, m) side by side along their last axis, without a joint copy.
 
     Parameters
     ----------
@@ -34,16 +34,16 @@ class SideBySide:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Nodes, components and columns."""
+        """Numbers of nodes, components and columns."""
         n, c, _ = self.parts[0].shape
         return n, c, sum(part.shape[2] for part in self.parts)
 
     def __len__(self) -> int:
-        """Nodes."""
+        """Return the number of nodes."""
         return len(self.parts[0])
 
     def __getitem__(self, nodes: Any) -> Floats:
-        """Columns of some nodes, or of one, as an array."""
+        """Return the columns of some nodes, or of one, as an array."""
         return np.concatenate([part[nodes] for part in self.parts], axis=-1)
 
 
@@ -52,7 +52,7 @@ Columns = Floats | SideBySide
 
 
 def combined(columns: Columns, q: Floats, nodes: Integers | None = None) -> Floats:
-    """Sums (t, n or len(nodes), c) of columns (n, c, m) times coordinates (t, m) or (m,)."""
+    """Return the sums (t, n or len(nodes), c) of columns (n, c, m) times coordinates (t, m) or (m,)."""
     parts = columns.parts if isinstance(columns, SideBySide) else (columns,)
     cuts = np.cumsum([part.shape[2] for part in parts[:-1]])
     blocks = np.split(np.atleast_2d(q), cuts, axis=1)
@@ -64,7 +64,7 @@ def combined(columns: Columns, q: Floats, nodes: Integers | None = None) -> Floa
 
 
 def lengths(columns: Columns) -> Floats:
-    """Euclidean lengths (m,) of columns (n, c, m)."""
+    """Return the Euclidean lengths (m,) of columns (n, c, m)."""
     parts = columns.parts if isinstance(columns, SideBySide) else (columns,)
     return np.sqrt(np.concatenate([np.einsum("ncm,ncm->m", part, part) for part in parts]))
 
@@ -75,7 +75,7 @@ class Shapes:
     Parameters
     ----------
     mesh, material, interfaces
-        As of `reduced.ReducedBody`.
+        See `reduced.ReducedBody`.
     modes : columns (n, 3, m)
         Displacement in m per unit of a coordinate.
     stress_modes : columns (n, 6, m)
@@ -107,7 +107,7 @@ class Shapes:
         return self._stress_modes
 
     def forget_stress_modes(self) -> None:
-        """Free stress modes that come from the modes; they are recovered again when they are asked for."""
+        """Free stress modes that come from the modes; they are recovered again at the next use."""
 
     @property
     def nodes(self) -> Floats:
@@ -115,15 +115,15 @@ class Shapes:
         return self.mesh.nodes
 
     def displacement(self, q: Floats) -> Floats:
-        """Elastic displacements (t, n, 3) in m of coordinates (t, m) or (m,)."""
+        """Return the elastic displacements (t, n, 3) in m of coordinates (t, m) or (m,)."""
         return combined(self.modes, q)
 
     def stress(self, q: Floats, nodes: Integers | None = None) -> Floats:
-        """Nodal Cauchy stress (t, n or len(nodes), 6) in Pa of coordinates (t, m) or (m,)."""
+        """Return the nodal Cauchy stress (t, n or len(nodes), 6) in Pa of coordinates (t, m) or (m,)."""
         return combined(self.stress_modes, q, nodes)
 
     def von_mises(self, q: Floats, nodes: Integers | None = None) -> Floats:
-        """Nodal von Mises stress (t, n or len(nodes)) in Pa of coordinates (t, m) or (m,)."""
+        """Return the nodal von Mises stress (t, n or len(nodes)) in Pa of coordinates (t, m) or (m,)."""
         return von_mises(self.stress(q, nodes))
 
     @property
@@ -139,7 +139,7 @@ class Shapes:
 
     @property
     def nodes_beside_spiders(self) -> Integers:
-        """Numbers of the nodes of elements that touch a spider, spiders' own left out."""
+        """Numbers of the nodes of elements that touch a spider, without the nodes inside spiders."""
         inside = np.zeros(len(self.mesh.nodes), dtype=bool)
         inside[self.spider_nodes] = True
         touching = inside[self.mesh.elements].any(axis=1)

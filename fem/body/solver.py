@@ -14,7 +14,7 @@ Backend = Literal["pardiso", "superlu"]
 
 
 def default_backend() -> Backend:
-    """PARDISO where its wheel exists, SuperLU elsewhere."""
+    """Return "pardiso" where its wheel is installed, "superlu" elsewhere."""
     return "superlu" if pardiso.library() is None else "pardiso"
 
 
@@ -22,9 +22,9 @@ class Solve(Protocol):
     """Solution of a factorized system."""
 
     def __call__(self, forces: Floats, refined: bool = True) -> Floats:
-        """Solution for right-hand sides (n,) or (n, k); two steps of refinement take six times as long.
+        """Solve for right-hand sides (n,) or (n, k); two steps of refinement take six times as long.
 
-        Sides whose columns stand one after the other need no copy.
+        Right-hand sides stored column by column need no copy.
         """
 
 
@@ -40,12 +40,12 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Solve:
     Returns
     -------
     Solve
-        SuperLU refines no answer.
+        Solver; SuperLU never refines.
 
     Raises
     ------
     ValueError
-        If the back end is not known or not installed.
+        If the back end is unknown or not installed.
     """
     backend = backend or default_backend()
     if backend == "superlu":

@@ -1,7 +1,7 @@
-"""Loads on any part of a body's surface, and the rest of a body on one-sided springs.
+"""Loads on any part of a body's surface, and the equilibrium of a body on one-sided springs.
 
-Both integrate over points inside the faces, finer than these: loads and supports need not follow the
-elements' edges.
+Both integrate over points inside the faces. The points are finer than the faces, so that loads and supports
+need not follow the elements' edges.
 """
 
 from typing import NamedTuple
@@ -17,9 +17,9 @@ from fem.body.reduction import Partition
 from fem.body.surfaces import triangle_shapes
 
 CONVERGED, STEPS = 1e-10, 200
-"""Part of the loads that rest leaves unbalanced, at most, and how many steps may look for it."""
+"""Greatest residual at equilibrium, fraction of the loads, and the greatest number of steps of the search."""
 UPRIGHT = [2, 3, 4]
-"""Rigid motions that springs upward resist: along z, about x and about y."""
+"""Rigid motions that upward springs resist: along z, about x and about y."""
 
 
 class SurfacePoints(NamedTuple):
@@ -30,17 +30,17 @@ class SurfacePoints(NamedTuple):
     shapes: csr_array
 
     def chosen(self, which: Floats | Integers) -> "SurfacePoints":
-        """Some of them, by numbers or by truth values."""
+        """Select points by numbers or by truth values."""
         return SurfacePoints(self.positions[which], self.areas[which], csr_array(self.shapes[which]))
 
     def spread(self, force: Floats, density: Floats | None = None) -> Floats:
-        """Nodal forces (n, 3), N, of a total force (3,) spread evenly or by a density (p,)."""
+        """Return nodal forces (n, 3), N, of a total force (3,) spread evenly or by a density (p,)."""
         shares = self.areas if density is None else self.areas * density
         return np.outer(self.shapes.T @ (shares / shares.sum()), force)
 
 
 def surface_points(mesh: Mesh, faces: Integers, apart: float) -> SurfacePoints:
-    """Points of faces (k, 3 or 6), no further `apart` (m) from each other than that."""
+    """Return points inside faces (k, 3 or 6) with a spacing of at most `apart` (m)."""
     corners = mesh.nodes[faces[:, :3]]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     parts = np.maximum(1, np.ceil(edges / apart)).astype(int)
@@ -75,17 +75,17 @@ def surface_points(mesh: Mesh, faces: Integers, apart: float) -> SurfacePoints:
 
 
 class Rest(NamedTuple):
-    """Where a body comes to rest: forces (p,) of the springs, N, upward; z (m) and turns about x, y (rad)."""
+    """Equilibrium of a body: upward spring forces (p,), N; z (m) and rotations about x and y (rad)."""
 
     forces: Floats
     motion: Floats
 
 
 class OneSidedBed:
-    """Springs upward below points of a free body's surface, which push and never pull.
+    """Upward springs below points of a free body's surface; they push and never pull.
 
-    The body bends as a combination of its static answers to tractions at a grid of points, each shared by
-    the points near it; it answers the loads themselves as it does with all its degrees of freedom.
+    The body bends on the springs in static responses to tractions, one for each point of a grid. Its response
+    to the loads themselves is that of all degrees of freedom.
     """
 
     def __init__(self, partition: Partition, points: SurfacePoints, counts: tuple[int, int]) -> None:
@@ -102,7 +102,7 @@ class OneSidedBed:
         stiffness = answers.T @ (partition.body.stiffness @ answers)
         values, turn = scipy.linalg.eigh(stiffness)
         there = values > 1e-9 * values[-1]
-        # coordinates of which each stores as much energy as its square
+        # scaled so that each coordinate stores half its square as energy
         self._modes = points.shapes @ (
             answers.reshape(-1, 3, len(density))[:, 2] @ (turn[:, there] / np.sqrt(values[there]))
         )
@@ -112,23 +112,24 @@ class OneSidedBed:
         self.points = points
 
     def settle(self, resultant: Floats, shift: Floats, gap: Floats, stiffness: Floats) -> Rest:
-        """Rest of the body under loads.
+        """Find the equilibrium of the body under loads.
 
         Parameters
         ----------
         resultant : array (6,)
             Force (N) and moment (N m) of the loads about the centre of mass.
         shift : array (p,)
-            z of the points by the loads, with the inertia of the free body, m.
+            Displacement z of the points under the loads, with the inertia of the free body, m.
         gap : array (p,)
-            m from the points down to the springs; negative where these stand proud.
+            Gap from the points down to the springs, m; negative for springs that stand proud.
         stiffness : array (p,)
-            N/m3; zero where there are none.
+            N/m3; zero at points without a spring.
 
         Raises
         ------
         ValueError
-            If springs cannot carry the loads: they pull upward or lie outside of what is supported.
+            If springs cannot carry the loads: these pull upward or lie outside the support; or if the search
+            finds no equilibrium.
         """
         load = np.concatenate((resultant[UPRIGHT], np.zeros(self._modes.shape[1])))
         self._check(load, stiffness > 0.0)
@@ -165,7 +166,7 @@ class OneSidedBed:
         raise ValueError(f"the body must come to rest on the springs, got none in {STEPS} steps")
 
     def _check(self, load: Floats, supported: NDArray[np.bool_]) -> None:
-        """Refuse loads that pull upward or whose resultant lies outside of the supported points."""
+        """Refuse loads that pull upward or whose resultant lies outside the supported points."""
         if load[0] >= 0.0:
             raise ValueError(f"loads on springs must press downward, got {load[0]:.6g} N upward")
         point = self._center + np.array([-load[2], load[1]]) / load[0]
@@ -182,7 +183,7 @@ class OneSidedBed:
 
 
 class CrossSection(NamedTuple):
-    """Section of a body across y: area (m2), z of its middle, bottom and top (m), second moment (m4)."""
+    """Section of a body across y: area (m2), z of centroid, bottom and top (m), second moment (m4)."""
 
     area: float
     middle: float
@@ -192,7 +193,7 @@ class CrossSection(NamedTuple):
 
 
 def section(mesh: Mesh, y: float) -> CrossSection:
-    """Section at a y, by Green's theorem along its outline; curved faces count as flat."""
+    """Return the section at a y (m), by Green's theorem along its outline; curved faces count as flat."""
     corners = mesh.nodes[mesh.boundary[:, :3]]
     # no node lies in the plane
     above = corners[:, :, 1] - y - 1e-9 * np.pi > 0.0

@@ -1,4 +1,4 @@
-"""Borders of named surfaces: a surface that ends inside a flat or inside a bore is seldom the whole of it."""
+"""Borders of named surfaces: a surface that ends within a flat or a bore is seldom complete."""
 
 from typing import NamedTuple
 
@@ -10,22 +10,22 @@ from scipy.sparse.csgraph import connected_components
 from fem.body.mesh import Floats, Integers, Mesh, sorted_rows, triangle_normals
 
 SAME_PLANE = np.radians(0.1)
-"""Angle between neighbouring faces up to which they are flat; the ready shoe's wings bend by 0.3 degrees."""
+"""Largest angle between faces of one flat, rad; the ready shoe's wings bend by 0.3 degrees."""
 STRAIGHT = 1e-3
-"""Of its longest edge: how far a mid-side node of a flat face is off its corners' plane at most."""
+"""Greatest distance of a flat face's mid-side node from its corners' plane, fraction of its longest edge."""
 ROUND = 0.05
-"""Of a bore's radius: how far corners of its faces are off the circle at most."""
+"""Greatest distance of corners of a bore's faces from its circle, fraction of the radius."""
 INWARD = 0.75
-"""Least cosine of the angle between a bore's faces and the way to its axis; a rim's chamfer has less."""
+"""Least cosine of the angle between a bore's normals and the direction to its axis; a chamfer has less."""
 ALIKE = 1.5
-"""Times as far off circle and way as the faces that a surface has: what else may belong to it."""
+"""Allowed deviation of further faces from circle and direction, over that of the surface's own faces."""
 EXACT = 0.01
 STEEP = np.radians(8.0)
-"""Of the radius, and rad: as far off as that may be what belongs to the finest surface."""
+"""Deviation from circle (fraction of the radius) and direction (rad) that is allowed on any surface."""
 HOLLOW_BEND = np.radians(65.0)
-"""Greatest bend inwards between neighbouring faces of a bore, of six around it."""
+"""Greatest inward bend between neighbouring faces of a bore, rad: six faces around it."""
 MOSTLY = 0.5
-"""Least part of a hollow that is on a cylinder of which it is a bore: a pocket's wall beside one has less."""
+"""Least fraction of a bore's hollow on its cylinder; the wall of a pocket beside a bore has less."""
 
 TINY = 1e-300
 
@@ -39,11 +39,11 @@ class BoundaryFaces(NamedTuple):
     corners : array (k, 3, 3)
         m.
     normals : array (k, 3)
-        Of unit length, outward.
+        Unit length, outward.
     pairs : int array (p, 2)
-        Faces that share an edge.
+        Numbers of two faces that share an edge.
     hollows : int array (k,)
-        Number of the region that nowhere bends outwards, such as a bore or a flat, in which each face is.
+        Number of each face's hollow: a region that nowhere bends outwards, such as a bore or a flat.
     """
 
     mesh: Mesh
@@ -54,7 +54,7 @@ class BoundaryFaces(NamedTuple):
 
 
 def boundary_of(mesh: Mesh) -> BoundaryFaces:
-    """Faces of a mesh's boundary with their neighbours."""
+    """Return the faces of a mesh's boundary with their neighbours."""
     corners = mesh.nodes[mesh.boundary[:, :3]]
     normals = triangle_normals(corners)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -66,7 +66,7 @@ def boundary_of(mesh: Mesh) -> BoundaryFaces:
 
 
 def _hollows(corners: Floats, normals: Floats, pairs: Integers) -> Integers:
-    """Numbers (k,) of regions whose neighbours lie in one plane or bend inwards, by no more than bores do."""
+    """Number the regions (k,) with neighbours in one plane or bent inwards, no more than in bores."""
     first, second = pairs.T
     cosines = np.einsum("pc,pc->p", normals[first], normals[second])
     above = np.einsum("pc,pc->p", normals[first], corners[second].mean(axis=1) - corners[first].mean(axis=1))
@@ -75,14 +75,14 @@ def _hollows(corners: Floats, normals: Floats, pairs: Integers) -> Integers:
 
 
 def _labels(pairs: Integers, count: int) -> Integers:
-    """Numbers (count,) of the connected parts that pairs (p, 2) link."""
+    """Number the connected parts (count,) that pairs (p, 2) link."""
     ones = np.ones(len(pairs), dtype=np.int8)
     links = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
 
 
 def flat_beyond(boundary: BoundaryFaces, faces: Integers) -> Integers:
-    """Faces outside of a surface that go on, without a bend, in a flat in which the surface ends.
+    """Find the faces that continue a flat beyond the end of a surface.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def flat_beyond(boundary: BoundaryFaces, faces: Integers) -> Integers:
     Returns
     -------
     int array (j, 3 or 6)
-        Rows of `Mesh.boundary`; none where the surface ends at edges.
+        Rows of `Mesh.boundary`; none if the surface ends at edges.
     """
     mesh = boundary.mesh
     flat = _is_flat(boundary)
@@ -105,7 +105,7 @@ def flat_beyond(boundary: BoundaryFaces, faces: Integers) -> Integers:
 def bore_beyond(
     boundary: BoundaryFaces, faces: Integers, axis: ArrayLike = (0.0, 1.0, 0.0)
 ) -> tuple[Integers, Integers]:
-    """Faces of a bore that a surface leaves out: those that go on where it ends, and those apart from it.
+    """Find the faces of a bore that a surface leaves out: faces joined to it, and faces apart from it.
 
     Parameters
     ----------
@@ -113,13 +113,13 @@ def bore_beyond(
     faces : int array (k, 3 or 6)
         Faces of a part of a bore.
     axis : array (3,)
-        Direction of its axis.
+        Direction of the bore's axis.
 
     Returns
     -------
     joined, apart : int arrays (j, 3 or 6)
-        Rows of `Mesh.boundary` on the same cylinder that look at its axis. A bore ends where a pocket or a
-        hole breaks into it: walls of these are none of its faces, also where they touch the cylinder.
+        Rows of `Mesh.boundary` on the same cylinder that face its axis. A bore ends at a pocket or a hole:
+        walls of these are not part of it, even if they touch the cylinder.
     """
     mesh = boundary.mesh
     on_bore = _is_on_bore(boundary, faces, np.asarray(axis, dtype=float))
@@ -130,7 +130,7 @@ def bore_beyond(
 
 
 def _is_flat(boundary: BoundaryFaces) -> np.ndarray:
-    """True for faces (k,) whose mid-side nodes lie in their corners' plane."""
+    """Return True for faces (k,) with mid-side nodes in the plane of their corners."""
     middles = boundary.mesh.nodes[boundary.mesh.boundary[:, 3:]] - boundary.corners[:, :1]
     off = np.abs(np.einsum("kmc,kc->km", middles, boundary.normals)).max(axis=1, initial=0.0)
     edges = np.linalg.norm(boundary.corners - np.roll(boundary.corners, 1, axis=1), axis=2)
@@ -138,10 +138,10 @@ def _is_flat(boundary: BoundaryFaces) -> np.ndarray:
 
 
 def _is_on_bore(boundary: BoundaryFaces, faces: Integers, axis: Floats) -> np.ndarray:
-    """True for faces (k,) of the boundary that are on the cylinder about the nodes of some faces.
+    """Return True for faces (k,) of the boundary on the cylinder through the nodes of given faces.
 
-    They lie on it about as well as these, which chords of few facets and of cross holes keep off it, and in a
-    region that is on it for the most part.
+    They deviate from it about as little as the given faces, which are chords of few facets or lie at cross
+    holes. They belong to a region that is mostly on the cylinder.
     """
     across = np.linalg.svd(axis[None])[2][1:].T
     circle = boundary.mesh.nodes[np.unique(faces[:, :3])] @ across
@@ -165,19 +165,19 @@ def _is_on_bore(boundary: BoundaryFaces, faces: Integers, axis: Floats) -> np.nd
 
 
 def _is_among(mesh: Mesh, faces: Integers) -> np.ndarray:
-    """True for faces (k,) of the boundary that are among others."""
+    """Return True for faces (k,) of the boundary that are among the given ones."""
     return np.isin(_face_numbers(mesh, mesh.boundary), _face_numbers(mesh, faces))
 
 
 def _face_numbers(mesh: Mesh, faces: Integers) -> Integers:
-    """Number of each face (k,) by its corners."""
+    """Return a unique number for each face (k,) from its corners."""
     count = len(mesh.nodes)
     low, middle, high = np.sort(faces[:, :3], axis=1).T
     return (low * count + middle) * count + high
 
 
 def _beyond(mesh: Mesh, faces: Integers, pairs: Integers) -> Integers:
-    """Faces outside of a surface that pairs of neighbours link with it."""
+    """Return the faces outside a surface that pairs of neighbours link with it."""
     inside = _is_among(mesh, faces)
     outer = pairs[~inside[pairs].any(axis=1)]
     label = _labels(outer, len(inside))

@@ -11,14 +11,14 @@ from scipy.spatial import cKDTree
 from fem.body.mesh import Floats, Integers, Mesh, triangle_normals
 
 LEAST_COSINE = 0.9
-"""Of the angle between a direction and the outward normal of a face that points along it: 26 degrees."""
+"""Least cosine of the angle between a direction and normals of faces that point along it: 26 degrees."""
 
 UPRIGHT = 1e-6
-"""Cosine below which a face is parallel to a line of sight, which then passes beside it."""
+"""Cosine below which a face is parallel to a line of sight; the line then passes beside it."""
 
 
 def faces_seen_from(mesh: Mesh, direction: Floats, least_cosine: float = LEAST_COSINE) -> Integers:
-    """Find the faces of the boundary that point along a direction and that no other face covers.
+    """Find the faces of the boundary that point along a direction and are not covered by another face.
 
     A face is covered if another one lies between its centroid and an observer far away.
 
@@ -28,7 +28,7 @@ def faces_seen_from(mesh: Mesh, direction: Floats, least_cosine: float = LEAST_C
     direction : array (3,)
         Towards the observer, of any length, body axes.
     least_cosine : float
-        Least cosine of the angle between it and a face's outward normal, in (0, 1].
+        Least cosine of the angle between the direction and a face's outward normal, in (0, 1].
 
     Returns
     -------
@@ -56,7 +56,7 @@ def faces_seen_from(mesh: Mesh, direction: Floats, least_cosine: float = LEAST_C
 
 
 def _covered(points: Floats, triangles: Floats, towards: Floats) -> np.ndarray:
-    """True for each point (p, 3) with one of the triangles (t, 3, 3) before it in a unit direction (3,)."""
+    """Return True for points (p, 3) with a triangle (t, 3, 3) before them in a unit direction (3,)."""
     covered = np.zeros(len(points), dtype=bool)
     if len(points) == 0 or len(triangles) == 0:
         return covered
@@ -89,7 +89,7 @@ def faces_joined_to(faces: Integers, seed: Integers) -> Integers:
     Returns
     -------
     int array (j, 3 or 6)
-        In the order of `faces`; none if none of the seed is among them.
+        In the order of `faces`; empty if no face of the seed is among them.
     """
     if len(faces) == 0:
         return faces
@@ -108,13 +108,13 @@ def faces_joined_to(faces: Integers, seed: Integers) -> Integers:
 
 
 def surface_weights(mesh: Mesh, faces: Integers) -> Floats:
-    """Integrals of the shape functions over faces, (n,) in m2; their sum is the faces' area.
+    """Integrate the shape functions over faces: (n,) in m2; their sum is the faces' area.
 
     Parameters
     ----------
     mesh : Mesh
     faces : int array (k, 3 or 6)
-        Triangles of nodes, curved ones as they are.
+        Triangles of nodes; curved edges are kept.
     """
     barycentric, parts = _triangle_rule()
     values, slopes = triangle_shapes(barycentric, faces.shape[1])
@@ -125,7 +125,7 @@ def surface_weights(mesh: Mesh, faces: Integers) -> Floats:
 
 
 def triangle_shapes(barycentric: Floats, width: int) -> tuple[Floats, Floats]:
-    """Shape functions (q, width) of triangles of 3 or 6 nodes at points (q, 3); slopes (q, width, 2)."""
+    """Return shape functions (q, width) and slopes (q, width, 2) of 3- or 6-node triangles at (q, 3)."""
     a, b, c = barycentric.T
     if width == 3:
         slopes = np.broadcast_to(np.array([[-1, -1], [1, 0], [0, 1]], dtype=float), (len(a), 3, 2))
@@ -144,8 +144,8 @@ def triangle_shapes(barycentric: Floats, width: int) -> tuple[Floats, Floats]:
 
 
 def _triangle_rule() -> tuple[Floats, Floats]:
-    """Barycentric points (q, 3) and weights (q,) of a rule of order 6 on the unit triangle."""
-    from skfem import ElementTriP1  # takes a tenth of a second; naming surfaces does not need it
+    """Return barycentric points (q, 3) and weights (q,) of a rule of order 6 on the unit triangle."""
+    from skfem import ElementTriP1  # takes 0.1 s; naming surfaces does not need it
     from skfem.quadrature import get_quadrature
 
     points, weights = get_quadrature(ElementTriP1, 6)
