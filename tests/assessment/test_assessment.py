@@ -260,9 +260,7 @@ def test_machines_of_datasheets_are_assessed(name):
     assert gauge is (Origin.ASSUMED if "gauge" in sheet.remembered else Origin.LIBRARY)
     assert ledger["gear.roller_radius"].origin is Origin.ASSUMED
     # what the settings leave to the case has its origin
-    assert ledger["ground.friction"].how == "LETE sand; the file may name another soil; " + (
-        "demo_VEH_SCMTerrain_RigidTire of Project Chrono"
-    )
+    assert ledger["ground.friction"].how.startswith("LETE sand; the file may name another soil")
     assert "left out: the shoe's stress" in found.lines[-1]
     loads = {row.name: row for row in found.loads}
     assert loads["travels straight on the level"].ends == "goes"
