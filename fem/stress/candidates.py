@@ -1,10 +1,10 @@
-"""Where the extremes of the von Mises stress over a history may be: a search in single precision with bounds.
+"""Candidates for the extremes of the von Mises stress over a history: a bounded search in single precision.
 
-Successive times move along few directions. A singular value decomposition finds those of each block of times,
-in coordinates whose length is the root of the sum over all nodes of the squares of the stress. What is left
-out changes the stress at a node by its length times that of the node's shapes in these coordinates at most
-(Cauchy and Schwarz). Rounding adds to it (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd
-ed., section 3.1).
+Successive times move along few directions. A singular value decomposition finds the directions of each block
+of times. Its coordinates are scaled: their length is the root of the sum of squared stresses over all nodes.
+A dropped direction changes the stress at a node by no more than its length times that of the node's shapes
+(Cauchy and Schwarz). Rounding adds to the bound (N. J. Higham, Accuracy and Stability of Numerical
+Algorithms, 2nd ed., section 3.1).
 """
 
 from typing import NamedTuple
@@ -22,26 +22,26 @@ from fem.stress.low_rank import HALF_ULP, SCAN, node_blocks
 Singles = NDArray[np.float32]
 
 CELL = 32
-"""Successive times, or nodes, whose bounds stand together; a divisor of `NODES` and `TIMES`."""
+"""Number of successive times, or nodes, that share their bounds; a divisor of `NODES` and `TIMES`."""
 NODES, TIMES = 64, 512
-"""Nodes and times of one product; its result stays in the processor's cache."""
+"""Numbers of nodes and times of one product; its result stays in the processor's cache."""
 LEAST_RANK = 8
-"""Directions of a block of times at least: a product with fewer takes as long, and their bounds are lower."""
+"""Least number of directions in a block of times: a product with fewer takes as long and is less exact."""
 LEAST_SIZE = 1e-12
-"""Square of the stress of a direction, over that of the greatest, below which it is rounding."""
+"""Squared stress below which a direction is rounding, fraction of the greatest direction's."""
 
 
 class ScaledShapes(NamedTuple):
-    """Shapes of the stress of n nodes in m coordinates whose length is that of the stress at all nodes.
+    """Shapes of the stress of n nodes in m scaled coordinates; their length is that of all nodes' stress.
 
     Attributes
     ----------
     singles : array (n, 5, m)
         Combinations `DEVIATOR` of the stress, in single precision.
     lengths : array (n,)
-        Of all shapes of a node.
+        Length of all shapes of a node together.
     into : array (m, m)
-        Matrix that turns coordinates of a body's columns into these, in Pa.
+        Matrix from coordinates of a body's columns to scaled ones, in Pa.
     """
 
     singles: Singles
@@ -50,7 +50,7 @@ class ScaledShapes(NamedTuple):
 
 
 def scaled_shapes(stress_modes: Columns) -> ScaledShapes:
-    """Shapes of the stress of columns (n, 6, m), for searches in several histories."""
+    """Compute the scaled shapes of columns (n, 6, m), for searches in several histories."""
     n, _, count = stress_modes.shape
     products = np.zeros((count, count))
     for of in node_blocks(n):
@@ -71,16 +71,17 @@ def scaled_shapes(stress_modes: Columns) -> ScaledShapes:
 
 
 class Candidates(NamedTuple):
-    """Where extremes may be, in Pa; cells are `CELL` successive times or nodes.
+    """Bounds, in Pa, that tell which cells may hold extremes; cells are `CELL` successive times or nodes.
 
     Attributes
     ----------
     upper, lower : array (n, cells), (n,)
-        Bounds of a node's greatest stress: above that of each cell of times, and below that of all.
+        Upper bound of a node's greatest stress in each cell of times, and lower bound of its greatest in all.
     least_lower, least_upper : array (n, cells), (n,)
-        Bounds of a node's least stress: below that of each cell of times, and above that of all.
+        Lower bound of a node's least stress in each cell of times, and upper bound of its least in all.
     node_upper, node_lower : array (cells, t), (t,)
-        Bounds of the highest stress of ranked nodes: above it in each cell at each time, below that of all.
+        Upper bound of the ranked nodes' highest stress in each cell at each time, and lower bound of the
+        highest of all cells at each time.
     bound : array (n,)
         Greatest error of a node's stress.
     """
@@ -95,7 +96,7 @@ class Candidates(NamedTuple):
 
     @property
     def open_part(self) -> float:
-        """Part of the cells that may hold extremes: the most of nodes' greatest or least, times' highest."""
+        """Greatest fraction of the cells that may hold extremes, over the three kinds of extremes."""
         greatest = np.mean(self.upper >= self.lower[:, None])
         least = np.mean(self.least_lower <= self.least_upper[:, None])
         highest = np.mean(self.node_upper >= self.node_lower)
@@ -103,7 +104,7 @@ class Candidates(NamedTuple):
 
 
 class _TimeBlock(NamedTuple):
-    """Successive times: few directions (m, r), amplitudes (r, t) along them, and the length of the error."""
+    """Block of successive times: few directions (m, r), amplitudes (r, t), and length of the error."""
 
     directions: Singles
     amplitudes: Singles
@@ -111,13 +112,13 @@ class _TimeBlock(NamedTuple):
 
 
 def _along_few(coordinates: Floats, most: float) -> _TimeBlock:
-    """Directions of coordinates (m, t), with an error of at most `most` where that is more than rounding."""
+    """Find directions of coordinates (m, t) with an error of at most `most`, if rounding allows."""
     _, directions = np.linalg.eigh(coordinates @ coordinates.T)
     directions = directions[:, ::-1]
     amplitudes = directions.T @ coordinates
     left_out = np.cumsum((amplitudes**2)[::-1], axis=0)[::-1].max(axis=1)
     left_out = np.sqrt(np.append(left_out, 0.0))
-    # shapes, their products with directions, and of these with amplitudes; what is made of them
+    # roundings of shapes, of their products with directions and amplitudes, and of the scan
     steps = (len(coordinates) + np.arange(len(left_out)) + SCAN) * HALF_ULP
     rounded = np.linalg.norm(np.abs(directions) @ np.abs(amplitudes), axis=0).max()
     errors = left_out + rounded * steps / (1.0 - steps)
@@ -129,7 +130,7 @@ def _along_few(coordinates: Floats, most: float) -> _TimeBlock:
 
 @compiler(nogil=True, fastmath={"contract", "reassoc", "nnan", "nsz"})
 def _keep_squares(parts, ranked, greatest, least, highest):
-    """Extremes of square lengths of components (k, 5, t): of nodes in cells of times, of cells at times."""
+    """Write extremes of squared lengths of components (k, 5, t): nodes in cells of times, cells at times."""
     squares = np.empty(parts.shape[2], dtype=np.float32)
     for k in range(parts.shape[0]):
         a = parts[k, 0]
@@ -156,7 +157,7 @@ def _keep_squares(parts, ranked, greatest, least, highest):
 def find_candidates(
     shapes: ScaledShapes, rows: Floats, ranked: NDArray[np.bool_], tolerance: float
 ) -> Candidates:
-    """Search where extremes of a history may be.
+    """Find the candidates for the extremes of a history.
 
     Parameters
     ----------
@@ -164,11 +165,11 @@ def find_candidates(
     rows : array (t, m)
         Coordinates of the body's columns, finite.
     ranked : bool array (n,)
-        Nodes among which the highest of each time is searched.
+        Nodes that compete for the highest of each time.
     tolerance : float
-        Error of the search over the highest stress.
+        Error of the search, fraction of the highest stress.
     """
-    # products of this size gain nothing by threads, which would wait for each other thousands of times
+    # threads gain nothing in products of this size: they would wait for each other thousands of times
     with threadpool_limits(1, user_api="blas"):
         return _searched(shapes, rows, ranked, tolerance)
 

@@ -1,8 +1,8 @@
 """Extremes of the von Mises stress over a history: of each node over time, and over the nodes at each time.
 
-Each segment of the history is searched at a reduced rank in single precision (`likely`). Where bounds leave
-several times or nodes as candidates, all of them are recovered again at full rank in double precision: the
-result is that of a search at full rank.
+Each segment of the history is searched at a reduced rank in single precision (`find_candidates`). All
+candidates that the bounds leave are recovered again at full rank in double precision. The result is that of
+a search at full rank.
 """
 
 from dataclasses import dataclass, replace
@@ -21,15 +21,15 @@ from fem.stress.low_rank import TIME_BLOCK, ModalHistory, checked, node_blocks, 
 from fem.stress.recovery import Peaks
 
 TOLERANCE = 1e-3
-"""Of the search: lower ones need more directions, higher ones leave more candidates to recover again."""
+"""Tolerance of the search, fraction of the highest stress: less needs more directions, more leaves more
+candidates."""
 MOST = 0.25
-"""Part of all cells beyond which the whole search at full rank is faster."""
+"""Fraction of all cells as candidates above which the search at full rank is faster."""
 SEGMENT = 2**13
-"""Successive times that are searched together: bounds of a node and a block of times take 170 MB for twice as
-many."""
+"""Number of successive times that are searched together; twice as many take 170 MB for the bounds."""
 
 HIGHEST = ("highest", "highest_nodes")
-"""What `Extremes` has of each time."""
+"""Names of the arrays of `Extremes` with one entry for each time."""
 
 
 @dataclass(frozen=True)
@@ -41,13 +41,13 @@ class Extremes:
     greatest, least : array (n,)
         In Pa.
     greatest_at : int array (n,)
-        Rows of the history where the greatest occur; the first of equals.
+        Rows of the greatest values in the history; the first of equals.
     highest : array (t,)
-        In Pa, over the nodes that were ranked.
+        In Pa, over the ranked nodes.
     highest_nodes : int array (t,)
-        Their numbers; the first of equals.
+        Numbers of the highest nodes; the first of equals.
     bound : array (n,)
-        Error in Pa that the search's reduced rank may have had at each node, 0 at full rank.
+        Greatest error in Pa of the search at reduced rank at each node, 0 at full rank.
     """
 
     greatest: Floats
@@ -59,7 +59,7 @@ class Extremes:
 
     @property
     def peaks(self) -> Peaks:
-        """Greatest values as `recover_peaks` gives them."""
+        """Greatest values in the form of `recover_peaks`."""
         return Peaks("von mises", np.arange(len(self.greatest)), self.greatest, self.greatest_at)
 
 
@@ -71,18 +71,18 @@ def recover_extremes(
     tolerance: float | None = TOLERANCE,
     scaled: ScaledShapes | None = None,
 ) -> Extremes:
-    """Extremes of the von Mises stress at every node and at every time of a history.
+    """Find the extremes of the von Mises stress at every node and at every time of a history.
 
     Parameters
     ----------
     stress_modes, q
-        As of `folds.fold_stresses`, whose errors this has too.
+        See `folds.fold_stresses`; errors are the same too.
     ranked : int array, optional
-        Numbers of the nodes, at least one, among which the highest of each time is searched; all if left out.
+        Numbers of the nodes, at least one, that compete for the highest of each time; all if left out.
     tolerance : float, optional
-        Error that the search may have over the highest stress; None searches at full rank.
+        Greatest error of the search, fraction of the highest stress; None searches at full rank.
     scaled : ScaledShapes, optional
-        Of the same `stress_modes`, if they are there already.
+        Scaled shapes of the same `stress_modes`, if already computed.
     """
     chosen = np.ones(len(stress_modes), dtype=bool)
     if ranked is not None:
@@ -123,7 +123,7 @@ def _of_segment(
     tolerance: float,
     scaled: ScaledShapes,
 ) -> Extremes:
-    """Extremes over rows (t, m) of a history, by a search where its bounds leave few cells open."""
+    """Find the extremes over rows (t, m) of a history, by a search if its bounds leave few cells open."""
     found = find_candidates(scaled, checked(rows, stress_modes), ranked, tolerance)
     give_back_memory()
     if found.open_part < MOST:
@@ -133,7 +133,7 @@ def _of_segment(
 
 @compiler(nogil=True, fastmath={"contract", "reassoc"})
 def _keep_node_extremes(parts, squares, greatest, at, least, start):
-    """Square lengths of components (k, 5, t) into (k, t), with the extremes of each node over time."""
+    """Write squared lengths of components (k, 5, t) into (k, t); update each node's extremes over time."""
     for k in range(squares.shape[0]):
         a = parts[k, 0]
         b = parts[k, 1]
@@ -158,7 +158,7 @@ def _keep_node_extremes(parts, squares, greatest, at, least, start):
 
 @compiler(nogil=True)
 def _keep_highest(squares, ranked, top, places, first):
-    """Update the highest square of each time and its place; the rows of `squares` count from `first`."""
+    """Update the highest square of each time and its node; the rows of `squares` count from `first`."""
     for k in range(squares.shape[0]):
         for t in range(squares.shape[1] if ranked[k] else 0):
             if squares[k, t] > top[t]:
@@ -172,7 +172,7 @@ class VonMisesExtremes(Fold[Extremes]):
     Parameters
     ----------
     ranked : bool array (n,)
-        Nodes among which the highest of each time is searched.
+        Nodes that compete for the highest of each time.
     """
 
     components = DEVIATOR
@@ -181,7 +181,7 @@ class VonMisesExtremes(Fold[Extremes]):
         self._ranked = ranked
 
     def start(self, nodes: Integers, times: int) -> None:
-        """Begin with no stress at all."""
+        """Begin without any stress."""
         self._nodes = nodes
         self._greatest, self._least = np.full(len(nodes), -np.inf), np.full(len(nodes), np.inf)
         self._rows = np.zeros(len(nodes), dtype=np.int64)
@@ -189,7 +189,7 @@ class VonMisesExtremes(Fold[Extremes]):
         self._places = np.zeros(times, dtype=np.int64)
 
     def add(self, block: StressBlock) -> None:
-        """Keep what is beyond the extremes so far."""
+        """Update the extremes."""
         of = block.nodes
         times = block.times
         squares = np.empty((block.stress.shape[0], block.stress.shape[2]))
@@ -199,7 +199,7 @@ class VonMisesExtremes(Fold[Extremes]):
         _keep_highest(squares, self._ranked[of], self._highest[times], self._places[times], of.start)
 
     def finish(self) -> Extremes:
-        """Extremes in Pa."""
+        """Return the extremes in Pa."""
         return Extremes(
             np.sqrt(self._greatest),
             self._rows,
@@ -212,7 +212,7 @@ class VonMisesExtremes(Fold[Extremes]):
 
 @compiler(nogil=True, fastmath={"contract", "reassoc"})
 def _square(shapes, q):
-    """Square of the von Mises stress of shapes (6, m) with coordinates (m,)."""
+    """Return the square of the von Mises stress of shapes (6, m) with coordinates (m,)."""
     xx = 0.0
     yy = 0.0
     zz = 0.0
@@ -232,7 +232,7 @@ def _square(shapes, q):
 
 @compiler(nogil=True)
 def _search_times(stress_modes, q, nodes, cells, sense, best, at):
-    """Greatest square, times a sense, of nodes in cells of times, and the row of the first of equals."""
+    """Find the greatest sense times square of nodes in cells of times, and its row (first of equals)."""
     for node, cell in zip(nodes, cells):  # noqa: B905 - compiled
         for row in range(CELL * cell, min(CELL * (cell + 1), len(q))):
             square = sense * _square(stress_modes[node], q[row])
@@ -243,7 +243,7 @@ def _search_times(stress_modes, q, nodes, cells, sense, best, at):
 
 @compiler(nogil=True)
 def _search_nodes(stress_modes, q, cells, rows, ranked, best, at, first):
-    """Highest square of rows in cells of nodes, counted from `first`, and the node of the first of equals."""
+    """Find the highest square of rows in cells of nodes, counted from `first`, and its first node."""
     for cell, row in zip(cells, rows):  # noqa: B905 - compiled
         for node in range(CELL * cell, min(CELL * (cell + 1), len(stress_modes))):
             if ranked[node]:
@@ -254,7 +254,7 @@ def _search_nodes(stress_modes, q, cells, rows, ranked, best, at, first):
 
 
 def _recovered(stress_modes: Columns, q: Floats, found: Candidates, ranked: NDArray[np.bool_]) -> Extremes:
-    """Extremes at full rank, of all nodes and times that may hold them."""
+    """Recover the extremes at full rank from all candidate nodes and times."""
     n = len(stress_modes)
     t = len(q)
     greatest = np.full(n, -np.inf)

@@ -1,8 +1,8 @@
-"""One pass over the stresses of a long modal history, block by block, for any result of them.
+"""Pass over the stresses of a long modal history, block by block, for any result of them.
 
-A segment of the history is in memory at a time. In it each block of nodes is seen in order of time before the
-next one begins. Memory holds the segment's modal coordinates and one block of stresses, however long the
-history is and however many nodes the mesh has.
+One segment of the history is in memory at a time. Within it, each block of nodes is processed in order of
+time before the next block. Memory holds the segment's modal coordinates and one block of stresses, whatever
+the length of the history and the number of nodes.
 """
 
 from collections.abc import Iterator
@@ -24,11 +24,11 @@ class StressBlock(NamedTuple):
     Attributes
     ----------
     nodes : slice
-        Positions of the nodes among those that are looked at.
+        Positions of the nodes among those of the fold.
     times : slice
         Rows of the history.
     segment : slice
-        Rows that are in memory together; the last block of these nodes in them ends where they do.
+        Rows that are in memory together; the last block of these nodes ends at their end.
     stress : array (k, c, t)
         The fold's components in Pa; overwritten by the next block.
     bound : array (k,)
@@ -43,24 +43,24 @@ class StressBlock(NamedTuple):
 
 
 class Fold(Protocol[Result]):
-    """A result that is gathered from a history of stresses.
+    """Computation of a result from a history of stresses.
 
-    A fold that looks at long parts of the history of single nodes, as counts of cycles do, gathers the blocks
-    of the same nodes until the stop of `times` is that of the segment.
+    A cycle count and other folds need long histories of single nodes. They gather the blocks of the same
+    nodes until `times` stops at the end of the segment.
 
     Attributes
     ----------
     components : array (c, 6), or None
-        Combinations of xx, yy, zz, xy, yz, xz that it needs; the six themselves if None.
+        Combinations of xx, yy, zz, xy, yz, xz that the fold needs; the six themselves if None.
     """
 
     components: Floats | None
 
     def start(self, nodes: Integers, times: int) -> None:
-        """Begin with the numbers (n,) of the nodes to come and the number of times."""
+        """Begin with the numbers (n,) of the nodes and the number of times to come."""
 
     def add(self, block: StressBlock) -> None:
-        """Take the next block: times of a segment in order, then the next nodes, then the next segment."""
+        """Process the next block: times of a segment in order, then the next nodes, then the next segment."""
 
     def finish(self) -> Result:
         """Return the result."""
@@ -78,16 +78,16 @@ def fold_stresses(
     Parameters
     ----------
     stress_modes : columns (n, 6, m)
-        In Pa per unit of a coordinate: of modes, or of modes and static fields side by side.
+        Stress of modes, or of modes and static fields side by side, in Pa per unit of a coordinate.
     q : array (t, m), or iterable of arrays
-        Coordinates, or parts of them in order of time: of a stored history one segment is in memory.
+        Coordinates, or parts of them in order of time; one segment of a stored history is in memory.
     fold : Fold
     nodes : int array, optional
-        Numbers of the nodes to look at, in any order; all if left out.
+        Numbers of the fold's nodes, in any order; all if left out.
     tolerance : float, optional
-        Fold stresses of a reduced rank, in single precision and several times as fast. The error is at most
-        this part of the highest stress, see `low_rank.reduced_rank`, and each block has its bound. If left
-        out, at full rank and in double precision.
+        Greatest error of stresses at a reduced rank, fraction of the highest stress, see
+        `low_rank.reduced_rank`. The fold is then in single precision and several times as fast, and each
+        block has its bound. If left out, the fold is at full rank and in double precision.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def fold_stresses(
         raise ValueError("the history must have at least one row, got none")
     chosen = np.arange(len(stress_modes)) if nodes is None else np.asarray(nodes, dtype=np.int64)
     fold.start(chosen, times)
-    # products of this size gain nothing by threads, which would wait for each other thousands of times
+    # threads gain nothing in products of this size: they would wait for each other thousands of times
     with threadpool_limits(1, user_api="blas"):
         source = full_rank(stress_modes if nodes is None else stress_modes[chosen], parts, fold.components)
         for block in _stress_blocks(source if tolerance is None else reduced_rank(source, tolerance)):
@@ -113,7 +113,7 @@ def fold_stresses(
 
 
 def _stress_blocks(source: StressHistory) -> Iterator[StressBlock]:
-    """Stresses of blocks of nodes over the segments of a history; times run fastest."""
+    """Yield the stresses of blocks of nodes over the segments of a history; times run fastest."""
     for start, columns, bound in source.segments():
         ends = np.cumsum([start, *(block.shape[1] for block in columns)]).tolist()
         for of in node_blocks(source.nodes):

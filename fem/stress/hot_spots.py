@@ -1,4 +1,4 @@
-"""Hot spots: the nodes of the greatest stresses, as tidy tables."""
+"""Hot spots: nodes with the greatest stresses, as tidy tables."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ from fem.stress.trust import IN_SPIDER, resolution_at
 
 @dataclass(frozen=True)
 class Apart:
-    """Hot spots none of which lies within a radius of a more severe one.
+    """Rule: no hot spot lies within a radius of a more severe one.
 
     Parameters
     ----------
@@ -37,13 +37,13 @@ class Apart:
             raise ValueError(f"radius must be positive, got {self.radius}")
 
     def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
-        """Positions in the peaks of `count` hot spots at most, the most severe first."""
+        """Return the positions in the peaks of at most `count` hot spots, the most severe first."""
         return _separated(mesh.nodes[peaks.nodes], peaks.order, self.radius, count)
 
 
 @dataclass(frozen=True)
 class OneARegion:
-    """One hot spot per connected region whose stress is above a fraction of the greatest.
+    """Rule: one hot spot per connected region with a stress above a fraction of the greatest.
 
     Parameters
     ----------
@@ -63,24 +63,24 @@ class OneARegion:
             raise ValueError(f"fraction must lie inside (0, 1), got {self.fraction}")
 
     def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
-        """Positions in the peaks of `count` hot spots at most, the most severe first."""
+        """Return the positions in the peaks of at most `count` hot spots, the most severe first."""
         return _one_a_region(mesh, peaks, self.fraction, count)
 
 
 @dataclass(frozen=True, eq=False)
 class OneOfEach:
-    """The most severe hot spot of each named part of a body.
+    """Rule: the most severe hot spot of each named part of a body.
 
     Parameters
     ----------
     parts : array (n,)
-        Name of the part that each node of the mesh belongs to.
+        Name of each node's part of the body.
     """
 
     parts: np.ndarray
 
     def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
-        """Positions in the peaks of `count` hot spots at most, the most severe first."""
+        """Return the positions in the peaks of at most `count` hot spots, the most severe first."""
         _, first = np.unique(self.parts[peaks.nodes[peaks.order]].astype(str), return_index=True)
         return peaks.order[np.sort(first)][:count].tolist()
 
@@ -90,7 +90,7 @@ Separation = Apart | OneARegion | OneOfEach
 
 
 def _separated(positions: Floats, order: Integers, radius: float, count: int) -> list[int]:
-    """Positions of the most severe nodes, none within a radius of a more severe one."""
+    """Return the positions of the most severe nodes, none within a radius of a more severe one."""
     tree = cKDTree(positions)
     open_ = np.ones(len(positions), dtype=bool)
     chosen: list[int] = []
@@ -104,7 +104,7 @@ def _separated(positions: Floats, order: Integers, radius: float, count: int) ->
 
 
 def _one_a_region(mesh: Mesh, peaks: Peaks, fraction: float, count: int) -> list[int]:
-    """Positions of the most severe node of each connected region above a fraction of the greatest."""
+    """Return the positions of the most severe node of each region above a fraction of the greatest."""
     order = peaks.order
     size = np.abs(peaks.values)
     above = size >= fraction * size[order[0]]
@@ -139,7 +139,7 @@ def hot_spots(
     nodes: Integers | None = None,
     peaks: Peaks | None = None,
 ) -> pd.DataFrame:
-    """Table of the most severe nodes of a history.
+    """Tabulate the most severe nodes of a history.
 
     Parameters
     ----------
@@ -149,24 +149,24 @@ def hot_spots(
     q : array (t, m)
         Coordinates of the body's columns.
     count : int
-        Number of rows at most.
+        Greatest number of rows.
     criterion : str
         One of `element_stress.CRITERIA`.
     separation : Apart, OneARegion or OneOfEach, optional
         Rule that separates hot spots; if left out, the highest nodes are listed, as in the papers.
     nodes : int array, optional
-        Numbers of the nodes to look at, such as `body.nodes_away_from_spiders` or
+        Numbers of the candidate nodes, such as `body.nodes_away_from_spiders` or
         `body.mesh.surface_nodes`; all if left out.
     peaks : Peaks, optional
-        Of `recover_peaks` over all nodes and the whole history, if already computed.
+        Result of `recover_peaks` over all nodes and the whole history, if already computed.
 
     Returns
     -------
     pandas.DataFrame
-        rank, value (Pa), node, time (s), x, y, z (m, body axes), flag ("in spider",
-        "beside spider" or empty), jump (Pa): disagreement of the elements around the node at that
-        time, and error (Pa): estimated error of the von Mises stress from the mesh, see
-        `trust.mesh_error`. A jump of the value's size means that the mesh makes the peak;
+        rank, value (Pa), node, time (s), x, y, z (m, body axes), flag ("in spider", "beside spider" or
+        empty), jump (Pa) and error (Pa). The jump is the disagreement of the elements around the node at
+        that time. The error is the estimated error of the von Mises stress from the mesh, see
+        `trust.mesh_error`. A jump as large as the value means that the peak comes from the mesh;
         `trust.judged` combines all this into one verdict.
 
     Raises
@@ -201,7 +201,7 @@ def hot_spots(
 
 
 def _table(body: Shapes, times: Floats, q: Floats, peaks: Peaks, places: list[int]) -> pd.DataFrame:
-    """Table of `hot_spots` for chosen positions in the peaks."""
+    """Tabulate chosen positions in the peaks for `hot_spots`."""
     nodes = peaks.nodes[places]
     rows = peaks.time_indices[places]
     resolved = resolution_at(body, q[rows], nodes)

@@ -1,11 +1,11 @@
-"""Histories of stress as products of shapes and coordinates: at full rank, or at a reduced one with a bound.
+"""Stress histories as products of shapes and coordinates, at full rank or at a low rank with a bound.
 
 A long history of modal coordinates moves along fewer directions than there are modes. A singular value
-decomposition finds them. It weights every mode by its stress, which for modes is nearly their strain energy,
-in which they are orthogonal; the last directions are dropped. The error is bounded: the stress at a node
-changes by no more than the sum over the dropped directions of their stress there times their greatest
-amplitude. The other directions are in single precision, whose rounding the bound includes (N. J. Higham,
-Accuracy and Stability of Numerical Algorithms, 2nd ed., section 3.1).
+decomposition finds the directions and the last ones are dropped. It weights each mode by its stress. For
+modes this is nearly the strain energy, and modes are orthogonal in that energy. The stress at a node changes
+by at most the sum of the dropped directions' stresses there, each times its greatest amplitude. The other
+directions are in single precision. The bound includes their rounding (N. J. Higham, Accuracy and Stability
+of Numerical Algorithms, 2nd ed., section 3.1).
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -17,28 +17,28 @@ from fem.body.mesh import Floats
 from fem.body.shapes import Columns
 
 NODE_BLOCK, TIME_BLOCK = 256, 256
-"""Nodes and times of one product; its result stays in the processor's cache."""
+"""Numbers of nodes and times of one product; its result stays in the processor's cache."""
 SEGMENT = 2**14
-"""Successive times whose coordinates are in memory together."""
+"""Number of successive times whose coordinates are in memory together."""
 HALF_ULP = 2.0**-24
 """Relative rounding error of single precision."""
 SCAN = 16
-"""Roundings beyond those of a product: conversion of both factors, squares, their sum, root, bounds."""
+"""Number of roundings beyond those of a product: conversion of both factors, squares, sum, root, bounds."""
 
 
 ModalHistory = Floats | Iterable[Floats]
-"""Coordinates (t, m), or parts of them in order of time that can be read again."""
+"""Coordinates (t, m), or their parts in order of time, to be read more than once."""
 
 
 Segment = tuple[int, list[Floats], Floats]
-"""Successive times: row of the first, blocks (r, t) of coordinates, and greatest error (n, blocks) in Pa."""
+"""Successive times: first row, blocks (r, t) of coordinates, and greatest error (n, blocks) in Pa."""
 
 
 class StressHistory(NamedTuple):
-    """Stress of n nodes over a history as shapes times coordinates, of r directions.
+    """Stress of n nodes over a history as shapes times coordinates along r directions.
 
-    `shapes` gives those of a block of nodes (k, c, r), `segments` the history again. Errors are those of the
-    components at each node, as a length.
+    `shapes` gives the shapes (k, c, r) of a block of nodes, `segments` the history from its start. Errors
+    are Euclidean lengths of the components' errors at each node.
     """
 
     nodes: int
@@ -47,7 +47,7 @@ class StressHistory(NamedTuple):
 
 
 def segments(q: ModalHistory, length: int | None = None) -> Iterator[Floats]:
-    """Rows (t, m) of a history, so many of them (`SEGMENT`) and the rest, however it comes in parts."""
+    """Yield the rows (t, m) of a history, `length` at a time (default `SEGMENT`), whatever its parts."""
     length = length or SEGMENT
     waiting = np.empty((0, 0))
     for part in [q] if isinstance(q, np.ndarray) else q:
@@ -60,15 +60,15 @@ def segments(q: ModalHistory, length: int | None = None) -> Iterator[Floats]:
 
 
 def node_blocks(count: int) -> list[slice]:
-    """Slices that cut nodes into blocks."""
+    """Return slices that cut the nodes into blocks."""
     return [slice(first, min(first + NODE_BLOCK, count)) for first in range(0, count, NODE_BLOCK)]
 
 
 def full_rank(stress_modes: Columns, q: ModalHistory, components: Floats | None) -> StressHistory:
-    """Stress of modes (n, 6, m) over a history, in double precision.
+    """Return the stress history of modes (n, 6, m) in double precision.
 
-    `components` (c, 6) combine those of the stress, the six themselves if None. The segments raise a
-    `ValueError` if they are not finite or have another number of modes.
+    `components` (c, 6) are combinations of the stress components; None means the six themselves. The segments
+    raise a `ValueError` if they are not finite or have another number of modes.
     """
 
     def shapes(nodes: slice) -> Floats:
@@ -90,7 +90,10 @@ def full_rank(stress_modes: Columns, q: ModalHistory, components: Floats | None)
 
 
 def checked(rows: Floats, stress_modes: Columns, start: int = 0) -> Floats:
-    """Rows (t, m) of a history from one of its rows on; ValueError if not finite, or m is of other modes."""
+    """Return rows (t, m) of a history; raise `ValueError` if they are not finite or m differs from the modes.
+
+    `start` is the number of the first row in the history, for the message.
+    """
     modes = stress_modes.shape[2]
     if rows.shape[1] != modes:
         raise ValueError(f"the history must have {modes} modal coordinates, got {rows.shape[1]}")
@@ -100,15 +103,15 @@ def checked(rows: Floats, stress_modes: Columns, start: int = 0) -> Floats:
 
 
 def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
-    """Same history along fewer directions, in single precision.
+    """Return a stress history along fewer directions, in single precision.
 
     Parameters
     ----------
     exact : StressHistory
-        At full rank; it is read twice.
+        History at full rank; it is read several times.
     tolerance : float
-        Greatest bound that dropping directions may cause anywhere, over the highest stress at the time of the
-        greatest amplitude.
+        Greatest bound of the dropped directions at any node, fraction of the highest stress at the time of
+        the greatest amplitude.
     """
     groups = node_blocks(exact.nodes)
     weights = np.sqrt(sum(np.einsum("ncm,ncm->m", *2 * (exact.shapes(of),)) for of in groups))
@@ -152,6 +155,6 @@ def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
 
 
 def _tails(values: Floats) -> Floats:
-    """Sums (n, p + 1) of the last p, p - 1, ..., 0 of values (n, p)."""
+    """Return the sums (n, p + 1) of the last p, p - 1, ..., 0 of values (n, p)."""
     sums = np.cumsum(values[:, ::-1], axis=1)[:, ::-1]
     return np.concatenate((sums, np.zeros((len(values), 1))), axis=1)

@@ -1,7 +1,7 @@
 """Stress peaks of long modal histories, as folds over blocks of their stresses.
 
-The von Mises stress is the Euclidean length of five linear combinations of the stress components,
-so that it takes five products per node and time where the tensor would take six.
+The von Mises stress is the Euclidean length of five linear combinations of the stress components. It takes
+five products per node and time; the tensor would take six.
 """
 
 from dataclasses import dataclass
@@ -23,13 +23,13 @@ class Peaks:
     Parameters
     ----------
     criterion : str
-        Its name, one of `element_stress.CRITERIA`.
+        Name of the criterion, one of `element_stress.CRITERIA`.
     nodes : int array (k,)
         Node numbers.
     values : array (k,)
         In Pa; for "least principal" the least value.
     time_indices : int array (k,)
-        Rows of the history where they occur; the first of equals.
+        Rows of the values in the history; the first of equals.
     """
 
     criterion: Criterion
@@ -70,12 +70,12 @@ def _keep_greatest_length(parts, values, indices, start):
 
 
 class GreatestVonMises(Fold[Peaks]):
-    """Greatest von Mises stress of each node and the row where it occurs."""
+    """Greatest von Mises stress of each node and its row."""
 
     components = DEVIATOR
 
     def start(self, nodes: Integers, times: int) -> None:
-        """Begin with no stress at all."""
+        """Begin without any stress."""
         self._nodes = nodes
         self._squares = np.full(len(nodes), -np.inf)
         self._rows = np.zeros(len(nodes), dtype=np.int64)
@@ -87,12 +87,12 @@ class GreatestVonMises(Fold[Peaks]):
         )
 
     def finish(self) -> Peaks:
-        """Peaks in Pa."""
+        """Return the peaks in Pa."""
         return Peaks("von mises", self._nodes, np.sqrt(self._squares), self._rows)
 
 
 class GreatestOf(Fold[Peaks]):
-    """Greatest value of any criterion at each node and the row where it occurs.
+    """Greatest value of any criterion at each node and its row.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ class GreatestOf(Fold[Peaks]):
         self._sense = -1.0 if criterion == "least principal" else 1.0
 
     def start(self, nodes: Integers, times: int) -> None:
-        """Begin with no stress at all."""
+        """Begin without any stress."""
         self._nodes = nodes
         self._values = np.full(len(nodes), -np.inf)
         self._rows = np.zeros(len(nodes), dtype=np.int64)
@@ -126,7 +126,7 @@ class GreatestOf(Fold[Peaks]):
         rows[better] = block.times.start + instants[better]
 
     def finish(self) -> Peaks:
-        """Peaks in Pa."""
+        """Return the peaks in Pa."""
         return Peaks(self._criterion, self._nodes, self._sense * self._values, self._rows)
 
 
@@ -136,9 +136,9 @@ def recover_peaks(
     criterion: Criterion = "von mises",
     nodes: Integers | None = None,
 ) -> Peaks:
-    """Greatest value of a stress criterion over a history, node by node.
+    """Find the greatest value of a stress criterion over a history, node by node.
 
-    Parameters and errors are those of `folds.fold_stresses`, and:
+    See `folds.fold_stresses` for the other parameters and errors.
 
     Parameters
     ----------
@@ -148,12 +148,12 @@ def recover_peaks(
     Returns
     -------
     Peaks
-        Time indices count from the first row of the first block.
+        Peaks; time indices count from the first row of the first block.
 
     Raises
     ------
     ValueError
-        If the criterion is not known.
+        If the criterion is unknown.
     """
     if criterion == "von mises":
         return fold_stresses(stress_modes, q, GreatestVonMises(), nodes)
@@ -161,17 +161,17 @@ def recover_peaks(
 
 
 def shares(stress_modes: Columns, q: Floats, node: int) -> Floats:
-    """Shares (m,) in Pa of each mode in the von Mises stress of a node at one time.
+    """Return each mode's share (m,) in Pa of the von Mises stress of a node at one time.
 
-    The von Mises stress is homogeneous of first order in the stress, so that the derivative along
-    each mode's stress, which this is, adds up to the stress itself (Euler).
+    A share is the derivative of the von Mises stress along a mode's stress. The shares add up to the stress,
+    since it is homogeneous of first order (Euler).
 
     Parameters
     ----------
     stress_modes : columns (n, 6, m)
-        Of modes, or of loads.
+        Stress of modes, or of loads, in Pa per unit of a coordinate.
     q : array (m,)
-        Their coordinates at that time.
+        Coordinates of the columns at that time.
     node : int
         Node number.
     """

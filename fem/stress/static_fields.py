@@ -1,9 +1,9 @@
-"""Static fields: stress that static answers to loads have beyond those of a reduced body's modes.
+"""Static fields: residual flexibility, the static response to loads less that of a reduced body's modes.
 
-The answer of a body to a load is that of its modes and a rest that follows the load at once: the static
-answer with inertia relief minus that of the modes to the same load (residual attachment modes; R. R. Craig,
-Structural Dynamics, 1981, ch. 15). With the loads themselves as coordinates f of these rests, the stress
-``X q + S f`` lacks nothing but the inertia of what the modes leave out.
+A body responds to a load by its modes and by a static field that follows the load at once. The static field
+is the static response with inertia relief less that of the modes to the same load. See residual attachment
+modes (R. R. Craig, Structural Dynamics, 1981, ch. 15). The loads themselves are the coordinates f of the
+static fields. The stress ``X q + S f`` then lacks only the inertia of the truncated modes.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -24,17 +24,17 @@ from fem.body.shapes import Shapes, SideBySide
 from fem.memory import give_back_memory
 
 AT_ONCE = 8
-"""Fields whose stress is recovered at once."""
+"""Number of fields whose stress is recovered at once."""
 MOST_AT_ONCE = 32
-"""Fields that are solved for, or combined, at once: with more they take hardly less time."""
+"""Greatest number of fields that are solved for, or combined, at once: more save hardly any time."""
 BLOCK = 1e7
-"""Bytes of the fields that are solved for at once, of which some copies are in memory."""
+"""Size of the fields that are solved for at once, bytes; memory holds some copies of them."""
 NOISE = 1e-12
-"""Strain energy, over that of the greatest direction, below which a direction is rounding."""
+"""Strain energy below which a direction is rounding, fraction of the greatest direction's energy."""
 
 
 class UnitLoads(NamedTuple):
-    """A family of k loads.
+    """Family of k unit loads.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class UnitLoads(NamedTuple):
     centers : array (6 i, k)
         Force and moment on each joint centre in N and N m.
     by_mass : bool
-        Whether `nodal` are accelerations in m/s2 instead, which the body's mass turns into forces.
+        True if `nodal` are accelerations in m/s2; the body's mass then turns them into forces.
     """
 
     nodal: csr_array
@@ -52,21 +52,21 @@ class UnitLoads(NamedTuple):
 
     @classmethod
     def spread(cls, weights: csr_array | Floats, interfaces: Sequence[Interface]) -> Self:
-        """Forces along x, y, z with nodal weights (n, p): 3 p coordinates, xyz for each weight."""
+        """Return forces along x, y, z with nodal weights (n, p): 3 p coordinates, xyz for each weight."""
         nodal = csr_array(kron(csr_array(weights), np.eye(3), format="csr"))
         return cls(nodal, np.zeros((6 * len(interfaces), nodal.shape[1])))
 
     @classmethod
     def at_centers(cls, nodes: int, interfaces: Sequence[Interface]) -> Self:
-        """Force and moment on every joint centre: 6 i coordinates."""
+        """Return force and moment on every joint centre: 6 i coordinates."""
         count = 6 * len(interfaces)
         return cls(csr_array((3 * nodes, count)), np.eye(count))
 
     @classmethod
     def of_inertia(cls, modes: Floats, interfaces: Sequence[Interface]) -> Self:
-        """Momentum of modes (n, 3, m) as nodal forces: m coordinates, kg^0.5 m/s2."""
+        """Return the momentum of modes (n, 3, m) as nodal forces: m coordinates, kg^0.5 m/s2."""
         rows, count = modes.reshape(-1, modes.shape[2]).shape
-        # a conversion of an array without zeros would search it for them
+        # a conversion would search the array for zeros; it has none
         columns = np.tile(np.arange(count, dtype=np.int32), rows)
         ends = count * np.arange(rows + 1, dtype=np.int32)
         nodal = csr_array((modes.ravel(), columns, ends), shape=(rows, count))
@@ -75,16 +75,16 @@ class UnitLoads(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StaticFields:
-    """Parts of the static answers to k unit loads that a body's m modes lack (rests).
+    """Static fields of k unit loads: parts of the static responses that a body's m modes lack.
 
     Attributes
     ----------
     families : mapping of str to int
         Number of loads of each family, in order.
     displacements : array (n, 3, k)
-        In m per unit of a load's coordinate; orthogonal in stiffness to the modes.
+        In m per unit of a load's coordinate, orthogonal in stiffness to the modes.
     energy : array (k, k)
-        Twice the strain energy of the rests: products of forces and displacements.
+        Twice the strain energy of the fields: products of forces and displacements.
     work : array (k, m)
         Modal loads of the unit loads.
     """
@@ -95,21 +95,21 @@ class StaticFields:
     work: Floats
 
     def held(self, frequencies: Floats) -> Floats:
-        """Static coordinates (k, m) of the modes, of frequencies (m,) in Hz, under the unit loads."""
+        """Return static coordinates (k, m) under the unit loads of modes with frequencies (m,) in Hz."""
         return self.work / (2.0 * np.pi * frequencies) ** 2
 
     def stress_at(self, body: ReducedBody, node: int) -> Floats:
-        """Stress (k, 6) in Pa at a node per unit of each load, of these fields and the body's modes."""
+        """Return the stress (k, 6) in Pa at a node per unit load, from these fields and the body's modes."""
         about = stress_at_node(body.nodes, body.mesh.elements, body.material, self.displacements, node)
         return self.held(body.frequencies) @ body.stress_modes[node].T + about.T
 
     def coordinates(self, loads: Mapping[str, Floats]) -> Floats:
-        """Coordinates (t, k) of loads (t, ...) by family; a family that is left out does not act.
+        """Return the coordinates (t, k) of loads (t, ...) by family; a family left out does not act.
 
         Raises
         ------
         ValueError
-            If there is none, a family is unknown or has another number of loads.
+            If there is no load, or a family is unknown or has another number of loads.
         """
         unknown = sorted(set(loads) - set(self.families))
         if unknown or not loads:
@@ -127,19 +127,19 @@ class StaticFields:
 def static_fields(
     partition: Partition, reduced: ReducedBody, families: Mapping[str, UnitLoads]
 ) -> StaticFields:
-    """Solve for the parts of the static answers to families of loads that the modes of a body lack.
+    """Solve for the static fields of families of loads: static responses less those of the modes.
 
     Parameters
     ----------
     partition : Partition
-        Of the body that was reduced, with the same interfaces.
+        Partition of the reduced body, with the same interfaces.
     reduced : ReducedBody
     families : mapping of str to UnitLoads
 
     Raises
     ------
     ValueError
-        If there is no family, or one is not of this mesh and these interfaces.
+        If there is no family, or one belongs to another mesh or other interfaces.
     """
     size = reduced.modes.shape[0] * 3
     centers = 6 * len(reduced.interfaces)
@@ -165,7 +165,7 @@ def static_fields(
         rest[:, columns] = partition.static_response(forces, at_centers)
         rest[:, columns] -= modes @ (work[columns] / squares).T
         first = columns.stop
-        # beside factors and fields, what each block leaves would make the greatest memory of a study
+        # beside factors and fields, the memory freed by each block would make the peak memory of a study
         give_back_memory()
     energy = np.empty((count, count))
     stiffness = partition.body.stiffness
@@ -183,7 +183,7 @@ def static_fields(
 def _in_blocks(
     body: ElasticBody, families: Iterable[UnitLoads], at_once: int
 ) -> Iterator[tuple[Floats, Floats]]:
-    """Nodal forces (3n, k) in N and loads (6 i, k) on joint centres of families, some loads at a time."""
+    """Yield nodal forces (3n, k) in N and loads (6 i, k) on centres, some loads of a family at a time."""
     for family in families:
         for first in range(0, family.nodal.shape[1], at_once):
             columns = slice(first, first + at_once)
@@ -193,18 +193,18 @@ def _in_blocks(
 
 @dataclass(frozen=True, eq=False)
 class FieldColumns:
-    """A few fields that replace many for certain histories of loads.
+    """Few fields that replace many for given histories of loads.
 
     Attributes
     ----------
     turn : array (k, r)
-        Coordinates of the r fields of those of k loads: ``f @ turn``.
+        Matrix from coordinates f of k loads to those of the r fields: ``f @ turn``.
     modes : array (n, 3, r)
         Displacements in m per unit.
     stress_modes : array (n, 6, r)
         Nodal stress in Pa per unit.
     bound : float
-        Greatest von Mises stress in Pa of the left-out directions, over all nodes and times.
+        Greatest von Mises stress in Pa of the dropped directions, over all nodes and times.
     """
 
     turn: Floats
@@ -213,7 +213,7 @@ class FieldColumns:
     bound: float
 
     def beside(self, body: ReducedBody) -> Shapes:
-        """Modes of a body and these fields, with coordinates one after the other."""
+        """Return a body's modes with these fields beside them; coordinates follow one another likewise."""
         return _Together(body, self)
 
 
@@ -234,7 +234,7 @@ class _Together(Shapes):
         return SideBySide((self._body.stress_modes, self._fields.stress_modes))
 
     def forget_stress_modes(self) -> None:
-        """Free the stress of the body's modes; it is recovered again when it is asked for."""
+        """Free the stress of the body's modes; it is recovered again at the next use."""
         self.__dict__.pop("stress_modes", None)
         self._body.forget_stress_modes()
 
@@ -246,18 +246,18 @@ def field_columns(
     tolerance: float = 0.0,
     most: int | None = None,
 ) -> FieldColumns:
-    """Fields along the directions in which histories of loads move, by a singular value decomposition.
+    """Find fields along the directions of histories of loads, by a singular value decomposition.
 
-    Loads count by the strain energy in their rests, in which the directions are orthogonal.
+    Loads are weighted by the strain energy of their fields; the directions are orthogonal in that energy.
 
     Parameters
     ----------
     body : ElasticBody
     fields : StaticFields
     histories : sequence of array (t, k)
-        Coordinates of the loads, of one body in several positions.
+        Coordinates of the loads; each history is one position of the body.
     tolerance : float
-        In Pa: bound of the left-out directions, if `most` allows.
+        Bound of the dropped directions in Pa, if `most` allows.
     most : int, optional
         Greatest number of directions, whatever the tolerance.
 
@@ -295,7 +295,7 @@ def field_columns(
     stress = np.empty((nodes, 6, fewest))
     tail = np.zeros(nodes)
     bounds = np.zeros(back.shape[1] + 1)
-    # of the directions beyond the most, memory holds some at a time, from the last to the first
+    # memory holds a block of directions at a time, from the last to the first
     for columns, block in _products_from_last(flat, back):
         shapes = block.reshape(nodes, 3, -1)
         of_shapes = body.stress(shapes)
@@ -314,9 +314,9 @@ def field_columns(
 
 
 def _products_from_last(flat: Floats, back: Floats) -> Iterator[tuple[slice, Floats]]:
-    """Columns of ``flat @ back`` with their places, `AT_ONCE` at a time, from the last to the first.
+    """Yield columns of ``flat @ back`` with their slices, `AT_ONCE` at a time, from the last to the first.
 
-    Every product reads all of `flat`, so that it makes `MOST_AT_ONCE` of them.
+    Each product makes `MOST_AT_ONCE` columns, since it reads all of `flat`.
     """
     for first in reversed(range(0, back.shape[1], MOST_AT_ONCE)):
         products = flat @ back[:, first : first + MOST_AT_ONCE]
@@ -326,7 +326,7 @@ def _products_from_last(flat: Floats, back: Floats) -> Iterator[tuple[slice, Flo
 
 
 def _energy_root(energy: Floats) -> tuple[Floats, Floats]:
-    """Matrices (r, k), (k, r): from loads to coordinates of unit energy, from fields to their shapes."""
+    """Return matrices (r, k), (k, r): loads to coordinates of unit energy, and fields to their shapes."""
     scale = np.sqrt(np.maximum(np.diag(energy), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(energy / np.outer(scale, scale))
     mask = values > NOISE * values[-1]

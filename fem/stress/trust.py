@@ -1,9 +1,9 @@
-"""How far to trust a stress: its uncertainty from the mesh, and one plain verdict per peak or node.
+"""Trust in a stress: its discretization error, and one plain verdict per peak or node.
 
-The mesh's part is estimated after O. C. Zienkiewicz and J. Z. Zhu, A simple error estimator and adaptive
-procedure for practical engineering analysis, Int. J. Numer. Meth. Engng. 24 (1987) 337-357: the stress
-averaged at the nodes is better than the elements' stress. The difference of both over the elements around a
-node, relative to the stress there, shows how well the elements resolve it.
+The error is estimated after O. C. Zienkiewicz and J. Z. Zhu, A simple error estimator and adaptive
+procedure for practical engineering analysis, Int. J. Numer. Meth. Engng. 24 (1987) 337-357. The nodal
+average of the stress is better than the elements' stress. The difference of both over the elements around
+a node, relative to the stress there, shows how well the elements resolve the stress.
 """
 
 import operator
@@ -21,43 +21,43 @@ from fem.body.shapes import Columns, Shapes, combined, lengths
 from fem.stress.low_rank import ModalHistory, segments
 
 SAFETY = 1.5
-"""Error of the nodal stress over the relative difference around it, at a bore of known solution."""
+"""Relative error of the nodal stress over the relative difference around it, at a bore of known solution."""
 MESH_LIMIT = 0.2
-"""Error of the mesh over the stress beyond which refinement comes before any use. At a shoe's fillets it lies
-between a mesh whose peaks are a tenth low at most and one where they are a third low (`docs/fem.md`)."""
+"""Relative error of the mesh above which a stress must not be used before refinement. At a shoe's fillets it
+separates a mesh with peaks at most a tenth low from one with peaks a third low (`docs/fem.md`)."""
 JUMP_LIMIT = 0.5
-"""Disagreement of neighbouring elements over the stress beyond which the mesh makes the peak."""
+"""Relative disagreement of neighbouring elements above which the peak comes from the mesh."""
 GRADES = (5, 10, 15, 20, 25, 30, 40, 50)
-"""Per cent of uncertainty up to which a stress counts as good."""
+"""Uncertainties up to which a stress counts as good, per cent."""
 VERDICTS = (
     *(f"good to {grade} %" for grade in GRADES),
     f"uncertain by more than {GRADES[-1]} %",
     "mesh-limited: refine here",
     "beside a rigid pin coupling: do not use",
 )
-"""Verdicts by their numbers, from 0."""
+"""Verdicts in order of their numbers, from 0."""
 OPEN, LIMITED, HELD = range(len(GRADES), len(GRADES) + 3)
 """Numbers of the verdicts that are not grades."""
 IN_SPIDER = "in spider"
 """Flag of a node that a rigid spider holds."""
 LEFT_OUT = 1e-2
-"""Part of a history's stress, in the mean square, that the few fields of its estimate may leave out."""
+"""Root-mean-square stress that the few fields of an estimate may drop, fraction of the history's."""
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """How far a mesh resolves the stress at its n nodes, over one field of displacement or several.
+    """Resolution of the stress at n nodes by a mesh, over one or several displacement fields.
 
-    Sums of squares over the fields; those of further fields are added.
+    It holds sums of squares over the fields; further fields are added.
 
     Parameters
     ----------
     off, stress : array (n,)
-        Integrals over the elements of a node: of averaged stress minus the elements' stress, and of the
-        latter, both taken as linear in an element.
+        Squares integrated over the elements of a node: of averaged stress minus the elements' stress, and
+        of the elements' stress. Both are taken as linear in an element.
     jump, size : array (n,)
-        In Pa2: of the greatest von Mises stress of the difference between an element's stress and the nodal
-        one, which is zero where the elements agree, and of the nodal von Mises stress.
+        Squares in Pa2. `jump` is of the greatest von Mises stress of the difference between an element's
+        stress and the nodal one; it is zero if the elements agree. `size` is of the nodal von Mises stress.
     """
 
     off: Floats
@@ -66,47 +66,47 @@ class Resolution:
     size: Floats
 
     def __add__(self, other: "Resolution") -> "Resolution":
-        """That of the fields of both."""
+        """Return the resolution over the fields of both."""
         return Resolution(
             self.off + other.off, self.stress + other.stress, self.jump + other.jump, self.size + other.size
         )
 
     @property
     def error(self) -> Floats:
-        """Estimated error of the nodal von Mises stress over itself, (n,)."""
+        """Estimated relative error of the nodal von Mises stress, (n,)."""
         return SAFETY * _root_ratio(self.off, self.off + self.stress)
 
     @property
     def relative_jump(self) -> Floats:
-        """Disagreement of the elements over the nodal von Mises stress, (n,)."""
+        """Disagreement of the elements, fraction of the nodal von Mises stress, (n,)."""
         return _root_ratio(self.jump, self.size)
 
 
 def _root_ratio(part: Floats, whole: Floats) -> Floats:
-    """Root of a part over the whole, zero where there is none."""
+    """Return the square root of a part over the whole; zero where the whole is zero."""
     return np.sqrt(np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0))
 
 
 def resolution(mesh: Mesh, material: Material, displacement: Floats) -> Resolution:
-    """How far a mesh resolves the stress of a displacement (n, 3) in m."""
+    """Measure how well a mesh resolves the stress of a displacement (n, 3) in m."""
     return _resolution(mesh.nodes, mesh.elements, element_deviator(mesh, material, displacement))
 
 
 def resolution_at(body: Shapes, q: Floats, nodes: Integers) -> Resolution:
-    """How far a body's mesh resolves single stresses, each from the elements around its node alone.
+    """Measure how well a body's mesh resolves single stresses, each from its node's own elements.
 
     Parameters
     ----------
     body : Shapes
     q : array (k, m)
-        Coordinates of the body's columns, of one field each.
+        Coordinates of the body's columns, one field per row.
     nodes : int array (k,)
-        Number of the node of each.
+        Number of each field's node.
 
     Returns
     -------
     Resolution
-        Of k nodes: that of `resolution` to rounding.
+        Resolution at k nodes, equal to that of `resolution` up to rounding.
     """
     places = [_resolution_at_node(body, row, node) for row, node in zip(q, nodes.tolist(), strict=True)]
     return Resolution(
@@ -118,12 +118,12 @@ def resolution_at(body: Shapes, q: Floats, nodes: Integers) -> Resolution:
 
 
 def _resolution_at_node(body: Shapes, q: Floats, node: int) -> Resolution:
-    """How far a body's mesh resolves the stress of coordinates (m,) at a node; numbers in place of arrays."""
+    """Measure how well a body's mesh resolves the stress of coordinates (m,) at a node, in plain numbers."""
     mesh = body.mesh
     about = (mesh.elements == node).any(axis=1)
     reached = np.zeros(len(mesh.nodes), dtype=bool)
     reached[mesh.elements[about]] = True
-    # the averages at the nodes of its elements take all elements that these nodes have
+    # the averages at the nodes of its elements need all elements of these nodes
     elements = np.flatnonzero(reached[mesh.elements].any(axis=1))
     used, local = np.unique(mesh.elements[elements], return_inverse=True)
     displacement = np.zeros_like(mesh.nodes)
@@ -135,7 +135,7 @@ def _resolution_at_node(body: Shapes, q: Floats, node: int) -> Resolution:
 
 
 def _resolution(nodes: Floats, elements: Integers, stress: Floats) -> Resolution:
-    """How far elements (e, a) between nodes (n, 3) resolve their stress (e, a, 5), see `element_deviator`."""
+    """Measure how well elements (e, a) of nodes (n, 3) resolve a stress (e, a, 5) of `element_deviator`."""
     flat = elements.ravel()
     n = len(nodes)
     count = np.bincount(flat, minlength=n)
@@ -155,9 +155,9 @@ def _resolution(nodes: Floats, elements: Integers, stress: Floats) -> Resolution
 
 
 def resolution_over(body: Shapes, q: ModalHistory) -> Resolution:
-    """How far a body's mesh resolves the stress of a history (t, m), in the mean square over its times.
+    """Measure how well a body's mesh resolves the stress of a history (t, m), in the mean square over time.
 
-    The squares are those of the few fields that make nearly all of the history's stress.
+    The squares come from the few fields that carry nearly all of the history's stress.
     """
     squares = np.zeros(2 * body.stress_modes.shape[2:])
     times = 0
@@ -172,7 +172,7 @@ def resolution_over(body: Shapes, q: ModalHistory) -> Resolution:
 
 
 def _main_directions(stress_modes: Columns, squares: Floats) -> Floats:
-    """Coordinates (r, m) of few fields with the mean squares of a history, whose products are (m, m)."""
+    """Find coordinates (r, m) of few fields with a history's mean squares, given its products (m, m)."""
     weights = lengths(stress_modes)
     weights[weights == 0.0] = 1.0  # modes without stress
     values, directions = np.linalg.eigh(squares * np.outer(weights, weights))
@@ -195,25 +195,25 @@ def mesh_error(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
     Returns
     -------
     array (n,)
-        In Pa: `SAFETY` times the nodal von Mises stress times ``sqrt(e / (e + s))``, with the mean squares
-        over the elements of the node, e of averaged stress minus the elements' stress and s of the latter,
-        taken as linear in an element.
+        In Pa: `SAFETY` times the nodal von Mises stress times ``sqrt(e / (e + s))``. The mean squares over
+        the elements of the node are e of averaged stress minus the elements' stress, and s of the elements'
+        stress. Both are taken as linear in an element.
     """
     resolved = resolution(mesh, material, displacement)
     return resolved.error * np.sqrt(resolved.size)
 
 
 def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: ArrayLike) -> NDArray[np.int8]:
-    """Numbers of the verdicts of stresses, array (n,); -1 if the uncertainty is not a number.
+    """Return the numbers (n,) of the verdicts on stresses; -1 if an uncertainty is not a number.
 
     Parameters
     ----------
     part : array (n,)
-        Whole uncertainty of each, over the stress.
+        Total uncertainty, fraction of the stress.
     error, jump : array (n,)
-        Estimated error of the mesh and disagreement of the elements, over the stress.
+        Estimated error of the mesh and disagreement of the elements, fractions of the stress.
     held : array (n,) of bool
-        Whether a rigid spider holds the node.
+        True if a rigid spider holds the node.
     """
     part = np.asarray(part, dtype=float)
     numbers = np.searchsorted(np.array(GRADES), 100.0 * part)
@@ -223,7 +223,7 @@ def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: Ar
 
 
 def verdict_words(numbers: ArrayLike, truncation_known: bool = True) -> list[str]:
-    """Verdicts of their numbers, "not known" for -1; those without truncation say so."""
+    """Return the words of verdicts by number, "not known" for -1; they say if truncation is unknown."""
     uncounted = "" if truncation_known else " but for truncation"
     words = [word + uncounted * (k <= OPEN) for k, word in enumerate(VERDICTS)]
     return ["not known" if number < 0 else words[number] for number in np.asarray(numbers)]
@@ -237,18 +237,18 @@ def judged(
 ) -> pd.DataFrame:
     """Add one plain verdict to each peak of a table of hot spots.
 
-    It is that of the sum of all known errors of a stress.
+    The verdict is on the sum of all known errors of a stress.
 
     Parameters
     ----------
     table : pandas.DataFrame
-        Of `hot_spots`.
+        Result of `hot_spots`.
     truncation : float, optional
-        In Pa, greatest change of a stress by left-out modes; unknown if None, which the verdict then says.
+        Greatest change of a stress by truncated modes, in Pa; unknown if None, and the verdict says so.
     spread : array (rows,) or float
-        In Pa, range of runs whose starts differ by rounding.
+        Range of runs with starts that differ by rounding, in Pa.
     choice : array (rows,) or float
-        In Pa, difference between contact laws that could describe the same ground.
+        Difference between contact laws that could describe the same ground, in Pa.
 
     Returns
     -------
@@ -260,7 +260,7 @@ def judged(
     Raises
     ------
     ValueError
-        If one of the errors is negative or not finite.
+        If an error is negative or not finite.
     """
     errors = {"truncation": 0.0 if truncation is None else truncation, "spread": spread, "choice": choice}
     size = table["value"].abs().to_numpy()
