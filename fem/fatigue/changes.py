@@ -1,11 +1,12 @@
-"""Cycles of histories that are mixed: passes of them follow each other in an order that is not known.
+"""Cycles of mixed histories: their passes follow each other in an unknown order.
 
-A history that is repeated closes its own cycles. Where another one follows, the highest peak of one may close
-a cycle with the lowest valley of the other, which replaces cycles that they closed alone. As in the maximum-
-minimum counting of ASME VIII-2, annex 5-B, the highest peak of all is paired with the lowest valley of all at
-the rate of the rarer, then the next with what is left. Here a pass stays whole. It begins and ends somewhere:
-what is left of it closes a cycle with that, and others may follow there a pass that closes the widest cycle
-alone. Rates alone enter, so that neither the order nor the cutting of the histories matters.
+A repeated history closes its own cycles. If another history follows, the highest peak of one may close a
+cycle with the lowest valley of the other; this cycle replaces cycles of each alone. As in the
+maximum-minimum counting of ASME VIII-2, annex 5-B, the highest peak is paired with the lowest valley of all,
+at the rate of the rarer. Then the next peak and valley are paired at the remaining rates. Here a pass stays
+whole, from its start to its end. After its peak or valley is paired, the remainder closes a cycle with its
+turn beside these (`PassEnds`). A pass that closes the widest cycle alone may be followed by others at these
+turns. Only rates enter, so that neither the order nor the cutting of the histories matters.
 """
 
 from collections.abc import Sequence
@@ -17,26 +18,26 @@ from fem.body.mesh import Floats, Integers
 from fem.compiling import compiler
 
 LOW, HIGH = 0, 1
-"""Senses of extremes."""
+"""Indices of the lowest and the highest extreme."""
 WHOLE, PEAK, VALLEY = 0, 1, 2
-"""What is left of a pass: all of it, its peak, its valley."""
-EVENTS = 5  # cycles that come and go as a peak is paired with a valley, at most
-PAIRS = 12  # pairs a history, which many more than there ever are
-BUFFER = 1 << 18  # events that are gathered in one call
+"""Remainders of a pass: all of it, its peak, its valley."""
+EVENTS = 5  # greatest number of cycles that appear and vanish as a peak is paired with a valley
+PAIRS = 12  # pairs per history, many more than ever occur
+BUFFER = 1 << 18  # number of events gathered in one call
 
 
 class PassEnds(NamedTuple):
-    """Stresses of histories over one pass by which they may be joined to others.
+    """Stresses of one pass of histories that decide how they may be joined to others.
 
     Attributes
     ----------
     lowest, highest : array (...)
-        Extremes.
+        Extremes of the pass.
     valley : array (...)
-        Stress down to which the history goes both before and after its highest one: its valley if that is
-        taken by a higher peak of another history.
+        Turn beside the highest stress: the lowest stress that the history reaches both before and after it.
+        It is the valley left to the peak's own pass if another history's peak takes the lowest stress.
     peak : array (...)
-        Stress up to which it goes both before and after its lowest one.
+        Turn beside the lowest stress: the highest stress that the history reaches both before and after it.
     """
 
     lowest: Floats
@@ -46,24 +47,24 @@ class PassEnds(NamedTuple):
 
     @classmethod
     def stacked(cls, passes: Sequence["PassEnds"]) -> Self:
-        """Ends (h, ...) of h histories."""
+        """Return the ends (h, ...) of h histories."""
         return cls(*map(np.stack, zip(*passes, strict=True)))
 
 
 class EndsTracker:
-    """Ends of n histories whose values come in parts."""
+    """Ends of n histories with values in parts."""
 
     def __init__(self, count: int) -> None:
         self._values = np.full((count, 2, 3), np.nan)
         self._rows = np.zeros((count, 2, 3), dtype=np.int64)
 
     def add(self, of: slice, signals: Floats, start: int) -> None:
-        """Follow the next values (k, t) of some histories, of which `start` is the first's row."""
+        """Update the ends with the next values (k, t) of some histories; the first is in row `start`."""
         _follow(signals, start, self._values[of], self._rows[of])
 
     @property
     def _other(self) -> Integers:
-        """Side, 1 before and 2 after an extreme, of the lesser of both turns beside it: (n, 2)."""
+        """Side (n, 2) of the lesser turn beside each extreme: 1 before it, 2 after it."""
         before, after = self._values[..., 1], self._values[..., 2]
         is_before = np.stack([before[:, LOW] <= after[:, LOW], before[:, HIGH] >= after[:, HIGH]], axis=1)
         return np.where(is_before, 1, 2)
@@ -85,7 +86,7 @@ class EndsTracker:
 
 @compiler(nogil=True)
 def _follow(signals, start, values, rows):
-    """Extremes of signals (k, t), and the least opposite turn before and after each, into (k, 2, 3)."""
+    """Update extremes of signals (k, t), and the widest opposite turns before and after, in (k, 2, 3)."""
     for k in range(signals.shape[0]):
         for t in range(signals.shape[1]):
             value = np.float64(signals[k, t])
@@ -111,18 +112,18 @@ def _follow(signals, start, values, rows):
 
 
 class Changes(NamedTuple):
-    """Cycles that come, and with negative rates those that go, as histories are mixed.
+    """Cycles that appear as histories are mixed, and cycles that vanish, with negative rates.
 
     Attributes
     ----------
     place : int array (m,)
-        Column of the ends that each is of.
+        Column of each cycle's ends.
     begin, end : array (m,)
-        Stress at its valley and at its peak.
+        Stress at the cycle's valley and at its peak.
     rate : array (m,)
-        How often it happens.
+        Rate of the cycle.
     low, high : int array (m,)
-        History of its valley and of its peak; plus their number, if it is the turn and not the extreme.
+        History of the valley and of the peak; plus the number of histories for a turn in place of an extreme.
     """
 
     place: Integers
@@ -134,16 +135,16 @@ class Changes(NamedTuple):
 
 
 def changes(ends: PassEnds, rates: Floats, most: float = np.inf) -> Changes:
-    """Changes of the cycles of h histories that are mixed in an unknown order.
+    """Find the changes of the cycles of h histories that are mixed in an unknown order.
 
     Parameters
     ----------
     ends : PassEnds
-        Arrays (h, n), at n places.
+        Ends (h, n) at n places.
     rates : array (h,)
-        How often each history happens.
+        Rate of each history.
     most : float
-        How often the histories change, there and back, at most.
+        Greatest rate of changes between histories, there and back.
     """
     lows = np.ascontiguousarray(np.concatenate((ends.lowest, ends.valley)), dtype=np.float64)
     highs = np.ascontiguousarray(np.concatenate((ends.highest, ends.peak)), dtype=np.float64)
@@ -163,14 +164,14 @@ def changes(ends: PassEnds, rates: Floats, most: float = np.inf) -> Changes:
 
 @compiler(nogil=True)
 def _pair_ends(lows, highs, rates, most, first, where, often):
-    """Write the events of places from `first` on while there is room; return the next place and their number.
+    """Write the events of places from `first` while there is room; return the next place and their number.
 
     `lows` and `highs` (2 h, n) are the lowest and highest stresses of h histories, then their turns.
     """
     both, n = lows.shape
     h = both // 2
     count = 0
-    # rates of passes, and of what is left between their own cycles, of which nothing or one extreme is taken
+    # rates of remainders: whole passes, and passes without their valley or without their peak
     left = np.empty((3, both))
     for place in range(first, n):
         if count + EVENTS * PAIRS * both > often.shape[0]:
@@ -187,14 +188,14 @@ def _pair_ends(lows, highs, rates, most, first, where, often):
                 break
             own = _holder(low, high, left[WHOLE], low[j], high[i])
             if own >= 0:
-                # closes this cycle alone, and others may follow where it starts and ends
+                # it closes this cycle alone, and others may follow at its start and end
                 if own < h:
                     left[WHOLE, own + h] += left[WHOLE, own]
                 left[WHOLE, own] = 0.0
                 continue
             of_i = PEAK if left[PEAK, i] > 0.0 else WHOLE
             of_j = VALLEY if left[VALLEY, j] > 0.0 else WHOLE
-            # what is left of a pass is better off with its own turn
+            # the remainder of a pass closes a wider cycle with its own turn
             alone_i = of_i == PEAK and low[i + h] <= low[j]
             alone_j = of_j == VALLEY and high[j + h] >= high[i]
             if alone_i:
@@ -234,10 +235,10 @@ def _pair_ends(lows, highs, rates, most, first, where, often):
 
 @compiler(nogil=True)
 def _outermost(level, other, whole, half, sense):
-    """Find the history whose level is highest (sense 1) or lowest (-1) of those left; -1 if none is.
+    """Find the remaining history with the highest (sense 1) or lowest (-1) level; -1 if none remains.
 
-    Among equal ones, which others decide but not their order: the half of a pass, the wider, the one whose
-    turns are wider.
+    Ties do not depend on the order of histories: a half pass comes first, then the wider one, then the one
+    with the wider turns.
     """
     h = len(level) // 2
     best = -1
@@ -266,7 +267,7 @@ def _outermost(level, other, whole, half, sense):
 
 @compiler(nogil=True)
 def _holder(low, high, whole, lowest, highest):
-    """Find a history of which a whole pass is left that holds both extremes; -1 if none does."""
+    """Find a history with a whole pass left that holds both extremes; -1 if there is none."""
     for k in range(len(low)):
         if whole[k] > 0.0 and low[k] == lowest and high[k] == highest:
             return k

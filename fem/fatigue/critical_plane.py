@@ -1,8 +1,8 @@
-"""Damage on the critical plane: the plane at a surface node whose normal stress does the most damage.
+"""Damage on the critical plane: the plane at a surface node with the most damage by its normal stress.
 
-If nothing presses on a surface, the greatest normal stresses are on planes perpendicular to it, so that
-the search is over one angle about the surface's normal: first 10 degrees apart, then, at the worst
-nodes, 1 degree apart about the worst plane.
+On a free surface the greatest normal stresses act on planes perpendicular to it. The search is therefore
+over one angle about the surface's normal. It goes first in steps of 10 degrees, then, at the worst nodes,
+in steps of 1 degree around the worst plane.
 """
 
 from collections.abc import Callable
@@ -17,15 +17,15 @@ from fem.stress.folds import Fold, StressBlock, fold_stresses
 from fem.stress.low_rank import NODE_BLOCK, SEGMENT, ModalHistory
 
 APART, FINE = np.radians(10.0), np.radians(1.0)
-"""Steps of the angle, of the first search and of the finer one."""
+"""Angle steps of the first and of the finer search, rad."""
 FINEST = 100
-"""Nodes whose worst plane is searched in fine steps."""
+"""Number of nodes with a finer search of the worst plane."""
 DamageOnPlanes = Callable[[Integers, Floats], Floats]
-"""Gives the damage (n, a, s) of nodes (n,) on planes at angles (n, a), by survival."""
+"""Function that returns the damage (n, a, s) of nodes (n,) on planes at angles (n, a), by survival."""
 
 
 def surface_normals(mesh: Mesh) -> Floats:
-    """Outward unit normals (n, 3) of the nodes of the surface, weighted by area; zero elsewhere."""
+    """Return outward unit normals (n, 3) of the surface nodes, weighted by area; zero elsewhere."""
     areas = triangle_normals(mesh.nodes[mesh.boundary[:, :3]])
     sums = np.zeros_like(mesh.nodes)
     for column in mesh.boundary.T:
@@ -35,7 +35,7 @@ def surface_normals(mesh: Mesh) -> Floats:
 
 
 def plane_normals(normals: Floats, angles: Floats) -> Floats:
-    """Unit vectors (n, a, 3) perpendicular to normals (n, 3), at angles (n, a) about them."""
+    """Return unit vectors (n, a, 3) perpendicular to normals (n, 3), at angles (n, a) about them."""
     least = np.eye(3)[np.abs(normals).argmin(axis=1)]
     first = np.cross(normals, least)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
@@ -44,13 +44,13 @@ def plane_normals(normals: Floats, angles: Floats) -> Floats:
 
 
 def normal_stress_rows(directions: Floats) -> Floats:
-    """Rows (..., 6) that make the normal stress in directions (..., 3) of the six components."""
+    """Return rows (..., 6) from the six stress components to the normal stress in directions (..., 3)."""
     x, y, z = np.moveaxis(directions, -1, 0)
     return np.stack((x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * x * z), axis=-1)
 
 
 class _OnPlanes(Fold[Floats]):
-    """Damage (n, a, s) by the normal stress on planes of each node, of rows (n, a, 6)."""
+    """Damage (n, a, s) by the normal stress on planes of each node, from rows (n, a, 6)."""
 
     components = None
 
@@ -59,14 +59,14 @@ class _OnPlanes(Fold[Floats]):
         self._counting = counting
 
     def start(self, nodes: Integers, times: int) -> None:
-        """Begin with no damage."""
+        """Begin without damage."""
         self._counting.check(times)
         n, planes = self._rows.shape[:2]
         self._stress = np.empty((min(n, NODE_BLOCK), 6, min(times, SEGMENT)), dtype=np.float32)
         self._counted = CountedDamage(self._counting, n * planes)
 
     def add(self, block: StressBlock) -> None:
-        """Gather the stresses of a block of nodes, and count those of a segment."""
+        """Gather the stresses of a block of nodes; count their cycles at the end of a segment."""
         of = block.nodes
         times = block.times
         whole = block.segment
@@ -80,7 +80,7 @@ class _OnPlanes(Fold[Floats]):
             self._counted.add(slice(node * planes, (node + 1) * planes), signals, whole.start)
 
     def finish(self) -> Floats:
-        """Damage of all nodes."""
+        """Return the damage of all nodes."""
         damage = self._counted.damage.sum(axis=2)
         return damage.reshape(*self._rows.shape[:2], -1)
 
@@ -94,23 +94,23 @@ def damage_on_planes(
     nodes: Integers,
     tolerance: float | None = TOLERANCE,
 ) -> Floats:
-    """Damage (n, a, s) on planes of surface nodes by one pass of a history that is repeated, by survival.
+    """Find the damage (n, a, s) on planes of surface nodes by one pass of a repeated history, by survival.
 
     Parameters
     ----------
     stress_modes, q, counting, tolerance
-        As of `damage.recover_damage`.
+        See `damage.recover_damage`.
     normals : array (n of the mesh, 3)
-        Of `surface_normals`.
+        Result of `surface_normals`.
     angles : array (n, a)
-        Of the planes about the nodes' normals, see `plane_normals`.
+        Angles of the planes about the nodes' normals, see `plane_normals`.
     nodes : int array (n,)
         Numbers of surface nodes.
 
     Raises
     ------
     ValueError
-        As of `damage.recover_damage`; or if a node is not of the surface.
+        For the reasons of `damage.recover_damage`, or if a node is not on the surface.
     """
     inside = nodes[~normals[nodes].any(axis=1)]
     if len(inside):
@@ -120,14 +120,14 @@ def damage_on_planes(
 
 
 class CriticalPlanes(NamedTuple):
-    """Planes of n nodes on which the damage is greatest.
+    """Planes of greatest damage at n nodes.
 
     Attributes
     ----------
     damage : array (n, s)
-        By survival.
+        Damage by survival.
     angles : array (n,)
-        Of the planes about the nodes' normals, in rad.
+        Angles of the planes about the nodes' normals, in rad.
     """
 
     damage: Floats
@@ -135,12 +135,12 @@ class CriticalPlanes(NamedTuple):
 
 
 def critical_planes(damage_on: DamageOnPlanes, nodes: Integers) -> CriticalPlanes:
-    """Search the worst plane of every node (n,), in fine steps at the nodes of the greatest damage.
+    """Find the worst plane of every node (n,), in fine steps at the nodes of the greatest damage.
 
     Parameters
     ----------
     damage_on : callable
-        As of `damage_on_planes`, or sums of it over the histories of a life.
+        Function like `damage_on_planes`, or the sum of it over the histories of a life.
     """
     coarse = np.broadcast_to(np.arange(0.0, np.pi - 0.5 * APART, APART), (len(nodes), round(np.pi / APART)))
     planes = _worst(damage_on(nodes, coarse), coarse)
@@ -152,6 +152,6 @@ def critical_planes(damage_on: DamageOnPlanes, nodes: Integers) -> CriticalPlane
 
 
 def _worst(damage: Floats, angles: Floats) -> CriticalPlanes:
-    """Plane with the greatest damage (n, a, s) of those at angles (n, a)."""
+    """Return the plane with the greatest damage (n, a, s) of those at angles (n, a)."""
     of = np.arange(len(damage)), damage.max(axis=2).argmax(axis=1)
     return CriticalPlanes(damage[of], angles[of])

@@ -1,8 +1,8 @@
-"""Fatigue damage of every node over a history of stress, as a fold over blocks of its stresses.
+"""Fatigue damage of every node over a stress history, as a fold over blocks of its stresses.
 
-The history is one pass of a repeated one. A criterion makes one signal of the six stress components; its
-cycles are counted (`rainflow`) and summed up by Miner's rule (`fatigue`). Cycles and nodes too small to
-matter are left out first: together they do no more than a chosen damage.
+The history is one pass of a repeated one. A criterion turns the six stress components into one signal. The
+signal's cycles are counted (`rainflow`) and summed up by Miner's rule (`sn_curve`). Negligible cycles are
+left out first: together they do no more than a chosen damage.
 """
 
 from collections.abc import Sequence
@@ -24,14 +24,14 @@ from fem.stress.low_rank import NODE_BLOCK, SEGMENT, ModalHistory
 SignedCriterion = Literal["signed von mises", "signed principal"]
 SIGNED_CRITERIA: tuple[SignedCriterion, ...] = ("signed von mises", "signed principal")
 CHORD = np.sqrt(0.75)
-"""Cosine of a third of a right angle."""
+"""Cosine of 30 degrees."""
 TOLERANCE = 1e-4
-"""Of `fold_stresses`: greatest error of the counted stresses, as part of the highest one."""
+"""Tolerance of `fold_stresses`: greatest error of the counted stresses, fraction of the highest one."""
 
 
 @dataclass(frozen=True)
 class Counting:
-    """How cycles of t successive times are counted and summed up.
+    """Rules for counting and summing up the cycles of t successive times.
 
     Parameters
     ----------
@@ -39,9 +39,9 @@ class Counting:
     survivals : tuple of float
         Survival probabilities of the damages.
     phase : int array (t,)
-        Number of the phase that each time belongs to, from 0; each end of a cycle has half of its damage.
+        Phase number of each time, from 0; each end of a cycle gets half of its damage.
     negligible : float
-        Damage of all left-out cycles together, at most, at the greatest of the survivals.
+        Greatest damage of all left-out cycles together, at the greatest of the survivals.
 
     Raises
     ------
@@ -62,13 +62,13 @@ class Counting:
             raise ValueError(f"negligible must not be negative, got {self.negligible}")
 
     def check(self, times: int) -> None:
-        """Refuse a history of another number of times by a `ValueError`."""
+        """Raise `ValueError` for a history with another number of times."""
         if times != len(self.phase):
             raise ValueError(f"phase must be of {times} times as the history, got {len(self.phase)}")
 
     @cached_property
     def cut(self) -> float:
-        """Amplitude in Pa up to which cycles are left out: as many as there can be are negligible."""
+        """Amplitude in Pa; cycles below it are left out, since the greatest possible number is negligible."""
         if self.negligible == 0.0:
             return 0.0
         most = (len(self.phase) + 1) // 2
@@ -80,19 +80,19 @@ class Counting:
         return len(self.survivals), int(self.phase.max()) + 1
 
     def cycles(self, signal: Floats) -> Cycles:
-        """Cycles of a signal (t,) that are not left out."""
+        """Return the cycles of a signal (t,) that are not left out."""
         return repeated_cycles(signal).larger_than(self.cut)
 
 
 class CountedDamage:
-    """Damage (n, s, p) per pass of n histories whose values come in parts, by survival and phase."""
+    """Damage (n, s, p) per pass of n histories, by survival and phase; their values come in parts."""
 
     def __init__(self, counting: Counting, count: int) -> None:
         self._counting, self._cycles = counting, CycleCounter(count, counting.cut)
         self.damage = np.zeros((count, *counting.shape))
 
     def add(self, of: slice, signals: Floats, start: int) -> None:
-        """Add what the next values (k, t) in Pa of some histories close; `start` is the row of the first."""
+        """Add the damage of cycles that the next values (k, t) in Pa close; the first is in row `start`."""
         counting = self._counting
         counter = self._cycles
         batches = [
@@ -116,11 +116,11 @@ class Damage:
     Parameters
     ----------
     nodes : int array (n,)
-        Their numbers.
+        Numbers of the nodes.
     damage : array (n, s, p)
-        By survival and phase; a crack appears at 1.
+        Damage by survival and phase; a crack appears at 1.
     ends : PassEnds
-        Of the signals that were counted, Pa.
+        Ends of the counted signals, Pa.
     bound : array (n,)
         Greatest error of the stress, as a length in Pa.
     """
@@ -133,7 +133,7 @@ class Damage:
 
 @compiler(nogil=True)
 def _signed_mises(parts, signals):
-    """Von Mises stress with the sign of the hydrostatic one, of components (k, 6, t) into (k, t)."""
+    """Write the von Mises stress with the sign of the hydrostatic stress of (k, 6, t) into (k, t)."""
     for k in range(parts.shape[0]):
         for t in range(parts.shape[2]):
             xx = np.float64(parts[k, 0, t])
@@ -149,11 +149,12 @@ def _signed_mises(parts, signals):
 
 @compiler(nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nnan", "nsz"})
 def _signed_principal(parts, signals):
-    """Principal stress of the greatest magnitude, of components (k, 6, t) into (k, t).
+    """Write the principal stress of the greatest magnitude of components (k, 6, t) into (k, t).
 
-    Eigenvalues by their trigonometric form (O. K. Smith, Comm. ACM 4(4), 1961). The cosine c of a third of
-    the angle whose cosine is x solves ``4 c^3 - 3 c = x``: for x in [0, 1] three steps of Newton's method
-    from the chord give it to rounding, without branches, so that several times are done at once.
+    The eigenvalues have a trigonometric form (O. K. Smith, Comm. ACM 4(4), 1961). If x is the cosine of an
+    angle, the cosine c of its third solves ``4 c^3 - 3 c = x``. For x in [0, 1] three steps of Newton's
+    method from the chord give c up to rounding. There are no branches, so that several times are computed at
+    once.
     """
     for k in range(parts.shape[0]):
         for t in range(parts.shape[2]):
@@ -186,7 +187,7 @@ _SIGNALS = {"signed von mises": _signed_mises, "signed principal": _signed_princ
 
 
 def signed_signals(criterion: SignedCriterion, stress: Floats) -> Floats:
-    """Signals (k, t) in Pa of a criterion, of stresses (k, 6, t).
+    """Return the signals (k, t) in Pa of a criterion, from stresses (k, 6, t).
 
     "signed von mises" has the sign of the hydrostatic stress; "signed principal" is the principal stress of
     the greatest magnitude.
@@ -213,7 +214,7 @@ class DamageOf(Fold[Damage]):
         self._counting = counting
 
     def start(self, nodes: Integers, times: int) -> None:
-        """Begin with no damage."""
+        """Begin without damage."""
         n = len(nodes)
         self._counting.check(times)
         self._nodes, self._signals = nodes, np.empty((min(n, NODE_BLOCK), min(times, SEGMENT)))
@@ -221,7 +222,7 @@ class DamageOf(Fold[Damage]):
         self._tracker = EndsTracker(n)
 
     def add(self, block: StressBlock) -> None:
-        """Gather the signals of a block of nodes, and count those of a segment."""
+        """Gather the signals of a block of nodes; count their cycles at the end of a segment."""
         of = block.nodes
         times = block.times
         whole = block.segment
@@ -235,7 +236,7 @@ class DamageOf(Fold[Damage]):
             self._tracker.add(of, signals, whole.start)
 
     def finish(self) -> Damage:
-        """Damage and ends of all nodes."""
+        """Return damage and extremes of all nodes."""
         return Damage(self._nodes, self._counted.damage, self._tracker.ends, self._bound)
 
 
@@ -247,23 +248,23 @@ def recover_damage(
     nodes: Integers | None = None,
     tolerance: float | None = TOLERANCE,
 ) -> Damage:
-    """Damage of nodes by one pass of a history that is repeated.
+    """Find the damage of nodes by one pass of a repeated history.
 
     Parameters
     ----------
     stress_modes, q, nodes
-        As of `folds.fold_stresses`, whose errors this has too; q (t, m).
+        See `folds.fold_stresses`; errors are the same too; q (t, m).
     criterion : str
         One of `SIGNED_CRITERIA`.
     counting : Counting
-        Of as many times.
+        Rules for as many times.
     tolerance : float, optional
-        Of the stresses that are counted; None counts at full rank and in double precision.
+        Tolerance of the counted stresses; None counts at full rank and in double precision.
 
     Raises
     ------
     ValueError
-        If the criterion is not known or the phases are of another number of times.
+        If the criterion is unknown or the phases have another number of times.
     """
     if criterion not in SIGNED_CRITERIA:
         raise ValueError(f"criterion must be one of {SIGNED_CRITERIA}, got {criterion!r}")
@@ -271,7 +272,7 @@ def recover_damage(
 
 
 def damage_of_changes(found: Changes, curve: SNCurve, survivals: Sequence[float], places: int) -> Floats:
-    """Return the damage (s, places) that cycles which come as histories are mixed add to those that go."""
+    """Return the net damage (s, places) of cycles that appear and vanish as histories are mixed."""
     damage = np.zeros((len(survivals), places))
     amplitude = 0.5 * (found.end - found.begin)
     each = found.rate * curve.damage(amplitude, 0.5 * (found.begin + found.end), survivals)

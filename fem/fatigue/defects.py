@@ -1,11 +1,12 @@
-"""Casting defects against cycles of stress: growth of a defect of any size to a crack.
+"""Casting defects under stress cycles: growth of a defect of any size to a crack.
 
-A defect counts by sqrt(area), the root of its area seen along the stress, and is a crack from its first cycle
-on. It grows as a surface crack by the two-stage law of BS 7910 for steels in air (yield up to 700 MPa), whose
-scatter is that between its mean and mean plus two standard deviations. It sleeps up to a stress that falls
-with its size as in Kitagawa and Takahashi's diagram: Murakami's limit of small defects (Y. Murakami, Metal
-Fatigue, 2002, section 6), or that of the guideline's threshold of cracks, 63 to 170 N/mm^1.5, whichever is
-less. Ranges of stress intensity are whole, also with negative stress ratios. Values are as others quote them.
+The size of a defect is sqrt(area), the root of its area projected along the stress. It grows as a surface
+crack from its first cycle, by the two-stage law of BS 7910 for steels in air (yield up to 700 MPa). The law's
+scatter lies between its mean and its mean plus two standard deviations. A defect is dormant up to a stress
+that falls with its size as in Kitagawa and Takahashi's diagram. The limit is the lesser of two: Murakami's
+limit of small defects (Y. Murakami, Metal Fatigue, 2002, section 6), and the guideline's threshold of cracks,
+63 to 170 N/mm^1.5. Stress intensity ranges are whole ranges, also at negative stress ratios. Values are from
+secondary sources.
 """
 
 from collections.abc import Sequence
@@ -19,19 +20,19 @@ from fem.body.mesh import Floats
 from fem.fatigue.sn_curve import SNCurve
 
 GEOMETRY = 0.65
-"""Of a surface defect: stress intensity over stress sqrt(pi sqrt(area)) (Murakami)."""
+"""Geometry factor of a surface defect: stress intensity over stress sqrt(pi sqrt(area)) (Murakami)."""
 DEPTHS = np.sqrt(0.5 * np.pi)
-"""sqrt(area) of a half disc over its depth, of which the law is."""
+"""Ratio of sqrt(area) of a half disc to its depth; the growth law is in terms of the depth."""
 MM15 = 1e6 * 1e-3**0.5
 """Pa m^0.5 in 1 N/mm^1.5."""
 STAGES = (
     ((8.16, 1.21e-26, 4.37e-26), (2.88, 3.98e-13, 6.77e-13)),
     ((5.10, 4.80e-18, 2.10e-17), (2.88, 5.86e-13, 1.29e-12)),
 )
-"""Exponent, and mm a cycle at 1 N/mm^1.5, mean and with two standard deviations; of both stages, of which the
-slower one holds; below R = 0.5 and from there on."""
+"""Growth laws: exponent, and growth in mm per cycle at 1 N/mm^1.5, mean and with two standard deviations. The
+first row holds below R = 0.5, the second from 0.5; each has two stages, and the slower one counts."""
 HIGH_RATIO = 0.5
-SIZES = 257  # between which a crack's growth is summed up at least
+SIZES = 257  # least number of sizes between which a crack's growth is integrated
 
 
 class Defect(NamedTuple):
@@ -42,9 +43,9 @@ class Defect(NamedTuple):
     size : float
         sqrt(area), m.
     hardness : float
-        Vickers (HV).
+        Vickers hardness (HV).
     crack : float
-        sqrt(area) of what counts as a crack, m.
+        sqrt(area) above which a defect counts as a crack, m.
     """
 
     size: float
@@ -53,19 +54,19 @@ class Defect(NamedTuple):
 
 
 def murakami_limit(size: float, hardness: float, ratio: float | Floats = -1.0) -> Floats:
-    """Amplitude (Pa) that a surface defect of sqrt(area) `size` (m) bears for ever at a stress ratio."""
+    """Return the amplitude (Pa) that a surface defect of sqrt(area) `size` (m) endures at a stress ratio."""
     alpha = 0.226 + 1e-4 * hardness
     part = 0.5 * (1.0 - np.asarray(ratio))
     return 1.43e6 * (hardness + 120.0) / (1e6 * size) ** (1.0 / 6.0) * part**alpha
 
 
 def threshold(ratio: float | Floats) -> Floats:
-    """Range of stress intensity (Pa m^0.5) up to which cracks do not grow at a stress ratio."""
+    """Return the stress intensity range (Pa m^0.5) below which cracks do not grow at a stress ratio."""
     return MM15 * np.clip(170.0 - 214.0 * np.asarray(ratio), 63.0, 170.0)
 
 
 def growing_size(hardness: float, stress: Floats, ratio: Floats) -> Floats:
-    """sqrt(area) (m) from which a defect grows under cycles of ranges of stress (Pa) at stress ratios."""
+    """Return the sqrt(area) (m) above which a defect grows by cycles of stress (Pa) at stress ratios."""
     crack = (threshold(ratio) / (GEOMETRY * stress)) ** 2 / np.pi
     # Murakami's limit falls with the sixth root; ratios below -1 count as -1, on the safe side
     small = 1e-6 * (2.0 * murakami_limit(1e-6, hardness, np.maximum(ratio, -1.0)) / stress) ** 6
@@ -74,7 +75,7 @@ def growing_size(hardness: float, stress: Floats, ratio: Floats) -> Floats:
 
 @lru_cache(maxsize=64)
 def growth_law(of_high_ratio: bool, survival: float) -> tuple[tuple[float, float], ...]:
-    """Exponent, and m a cycle at 1 Pa m^0.5, of both stages, that a portion of the material survives."""
+    """Return exponent and m per cycle at 1 Pa m^0.5 of both stages, for a survival probability."""
     return tuple(
         (exponent, 1e-3 * mean * (upper / mean) ** (0.5 * ndtri(survival)) / MM15**exponent)
         for exponent, mean, upper in STAGES[of_high_ratio]
@@ -82,7 +83,7 @@ def growth_law(of_high_ratio: bool, survival: float) -> tuple[tuple[float, float
 
 
 class CycleStage(NamedTuple):
-    """Cycles between two stresses each (n,), Pa, how often each happens, and for how long."""
+    """Cycles between two stresses each (n,), Pa, with the rate of each and the duration of the stage."""
 
     begin: Floats
     end: Floats
@@ -93,18 +94,19 @@ class CycleStage(NamedTuple):
 def growth(
     defect: Defect, low: Floats, high: Floats, rate: Floats, survival: float, lasts: float = np.inf
 ) -> tuple[float, float]:
-    """Time that a defect takes to grow to a crack, at most `lasts`, and its sqrt(area) (m) then.
+    """Return the time until a defect is a crack, at most `lasts`, and its sqrt(area) (m) at that time.
 
-    Infinite if it never grows so far; in the unit of time of which `rate` are cycles.
+    The unit of time is that of `rate`, cycles per time. The time is `lasts`, infinite by default, if the
+    defect never becomes a crack.
 
     Parameters
     ----------
     low, high : array (n,)
-        Ends of the cycles, Pa; those that stay in compression do nothing.
+        Ends of the cycles, Pa; cycles wholly in compression have no effect.
     rate : array (n,)
-        How often each happens.
+        Rate of each cycle.
     survival : float
-        Portion of the material whose cracks grow more slowly.
+        Survival probability: fraction of the material with slower crack growth.
     """
     start = defect.size
     end = defect.crack
@@ -117,7 +119,7 @@ def growth(
         return 0.0, start
     if not (wakes <= start).any():
         return lasts, start
-    stages = []  # exponent m, sizes at which cycles come or go, their speeds: d size / dt over size^(m / 2)
+    stages = []  # exponent m, sizes at which cycles come or go, speeds: d size / dt over size^(m / 2)
     for of_high_ratio in set((ratio >= HIGH_RATIO).tolist()):
         group = (ratio >= HIGH_RATIO) == of_high_ratio
         (slow, at_slow), (fast, at_fast) = growth_law(of_high_ratio, survival)
@@ -146,10 +148,10 @@ def growth(
 
 
 def defect_life(defect: Defect, curve: SNCurve, stages: Sequence[CycleStage], survival: float) -> float:
-    """Time until a defect or the sound surface beside it cracks under stages of cycles, whichever is first.
+    """Return the time until a defect or the sound surface beside it cracks under stages of cycles.
 
-    The surface by Miner's rule with its curve, without a casting factor; the defect by growth. The curve's
-    residual stress adds to both. Infinite if nothing ever cracks.
+    The surface cracks by Miner's rule with its curve, without a casting factor, the defect by growth. The
+    curve's residual stress adds to both. The time is infinite if neither ever cracks.
     """
     time = 0.0
     damage = 0.0

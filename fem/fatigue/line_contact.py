@@ -1,8 +1,8 @@
-"""Line contact of a roller on a level rail by Hertz: pressure, stress below the surface, yield, shakedown.
+"""Hertzian line contact of a roller on a level rail: pressure, stress below the surface, yield, shakedown.
 
-Formulas: K. L. Johnson, Contact Mechanics (1985), sections 4.2(c) and 9.1; both bodies are elastic half
-spaces of the same constants, in plane strain. x is the way of rolling from the contact's middle, z the depth.
-Melan's theorem gives the load up to which plastic flow ceases after some passes.
+Formulas: K. L. Johnson, Contact Mechanics (1985), sections 4.2(c) and 9.1. Both bodies are elastic half
+spaces of the same constants, in plane strain. x is the rolling direction from the contact's middle, z the
+depth. Melan's theorem gives the shakedown limit: below it plastic flow ceases after some passes.
 """
 
 from typing import NamedTuple
@@ -12,11 +12,12 @@ import numpy as np
 from fem.body.mesh import Floats
 
 DEPTHS = np.linspace(0.0, 2.0, 41)
-"""Over half widths of the contact, where stresses are looked at."""
+"""Depths at which stresses are evaluated, multiples of the contact's half width."""
 PLACES = np.linspace(-2.6, 2.6, 61)
-"""Same along the way of rolling, with the middle and where the shear along the surface is greatest."""
+"""Positions along the rolling direction, multiples of the half width; they hold the middle and the greatest
+shear along the surface."""
 BALL_STEPS = 200
-"""Steps to the smallest ball about points: its radius is good to half a per cent, and not too small."""
+"""Number of steps to the smallest ball around points: its radius is within 0.5 % and never too small."""
 
 
 class LineContact(NamedTuple):
@@ -25,9 +26,9 @@ class LineContact(NamedTuple):
     Attributes
     ----------
     pressure : float or array
-        Greatest, Pa.
+        Greatest pressure, Pa.
     half_width : float or array
-        Along the way of rolling, m.
+        Half width along the rolling direction, m.
     """
 
     pressure: Floats
@@ -35,14 +36,14 @@ class LineContact(NamedTuple):
 
 
 def line_contact(line_load: float | Floats, radius: float, plane_modulus: float) -> LineContact:
-    """Contact under a force per width.
+    """Return the contact under a force per width.
 
     Parameters
     ----------
     line_load : float or array
         N/m, not negative.
     radius : float
-        Of the roller, m.
+        Radius of the roller, m.
     plane_modulus : float
         E / (2 (1 - nu^2)) of two bodies of the same steel, Pa.
     """
@@ -51,10 +52,10 @@ def line_contact(line_load: float | Floats, radius: float, plane_modulus: float)
 
 
 def greatest_line_load(force: float | Floats, moment: float | Floats, width: float) -> Floats:
-    """Force per width (N/m) at the more loaded edge of a contact whose force per width changes evenly.
+    """Return the force per width (N/m) at the more loaded edge of a contact with linear load distribution.
 
-    `force` (N) and `moment` (N m) about the middle of the `width` (m); beyond a sixth of the width the other
-    edge lifts, and what is left of the contact carries a triangle.
+    `force` (N) and `moment` (N m) act about the middle of the `width` (m). The other edge lifts if the
+    eccentricity exceeds a sixth of the width; the rest of the contact then carries a triangular load.
     """
     force = np.asarray(force, dtype=float)
     arm = np.abs(np.divide(moment, force, out=np.zeros_like(force), where=force > 0.0))
@@ -64,10 +65,11 @@ def greatest_line_load(force: float | Floats, moment: float | Floats, width: flo
 
 
 def tilted_moment(force: float, tilt: float, width: float) -> float:
-    """Moment (N m) of a contact of steel under a force (N), tilted by `tilt` (rad) across its `width` (m).
+    """Return the moment (N m) of a steel contact under `force` (N), tilted by `tilt` (rad) over `width` (m).
 
-    The force per width changes with the approach as Palmgren's rollers do about the mean force: approach
-    3.84e-5 mm (force in N)^0.9 / (width in mm)^0.8 (Harris, Rolling Bearing Analysis, 4th ed., 6.54).
+    The force per width changes with the approach at the rate of Palmgren's law for rollers at the mean force:
+    approach 3.84e-5 mm (force in N)^0.9 / (width in mm)^0.8 (Harris, Rolling Bearing Analysis, 4th ed.,
+    6.54).
     """
     approach = 3.84e-8 * force**0.9 / (1e3 * width) ** 0.8
     slope = force / width / (0.9 * approach) * abs(tilt)
@@ -77,9 +79,10 @@ def tilted_moment(force: float, tilt: float, width: float) -> float:
 
 
 def stress_below(x: float | Floats, z: float | Floats, poisson: float) -> Floats:
-    """Stresses (..., 4) xx, yy, zz, xz over the greatest pressure, at places over the half width.
+    """Return the stresses (..., 4) xx, yy, zz, xz, as multiples of the greatest pressure.
 
-    McEwen's form; the shear has the sign of the rail's axes, z downward.
+    `x` and `z` are multiples of the half width. The formulas are McEwen's; the shear has the sign of the
+    rail's axes, z downward.
     """
     x, z = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(z, dtype=float))
     part = 1.0 - x**2 + z**2
@@ -94,7 +97,7 @@ def stress_below(x: float | Floats, z: float | Floats, poisson: float) -> Floats
 
 
 class PathStress(NamedTuple):
-    """Stress below a contact, Pa, with its depth (m), and factors of the load up to yield and shakedown."""
+    """Stress below a contact, Pa, with its depth (m), and load factors to yield and to shakedown."""
 
     shear: float
     depth: float
@@ -103,44 +106,44 @@ class PathStress(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """Say what a path does under such contacts."""
+        """Response of a path to repeated contacts: "elastic", "shakes down" or "ratchets"."""
         if self.to_yield >= 1.0:
             return "elastic"
         return "shakes down" if self.to_shakedown >= 1.0 else "ratchets"
 
     def of_strength(self, times: float) -> "PathStress":
-        """Same for a yield strength so many times as high."""
+        """Return the result for a yield strength `times` as high."""
         return self._replace(to_yield=times * self.to_yield, to_shakedown=times * self.to_shakedown)
 
 
 def path_stress(
     contact: LineContact, yield_strength: float, poisson: float, beside: Floats | None = None
 ) -> PathStress:
-    """Greatest shear below a contact, and by what its stresses may grow until yield and until ratchetting.
+    """Find the greatest shear below a contact and the load factors to yield and to ratchetting.
 
     Parameters
     ----------
     contact : LineContact
-        Of one force per width.
+        Contact under one force per width.
     yield_strength : float
-        Pa; von Mises.
+        Von Mises yield strength, Pa.
     poisson : float
         Poisson's ratio.
     beside : array (k, 3), optional
-        Stress of the structure xx, yy, xy (Pa) within the surface, the same over the contact's depth: first
-        that with the roller above it, then others that come at other times.
+        Stress of the structure xx, yy, xy (Pa) within the surface, constant over the contact's depth. The
+        first row is with the roller above, the others are stresses at other times.
 
     Notes
     -----
-    Residual stresses xx and yy may be any at a depth. Then stresses shake down if all of them, over places
-    and times, lie in a ball of radius k = yield / sqrt(3) in the space of deviators (Melan).
+    Residual stresses xx and yy may have any values at a depth. The stresses there shake down if all of them,
+    over positions and times, lie in a ball of deviators (Melan). Its radius is k = yield / sqrt(3).
     """
     size = float(contact.pressure)
     k = yield_strength / np.sqrt(3.0)
     xx, yy, zz, xz = np.moveaxis(size * stress_below(PLACES, DEPTHS[:, None], poisson), -1, 0)
     others = np.zeros((1, 3)) if beside is None else np.atleast_2d(beside)
     here = _deviators(xx + others[0, 0], yy + others[0, 1], zz, np.full_like(xx, others[0, 2]), xz)
-    # without the roller, unloaded or as at other times
+    # without the roller: unloaded, or loaded as at other times
     away = np.concatenate((np.zeros((1, 3)), others[1:]))
     none = np.zeros(len(away))
     rest = _deviators(away[:, 0], away[:, 1], none, away[:, 2], none)
@@ -156,9 +159,9 @@ def path_stress(
 
 
 def _deviators(xx: Floats, yy: Floats, zz: Floats, xy: Floats, xz: Floats) -> Floats:
-    """Points (..., 4) whose distance from zero is the von Mises stress over sqrt(3).
+    """Return points (..., 4) whose distance from zero is the von Mises stress over sqrt(3).
 
-    The first two can be moved by residual stresses xx and yy.
+    Residual stresses xx and yy shift the first two coordinates.
     """
     first = 0.5 * (xx - yy)
     second = (xx + yy - 2.0 * zz) / np.sqrt(12.0)
@@ -166,9 +169,9 @@ def _deviators(xx: Floats, yy: Floats, zz: Floats, xy: Floats, xz: Floats) -> Fl
 
 
 def _ball_radius(points: Floats) -> Floats:
-    """Radii (d,) of the smallest balls about points (d, p, 4) whose centres have no last two coordinates.
+    """Return radii (d,) of the smallest balls around points (d, p, 4); the centres end with two zeros.
 
-    The centre goes to the farthest point by ever smaller steps (Badoiu and Clarkson, 2003).
+    The centre moves towards the farthest point in ever smaller steps (Badoiu and Clarkson, 2003).
     """
     center = np.zeros((len(points), 1, points.shape[2]))
     radius = np.full(len(points), np.inf)

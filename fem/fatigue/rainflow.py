@@ -1,8 +1,8 @@
-"""Cycles of a repeated history of stress, counted by pyLife's four-point rainflow.
+"""Cycles of a repeated stress history, counted by pyLife's four-point rainflow method.
 
 Cycles that the first pass leaves open (the residue) close in a second pass (C. Amzallag et al.,
-Standardization of the rainflow counting method for fatigue analysis, Int. J. Fatigue 16, 1994): a pass then
-has all cycles of every later one, and a history of n passes has n times as many.
+Standardization of the rainflow counting method for fatigue analysis, Int. J. Fatigue 16, 1994). One pass then
+has all cycles of every later pass, and a history of n passes has n times as many.
 """
 
 from collections.abc import Sequence
@@ -20,9 +20,9 @@ class Cycles(NamedTuple):
     Attributes
     ----------
     begin, end : array (n,)
-        Stress at both ends of each.
+        Stress at both ends of each cycle.
     begin_row, end_row : int array (n,)
-        Rows of the history where these are.
+        Rows of the ends in the history.
     """
 
     begin: Floats
@@ -41,13 +41,13 @@ class Cycles(NamedTuple):
         return 0.5 * (self.begin + self.end)
 
     def larger_than(self, amplitude: float) -> "Cycles":
-        """Cycles of larger amplitudes."""
+        """Return the cycles with larger amplitudes."""
         large = self.amplitude > amplitude
         return Cycles(self.begin[large], self.end[large], self.begin_row[large], self.end_row[large])
 
 
 def joined_cycles(parts: Sequence[Cycles]) -> Cycles:
-    """Cycles of all parts, at least one, in order."""
+    """Join the cycles of all parts, at least one, in order."""
     return Cycles(*map(np.concatenate, zip(*parts, strict=True)))
 
 
@@ -55,9 +55,10 @@ NO_CYCLES = Cycles(np.empty(0), np.empty(0), *2 * (np.empty(0, dtype=np.int64),)
 
 
 class CycleCounter:
-    """Cycles of n repeated histories whose values come in parts; memory holds what is open of each.
+    """Cycles of n repeated histories with values in parts; memory holds the open cycles of each.
 
-    Those up to an amplitude are left out, and with them all reversals by less, which are ends of no others.
+    Cycles up to an amplitude are left out. Smaller reversals are left out too: they are ends of no other
+    cycles.
     """
 
     def __init__(self, count: int, amplitude: float = 0.0) -> None:
@@ -66,7 +67,7 @@ class CycleCounter:
         self._open = [(np.empty(0), np.empty(0, dtype=np.int64))] * count
 
     def add(self, number: int, signal: Floats, start: int) -> Cycles:
-        """Cycles that the next values (t,) of a history close, of which `start` is the first's row."""
+        """Return the cycles that the next values (t,) of a history close; the first is in row `start`."""
         values = np.empty(len(signal))
         rows = np.empty(len(signal), dtype=np.int64)
         state = self._sense[number], self._values[number], self._rows[number]
@@ -74,7 +75,7 @@ class CycleCounter:
         return self._closed(number, values[:count], rows[:count]) if count else NO_CYCLES
 
     def close(self, number: int) -> Cycles:
-        """Cycles that a history closes by its end and its repetition."""
+        """Return the cycles that a history closes by its end and its repetition."""
         if self._sense[number] == 0:
             return NO_CYCLES
         last = self._sense[number] > 0
@@ -84,7 +85,7 @@ class CycleCounter:
         return joined_cycles((ended, again))
 
     def _closed(self, number: int, values: Floats, rows: Integers) -> Cycles:
-        """Cycles that further reversals of a history close."""
+        """Return the cycles that further reversals of a history close."""
         values, rows = (np.concatenate(pair) for pair in zip(self._open[number], (values, rows), strict=True))
         if len(values) < 4:
             self._open[number] = values, rows
@@ -102,10 +103,11 @@ class CycleCounter:
 
 @compiler(nogil=True)
 def _reversals(signal, start, least, sense, extremes, places, values, rows):
-    """Reversals of a signal (t,) by more than `least` into values and rows; gives their number.
+    """Write reversals of a signal (t,) by more than `least` into values and rows; return their number.
 
     `sense` (1,) is 1 while the signal rises, -1 while it falls, 0 before its first reversal. `extremes` (low,
-    high), in the rows `places`, are the one that may be the next reversal and the last value; both at first.
+    high), in the rows `places`, are the candidate for the next reversal and the last value. Both are
+    candidates before the first reversal.
     """
     count = 0
     for row in range(start, start + len(signal)):
@@ -126,12 +128,12 @@ def _reversals(signal, start, least, sense, extremes, places, values, rows):
 
 
 def repeated_cycles(signal: Floats) -> Cycles:
-    """Cycles of one pass of a history (t,) that is repeated.
+    """Return the cycles of one pass of a repeated history (t,).
 
     Raises
     ------
     ValueError
-        If it is too short for a cycle: less than three values.
+        If the history is too short for a cycle: fewer than three values.
     """
     if len(signal) < 3:
         raise ValueError(f"a history must have at least 3 times to hold a cycle, got {len(signal)}")

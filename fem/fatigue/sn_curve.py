@@ -1,6 +1,6 @@
-"""Strength of a point against cycles of stress: S-N curve, mean stress, Miner's rule.
+"""Fatigue strength of a point: S-N curve, mean stress, Miner's rule.
 
-All formulas are pyLife's; values needed thousands of times are computed once and cached.
+All formulas are those of pyLife. Values needed thousands of times are cached.
 """
 
 from collections.abc import Sequence
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 Miner = Literal["elementary", "haibach", "original"]
 MINERS: tuple[Miner, ...] = ("elementary", "haibach", "original")
-"""Damage of cycles below the knee: by the slope k, by the slope 2 k - 1, none."""
+"""Miner rules for cycles below the knee: damage by the slope k, by the slope 2 k - 1, or none."""
 HAIGH_CORNERS = np.array([-2.0, -1.0, 1.0, 3.0, 4.0])
-"""Mean stress over amplitude: R > 1, R = -inf, R = 0, R = 0.5 and beyond; corners of the Haigh diagram."""
+"""Corners of the Haigh diagram, mean stress over amplitude: R > 1, R = -inf, R = 0, R = 0.5 and beyond."""
 
 
 @dataclass(frozen=True)
@@ -32,20 +32,20 @@ class SNCurve:
     strength : float
         Amplitude in Pa at the knee.
     slope : float
-        k of ``N = knee (amplitude / strength)^-k``.
+        Exponent k of ``N = knee (amplitude / strength)^-k``.
     knee : float
-        Cycles.
+        Cycles at the knee.
     mean_sensitivity : float
-        M of the FKM guideline: between R = -inf and R = 0 a mean stress counts as M times an amplitude, from
-        there to R = 0.5 as a third of that, beyond no more; in [0, 1).
+        M of the FKM guideline, in [0, 1). Between R = -inf and 0 a mean stress counts as M times an
+        amplitude; up to R = 0.5 a third of that; beyond nothing more.
     scatter : float
-        Strength that 10 % survive over that which 90 % survive, at least 1.
+        Ratio of the strength at 10 % survival to that at 90 %, at least 1.
     survival : float
         Survival probability of the curve, inside (0, 1).
     miner : str
         One of `MINERS`.
     residual_stress : float
-        Pa, which adds to the mean of every cycle.
+        Residual stress, Pa; it adds to the mean of every cycle.
 
     Raises
     ------
@@ -76,37 +76,37 @@ class SNCurve:
             raise ValueError(f"miner must be one of {MINERS}, got {self.miner!r}")
 
     def strength_at(self, survival: float) -> float:
-        """Amplitude in Pa at the knee for another survival; the cycles of the knee stay."""
+        """Return the amplitude in Pa at the knee for another survival; the knee's cycles stay the same."""
         return _strength_at(self, survival)
 
     @property
     def steepest(self) -> float:
-        """Greatest slope of the curve: an error of x in the stress is one of (1 + x)^slope in life at most.
+        """Greatest slope of the curve: a stress error of x changes the life by at most (1 + x)^slope.
 
-        This neglects stress that crosses the knee, below which the original rule counts nothing.
+        This neglects stress that crosses the knee: the original rule counts nothing below it.
         """
         return 2.0 * self.slope - 1.0 if self.miner == "haibach" else self.slope
 
     @property
     def _woehler(self) -> "WoehlerCurve":
-        """Same curve in pyLife."""
+        """S-N curve in pyLife, without residual stress."""
         return _woehler_of(replace(self, residual_stress=0.0))
 
     def equivalent(self, amplitude: Floats, mean: Floats) -> Floats:
-        """Amplitudes at R = -1 with the same damage as cycles of positive amplitudes and their means.
+        """Return amplitudes at R = -1 with the same damage as cycles of positive amplitudes and their means.
 
-        The transform is linear in both between the corners of the Haigh diagram, so that interpolation
-        between pyLife's values there is exact.
+        The transform is linear in both between the corners of the Haigh diagram. Interpolation between
+        pyLife's values at the corners is therefore exact.
         """
         return amplitude * np.interp(mean / amplitude, HAIGH_CORNERS, self._mean_factors)
 
     @property
     def _mean_factors(self) -> Floats:
-        """Factor of an amplitude at each of the corners of the Haigh diagram."""
+        """Factors of an amplitude at the corners of the Haigh diagram."""
         return _mean_factors_of(self.mean_sensitivity)
 
     def damage(self, amplitude: Floats, mean: Floats, survivals: Sequence[float]) -> Floats:
-        """Damage (s, n) of cycles of positive amplitudes (n,) and their means, by survival."""
+        """Return the damage (s, n) of cycles of positive amplitudes (n,) and their means, by survival."""
         equivalent = self.equivalent(amplitude, mean + self.residual_stress)
         scales = [self.strength / self.strength_at(survival) for survival in survivals]
         over = np.multiply.outer(scales, equivalent) / self.strength
@@ -114,7 +114,7 @@ class SNCurve:
         return over**slopes / self.knee
 
     def harmless(self, damage: float, survival: float) -> float:
-        """Amplitude in Pa up to which no cycle, of whatever mean, does more than this positive damage."""
+        """Return the amplitude in Pa below which no cycle of any mean exceeds a positive damage."""
         scale = self.strength_at(survival) / self.strength
         load = float(self._woehler.load(np.array(1.0 / damage)))
         return scale * load / float(self._mean_factors.max())
@@ -122,7 +122,7 @@ class SNCurve:
 
 @lru_cache(maxsize=64)
 def _woehler_of(curve: SNCurve) -> "WoehlerCurve":
-    # pyLife takes 20 MB, and runs without a life do not need it
+    # imported here, since pyLife takes 20 MB and runs without a life do not need it
     from pylife.materiallaws import WoehlerCurve
 
     values = {"k_1": curve.slope, "ND": curve.knee, "SD": curve.strength, "TS": curve.scatter}
@@ -151,7 +151,7 @@ def _strength_at(curve: SNCurve, survival: float) -> float:
 
 
 def check_survivals(survivals: Sequence[float]) -> None:
-    """Check that there are survival probabilities and that all are inside (0, 1).
+    """Check that survival probabilities are given and that all lie inside (0, 1).
 
     Raises
     ------
