@@ -123,6 +123,23 @@ def test_the_handbooks_check_file_is_checked(told, refused, tmp_path):
     assert "cases[0].ground.stiffness" in err
 
 
+def test_figures_of_a_machine_come_first_and_all_values_where_they_are_asked_for(told, refused, tmp_path):
+    told("init", "mine", "--machine", "pc300lc")
+    out = told("machine", "mine.toml")
+    assert out.startswith("Komatsu PC300LC-8: its figures") or "its figures" in out.splitlines()[0]
+    assert len(out.splitlines()) < 25
+    assert "values stand behind these figures: exudyn-crawler machine mine.toml --all" in out
+    listed = told("machine", "mine.toml", "--all")
+    values = [line.split("│")[2] for line in listed.splitlines() if line.count("│") == 5]
+    assert len(values) > 60
+    digits = [number for value in values for number in re.findall(r"\d+\.\d+", value)]
+    assert max(len(number.replace(".", "").lstrip("0")) for number in digits) <= 4
+    told("machine", "mine.toml", "--out", "values.csv")
+    values = pd.read_csv(tmp_path / "values.csv").set_index("key")
+    assert {"derived", "assumed"} <= {*values["origin"]}
+    assert "values.csv exists" in refused("machine", "mine.toml", "--out", "values.csv")
+
+
 def test_a_law_of_the_ground_is_drawn_from_its_file(told, refused, tmp_path):
     (tmp_path / "sand.toml").write_text('model = "bekker"\nbase = "lete_sand"\ncohesion = 2e3\n')
     assert "sand.png" in told("ground", "sand.toml")
@@ -608,7 +625,7 @@ def test_a_unit_of_a_case_that_there_is_none_of_is_written_with_a_warning(call, 
 @pytest.mark.parametrize("command", ["sweep", "fmu"])
 def test_commands_without_what_they_need_say_how_to_get_it(refused, soils, monkeypatch, command):
     monkeypatch.setattr(commands, "find_spec", lambda name: None)
-    assert f"pip install 'exudyn-crawler[{command}]'" in refused(command, soils.name)
+    assert f"pip install -e '.[{command}]' in the folder of exudyn-crawler" in refused(command, soils.name)
 
 
 def test_a_package_that_is_not_installed_is_told_of_with_what_installs_it(refused, tmp_path, monkeypatch):

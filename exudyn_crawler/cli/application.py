@@ -11,7 +11,7 @@ import sys
 import tomllib
 import traceback
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial, wraps
 from importlib import resources
 from importlib.metadata import EntryPoints, entry_points, requires
@@ -38,6 +38,14 @@ Changes = Annotated[
     list[str] | None,
     typer.Option("--set", help="replace a value of the file, as terrain.spring_stiffness=1e7; repeatable"),
 ]
+
+
+def needs(what: str, modules: Iterable[str], extra: str) -> str:
+    """Return a line that says which modules of an extra are missing, and the command that installs them."""
+    return (
+        f"{what} must have {', '.join(modules)}, of the extra {extra!r}: pip install -e '.[{extra}]' in the "
+        "folder of exudyn-crawler"
+    )
 
 
 def run_folder(run: Path) -> Path:
@@ -172,8 +180,8 @@ def command(app: typer.Typer, example: str) -> Callable[[Callable[..., None]], C
 def call(app: typer.Typer) -> None:
     """Call a command line; errors and warnings are a line each, a request to terminate ends it as Ctrl-C.
 
-    Its exit code is 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run
-    and 1 for all else, such as a full disk.
+    Its exit code is 2 for bad input, 3 for a run that stopped early or a sweep without an answer, 130 for an
+    interrupt outside of a run and 1 for all else, such as a full disk.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     lines: list[str] = []
@@ -205,7 +213,7 @@ def _lines(error: BaseException) -> tuple[list[str], int]:
         return [f"{error}; what was computed is in its folder{how}"], STOPPED
     if _interrupted(error):
         return [f"{errors.INTERRUPTED}; {errors.GOES_ON}"], errors.ENDED_FROM_OUTSIDE
-    if isinstance(error, errors.EquilibriumError):
+    if isinstance(error, errors.EquilibriumError | errors.NoAnswerError):
         return [str(error)], STOPPED
     if isinstance(error, BAD_INPUT_ERRORS):
         return str(error).splitlines() or [repr(error)], BAD_INPUT

@@ -6,6 +6,7 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 import json
 import os
 import re
+import warnings
 from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
@@ -286,7 +287,7 @@ def fmu(
 ) -> None:
     """Write a case as a unit of co-simulation (FMU, FMI 2.0) that other programs step."""
     if find_spec("pythonfmu") is None:
-        raise ValueError("units of co-simulation need pythonfmu: pip install 'exudyn-crawler[fmu]'")
+        raise ValueError(application.needs("units of co-simulation", ["pythonfmu"], "fmu"))
     case_file = crawler.read_case(case, changes or ())
     from exudyn_crawler.case.datasheet.odd_figures import odd_values
     from exudyn_crawler.case.parameters import checks
@@ -320,9 +321,10 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
             typer.Option(help="s to go on without a worker of the scheduler; no limit, if not given", min=0),
         ] = None,
         retry: Annotated[bool, typer.Option("--retry", help="run failed runs again")] = False,
+        overwrite: application.Overwrite = False,
     ) -> None:
         if missing := [module for module in NEEDED if find_spec(module) is None]:
-            raise ValueError(f"sweeps need {', '.join(missing)}: pip install 'exudyn-crawler[sweep]'")
+            raise ValueError(application.needs("sweeps", missing, "sweep"))
         from exudyn_crawler.case.parameters.fields import value_text
         from exudyn_crawler.sweep.scatter import DutyScatter, read_scatter
 
@@ -349,12 +351,13 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
             if not isinstance(plan, DutyScatter):
                 typer.echo(running.folder_state(plan, folder, **how))
             return
-        done = running.run_sweep(plan, folder, scheduler=scheduler, wait=wait, say=typer.echo, **how)
+        how |= {"scheduler": scheduler, "wait": wait, "overwrite": overwrite}
+        done = running.run_sweep(plan, folder, say=typer.echo, **how)
+        without = done.check_answers()
         show(done)
-        failed = int((done.table["status"] != "done").sum())
-        more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""
-        where = "open report.html in a browser; results.csv and .nc hold the answers"
-        typer.echo(f"{done.folder}: {where}{more}")
+        typer.echo(f"{done.folder}: open report.html in a browser; results.csv and .nc hold the answers")
+        if without:
+            warnings.warn(f"{without}; results.csv has each, --retry runs failed ones again", stacklevel=1)
 
     run.__name__ = show.__name__
     run.__doc__ = show.__doc__

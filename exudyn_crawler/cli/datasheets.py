@@ -62,12 +62,13 @@ def show_values(case_file: "crawler.CaseFile", title: str) -> None:
 
     ledger = case_ledger(case_file)
     heading = f"{title}: {ledger.summary}; exudyn-crawler machine {title} has the datasheet's figures"
-    rows = origin_rows(ledger)
+    rows = origin_rows(ledger, short=True)
     print_rows(ORIGIN_COLUMNS, rows, heading, keys=ORIGIN_COLUMNS[:3], whole="in the datasheet's page")
 
 
 def show_machine(history: "crawler.History") -> None:
     """Print what a run says of a machine, in the words of undercarriages."""
-    from exudyn_crawler.results.history.machine import machine_answers
+    from exudyn_crawler.results.history.machine import machine_answers, together
 
-    print_table(machine_answers(history), f"{history.case.name}: the machine, second half of the run")
+    title = f"{history.case.name}: the machine, second half of the run"
+    print_table(together(machine_answers(history)), title)

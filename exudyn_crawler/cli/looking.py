@@ -15,7 +15,7 @@ COMPARED = ("quantity", "axis", "greatest in A", "greatest in B", "change in %",
 """Columns of what differs between two runs that are shown where not all fit, as `print_rows` takes them."""
 LIVES = ("region", "life in h at least", "life in h at most", "above", "verdict", "main part", "node")
 """Same of shortest lives."""
-CRACKED = ("to", "from", "region", "cycles to a crack", "an hour", "above yield", "bores, not to be used")
+CRACKED = ("region", "cycles to a crack", "from", "to", "an hour", "above yield", "pairs within 10 %")
 """Same of a check's cycles to a crack."""
 ASSESSED = ("item", "utilisation", "within", "load case", "group", "number", "limit", "unit")
 """Same of an assessment."""
@@ -352,11 +352,13 @@ def check(
     from exudyn_crawler.views.pages.life import check_lines
 
     typer.echo("\n".join(check_lines(result)))
-    worst = result.worst_cycles
-    shown = worst[[name for name in CRACKED if name in worst]]
+    shown = result.by_region
     hours = f"how many an hour crack within {result.check.hours:g} h"
-    print_table(shown.head(40), f"{result.check.name}, {result.check.material.name}; an hour: {hours}")
-    typer.echo(f"all regions, section moments and pictures are in {folder}; check.html: open it in a browser")
+    title = f"{result.check.name}, {result.check.material.name}: shortest of each region; an hour: {hours}"
+    print_table(shown, title, CRACKED, folder / "cycles.csv")
+    typer.echo(
+        f"all pairs of cases, section moments and pictures are in {folder}; check.html: open it in a browser"
+    )
 
 
 @command("exudyn-crawler assess studies/shovel_assessment.toml --run results/turn")

@@ -9,7 +9,7 @@ import typer
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application, datasheets
 from exudyn_crawler.cli.commands import app
-from exudyn_crawler.views.tables import ORIGIN_COLUMNS, origin_rows, print_rows
+from exudyn_crawler.views.tables import ORIGIN_COLUMNS, origin_rows, print_rows, write_table
 
 command = partial(application.command, app)
 FIGURES = ("figure", "of the machine", "of the datasheet", "verdict")
@@ -24,6 +24,13 @@ def machine(
     keys: Annotated[
         bool, typer.Option("--keys", help="list all figures that a datasheet may have, with their units")
     ] = False,
+    every: Annotated[
+        bool, typer.Option("--all", help="list all values that follow, each with its origin")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="file (CSV) to write of all values, with all digits and their origins")
+    ] = None,
+    overwrite: application.Overwrite = False,
     changes: application.Changes = None,
 ) -> None:
     """Show what follows from a datasheet: its figures beside those of the machine, and what is assumed."""
@@ -43,14 +50,27 @@ def machine(
         raise ValueError(
             f"{file} must have a table [datasheet]; exudyn-crawler machines lists some to start from"
         )
+    from exudyn_crawler.files import refuse_existing
+
+    if out is not None:
+        refuse_existing(out, overwrite)
     ledger = sheet_ledger(sheet)
-    print_rows(ORIGIN_COLUMNS, origin_rows(ledger), f"{file}: {ledger.summary}")
     rows = [
         (figure.name, _text(figure.value, figure.unit), _text(figure.printed, figure.unit), figure.verdict)
         for figure in figures(case_file.case, sheet)
     ]
     print_rows(FIGURES, rows, f"{case_file.case.name}: its figures")
     checks.warn_of(odd_values(case_file))
+    if every:
+        print_rows(ORIGIN_COLUMNS, origin_rows(ledger, short=True), f"{file}: {ledger.summary}")
+    if out is not None:
+        import pandas as pd
+
+        write_table(pd.DataFrame(origin_rows(ledger), columns=ORIGIN_COLUMNS), out, overwrite)
+        typer.echo(f"{out}: all values with their origins")
+    if not every and out is None:
+        listed = f"exudyn-crawler machine {file} --all lists them, --out FILE.csv writes them"
+        typer.echo(f"{ledger.summary} values stand behind these figures: {listed}")
 
 
 def _text(value: float | None, unit: str) -> str:

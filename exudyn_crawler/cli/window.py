@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from exudyn_crawler.cli import application
 from exudyn_crawler.cli.commands import command
 
 
@@ -19,7 +20,7 @@ def app(
 ) -> None:
     """Open a page to work in: put a machine together, run it, see what it does; on this computer alone."""
     if find_spec("nicegui") is None:
-        raise ValueError("the page to work in needs NiceGUI: pip install 'exudyn-crawler[app]'")
+        raise ValueError(application.needs("the page to work in", ["nicegui"], "app"))
     from exudyn_crawler.files import writable_folder
     from exudyn_crawler.run.folder.queue import Runs
 

@@ -1,5 +1,6 @@
 """Tables on a terminal and in CSV files; nothing heavy is loaded to print rows."""
 
+import re
 from collections.abc import Iterable, Sequence
 from numbers import Number
 from pathlib import Path
@@ -9,25 +10,37 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from exudyn_crawler.case.parameters.fields import value_text
-from exudyn_crawler.origins import Entry
-
 if TYPE_CHECKING:
     import pandas as pd
+
+    from exudyn_crawler.origins import Entry
 
 VERDICT_STYLES = {"yes": "green", "no": "red"}
 BETWEEN = 3  # characters beside a column: its rule and its margins
 LARGE, BEYOND = 1e4, 1e9
 """From the first on numbers are grouped by thousands, from the second on powers of ten are shorter."""
+DECIMAL = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e[+-]?\d+)?(?![\w.])")
 ORIGIN_COLUMNS = ("key", "value", "origin", "how")
 NUMBER = "%.10g"  # in a CSV file: the last digits of sixteen are rounding alone, 1.5860000000000005 for 1.586
 
 
-def origin_rows(entries: Iterable[Entry]) -> list[tuple[str, str, str, str]]:
-    """Return entries of a ledger for reading: value with unit, origin, rule or source (`ORIGIN_COLUMNS`)."""
-    return [
-        (entry.path, value_text(entry.value, entry.unit), str(entry.origin), entry.how) for entry in entries
-    ]
+def origin_rows(entries: Iterable["Entry"], short: bool = False) -> list[tuple[str, str, str, str]]:
+    """Return entries of a ledger for reading: value with unit, origin, rule or source (`ORIGIN_COLUMNS`).
+
+    Values are `short` with four digits, else as exact as case files have them.
+    """
+    from exudyn_crawler.case.parameters.fields import value_text
+
+    rows = []
+    for entry in entries:
+        value = value_text(entry.value, entry.unit)
+        rows.append((entry.path, short_numbers(value) if short else value, str(entry.origin), entry.how))
+    return rows
+
+
+def short_numbers(text: str, digits: int = 4) -> str:
+    """Return a text with few digits of its decimal numbers; whole numbers stay as they are."""
+    return DECIMAL.sub(lambda found: f"{float(found[0]):.{digits}g}", text)
 
 
 def print_rows(

@@ -134,6 +134,21 @@ def test_bores_head_no_cycles_to_a_crack_and_are_named_behind():
     assert AT_BORES not in CheckResults.worst_cycles.fget(SimpleNamespace(cycles=apart))
 
 
+def test_a_check_is_printed_as_a_row_a_region_with_the_pairs_that_are_as_bad():
+    rows = [
+        ("rest", "stone", "web", 1e6, 40.0, ""),
+        ("rest", "turn", "web", 1.05e6, 42.0, ""),
+        ("rest", "pull", "web", 2e6, 80.0, ""),
+        ("rest", "stone", "lugs", 3e5, 12.0, "yes"),
+        ("rest", "stone", "bores", 1e4, 0.4, ""),
+    ]
+    columns = ["from", "to", "region", CYCLES, "an hour", "above yield"]
+    shown = CheckResults.by_region.fget(SimpleNamespace(cycles=pd.DataFrame(rows, columns=columns)))
+    assert shown["region"].tolist() == ["lugs", "web", "bores, not to be used"]
+    assert shown["to"].tolist() == ["stone"] * 3
+    assert shown["pairs within 10 %"].tolist() == [1, 2, 1]
+
+
 def test_what_yields_is_told_before_what_cracks_first_below_yield():
     cycles = pd.DataFrame(
         [

@@ -1,12 +1,13 @@
 """Answers on a machine in the words of undercarriages, against its history and statics."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from exudyn_crawler import simulate
 from exudyn_crawler.case.datasheet.derive import derived
 from exudyn_crawler.case.datasheet.sheet import Datasheet
-from exudyn_crawler.results.history.machine import machine_answers
+from exudyn_crawler.results.history.machine import machine_answers, together
 
 SHEET = Datasheet(
     operating_weight=35371.0,
@@ -45,3 +46,20 @@ def test_answers_are_those_of_the_history_and_of_statics(history):
     right = late.tumbler_speed.transpose("time", ...).values[:, 0]
     assert min(right) <= power / torque <= max(right)
     assert values["pressure below loaded shoes, mean"] <= values["pressure below a shoe, greatest"]
+
+
+def test_sides_of_a_machine_stand_together_where_they_agree():
+    rows = [
+        ("tension of the taut run", 50.0, "kN", "right track"),
+        ("torque of the drive, mean", -10.0, "kN m", "right"),
+        ("tension of the taut run", 50.4, "kN", "left track"),
+        ("torque of the drive, mean", 12.0, "kN m", "left"),
+        ("sinkage, greatest", 8.0, "mm", ""),
+    ]
+    table = together(pd.DataFrame(rows, columns=["result", "value", "unit", "of"]))
+    assert [*table.itertuples(index=False, name=None)] == [
+        ("tension of the taut run", 50.4, "kN", "both sides, within 1 %"),
+        rows[1],
+        rows[3],
+        rows[4],
+    ]

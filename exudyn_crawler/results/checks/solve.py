@@ -17,6 +17,8 @@ from meshes import STEEL
 
 AT_BORES = "bores, not to be used"
 """Column of fewer cycles beside a pin's coupling."""
+NEAR = 1.1
+"""Cycles to a crack over the least of a region, up to which a pair of cases counts as near."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,21 @@ class CheckResults:
         alone = bores.merge(worst[pair], how="left", on=pair, indicator="there").query("there == 'left_only'")
         table = pd.concat((found, alone.drop(columns="there")), ignore_index=True).sort_values(CYCLES)
         return table if table[AT_BORES].notna().any() else table.drop(columns=AT_BORES)
+
+    @property
+    def by_region(self) -> pd.DataFrame:
+        """Shortest row of `cycles` of each region, the shortest first, bores last: their stress is not used.
+
+        A last column counts the pairs of cases of the region with at most a tenth more cycles.
+        """
+        first = self.cycles.sort_values(CYCLES).groupby("region", sort=False).head(1)
+        least = self.cycles.groupby("region")[CYCLES].transform("min")
+        near = self.cycles[self.cycles[CYCLES] <= NEAR * least].groupby("region").size()
+        columns = ["region", CYCLES, "from", "to", "an hour", "above yield"]
+        table = first[columns].assign(**{"pairs within 10 %": first["region"].map(near)})
+        is_bore = table["region"] == BORES
+        last = table[is_bore].assign(region=f"{BORES}, not to be used")
+        return pd.concat((table[~is_bore], last), ignore_index=True)
 
     def cycle(self, first: str, second: str) -> pd.DataFrame:
         """Cycles to a crack in every region between two cases, or `UNLOADED` and one."""

@@ -10,6 +10,8 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.results.history.summary import tension_along_chain
 
 SETTLED = 0.5  # of a run: from then on means and peaks count, which a start would hide
+SAME = 0.01
+"""Difference of both sides of a machine, over the greater value, that is not worth a row."""
 KILO = 1e3
 Row = tuple[str, float, str, str]
 
@@ -29,6 +31,19 @@ def machine_answers(history: History) -> pd.DataFrame:
         rows += _tensions(start, late.of_track(side) if side else late, f"{side} track".strip())
     rows += [*_rollers(late), *_drives(late), *_pressure(late)]
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of"])
+
+
+def together(table: pd.DataFrame) -> pd.DataFrame:
+    """Return answers with one row where both sides of the machine have the same value, within `SAME`."""
+    rows: list[Row] = []
+    for (result, unit), group in table.groupby(["result", "unit"], sort=False):
+        values = group["value"]
+        if len(group) > 1 and values.max() - values.min() <= SAME * values.abs().max():
+            largest = float(values.loc[values.abs().idxmax()])
+            rows.append((str(result), largest, str(unit), f"both sides, within {100 * SAME:g} %"))
+        else:
+            rows += group[["result", "value", "unit", "of"]].itertuples(index=False, name=None)
+    return pd.DataFrame(rows, columns=[*table.columns])
 
 
 def _tensions(whole: History, late: History, of: str) -> Iterator[Row]:
