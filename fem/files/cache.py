@@ -1,6 +1,7 @@
-"""Reductions and static fields cached on disk, by the digest of everything that each depends on.
+"""Disk cache of reductions and static fields, by the digest of everything that they depend on.
 
-Files end in ``.h5``, are safe among processes, are computed again if broken, and may be removed at any time.
+Files end in ``.h5`` and may be removed at any time. Several processes may use them at once, and broken ones
+are computed again.
 """
 
 import hashlib
@@ -27,11 +28,11 @@ from fem.sources import FEM, source_digest
 from fem.stress.static_fields import StaticFields, UnitLoads, static_fields
 
 FIELDS_SUFFIX = ".fields"
-"""Of files of static fields, before the ending; reductions have none."""
+"""Suffix of files of static fields before ``.h5``; reductions have none."""
 LIMIT = 3e9
-"""Bytes in a folder beyond which the least recently used files are removed. The study mesh takes 0.3e9."""
+"""Size of a folder, bytes, above which the least recently used files go. The study mesh takes 0.3e9."""
 NAMED_BY = 32
-"""Characters of a digest in the name of its file."""
+"""Number of characters of a digest in the name of its file."""
 
 Result = TypeVar("Result")
 
@@ -39,15 +40,15 @@ logger = logging.getLogger(__name__)
 
 
 class CachedReduction(NamedTuple):
-    """A reduction and its file.
+    """Reduction and its file.
 
     Attributes
     ----------
     body : ReducedBody
     path : Path
-        Its file.
-    found : bool
-        True where the file existed before.
+        File of the reduction.
+    existed : bool
+        True if the file existed before.
     """
 
     body: ReducedBody
@@ -62,9 +63,9 @@ class CachedFields(NamedTuple):
     ----------
     fields : StaticFields
     path : Path
-        Their file.
-    found : bool
-        True where the file existed before.
+        File of the fields.
+    existed : bool
+        True if the file existed before.
     """
 
     fields: StaticFields
@@ -78,7 +79,7 @@ def reduction_digest(
     n_fixed_modes: int,
     residual_loads: Mapping[str, Floats] | None = None,
 ) -> str:
-    """SHA-256 of everything that a reduction depends on, this package's sources included."""
+    """Return the SHA-256 of everything that a reduction depends on, this package's sources included."""
     sha = hashlib.sha256((REDUCED_BODY + source_digest(FEM)).encode())
     sha.update(body.mesh.digest.encode())
     sha.update(json.dumps([asdict(body.material), n_fixed_modes], sort_keys=True).encode())
@@ -106,7 +107,7 @@ def cached_craig_bampton(
     folder : str or Path
         Created if it is missing.
     body, interfaces, n_fixed_modes, residual_loads, partition
-        See `craig_bampton`, whose errors this has too.
+        See `craig_bampton`; errors are the same too.
     warn : callable
         Gets a line about a file that is broken or cannot be written.
     """
@@ -137,11 +138,11 @@ def cached_static_fields(
     folder : str or Path
         Created if it is missing.
     partition : Partition
-        Of the body that was reduced, with the same interfaces.
+        Partition of the reduced body, with the same interfaces.
     reduction : CachedReduction
-        Of `cached_craig_bampton`.
+        Result of `cached_craig_bampton`.
     families : mapping of str to UnitLoads
-        See `static_fields`, whose errors this has too.
+        See `static_fields`; errors are the same too.
     warn : callable
         Gets a line about a file that is broken or cannot be written.
     """
@@ -164,16 +165,16 @@ def cached_static_fields(
 
 
 def cached_files(folder: str | Path) -> list[Path]:
-    """Cached files of a folder, the most recently used first."""
+    """Return the cached files of a folder, the most recently used first."""
     used = {}
-    for path in Path(folder).glob("[!.]*.h5"):  # a dot before a file that is being written
+    for path in Path(folder).glob("[!.]*.h5"):  # names of unfinished files begin with a dot
         with suppress(FileNotFoundError):  # another process removed it
             used[path] = path.stat().st_mtime
     return sorted(used, key=used.__getitem__, reverse=True)
 
 
 def _cache_path(folder: str | Path, digest: str, suffix: str = "") -> Path:
-    """File of a digest in a folder; `suffix` distinguishes kinds of files."""
+    """Return the path of a digest's file in a folder; `suffix` distinguishes kinds of files."""
     return Path(folder) / f"{digest[:NAMED_BY]}{suffix}.h5"
 
 
@@ -185,25 +186,25 @@ def _read_or_computed(
     warn: Callable[[str], None],
     what: str,
 ) -> tuple[Result, bool]:
-    """Content of a file, or what is computed and saved there, and whether the file existed.
+    """Read the content of a file, or compute and save it; return it with True if the file existed.
 
-    Processes that want the same file at the same time wait for the first of them. A broken file is replaced.
-    If the folder cannot be written to, nothing is saved.
+    Processes that need the same file at the same time wait for the first of them. A broken file is replaced.
+    Nothing is saved if the folder is not writable.
 
     Parameters
     ----------
     path : Path
-        Of `_cache_path`.
+        Result of `_cache_path`.
     load : callable
         Reads the file; raises `FileNotFoundError` if there is none, `ValueError` if it is broken.
     compute : callable
-        Computes its content.
+        Computes the content.
     save : callable
         Writes the content; raises `OSError` if it cannot.
     warn : callable
         Gets a line about a file that is broken or cannot be written.
     what : str
-        Content of the file, for these lines.
+        Description of the content, for these lines.
     """
     with _alone(path, warn):
         try:
@@ -227,7 +228,7 @@ def _read_or_computed(
 
 @contextmanager
 def _alone(path: Path, warn: Callable[[str], None]) -> Iterator[None]:
-    """Hold the lock of a file, if there can be one; the operating system releases it when a process ends."""
+    """Hold the lock of a file, if possible; the operating system releases it when a process ends."""
     lock = FileLock(path.with_suffix(".lock"))
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -241,7 +242,7 @@ def _alone(path: Path, warn: Callable[[str], None]) -> Iterator[None]:
 
 
 def _remove_oldest(folder: Path) -> None:
-    """Remove the least recently used files of a folder that holds more than the limit."""
+    """Remove the least recently used files of a folder that exceeds the size limit."""
     total = 0
     for path in cached_files(folder):
         with suppress(OSError):

@@ -1,8 +1,8 @@
-"""Meshes of decks of Abaqus and CalculiX (.inp): tetrahedra, shells and element faces under their names.
+"""Meshes of Abaqus and CalculiX decks (.inp): tetrahedra, shells and named element faces.
 
-What a deck names is read as the programs read it: blocks of one name are joined, sets may hold sets, and a
-surface is an element set of shells or a ``*SURFACE`` of element faces. (meshio 5.3 keeps the last block of a
-set alone, and ends a block at its first comment.)
+Names are read as in these programs: blocks of one name are joined, sets may hold sets, and a surface is an
+element set of shells or a ``*SURFACE`` of element faces. (meshio 5.3 keeps only the last block of a set, and
+ends a block at its first comment.)
 """
 
 import re
@@ -17,11 +17,11 @@ from fem.files.deck_model import NODES_OF, Block, Deck, Place, deck_of, label, r
 from fem.files.mesh_content import TETRAHEDRA, TRIANGLES, FileCells, FileContent
 
 _WHOLE_SHELL = {"", "SPOS", "SNEG", "S1", "S2"}
-"""Faces of a shell that are the shell itself; others are its edges."""
+"""Face names of a shell that mean the shell itself; others mean its edges."""
 _FACES = {f"S{number}": number - 1 for number in (1, 2, 3, 4)}
-"""Faces of C3D4 and C3D10 (1-2-3, 1-4-2, 2-4-3, 3-4-1), which are rows of `TETRA_FACES`."""
+"""Rows of `TETRA_FACES` for the faces of C3D4 and C3D10 (1-2-3, 1-4-2, 2-4-3, 3-4-1)."""
 _FLAT = re.compile(r"(S|CPS|CPE|CPEG|CAX|M3D|SFM3D|R3D|DS)\d")
-"""How types begin whose elements are faces."""
+"""Pattern of element types that are faces."""
 SHOWN_NAMES = 8
 
 
@@ -31,15 +31,15 @@ def read_deck(path: Path, text: str | None = None) -> FileContent:
     Parameters
     ----------
     path : Path
-        Deck, beside which the files that it includes are looked for.
+        Deck; its included files are searched beside it.
     text : str, optional
-        Its text, if it is already read.
+        Text of the deck, if already read.
 
     Raises
     ------
     MeshError
-        If a line of its mesh cannot be read, with the line, if keywords generate its nodes or elements, or if
-        several parts or instances have tetrahedra.
+        If a line of the mesh cannot be read (the message names it), if keywords generate nodes or elements,
+        or if several parts or instances have tetrahedra.
     """
     deck = deck_of(path, text)
     scope = _scope_of_solids(deck)
@@ -73,7 +73,7 @@ def _notes(deck: Deck) -> list[str]:
 
 
 def _rows(block: Block, row_of: dict[int, int]) -> Integers:
-    """Rows (m, k) of the nodes of a block."""
+    """Return the rows (m, k) of the nodes of a block."""
     missing = [node for nodes in block.nodes for node in nodes if node not in row_of]
     if missing:
         raise MeshError(
@@ -85,7 +85,7 @@ def _rows(block: Block, row_of: dict[int, int]) -> Integers:
 
 
 def _scope_of_solids(deck: Deck) -> str:
-    """Part that holds the solid elements; a MeshError if there are several, or several instances of it."""
+    """Return the part with the solid elements; raise `MeshError` for several parts or instances of it."""
     scopes = list(dict.fromkeys(block.scope for block in deck.blocks if block.kind in TETRAHEDRA))
     if len(scopes) > 1:
         raise MeshError(
@@ -104,7 +104,7 @@ def _scope_of_solids(deck: Deck) -> str:
 
 
 def _placed(deck: Deck, scope: str, points: np.ndarray) -> np.ndarray:
-    """Nodes (n, 3) of a part where its instance has them: moved first, then turned about an axis."""
+    """Return the nodes (n, 3) of a part as placed by its instance: moved first, then turned about an axis."""
     for part, keyword in deck.instances.values():
         rows = [[real(text) for text in row] for row in keyword.rows()]
         if part == scope and rows:
@@ -118,13 +118,13 @@ def _placed(deck: Deck, scope: str, points: np.ndarray) -> np.ndarray:
 
 
 class _Named:
-    """Sets and surfaces of a deck by the places of their elements.
+    """Sets and surfaces of a deck, resolved to blocks and rows of elements.
 
     Parameters
     ----------
     deck : Deck
     rows : list of int array (m, k)
-        Rows of the nodes of each block, none where it is left out.
+        Rows of the nodes of each block; None for a block that is left out.
     """
 
     def __init__(self, deck: Deck, rows: list[Integers | None]) -> None:
@@ -146,11 +146,11 @@ class _Named:
                 self._groups.setdefault(place.block, {}).setdefault(name, []).append(place.row)
 
     def groups(self, block: int) -> dict[str, Integers]:
-        """Rows of the elements of each set that lie in a block."""
+        """Return the rows of each set's elements in a block."""
         return {name: np.unique(rows) for name, rows in self._groups.get(block, {}).items()}
 
     def faces(self) -> dict[str, list[Integers]]:
-        """Corners (k, 3) of the faces of each surface; those that cannot be read whole join `unread`."""
+        """Return the face corners (k, 3) of each surface; incomplete surfaces join `unread`."""
         faces: dict[str, list[Integers]] = {}
         for key, surface in self.deck.surfaces.items():
             name = self._name(key[1], surface.name)
@@ -164,20 +164,20 @@ class _Named:
         return faces
 
     def _shells(self) -> set[str]:
-        """Names of the sets that hold shells."""
+        """Return the names of the sets that hold shells."""
         blocks = self.deck.blocks
         return {
             name for block, sets in self._groups.items() if blocks[block].kind in TRIANGLES for name in sets
         }
 
     def _name(self, key: str, name: str) -> str:
-        """Name in the spelling that the deck has first."""
+        """Return a name in its first spelling in the deck."""
         return self._names.setdefault(key, name)
 
     def _places(
         self, key: tuple[str, str], above: tuple[tuple[str, str], ...] = ()
     ) -> tuple[list[Place], str]:
-        """Places of the elements of a set, and why it is not whole, if it is not."""
+        """Return the places of a set's elements, and the reason if the set is incomplete."""
         if key in self._members:
             return self._members[key]
         if key not in self.deck.sets:
@@ -205,21 +205,21 @@ class _Named:
         return self._members[key]
 
     def _present(self, scope: str, numbers: range) -> list[int]:
-        """Numbers of a range that elements have; a range may reach far beyond them."""
+        """Return the numbers of a range that elements have; the range may reach far beyond them."""
         known = self.deck.places
         if len(numbers) <= len(known):
             return [number for number in numbers if (scope, number) in known]
         return [number for where, number in known if where == scope and number in numbers]
 
     def _is_other_face(self, place: Place) -> bool:
-        """True for elements that are faces, but no triangles."""
+        """Return True for an element that is a face but not a triangle."""
         block = self.deck.blocks[place.block]
         return not block.kind and _FLAT.match(block.type) is not None
 
     def _corners(
         self, key: tuple[str, str], above: tuple[tuple[str, str], ...]
     ) -> tuple[list[tuple[int, ...]], str]:
-        """Corners of the faces of a surface, and why it is not whole, if it is not."""
+        """Return the face corners of a surface, and the reason if the surface is incomplete."""
         if key not in self.deck.surfaces or key in above:
             return [], f"it names the surface {key[1]!r}, which the deck does not have"
         surface = self.deck.surfaces[key]
@@ -236,7 +236,7 @@ class _Named:
         return corners, reason
 
     def _faces_of(self, scope: str, elements: str, face: str) -> tuple[list[tuple[int, ...]], str]:
-        """Corners of one face of each of some elements, or of their free faces if none is named."""
+        """Return the corners of one face of each given element, or of their free faces if none is named."""
         reason = ""
         if elements.isdigit():
             place = self.deck.places.get((scope, int(elements)))
@@ -263,7 +263,7 @@ class _Named:
 
     @cached_property
     def _free(self) -> set[tuple[int, ...]]:
-        """Corners, ascending, of the faces of solids that no other one shares."""
+        """Corners, ascending, of free faces of solids."""
         solids = [
             rows
             for rows, block in zip(self.rows, self.deck.blocks, strict=True)

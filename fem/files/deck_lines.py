@@ -1,8 +1,8 @@
-"""Lines of a deck of Abaqus or CalculiX: keywords with their options and data, over all files it includes.
+"""Lines of an Abaqus or CalculiX deck and its included files: keywords with their options and data.
 
-Syntax: Abaqus, "Input syntax rules". Keywords, options and names are the same in upper and lower case, blanks
-in names of options do not count, comments may stand between any two lines, a keyword that ends with a comma
-goes on in the next line.
+Syntax: Abaqus, "Input syntax rules". Keywords, options and names are case-insensitive; blanks in option names
+do not count. Comments may stand between any two lines. A keyword that ends with a comma continues in the next
+line.
 """
 
 import re
@@ -14,9 +14,9 @@ from fem.body.mesh import MeshError
 from fem.files.mesh_content import LARGEST_FILE
 
 DEEPEST = 20
-"""Files that include each other."""
+"""Greatest depth of files that include each other."""
 WITH_FILES = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE")
-"""Keywords of a mesh whose data may stand in a file of their own."""
+"""Keywords of a mesh with data that may be in a separate file."""
 _FIELD = re.compile(r'(?:[^,"]|"[^"]*"?)+')
 
 
@@ -27,13 +27,13 @@ class Keyword:
     Attributes
     ----------
     name : str
-        In capitals, without its star: "ELEMENT".
+        Name in capitals without the star: "ELEMENT".
     options : dict of str to str
-        By their names in capitals; empty where an option has no value.
+        Values by option names in capitals; empty for an option without a value.
     place : str
         File and line, for messages.
     lines : list of str
-        Its data, without comments and empty lines.
+        Data, without comments and empty lines.
     """
 
     name: str
@@ -42,23 +42,23 @@ class Keyword:
     lines: list[str] = field(default_factory=list)
 
     def rows(self) -> Iterator[list[str]]:
-        """Fields of each line of data."""
+        """Yield the fields of each line of data."""
         for line in self.lines:
             yield [entry.strip() for entry in line.rstrip(",").split(",")]
 
 
 def label(name: str) -> str:
-    """Name as the program compares it: without quotes and blanks, upper and lower case the same."""
+    """Return a name as the program compares it: without quotes, blanks and case."""
     return "".join(unquoted(name).split()).casefold()
 
 
 def unquoted(name: str) -> str:
-    """Name without quotes and without blanks around it."""
+    """Return a name without quotes and without blanks around it."""
     return name.strip().strip("\"'").strip()
 
 
 def text_of(content: bytes, name: str) -> str:
-    """Text of a file of a deck; a MeshError if it is none."""
+    """Return the text of a file of a deck; raise `MeshError` if it is not text."""
     if b"\0" in content:
         raise MeshError(f"a deck must be text, got zero bytes in {name}")
     return content.decode("utf-8-sig", errors="replace")
@@ -72,14 +72,14 @@ def _deck_text(path: Path) -> str:
 
 
 def keywords(path: Path, text: str | None = None) -> list[Keyword]:
-    """Keywords of a deck and of the files that it includes, in their order.
+    """Return the keywords of a deck and of its included files, in their order.
 
     Parameters
     ----------
     path : Path
-        Deck, beside which included files are looked for.
+        Deck; its included files are searched beside it.
     text : str, optional
-        Its text, if it is already read.
+        Text of the deck, if already read.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def keywords(path: Path, text: str | None = None) -> list[Keyword]:
 
 
 def _collect(path: Path, text: str, chain: tuple[Path, ...], collected: list[Keyword]) -> None:
-    """Append the keywords of a file and of those that it includes."""
+    """Append the keywords of a file and of its included files."""
     for keyword in _keywords_of(path, text, collected):
         if keyword.name == "INCLUDE":
             included = _included(keyword, chain)
@@ -107,7 +107,7 @@ def _collect(path: Path, text: str, chain: tuple[Path, ...], collected: list[Key
 
 
 def _keywords_of(path: Path, text: str, collected: list[Keyword]) -> Iterator[Keyword]:
-    """Keywords of one file; data before its first one belong to the last keyword so far."""
+    """Yield the keywords of one file; data before its first keyword belong to the last one so far."""
     begun = ""
     place = ""
     for number, raw in enumerate(text.splitlines(), start=1):
@@ -143,7 +143,7 @@ def _keyword(line: str, place: str) -> Keyword:
 
 
 def _included(keyword: Keyword, chain: tuple[Path, ...]) -> Path:
-    """Path of the file that a keyword includes, beside its own file or beside the deck."""
+    """Return the path of the file that a keyword includes, beside its own file or beside the deck."""
     name = unquoted(keyword.options.get("INPUT", ""))
     if not name:
         raise MeshError(f"*{keyword.name} must have INPUT=file ({keyword.place})")

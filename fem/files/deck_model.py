@@ -1,6 +1,6 @@
-"""Nodes, elements, sets and surfaces of a deck of Abaqus or CalculiX, as its keywords have them.
+"""Nodes, elements, sets and surfaces of an Abaqus or CalculiX deck, as its keywords define them.
 
-Blocks of a keyword that stand apart are joined; sets and surfaces still name each other.
+Separate blocks of one keyword are joined; references between sets and surfaces are not resolved yet.
 """
 
 import re
@@ -25,13 +25,13 @@ _KINDS = {
 }
 _KIND_OF = {base: kind for kind, bases in _KINDS.items() for base in bases}
 NODES_OF = {"tetra": 4, "tetra10": 10, "triangle": 3, "triangle6": 6}
-"""Nodes of the kinds that are read; of others only the numbers are."""
+"""Number of nodes of each kind that is read; of other kinds only the element numbers are read."""
 _MADE = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
-"""Keywords by which a deck makes nodes and elements from others."""
+"""Keywords that generate nodes and elements from others."""
 
 
 class Place(NamedTuple):
-    """Block of elements, and a row of it."""
+    """Location of an element: its block, and its row in the block."""
 
     block: int
     row: int
@@ -39,7 +39,7 @@ class Place(NamedTuple):
 
 @dataclass
 class Set:
-    """Elements of a name: their numbers and other sets, with the scope in which these are known."""
+    """Named element set: element numbers and other sets, with their scopes."""
 
     name: str
     internal: bool = True
@@ -50,7 +50,7 @@ class Set:
 
 @dataclass
 class Surface:
-    """Faces of a name: pairs of elements, a set's name or a number in a scope, and the faces of them."""
+    """Named surface: faces of elements, given by a set's name or a number in a scope."""
 
     name: str
     faces: list[tuple[str, str, str]] = field(default_factory=list)
@@ -60,7 +60,7 @@ class Surface:
 
 @dataclass
 class Block:
-    """Elements of one type: rows of their nodes, or none where the type is left out."""
+    """Elements of one type: rows of their nodes, or none if the type is left out."""
 
     scope: str
     type: str
@@ -71,7 +71,7 @@ class Block:
 
 @dataclass
 class Deck:
-    """Everything of a deck that is of its mesh; a scope is a part, or none outside of parts."""
+    """Everything in a deck that belongs to its mesh; a scope is a part, or empty outside of parts."""
 
     scope: str = ""
     nodes: dict[tuple[str, int], tuple[float, float, float]] = field(default_factory=dict)
@@ -83,12 +83,12 @@ class Deck:
     instances: dict[str, tuple[str, Keyword]] = field(default_factory=dict)
 
     def set_named(self, name: str, scope: str) -> Set:
-        """Set of a name, made if there is none."""
+        """Return the set of a name; create it if there is none."""
         return self.sets.setdefault((scope, label(name)), Set(unquoted(name)))
 
 
 def deck_of(path: Path, text: str | None = None) -> Deck:
-    """Read everything of a deck that is of its mesh; raises and takes the same as `deck.read_deck`."""
+    """Read everything in a deck that belongs to its mesh; see `deck.read_deck` for arguments and errors."""
     deck = Deck()
     for keyword in keywords(path, text):
         try:
@@ -138,7 +138,7 @@ def _enter(deck: Deck, keyword: Keyword) -> None:
 
 
 def real(text: str) -> float:
-    """Number of a field, which Fortran may have written; 0 for none."""
+    """Return the number in a field, possibly written by Fortran; 0 for an empty field."""
     return float(text.upper().replace("D", "E")) if text else 0.0
 
 
@@ -157,7 +157,7 @@ def _take_nodes(deck: Deck, keyword: Keyword) -> None:
 
 
 def _kind(type_: str) -> str:
-    """Kind of an element's type, whose last letters say how it is integrated; none for types left out."""
+    """Return the kind of an element type, whatever its integration; empty for types left out."""
     match = re.fullmatch(r"(.*\d)[A-Z]*", type_)
     return _KIND_OF.get(match[1], "") if match else ""
 
@@ -184,7 +184,7 @@ def _take_elements(deck: Deck, keyword: Keyword) -> None:
 
 
 def _elements(keyword: Keyword, count: int) -> list[list[int]]:
-    """Numbers of elements and of their nodes, which may stand in several lines."""
+    """Return the numbers of elements and of their nodes; these may spread over several lines."""
     numbers = [int(text) for row in keyword.rows() for text in row if text]
     if len(numbers) % (count + 1):
         raise MeshError(
@@ -195,7 +195,7 @@ def _elements(keyword: Keyword, count: int) -> list[list[int]]:
 
 
 def _first_numbers(keyword: Keyword) -> list[list[int]]:
-    """Numbers alone of elements of a type that is left out; one goes on in the next line after a comma."""
+    """Return the numbers of elements of a type that is left out; a comma continues one in the next line."""
     goes_on = False
     numbers = []
     for line in keyword.lines:
@@ -206,21 +206,21 @@ def _first_numbers(keyword: Keyword) -> list[list[int]]:
 
 
 def _scope_of(deck: Deck, keyword: Keyword) -> str:
-    """Scope of the elements that a set or a surface of the assembly names."""
+    """Return the scope of the elements that a set or a surface of the assembly names."""
     instance = keyword.options.get("INSTANCE")
     return deck.scope if instance is None else _part_of(deck, label(instance), keyword)
 
 
 def _part_of(deck: Deck, instance: str, keyword: Keyword) -> str:
     if not deck.instances:
-        return deck.scope  # of a deck of Abaqus without its parts
+        return deck.scope  # an Abaqus deck without parts
     if instance not in deck.instances:
         raise MeshError(f"the deck must have the instance {instance!r} of *{keyword.name} ({keyword.place})")
     return deck.instances[instance][0]
 
 
 def _reference(deck: Deck, text: str, scope: str) -> tuple[str, str]:
-    """Scope and name or number of what may be an instance's: `Part-1-1.top`."""
+    """Return the scope and the name or number of a reference, possibly to an instance: `Part-1-1.top`."""
     instance, dot, name = unquoted(text).rpartition(".")
     if dot and label(instance) in deck.instances:
         return deck.instances[label(instance)][0], name
@@ -228,7 +228,7 @@ def _reference(deck: Deck, text: str, scope: str) -> tuple[str, str]:
 
 
 def _named(keyword: Keyword, option: str) -> str:
-    """Name of a set or a surface; a MeshError if it has none."""
+    """Return the name of a set or a surface; raise `MeshError` if it has none."""
     name = keyword.options.get(option, "")
     if not name:
         raise MeshError(f"*{keyword.name} ({keyword.place}) must have a name, {option}=...")

@@ -17,9 +17,9 @@ from fem.body.shapes import Shapes
 
 Program = Literal["calculix", "abaqus"]
 PROGRAMS: tuple[Program, ...] = ("calculix", "abaqus")
-"""Finite-element programs that decks of loads are written for."""
+"""Finite-element programs with a writer for decks of loads."""
 BALANCE = 1e-9
-"""Sum of balanced loads over the sum of their magnitudes, at most."""
+"""Greatest sum of balanced loads, fraction of the sum of their magnitudes."""
 
 
 def write_vtu(path: str | Path, mesh: Mesh, fields: Mapping[str, Floats]) -> None:
@@ -28,11 +28,11 @@ def write_vtu(path: str | Path, mesh: Mesh, fields: Mapping[str, Floats]) -> Non
 
 
 def vtu_content(mesh: Mesh, fields: Mapping[str, Floats], nodes: Floats | None = None) -> meshio.Mesh:
-    """Mesh with nodal fields (n,), (n, 3) or (n, 6) as meshio writes it; `nodes` (n, 3) puts it elsewhere."""
+    """Return a mesh for meshio with nodal fields (n,), (n, 3) or (n, 6); `nodes` (n, 3) replaces its own."""
     kind = "tetra" if mesh.order == 1 else "tetra10"
     return meshio.Mesh(
         mesh.nodes if nodes is None else nodes,
-        # half the numbers of the nodes are half the time, which compressing takes
+        # node numbers of half the size halve the time of compression
         [(kind, mesh.elements.astype(np.int32))],
         point_data={name: np.ascontiguousarray(field) for name, field in fields.items()},
     )
@@ -48,7 +48,7 @@ def write_modes_vtu(path: str | Path, body: ReducedBody, modes: Sequence[int]) -
 
 
 def write_frame_vtu(path: str | Path, body: Shapes, q: Floats) -> None:
-    """Write displacement (m), stress (Pa) and von Mises stress of coordinates (m,)."""
+    """Write displacement (m), stress (Pa) and von Mises stress (Pa) of coordinates (m,)."""
     stress = body.stress(q)[0]
     write_vtu(
         path,
@@ -77,11 +77,11 @@ def write_calculix(
         File to write (`.inp`).
     body : ElasticBody
     frequencies : int, optional
-        Number of free-free modes to ask for, the rigid ones included, or
+        Number of free-free modes to compute, the rigid ones included.
     forces : array (n, 3), optional
-        Nodal forces in N of a static step, with
+        Nodal forces in N of a static step, in place of frequencies.
     fixed : int array, optional
-        Numbers of the degrees of freedom (3 node + axis) that hold the body.
+        Numbers of the degrees of freedom (3 node + axis) that hold the body in a static step.
 
     Raises
     ------
@@ -112,8 +112,8 @@ def write_load_deck(
 ) -> None:
     """Write a static step of a free body under balanced loads, in SI units; nodes and elements count from 1.
 
-    The nodes of every interface are a rigid body, whose reference node at the centre takes force and moment.
-    Six degrees of freedom, away from the interfaces, hold the body; their reactions are zero.
+    The nodes of every interface are a rigid body; its reference node at the centre takes force and moment.
+    Six degrees of freedom away from the interfaces hold the body; their reactions are zero.
 
     Parameters
     ----------
@@ -127,14 +127,14 @@ def write_load_deck(
     center_loads : array (i, 6)
         Force and moment on each centre in N and N m.
     program : str
-        "calculix" or "abaqus": they name the rotations of a rigid body otherwise.
+        "calculix" or "abaqus": they name the rotations of a rigid body differently.
     remarks : sequence of str
         Lines for the reader at the top.
 
     Raises
     ------
     ValueError
-        If the loads are not in balance, a spider is not rigid or the program is another.
+        If the loads are not in balance, a spider is not rigid or the program is unknown.
     """
     if program not in PROGRAMS:
         raise ValueError(f"program must be one of {PROGRAMS}, got {program!r}")
@@ -172,7 +172,7 @@ def write_load_deck(
 def _check_balance(
     body: ElasticBody, interfaces: Sequence[Interface], forces: Floats, center_loads: Floats
 ) -> None:
-    """Refuse loads whose sum is more than rounding, against the sum of their magnitudes."""
+    """Raise `ValueError` for loads whose sum exceeds rounding of the sum of their magnitudes."""
     at_centers = rigid_motion_of_centers(interfaces, body.center_of_mass)
     off = body.rigid_modes.T @ forces.ravel() + at_centers.T @ center_loads.ravel()
     size = float(np.abs(forces).sum() + np.abs(center_loads).sum())
@@ -181,7 +181,7 @@ def _check_balance(
 
 
 def _mesh_lines(nodes: Floats, mesh: Mesh) -> list[str]:
-    """Nodes, of which the mesh's come first, and elements."""
+    """Return the lines of nodes, those of the mesh first, and of elements."""
     kind = "C3D4" if mesh.order == 1 else "C3D10"
     lines = ["*NODE, NSET=ALL"]
     lines += [f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate(nodes, 1)]
@@ -205,12 +205,12 @@ def _material_lines(material: Material) -> list[str]:
 
 
 def _held_lines(fixed: Integers) -> list[str]:
-    """Degrees of freedom (3 node + axis) that are held."""
+    """Return the lines that hold degrees of freedom (3 node + axis)."""
     return ["*BOUNDARY", *(f"{dof // 3 + 1}, {dof % 3 + 1}" for dof in fixed.tolist())]
 
 
 def _load_lines(loads: Floats, before: int = 0, axes_before: int = 0) -> list[str]:
-    """Loads (k, 3) on nodes that come after some others, along axes that come after some others."""
+    """Return the lines of loads (k, 3); nodes and axes count from `before` and `axes_before`."""
     return [
         # CalculiX cuts a number after 20 characters: its exponent must not be cut off
         f"{before + node + 1}, {axes_before + axis + 1}, {loads[node, axis]:.13g}"

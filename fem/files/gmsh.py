@@ -1,7 +1,7 @@
-"""Meshes of gmsh's files (.msh, versions 2.2 and 4.1, text and binary) with all groups of every cell.
+"""Meshes of gmsh files (.msh, versions 2.2 and 4.1, text and binary) with all groups of every cell.
 
-Format: gmsh's reference manual, "MSH file format". A cell may be in several physical groups, in version 2.2
-as a copy for each. (meshio 5.3 reads the first group alone, and one name of a surface and a volume for one.)
+Format: gmsh's reference manual, "MSH file format". A cell may be in several physical groups; version 2.2 has
+a copy for each. (meshio 5.3 reads only the first group, and confuses a surface and a volume of one name.)
 """
 
 import re
@@ -18,7 +18,7 @@ from fem.files.mesh_content import TETRAHEDRA, FileCells, FileContent
 
 _NAME = re.compile(r'\s*(\d+)\s+(-?\d+)\s+"(.*)"\s*$')
 _GMSH_TETRA10 = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-"""Nodes of gmsh's tetrahedron in meshio's order."""
+"""Order of gmsh's tetrahedron nodes in meshio."""
 _LINEAR = {
     "vertex": 1,
     "line": 2,
@@ -29,13 +29,13 @@ _LINEAR = {
     "wedge": 6,
     "hexahedron": 8,
 }
-"""Nodes of the kinds whose name in meshio has no number."""
+"""Number of nodes of the kinds without a number in their meshio name."""
 SURFACE = 2
 VOLUME = 3
 
 
 class Entity(NamedTuple):
-    """Cells of one geometric entity: its dimension and its number."""
+    """Geometric entity of cells: its dimension and its number."""
 
     dimension: int
     number: int
@@ -43,23 +43,23 @@ class Entity(NamedTuple):
 
 @dataclass
 class Msh:
-    """Content of a file: names of groups, groups of entities (4.1 alone), nodes and cells."""
+    """Content of a file: names of groups, groups of entities (version 4.1 only), nodes and cells."""
 
     names: dict[tuple[int, int], str] = field(default_factory=dict)
     groups: dict[Entity, list[int]] = field(default_factory=dict)
     tags: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))
     cells: list[tuple[int, Integers, dict[int, Integers]]] = field(default_factory=list)
-    """Type in gmsh's numbers, tags of nodes (m, k), and the rows of each group."""
+    """Gmsh's type number, tags of nodes (m, k), and the rows of each group."""
 
 
 def read_gmsh(content: bytes) -> FileContent:
-    """Read the content of a file of gmsh.
+    """Read the content of a gmsh file.
 
     Raises
     ------
     MeshError
-        If it is of another version, is parted, ends early or refers to nodes that it does not have.
+        If the file has another version, is partitioned, ends early or refers to missing nodes.
     """
     msh = Msh()
     scanner = Scanner(content)
@@ -89,7 +89,7 @@ def read_gmsh(content: bytes) -> FileContent:
 
 
 def _names(text: str) -> dict[tuple[int, int], str]:
-    """Names of groups by dimension and number."""
+    """Return the names of groups by dimension and number."""
     matches = [match for match in map(_NAME.match, text.splitlines()) if match]
     return {(int(match[1]), abs(int(match[2]))): match[3] for match in matches}
 
@@ -98,12 +98,12 @@ def _read_entities(scanner: Scanner, msh: Msh) -> None:
     for dimension, count in enumerate(scanner.sizes(4)):
         for _ in range(count):
             (number,) = scanner.integers(1).tolist()
-            scanner.reals(3 if dimension == 0 else 6)  # its box
+            scanner.reals(3 if dimension == 0 else 6)  # bounding box
             groups = scanner.integers(int(scanner.sizes(1)[0]))
-            # a group that turns the entity round has a negative number
+            # a group that reverses the entity has a negative number
             msh.groups[Entity(dimension, number)] = np.unique(np.abs(groups)).tolist()
             if dimension:
-                scanner.integers(int(scanner.sizes(1)[0]))  # what bounds it
+                scanner.integers(int(scanner.sizes(1)[0]))  # bounding entities
 
 
 def _read_nodes(scanner: Scanner, msh: Msh) -> None:
@@ -143,7 +143,7 @@ def _node_count(type_: int) -> int:
 def _read_old_nodes(scanner: Scanner, msh: Msh, section: str) -> None:
     count = int(scanner.line())
     if scanner.is_text:
-        # places on curves and surfaces may follow the coordinates
+        # parameters on curves and surfaces may follow the coordinates
         lines = [line.split()[:4] for line in scanner.rest_of_section().splitlines() if line.strip()]
         if len(lines) != count:
             raise MeshError(f"it must have {count} nodes, as it says, got {len(lines)}")
@@ -195,7 +195,7 @@ def _read_old_elements(scanner: Scanner, msh: Msh) -> None:
 
 
 def _add_old(msh: Msh, type_: int, nodes: Integers, groups: Integers) -> None:
-    """Add cells of a type, of which version 2.2 has a copy for each group they are in."""
+    """Add cells of a type; version 2.2 has a copy of a cell for each of its groups."""
     if gmsh_to_meshio_type[type_] in TETRAHEDRA:
         _, first, copy = np.unique(nodes, axis=0, return_index=True, return_inverse=True)
         order = np.argsort(first)
@@ -251,7 +251,7 @@ def _joined(named: Mapping[str, list[Integers]]) -> dict[str, Integers]:
 
 
 def _rows(nodes: Integers, kind: str, tags: Integers, order: Integers) -> Integers:
-    """Rows of nodes by their tags, in meshio's order of a cell's nodes."""
+    """Return the rows of nodes by their tags, in meshio's order of a cell's nodes."""
     place = np.minimum(np.searchsorted(tags, nodes), len(tags) - 1) if len(tags) else np.zeros_like(nodes)
     known = tags[place] == nodes if len(tags) else np.zeros(nodes.shape, dtype=bool)
     if not known.all():

@@ -1,4 +1,4 @@
-"""Sections of gmsh's files, and the numbers in them, in text or binary."""
+"""Sections of gmsh files, and the numbers in them, as text or binary."""
 
 import re
 
@@ -8,17 +8,17 @@ from fem.body.mesh import Floats, Integers, MeshError
 
 SAVE_AGAIN = "save it in version 4.1 or 2.2 (gmsh: Mesh.MshFileVersion = 4.1)"
 LARGEST_NUMBER = 2.0**53
-"""Whole numbers from here on are not exact in 8 bytes."""
+"""Limit of whole numbers: larger ones are not exact in 8 bytes."""
 _OPENING = re.compile(rb"\s*\$(MeshFormat|Comments|NOD|PhysicalNames)\b")
 
 
 def is_gmsh(content: bytes) -> bool:
-    """True for the content of a file of gmsh."""
+    """Return True for the content of a gmsh file."""
     return _OPENING.match(content) is not None
 
 
 class Scanner:
-    """Sections of a file, and numbers of the section that is read, in text or binary."""
+    """Scanner of a file's sections and of the numbers in the current section, as text or binary."""
 
     def __init__(self, content: bytes) -> None:
         self.content = content
@@ -31,7 +31,7 @@ class Scanner:
         self._next = 0
 
     def next_section(self) -> str:
-        """Name of the next section, none at the end; that of the format is read."""
+        """Return the name of the next section, empty at the end; read the format section by the way."""
         while True:
             start = self.content.find(b"$", self.place)
             if start < 0:
@@ -48,14 +48,14 @@ class Scanner:
             self.leave_section(name)
 
     def leave_section(self, name: str) -> None:
-        """Go on behind the end of a section."""
+        """Move behind the end of a section."""
         end = self.content.find(f"$End{name}".encode(), self.place)
         if end < 0:
             raise MeshError(f"it must have the end of its section ${name}, it ends early")
         self.place = end + len(name) + 4
 
     def rest_of_section(self) -> bytes:
-        """Text up to the end of the section."""
+        """Return the text up to the end of the section."""
         end = self.content.find(b"\n$End", self.place)
         return self.content[self.place : end if end >= 0 else None]
 
@@ -74,26 +74,26 @@ class Scanner:
             self._order = "<" if self.content[self.place : self.place + 4] == b"\1\0\0\0" else ">"
 
     def line(self) -> str:
-        """Next line of the section."""
+        """Return the next line of the section."""
         end = self.content.find(b"\n", self.place)
         text = self.content[self.place : end]
         self.place = end + 1
         return text.decode(errors="replace")
 
     def integers(self, count: int) -> Integers:
-        """Next numbers that are whole, of 4 bytes."""
+        """Return the next whole numbers, of 4 bytes."""
         return self._take(count, "i4").astype(np.int64)
 
     def sizes(self, count: int) -> Integers:
-        """Next numbers that are whole, of the size that the file says."""
+        """Return the next whole numbers, of the size that the file declares."""
         return self._take(count, self._size).astype(np.int64)
 
     def reals(self, count: int) -> Floats:
-        """Next numbers of 8 bytes."""
+        """Return the next numbers of 8 bytes."""
         return self._take(count, "f8").astype(np.float64)
 
     def rows(self, count: int, columns: list[str]) -> list[np.ndarray]:
-        """Columns of the next records."""
+        """Return the columns of the next records."""
         type_ = np.dtype([(str(k), self._order + column) for k, column in enumerate(columns)])
         records = self._bytes(count, type_)
         return [records[str(k)] for k in range(len(columns))]

@@ -1,4 +1,4 @@
-"""HDF5 files: whole or not at all, readable in part with a checksum of every part."""
+"""HDF5 files, written whole or not at all, readable in parts with a checksum each."""
 
 import io
 import os
@@ -19,26 +19,26 @@ KIND = "format"
 REDUCED_BODY, STATIC_FIELDS = "fem reduced body 4", "fem static fields 2"
 """Kinds of files of this package."""
 VERSIONS = ("v110", "v110")
-"""Of the format: the first one whose indices of parts have a checksum."""
+"""Versions of the format: the first one with checksums for the indices of chunks."""
 CHUNK_BYTES = 2**16
-"""Size of the parts of an array that is written for single rows to be read."""
+"""Size of an array's chunks, bytes, if single rows are to be read."""
 
 SEARCHED_BYTES = 2**20
-"""Size of the parts of a file that are searched."""
+"""Size of the parts of a file that are searched at once, bytes."""
 
 HEAP = b"GCOL\x01\0\0\0"
-"""Begin of a heap of texts and references; its size follows, then objects with heads of `HEAD` bytes."""
+"""Start of a heap of texts and references; its size follows, then objects with heads of `HEAD` bytes."""
 HEAD = 16
 Read = TypeVar("Read")
 
 
 class Disk(io.FileIO):
-    """File for HDF5, which does not survive a write that fails: it is told of none, and `check` is."""
+    """File for HDF5 that hides write failures, since HDF5 does not survive one; `check` raises them."""
 
     failure: OSError | None = None
 
     def write(self, content: Any) -> int:
-        """Write all of the content; after a failure, nothing."""
+        """Write all of the content; write nothing after a failure."""
         try:
             rest = memoryview(content)
             while self.failure is None and len(rest):
@@ -48,7 +48,7 @@ class Disk(io.FileIO):
         return len(content)
 
     def truncate(self, size: int | None = None) -> int:
-        """Set the file's size, as `write`."""
+        """Set the file's size; hide failures like `write`."""
         try:
             return super().truncate(size)
         except OSError as error:
@@ -56,14 +56,14 @@ class Disk(io.FileIO):
             return size or 0
 
     def check(self) -> None:
-        """Raise the first failure."""
+        """Raise the first failure, if any."""
         if self.failure is not None:
             raise self.failure
 
 
 @interrupts_wait()
 def write_whole(path: Path, kind: str, fill: Callable[[h5py.File], None]) -> None:
-    """Write an HDF5 file of a kind, which `fill` fills, whole or not at all."""
+    """Write an HDF5 file of a kind whole or not at all; `fill` writes its content."""
     handle, part = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
     try:
         with Disk(handle, "r+") as disk:
@@ -78,7 +78,7 @@ def write_whole(path: Path, kind: str, fill: Callable[[h5py.File], None]) -> Non
 
 
 def check_heaps(path: Path) -> None:
-    """Refuse a file of which a heap is broken: heaps have no checksums, and HDF5 reads such a one for ever.
+    """Raise an error for a broken heap: heaps have no checksums, and HDF5 would read a broken one for ever.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def check_heaps(path: Path) -> None:
 
 
 def _places(file: BinaryIO, pattern: bytes) -> Iterator[int]:
-    """Bytes at which a pattern begins in a file, of which memory holds a part at a time."""
+    """Yield the positions of a pattern in a file; memory holds a part of the file at a time."""
     start = 0
     content = b""
     while part := file.read(SEARCHED_BYTES):
@@ -120,8 +120,8 @@ def _places(file: BinaryIO, pattern: bytes) -> Iterator[int]:
 
 
 def write_rows(file: h5py.Group, name: str, array: "Floats | Integers") -> None:
-    """Write an array of which single rows may be read, with checksums of these."""
-    if array.size == 0:  # no part to have a checksum
+    """Write an array in chunks of rows with checksums, so that single rows can be read."""
+    if array.size == 0:  # no chunk that could have a checksum
         file[name] = array
         return
     rows = min(len(array), max(1, CHUNK_BYTES // array[0].nbytes))
@@ -130,9 +130,9 @@ def write_rows(file: h5py.Group, name: str, array: "Floats | Integers") -> None:
 
 @interrupts_wait()
 def check_objects(path: Path) -> None:
-    """Refuse a file whose objects or attributes cannot be read, by a ValueError; other files than HDF5 pass.
+    """Raise `ValueError` for an HDF5 file with unreadable objects or attributes; other files pass.
 
-    Readers of NetCDF leave such a file half open, and say so at some later time.
+    Readers of NetCDF leave such a file half open, and report it later.
     """
     if not h5py.is_hdf5(path):
         return
@@ -148,13 +148,13 @@ def check_objects(path: Path) -> None:
 
 @interrupts_wait()
 def read_whole(path: Path, kind: str, read: Callable[[h5py.File], Read]) -> Read:
-    """Result of `read` for an HDF5 file.
+    """Return the result of `read` for an HDF5 file.
 
     Parameters
     ----------
     path : Path
     kind : str
-        What the file's attribute `KIND` must be.
+        Required value of the file's attribute `KIND`.
     read : callable
 
     Raises

@@ -1,7 +1,7 @@
-"""Meshes of MED files of Salome and code_aster (.med), with all groups of every cell; fields are left alone.
+"""Meshes of MED files of Salome and code_aster (.med), with all groups of every cell; fields are ignored.
 
-A family is a set of cells that are in the same groups. (meshio 5.3 fails where a kind of cells has no family
-or a field is not on all kinds.)
+A family is a set of cells in the same groups. (meshio 5.3 fails if a kind of cells has no family or a field
+is not on all kinds.)
 """
 
 from collections.abc import Mapping
@@ -38,7 +38,7 @@ def read_med(path: Path) -> FileContent:
     Raises
     ------
     MeshError
-        If it is none, or holds several meshes or a mesh at several times.
+        If the file is not a MED file, or holds several meshes or a mesh at several times.
     """
     try:
         with h5py.File(path, "r") as file:
@@ -47,7 +47,7 @@ def read_med(path: Path) -> FileContent:
         raise
     except OSError as error:
         raise MeshError("it holds no mesh as med: it is no HDF5 file, or a broken one") from error
-    except (AttributeError, KeyError, TypeError, ValueError, RuntimeError) as error:  # of what it lacks
+    except (AttributeError, KeyError, TypeError, ValueError, RuntimeError) as error:  # due to missing content
         raise MeshError(f"it holds no mesh as med: {' '.join(str(error).split())}") from error
 
 
@@ -77,14 +77,14 @@ def _content(file: h5py.File) -> FileContent:
 
 
 def _rows(numbers: h5py.Dataset) -> np.ndarray:
-    """Numbers of a file, which has them column by column, as rows."""
+    """Return the numbers of a file, stored column by column, as rows."""
     if numbers.nbytes > LARGEST_FILE:
         raise MeshError(f"it must be at most {LARGEST_FILE >> 20} MiB large, got {numbers.nbytes >> 20} MiB")
     return np.asarray(numbers[()].reshape(-1, int(numbers.attrs["NBR"])).T)
 
 
 def _families(entries: h5py.Group | None) -> dict[int, list[str]]:
-    """Names of the groups of each family."""
+    """Return the names of the groups of each family."""
     families = {}
     for family in filter(None, () if entries is None else entries.values()):
         names = family["GRO"]["NOM"][()] if "GRO" in family else []

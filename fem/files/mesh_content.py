@@ -1,7 +1,7 @@
-"""Content of a mesh file, whatever its format: blocks of cells with their groups, and the volume mesh in it.
+"""Content of a mesh file of any format: blocks of cells with their groups, and the volume mesh in it.
 
-A name may stand for several groups, which are joined, and a face may have several names. A surface is read
-whole or not at all: of one that is left out the notes say why.
+Groups of one name are joined, and a face may have several names. A surface is read whole or not at all; the
+notes tell why one is left out.
 """
 
 from collections import Counter
@@ -27,15 +27,15 @@ from fem.body.mesh import (
 TRIANGLES = ("triangle", "triangle6")
 TETRAHEDRA = ("tetra", "tetra10")
 OTHER_SOLIDS = ("hexahedron", "wedge", "pyramid", "polyhedron", "tetra")
-"""How names of the kinds of solid cells begin that are no tetrahedra of 4 or 10 nodes."""
+"""Prefixes of the names of solid cells; tetrahedra of 4 or 10 nodes are the supported ones."""
 SAME_PLACE = 1e-6
-"""Of the body's size: nodes of shells that are nearer than this to a node of a solid are that node."""
+"""Distance below which a shell's node and a solid's node are the same, fraction of the body's size."""
 LARGEST_FILE = 1 << 30
-"""Bytes of a mesh file, unpacked: a hundred times those of the finest ready mesh."""
+"""Greatest size of an unpacked mesh file, bytes: a hundred times that of the finest ready mesh."""
 LARGEST_PLACE = 1e12
-"""Of coordinates, in any unit."""
+"""Limit of coordinates, in any unit."""
 TURNED = np.array([1, 0, 2, 3, 4, 6, 5, 8, 7, 9])
-"""Local nodes of a tetrahedron that is numbered in the other sense."""
+"""Order of local nodes that reverses the sense of a tetrahedron."""
 
 
 class FileCells(NamedTuple):
@@ -44,7 +44,7 @@ class FileCells(NamedTuple):
     Attributes
     ----------
     kind : str
-        In meshio's words: "tetra10", "triangle6".
+        Name in meshio: "tetra10", "triangle6".
     nodes : int array (m, k)
         Rows of the nodes' coordinates.
     groups : mapping of str to int array
@@ -63,14 +63,14 @@ class FileContent:
     Attributes
     ----------
     points : array (n, 3)
-        Coordinates, in the file's unit.
+        Coordinates in the file's unit.
     cells : list of FileCells
     faces : dict of str to list of int array (k, 3)
-        Corners of faces of solid cells that a file names as such.
+        Corners of named faces of solid cells.
     unread : dict of str to str
-        Surfaces of which a part cannot be read, and why.
+        Reasons by name of the surfaces that cannot be read in full.
     notes : list of str
-        What the file has beside its mesh.
+        Contents of the file beside its mesh.
     """
 
     points: Floats
@@ -89,15 +89,15 @@ class VolumeMesh:
     nodes : array (n, 3)
         Nodes of the tetrahedra alone, in the file's unit and axes.
     elements : int array (m, 4 or 10)
-        All of positive volume.
+        Nodes of each element; all have a positive volume.
     surfaces : dict of str to int array (k, 3 or 6)
         Named parts of the boundary.
     cell_sets : dict of str to int array
         Numbers of the elements of named bodies.
     unread : dict of str to str
-        Surfaces that are left out since a part of them cannot be read, and why.
+        Reasons by name of the surfaces that are left out, since they cannot be read in full.
     notes : tuple of str
-        What else of the file is left out.
+        Other contents of the file that are left out.
     """
 
     nodes: Floats
@@ -108,12 +108,12 @@ class VolumeMesh:
     notes: tuple[str, ...]
 
     def mesh(self) -> Mesh:
-        """Checked mesh of one body; lengths are taken for m. A MeshError says what is wrong with it."""
+        """Return the checked mesh of one body; lengths are taken as m. Raise `MeshError` if a check fails."""
         left_out = [f"surface {name!r} is left out: {reason}" for name, reason in self.unread.items()]
         return Mesh(self.nodes, self.elements, self.surfaces, (*left_out, *self.notes))
 
     def straightened(self) -> Self:
-        """Volume mesh with straight edges where curved ones fold an element, or nearly."""
+        """Return the volume mesh with straight edges where curved ones fold an element, or nearly do."""
         if self.elements.shape[1] == 4:
             return self
         nodes, count = straighten_distorted(self.nodes, self.elements)
@@ -126,8 +126,8 @@ def volume_mesh(content: FileContent) -> VolumeMesh:
     Raises
     ------
     MeshError
-        If it has no tetrahedra, other solids beside them or several orders of them, or if elements are turned
-        inside out.
+        If the file has no tetrahedra, other solids beside them or several orders of them, or if elements are
+        turned inside out.
     """
     kind = _kind_of_solids(content.cells)
     solids = [block for block in content.cells if block.kind == kind]
@@ -187,11 +187,11 @@ def _check_numbers(elements: Integers, count: int) -> None:
 
 
 def _turned_outside(points: Floats, elements: Integers) -> tuple[Integers, int]:
-    """Elements with those of negative volume numbered in the other sense, and how many these are.
+    """Reverse the numbering of elements with negative volume; return the elements and the number reversed.
 
     Programs differ in the sense of an element's nodes. An element that is turned inside out between its
-    neighbours has a negative volume, too: once numbered in the other sense it shares faces of the same sense
-    with them.
+    neighbours has a negative volume, too. After its numbering is reversed, it shares faces of the same sense
+    with its neighbours.
     """
     turned = jacobian_determinants(points, elements[:, :4])[:, 0] < 0.0
     if not turned.any():
@@ -209,11 +209,11 @@ def _turned_outside(points: Floats, elements: Integers) -> tuple[Integers, int]:
 
 
 def _shares_a_sense(elements: Integers) -> np.ndarray:
-    """True for elements (m,) that share a face with another one whose corners go round in the same sense."""
+    """Return True for elements (m,) that share a face with the same sense of corners with another one."""
     faces = elements[:, TETRA_FACES[:, :3]].reshape(-1, 3)
     order = np.argsort(faces, axis=1)
     ordered = np.take_along_axis(faces, order, axis=1)
-    # of the permutations of three corners those that keep the sense begin a cycle 0, 1, 2
+    # permutations of three corners that keep the sense are cyclic shifts of 0, 1, 2
     even = (order[:, 1] - order[:, 0]) % 3 == 1
     _, place, counts = np.unique(
         np.column_stack((ordered, even)), axis=0, return_inverse=True, return_counts=True
@@ -225,7 +225,7 @@ def _shares_a_sense(elements: Integers) -> np.ndarray:
 def _surfaces(
     content: FileContent, number: Integers, nodes: Floats, boundary: Integers
 ) -> tuple[dict[str, Integers], dict[str, str]]:
-    """Named surfaces as faces of the boundary, and those that are left out, with the reason."""
+    """Return the named surfaces as faces of the boundary, and the reasons by name of those left out."""
     number = _with_nodes_at_the_same_place(content, number, nodes)
     place = {face: row for row, face in enumerate(map(tuple, np.sort(boundary[:, :3], axis=1).tolist()))}
     surfaces: dict[str, Integers] = {}
@@ -264,7 +264,7 @@ def _named_faces(content: FileContent) -> dict[str, list[Integers]]:
 
 
 def _with_nodes_at_the_same_place(content: FileContent, number: Integers, nodes: Floats) -> Integers:
-    """Numbers of the nodes of solids, also for nodes of shells that lie on them."""
+    """Return the node numbers of solids, also for nodes of shells that coincide with them."""
     shells = [block.nodes.ravel() for block in content.cells if block.kind in TRIANGLES and block.groups]
     if not shells:
         return number
@@ -291,7 +291,7 @@ def _cell_sets(solids: list[FileCells]) -> dict[str, Integers]:
 
 
 def _left_out(cells: list[FileCells]) -> list[str]:
-    """Notes of cells that are neither tetrahedra nor triangles."""
+    """Return notes on cells that are neither tetrahedra nor triangles."""
     counts: Counter[str] = Counter()
     for block in cells:
         if block.kind not in (*TRIANGLES, *TETRAHEDRA):

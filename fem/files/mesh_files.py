@@ -1,4 +1,4 @@
-"""Meshes from and to files: decks, gmsh's and MED files with all their names, others through meshio."""
+"""Reading and writing of meshes: decks, gmsh and MED files with all their names, others through meshio."""
 
 import gzip
 import sys
@@ -27,26 +27,26 @@ _TRIANGLE_OF = {"tetra": "triangle", "tetra10": "triangle6"}
 def read_mesh(path: str | Path) -> Mesh:
     """Read a mesh of tetrahedra with its named surfaces, also gzip-compressed (`.gz`).
 
-    Surfaces have names in gmsh's files (`.msh`: physical surfaces), in decks of Abaqus and CalculiX (`.inp`:
+    Surfaces have names in gmsh files (`.msh`: physical surfaces), in decks of Abaqus and CalculiX (`.inp`:
     element sets of shells, or surfaces of element faces) and in MED files (`.med`: groups). Other formats
-    that meshio reads have none, FLAC3D's apart. A surface of which a part cannot be read is left out.
+    that meshio reads have none, except FLAC3D's. A surface that cannot be read in full is left out.
 
     Parameters
     ----------
     path : str or Path
-        Lengths in the file are in m.
+        File with lengths in m.
 
     Returns
     -------
     Mesh
-        Its notes say what of the file is left out.
+        Mesh; its notes say which contents of the file are left out.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     MeshError
-        If it is not a mesh, has no tetrahedra or several kinds of solid elements, or fails a check of
+        If the file is not a mesh, has no tetrahedra or several kinds of solid elements, or fails a check of
         `Mesh`.
 
     Warns
@@ -66,15 +66,15 @@ def read_mesh(path: str | Path) -> Mesh:
 
 
 def read_volume(path: str | Path) -> VolumeMesh:
-    """Read tetrahedra, named surfaces and named bodies of a file in its own unit and axes.
+    """Read tetrahedra, named surfaces and named bodies of a file, in its own unit and axes.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     MeshError
-        If it is not a mesh, has no tetrahedra or several kinds of solid elements, or elements that are turned
-        inside out.
+        If the file is not a mesh, has no tetrahedra, several kinds of solid elements, or elements that are
+        turned inside out.
     """
     path = Path(path)
     if not path.is_file():
@@ -93,7 +93,7 @@ def read_volume(path: str | Path) -> VolumeMesh:
 
 
 def _content(path: Path) -> FileContent:
-    """Content of a file by its last two suffixes."""
+    """Read the content of a file by its last two suffixes."""
     suffix = path.suffix.lower()
     packed = suffix == ".gz"
     plain_name = path.stem if packed else path.name
@@ -117,13 +117,13 @@ def _content(path: Path) -> FileContent:
 def _read_plain(path: Path, suffix: str) -> FileContent:
     if suffix != ".med":
         return _through_meshio(path)
-    from fem.files.med import read_med  # other meshes need no HDF5
+    from fem.files.med import read_med  # imported here, since other meshes need no HDF5
 
     return read_med(path)
 
 
 def _bytes(path: Path, packed: bool) -> bytes:
-    """Content of a file, unpacked up to a limit."""
+    """Return the content of a file, unpacked up to a size limit."""
     try:
         with gzip.open(path) if packed else path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
@@ -142,11 +142,11 @@ AS_OTHER_PROGRAMS = (
     "as .msh with physical surfaces, as .inp with *SURFACE or shells in element sets, or as .med with groups "
     "of faces"
 )
-"""How other programs save a mesh with its named surfaces."""
+"""Formats that keep named surfaces, and how other programs save them."""
 
 
 def _through_meshio(path: Path) -> FileContent:
-    """Content of a file by meshio, which prints errors and ends the process if all its readers fail."""
+    """Read the content of a file by meshio; it prints errors and ends the process if all its readers fail."""
     printed = StringIO()
     warned = StringIO()
     try:

@@ -1,4 +1,4 @@
-"""Reduced bodies and static fields to and from an HDF5 file each, with digests that reveal a stale one."""
+"""HDF5 files of reduced bodies and static fields, with digests that reveal a stale file."""
 
 import hashlib
 import json
@@ -20,7 +20,7 @@ _FIELD_ARRAYS = ("displacements", "energy", "work")
 
 
 class StaleCacheError(ValueError):
-    """A file belongs to another mesh or to other parameters."""
+    """Error for a file that belongs to another mesh or to other parameters."""
 
 
 def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
@@ -32,7 +32,7 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
         File to write, replaced only when complete.
     body : ReducedBody
     digest : str
-        Of `cache.reduction_digest`, if the file is to serve as a cache.
+        Result of `cache.reduction_digest`, if the file is to serve as a cache.
     """
 
     def fill(file: h5py.File) -> None:
@@ -72,7 +72,7 @@ def save_fields(path: str | Path, fields: StaticFields, digest: str = "") -> Non
     path : str or Path
     fields : StaticFields
     digest : str
-        Of their inputs, if the file is to serve as a cache.
+        Digest of their inputs, if the file is to serve as a cache.
     """
 
     def fill(file: h5py.File) -> None:
@@ -93,16 +93,16 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
     path : str or Path
         File of `save_reduced`.
     mesh : Mesh, optional
-        The mesh it must belong to, if given.
+        Required mesh of the file; any mesh if left out.
     digest : str, optional
-        Of `cache.reduction_digest`, that it must have, if given.
+        Result of `cache.reduction_digest`; the file must have it, if given.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     ValueError
-        If it is no file of a reduced body, or a broken one.
+        If the file is broken or not of a reduced body.
     StaleCacheError
         If mesh or digest differ.
     """
@@ -117,14 +117,14 @@ def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
     path : str or Path
         File of `save_fields`.
     digest : str, optional
-        That it must have, if given.
+        Digest that the file must have, if given.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     ValueError
-        If it is no file of static fields, or a broken one.
+        If the file is broken or not of static fields.
     StaleCacheError
         If the digest differs.
     """
@@ -143,7 +143,7 @@ def _read_fields(file: h5py.File, path: Path, digest: str | None) -> StaticField
 
 
 def _fields_digest(fields: StaticFields) -> str:
-    """SHA-256 of all that static fields hold."""
+    """Return the SHA-256 of everything that static fields hold."""
     sha = hashlib.sha256(json.dumps(dict(fields.families)).encode())
     for name in _FIELD_ARRAYS:
         sha.update(np.ascontiguousarray(getattr(fields, name)).data)
@@ -184,7 +184,7 @@ def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) ->
 
 
 def _content_digest(body: ReducedBody) -> str:
-    """SHA-256 of all that a reduced body holds."""
+    """Return the SHA-256 of everything that a reduced body holds."""
     sha = hashlib.sha256(body.mesh.digest.encode())
     interfaces = [(i.name, i.spider, i.center.tolist(), i.nodes.tolist()) for i in body.interfaces]
     described = [asdict(body.material), dict(body.parameters), body.mass, interfaces]
