@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, Drive, History, LoadCycle, StepProfile, run_case
-from exudyn_crawler.case import Outputs
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.machines import Outputs
 from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
 from exudyn_crawler.views.tables import print_table
 

@@ -24,8 +24,9 @@ FLOORS = (
     ("results", "engine"),
     ("model",),
     ("ground",),
+    ("machines",),
     ("case",),
-    ("meshes",),
+    ("settings", "meshes"),
     ("fem",),
 )
 """Rooms from the top of the house to the ground: a room imports only from floors below its own."""
@@ -99,6 +100,8 @@ def allowed(room: str) -> set[str]:
         return {one for floor in FLOORS for one in floor} - {"studies", "cli", "app"} | set(SHARED)
     floor = next(k for k, rooms in enumerate(FLOORS) if room in rooms)
     below = {one for rooms in FLOORS[floor + 1 :] for one in rooms}
+    if room == "settings":
+        return {"errors", "files"}
     if room in ("fem", "meshes"):
         return below
     also = {b for a, b in ALSO if a == room}

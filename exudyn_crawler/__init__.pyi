@@ -1,7 +1,7 @@
 # The public names, stated once: editors and type checkers read them here, so does __init__.py.
 from .assess_run import assess as assess
 from .case import Case as Case
-from .case import CaseFile as CaseFile
+from .machines import CaseFile as CaseFile
 from .case import Closed as Closed
 from .case import Drive as Drive
 from .case import FlexibleShoes as FlexibleShoes
@@ -16,8 +16,8 @@ from .case import SphereContact as SphereContact
 from .case import StepProfile as StepProfile
 from .case import Terrain as Terrain
 from .case import Track as Track
-from .case import read_case as read_case
-from .case import write_case as write_case
+from .machines import read_case as read_case
+from .machines import write_case as write_case
 from .case_run import run_case as run_case
 from .errors import CrawlerError as CrawlerError
 from .life_run import check_cases as check_cases

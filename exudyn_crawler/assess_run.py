@@ -8,8 +8,8 @@ from exudyn_crawler.assessment import run_forces
 from exudyn_crawler.assessment.assessment import Assessment, assessment_of
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.datasheet.ledger import ledger_of, stated_ledger
 from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.machines.datasheet.ledger import ledger_of, stated_ledger
 from exudyn_crawler.origins import Ledger
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.folder import record

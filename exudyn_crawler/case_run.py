@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import CaseFile, CellTerrain, check_case_file
-from exudyn_crawler.case.datasheet.odd_figures import odd_machine
+from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.case.parameters.checks import warn_of
+from exudyn_crawler.machines import CaseFile, check_case_file
+from exudyn_crawler.machines.datasheet.discrepancies import odd_machine
 from exudyn_crawler.model import flexible_shoes, reductions as cache
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress import basis, recovery

@@ -28,7 +28,8 @@ from pythonfmu.enums import Fmi2Status
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import Case, CaseFile, MachineCycle, MachinePhase, read_case, write_case
+from exudyn_crawler.case import Case, MachineCycle, MachinePhase
+from exudyn_crawler.machines import CaseFile, read_case, write_case
 from exudyn_crawler.model import diagnostics
 from exudyn_crawler.model.compiled_system import CompiledSystem
 from exudyn_crawler.results.history import History, states

@@ -12,12 +12,13 @@ import tomlkit
 
 import fem
 from exudyn_crawler import files
-from exudyn_crawler.case import Case, CaseFile, FlexibleShoes, LoadCycle, Shoe, Track, ph4100c, read_case
-from exudyn_crawler.case.case_file import case_text
-from exudyn_crawler.case.datasheet import shoe_mesh as datasheet_meshes
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.files import passed_shoe
+from exudyn_crawler.case import Case, FlexibleShoes, LoadCycle, Shoe, Track, ph4100c
 from exudyn_crawler.case.parameters.track import STEEL_DENSITY
+from exudyn_crawler.machines import CaseFile, read_case
+from exudyn_crawler.machines.case_file import case_text
+from exudyn_crawler.machines.datasheet import shoe_mesh as datasheet_meshes
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.files import passed_shoe
 from exudyn_crawler.model import shoe_mesh
 from exudyn_crawler.results.stress import basis
 from exudyn_crawler.views import style

@@ -13,8 +13,9 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import case_run, files
-from exudyn_crawler.case import Case, PairContact, read_case
-from exudyn_crawler.case.case_file import BARE
+from exudyn_crawler.case import Case, PairContact
+from exudyn_crawler.machines import read_case
+from exudyn_crawler.machines.case_file import BARE
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.stress import hot_spots, recovery
 from exudyn_crawler.run.folder import folder as folders, progress as parts, record

@@ -1,7 +1,8 @@
 """Cases of the studies to start from, as `pyproject.toml` registers them; this does not load the runs."""
 
 from exudyn_crawler import Case, CaseFile, Drive, FlexibleShoes, StepProfile
-from exudyn_crawler.case import Outputs, ph4100c
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.machines import Outputs
 from studies import CYCLE_DURATION, DURATION
 from studies.grounds import uneven_case
 

@@ -7,7 +7,7 @@ in the ruts of the first. All other soils keep their ruts. Powers of rigid shoes
 """
 
 from pathlib import Path
-from typing import Unpack
+from typing import Literal, Unpack
 
 import numpy as np
 import pandas as pd
@@ -15,11 +15,12 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, FlexibleShoes, History
-from exudyn_crawler.case import Heights, Outputs
+from exudyn_crawler.case import Heights
 from exudyn_crawler.case.parameters.heights import Ridge, Stone
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.machines import Outputs
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import in_words, life_of
 from exudyn_crawler.run.folder.record import HISTORY
@@ -32,7 +33,7 @@ PASS_DURATION = 60.0  # s, in which five of the six rollers pass over it
 PAPERS = "papers' units"
 AGAIN = "second pass"
 SOFT = "oil sand, soft end"
-KEEPS_RUTS = "chrono"
+KEEPS_RUTS: Literal["wong", "chrono"] = "chrono"
 """Unloading of soils that keep nearly all of their sinkage as a rut."""
 KILO = 1e3
 

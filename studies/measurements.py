@@ -14,9 +14,9 @@ import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, History, StepProfile, read_case, simulate
 from exudyn_crawler.case import Drive
-from exudyn_crawler.case.datasheet.library import machines
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.machines.datasheet.library import machines
 from exudyn_crawler.results.history.tension import roller_clearances
 from exudyn_crawler.results.measured import drawbar
 from exudyn_crawler.results.measured.soil_fit import fit_plates

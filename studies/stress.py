@@ -17,9 +17,9 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes
-from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.parameters.track import ADAMS_DAMPING
 from exudyn_crawler.case_run import CaseRun
+from exudyn_crawler.machines import Outputs
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress.recovery import StressResults

@@ -16,13 +16,13 @@ import xarray as xr
 import exudyn_crawler as crawler
 from exudyn_crawler import Case, History, read_case, read_duty, simulate
 from exudyn_crawler.assess_run import assess
-from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.case_file import case_text
-from exudyn_crawler.case.datasheet.library import machines
-from exudyn_crawler.case.datasheet.odd_figures import odd_values
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.co_simulation import SteppedRun
 from exudyn_crawler.ground.cells.laws import bekker, read_law
+from exudyn_crawler.machines import CaseFile
+from exudyn_crawler.machines.case_file import case_text
+from exudyn_crawler.machines.datasheet.discrepancies import odd_values
+from exudyn_crawler.machines.datasheet.library import machines
 from exudyn_crawler.model import flexible_shoes
 from exudyn_crawler.results.checks.cases import read_check
 from exudyn_crawler.results.measured import drawbar, series, soil_fit

@@ -18,12 +18,12 @@ import pytest
 import tomlkit
 
 from exudyn_crawler import Case, History, cli
-from exudyn_crawler.case import CaseFile, read_case
-from exudyn_crawler.case.datasheet.sheet import Datasheet
-from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.cli import application, commands
+from exudyn_crawler.machines import CaseFile, read_case
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.results.checks.cases import read_check
 from exudyn_crawler.run.folder import progress
+from exudyn_crawler.settings.fields import case_rows
 from exudyn_crawler.sweep.scatter import read_scatter
 from studies.commands import app as studies
 from tests.test_release import read

@@ -12,7 +12,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 
 from exudyn_crawler import Case, CaseFile, Drive, StepProfile, simulate
-from exudyn_crawler.case import MachineCycle, MachinePhase, write_case
+from exudyn_crawler.case import MachineCycle, MachinePhase
 from exudyn_crawler.co_simulation import (
     CASE,
     MachineOnTrack,
@@ -21,6 +21,7 @@ from exudyn_crawler.co_simulation import (
     outputs,
     write_fmu,
 )
+from exudyn_crawler.machines import write_case
 from exudyn_crawler.results.history.tension import hanging_chains
 from exudyn_crawler.run.solve.standing import standing
 from tests.rolled import small_case

@@ -14,9 +14,9 @@ import tomlkit
 from hypothesis import HealthCheck, example, given, settings, strategies as st
 
 from exudyn_crawler import Case, History, LoadCycle, run_case, simulate
-from exudyn_crawler.case import CaseFile, read_case
-from exudyn_crawler.case.case_file import Outputs, case_text
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.machines import CaseFile, read_case
+from exudyn_crawler.machines.case_file import Outputs, case_text
 from fem.files.hdf5 import HEAD, HEAP
 from studies.stress import study as stress_study
 from tests.case.strategies import TOML

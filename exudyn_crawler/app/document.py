@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.case_file import case_text
-from exudyn_crawler.case.datasheet import library
-from exudyn_crawler.case.datasheet.ledger import ledger_of
-from exudyn_crawler.case.edited import changed_text
-from exudyn_crawler.case.files import case_of_text, typed_value
-from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.files import whole_file
+from exudyn_crawler.machines import CaseFile
+from exudyn_crawler.machines.case_file import case_text
+from exudyn_crawler.machines.case_files import case_of_text, typed_value
+from exudyn_crawler.machines.datasheet import library
+from exudyn_crawler.machines.datasheet.ledger import ledger_of
+from exudyn_crawler.machines.edited_text import changed_text
 from exudyn_crawler.origins import Ledger
+from exudyn_crawler.settings import fields
 
 FIRST = "pc300lc"
 """Machine of the library that the page begins with."""

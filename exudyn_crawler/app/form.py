@@ -6,10 +6,10 @@ from typing import Any
 from nicegui import events, ui
 
 from exudyn_crawler.app.document import Document
-from exudyn_crawler.case.case_file import typed_text
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.asked import choices, presets, range_words
+from exudyn_crawler.machines.case_file import typed_text
 from exudyn_crawler.origins import Entry, Origin
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.constraints import choices, presets, range_words
 
 COLOURS = {
     Origin.GIVEN: "primary",

@@ -5,8 +5,8 @@ from nicegui import ui
 from exudyn_crawler.app.document import Document
 from exudyn_crawler.app.form import FormPart, below, choose, pick_list
 from exudyn_crawler.app.machine import OF_DUTY
-from exudyn_crawler.case import duties
 from exudyn_crawler.case.parameters.terrain import SoilLaw
+from exudyn_crawler.machines import duties
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages.page import figure_picture
 

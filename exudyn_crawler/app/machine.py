@@ -6,10 +6,10 @@ from nicegui import events, ui
 
 from exudyn_crawler.app.document import Document
 from exudyn_crawler.app.form import FormPart, below, in_words, pick_list, refuse
-from exudyn_crawler.case.datasheet import library
-from exudyn_crawler.case.datasheet.files import KEY
-from exudyn_crawler.case.datasheet.odd_figures import odd_values
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.machines.datasheet import library
+from exudyn_crawler.machines.datasheet.discrepancies import odd_values
+from exudyn_crawler.machines.datasheet.files import KEY
+from exudyn_crawler.settings import fields
 from exudyn_crawler.views.scenes.plots import side_figure, space_figure
 from exudyn_crawler.views.scenes.start import start_solids
 

@@ -10,10 +10,10 @@ from nicegui import ui
 
 from exudyn_crawler.app.document import Document
 from exudyn_crawler.app.serving import FILES
-from exudyn_crawler.case import write_case
-from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.machines import write_case
 from exudyn_crawler.run.folder.queue import COMMAND, Runs
+from exudyn_crawler.settings import fields
 
 SAVED = (".html", ".csv", ".png", ".mp4", ".nc", ".toml", ".pdf", ".svg")
 """Ends of the names of files that are offered."""

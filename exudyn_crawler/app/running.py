@@ -8,7 +8,7 @@ import xarray as xr
 from nicegui import run as threads, ui
 
 from exudyn_crawler.app.document import Document
-from exudyn_crawler.case.case_file import run_lines
+from exudyn_crawler.machines.case_file import run_lines
 from exudyn_crawler.results.history.summary import greatest_over_time
 from exudyn_crawler.run.folder import checkpoints
 from exudyn_crawler.run.folder.progress import rule_of_thumb, times_line

@@ -7,8 +7,8 @@ from pathlib import Path
 from exudyn_crawler.assessment.inputs import AssessmentNumbers
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.origins import Entry, Ledger, Origin, Rule, Ruled, read_rules
+from exudyn_crawler.settings import fields
 
 OF_CASE = (
     *("gravity", "gear.car_body.track_distance", "shoe.width", "shoe.mass", "track.pitch", "gear.rollers"),

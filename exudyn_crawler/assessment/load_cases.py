@@ -4,8 +4,8 @@ from importlib.resources import as_file, files
 from pathlib import Path
 from typing import Literal
 
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Several, option, quantity
-from exudyn_crawler.case.parameters.reading import read_parameters
+from exudyn_crawler.settings.parameters import Errors, Name, Parameters, Several, option, quantity
+from exudyn_crawler.settings.reading import read_parameters
 
 Support = Literal["even", "two", "outer", "one", "corner"]
 DriveState = Literal["none", "straight", "turn", "stall", "blocked"]

@@ -4,12 +4,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from exudyn_crawler.assessment.grounds import ground
-from exudyn_crawler.case import CaseFile, case_of, read_case
-from exudyn_crawler.case.parameters import base, fields
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
-from exudyn_crawler.case.parameters.fields import NONE
-from exudyn_crawler.case.parameters.reading import errors_named, from_content, stated, toml_content
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.machines import CaseFile, case_of, read_case
 from exudyn_crawler.results.life.duty import FatigueMaterial
+from exudyn_crawler.settings import fields, parameters
+from exudyn_crawler.settings.fields import NONE
+from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option, quantity
+from exudyn_crawler.settings.reading import errors_named, from_content, stated, toml_content
 
 MACHINE = "machine"  # key of the case that an assessment is of
 CLAY = "clay"  # end of the names of clays
@@ -141,7 +142,7 @@ class AssessmentSettings(Parameters):
     )
     hours: float = quantity("h", "machine hours that are asked of a shoe", gt=0, le=1e9, default=25_000.0)
     travel_part: float = quantity("1", "of the hours in travel", (0.0, 0.5), ge=0, le=1, default=0.1)
-    load_cases: base.File | None = option("file of load cases and factors; none: the program's", None)
+    load_cases: parameters.File | None = option("file of load cases and factors; none: the program's", None)
 
 
 class AskedAssessment(Parameters):

@@ -5,10 +5,6 @@ of the P&H 4100C and of the papers, in `ph4100c`, fill the classes by their name
 """
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.case_file import CaseFile, Outputs, check_case_file, differences
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.sheet import Datasheet
-from exudyn_crawler.case.files import case_of, read_case, saved_case, write_case
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.gear.machine import Machine

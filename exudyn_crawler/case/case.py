@@ -8,13 +8,14 @@ from exudyn_crawler.case import outline
 from exudyn_crawler.case.gear.assembled import Assembled
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.named import NamedCases
-from exudyn_crawler.case.parameters import fields, sizes
-from exudyn_crawler.case.parameters.base import Errors
+from exudyn_crawler.case.parameters import sizes
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact, impact_depth
 from exudyn_crawler.case.parameters.loads import LoadCycle, follow_shoes
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import SIDES, Track
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Errors
 
 NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 

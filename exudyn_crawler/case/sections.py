@@ -11,14 +11,14 @@ from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.gear.rolled import Rolled
 from exudyn_crawler.case.gear.running_gear import RunningGear
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.machine_cycle import MachineCycle
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, Terrain
 from exudyn_crawler.case.parameters.track import FlexibleShoes, Shoe, Track
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Name, Parameters, option, quantity
 
 AnyTerrain = Annotated[Terrain | CellTerrain, Field(discriminator="model")]
 Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]

@@ -108,7 +108,7 @@ def study_files() -> dict[str, Path]:
 
 def is_case(file: Path) -> bool:
     """True for a case file, of all kinds of files of parameters."""
-    from exudyn_crawler.case.parameters import fields
+    from exudyn_crawler.settings import fields
 
     content = tomllib.loads(file.read_text(encoding="utf-8"))
     return content.keys() <= {fields.BASE, *fields.file_fields(crawler.CaseFile)}
@@ -136,7 +136,7 @@ def file_named(file: Path | None) -> Path | None:
     name = str(file.with_suffix("") if file.suffix == ".toml" else file)
     if file.suffix != ".toml" and os.path.exists(f"{name}.toml"):
         raise FileNotFoundError(f"there is no file {file}; did you mean {name}.toml?")
-    from exudyn_crawler.case.datasheet import library
+    from exudyn_crawler.machines.datasheet import library
 
     kinds = {"machine of the library": ("machine", [*library.machines()])}
     kinds["study"] = ("study", study_names())

@@ -97,7 +97,7 @@ def init(
     start = study or path.stem
     known = application.study_names()
     if start not in known:
-        from exudyn_crawler.case.datasheet import library
+        from exudyn_crawler.machines.datasheet import library
 
         if start in library.machines():
             raise ValueError(
@@ -123,10 +123,11 @@ def info(
     changes: application.Changes = None,
 ) -> None:
     """Show all values of a case, and where they differ from the nearest case of the papers."""
-    from exudyn_crawler.case.case_file import nearest_base, run_lines
-    from exudyn_crawler.case.datasheet.odd_figures import odd_values
-    from exudyn_crawler.case.kept import kept_lines
-    from exudyn_crawler.case.parameters import checks, fields
+    from exudyn_crawler.case.parameters import checks
+    from exudyn_crawler.machines.case_file import nearest_base, run_lines
+    from exudyn_crawler.machines.datasheet.discrepancies import odd_values
+    from exudyn_crawler.machines.unscaled_values import kept_lines
+    from exudyn_crawler.settings import fields
 
     studies = application.study_names(cases=True)
     of_the_base = list[str]()
@@ -178,8 +179,8 @@ def run(
     if page is not None:
         case_file = case_file.with_({"outputs.page": page})
     out = out or application.RESULTS / case.stem
-    from exudyn_crawler.case.case_file import run_lines
-    from exudyn_crawler.case.kept import kept_lines
+    from exudyn_crawler.machines.case_file import run_lines
+    from exudyn_crawler.machines.unscaled_values import kept_lines
     from exudyn_crawler.run.folder.folder import refuse_other_results
 
     if not overwrite:
@@ -268,8 +269,8 @@ def schema(
     overwrite: application.Overwrite = False,
 ) -> None:
     """Write the JSON schema of case files, by which editors complete and check them."""
-    from exudyn_crawler.case.files import case_schema
     from exudyn_crawler.files import whole_file
+    from exudyn_crawler.machines.case_files import case_schema
 
     with whole_file(out, overwrite) as temporary:
         temporary.write_text(json.dumps(case_schema(), indent=1) + "\n", encoding="utf-8")
@@ -289,9 +290,9 @@ def fmu(
     if find_spec("pythonfmu") is None:
         raise ValueError(application.needs("units of co-simulation", ["pythonfmu"], "fmu"))
     case_file = crawler.read_case(case, changes or ())
-    from exudyn_crawler.case.datasheet.odd_figures import odd_values
     from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.co_simulation import write_fmu
+    from exudyn_crawler.machines.datasheet.discrepancies import odd_values
 
     checks.warn_of(odd_values(case_file))
     written = write_fmu(case_file, out or case.with_suffix(".fmu"), overwrite)
@@ -325,7 +326,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
     ) -> None:
         if missing := [module for module in NEEDED if find_spec(module) is None]:
             raise ValueError(application.needs("sweeps", missing, "sweep"))
-        from exudyn_crawler.case.parameters.fields import value_text
+        from exudyn_crawler.settings.fields import value_text
         from exudyn_crawler.sweep.scatter import DutyScatter, read_scatter
 
         plan = read_scatter(file)

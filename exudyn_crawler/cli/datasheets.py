@@ -13,8 +13,8 @@ from exudyn_crawler.views.tables import ORIGIN_COLUMNS, origin_rows, print_rows,
 
 def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
     """Copy a machine of the library to a path, under its name; a ValueError if there is no such one."""
-    from exudyn_crawler.case.datasheet import library
     from exudyn_crawler.files import whole_file
+    from exudyn_crawler.machines.datasheet import library
 
     known = library.machines()
     if machine not in known:
@@ -38,8 +38,8 @@ def fit_shoe(file: Path, size: str, out: Path, overwrite: bool) -> None:
 
 def show_keys() -> None:
     """Print all figures that a datasheet may have: key, unit and meaning."""
-    from exudyn_crawler.case.datasheet.sheet import Datasheet
-    from exudyn_crawler.case.parameters import fields
+    from exudyn_crawler.machines.datasheet.sheet import Datasheet
+    from exudyn_crawler.settings import fields
 
     rows = [
         (name, fields.unit_of(field), f"{field.description}{_choices(field.annotation)}")
@@ -58,7 +58,7 @@ def _choices(annotation: Any) -> str:
 
 def show_values(case_file: "crawler.CaseFile", title: str) -> None:
     """Print every value of a machine's case with its origin."""
-    from exudyn_crawler.case.datasheet.ledger import case_ledger
+    from exudyn_crawler.machines.datasheet.ledger import case_ledger
 
     ledger = case_ledger(case_file)
     heading = f"{title}: {ledger.summary}; exudyn-crawler machine {title} has the datasheet's figures"

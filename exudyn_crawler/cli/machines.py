@@ -34,10 +34,10 @@ def machine(
     changes: application.Changes = None,
 ) -> None:
     """Show what follows from a datasheet: its figures beside those of the machine, and what is assumed."""
-    from exudyn_crawler.case.datasheet.figures import figures
-    from exudyn_crawler.case.datasheet.ledger import sheet_ledger
-    from exudyn_crawler.case.datasheet.odd_figures import odd_values
     from exudyn_crawler.case.parameters import checks
+    from exudyn_crawler.machines.datasheet.discrepancies import odd_values
+    from exudyn_crawler.machines.datasheet.figures import figures
+    from exudyn_crawler.machines.datasheet.ledger import sheet_ledger
 
     if keys:
         datasheets.show_keys()
@@ -75,7 +75,7 @@ def machine(
 
 def _text(value: float | None, unit: str) -> str:
     """Figure with four digits and its unit; empty for none."""
-    from exudyn_crawler.case.parameters.fields import value_text
+    from exudyn_crawler.settings.fields import value_text
 
     return "" if value is None else value_text(float(f"{value:.4g}"), unit if unit != "1" else "")
 
@@ -88,8 +88,8 @@ def machines(
     overwrite: application.Overwrite = False,
 ) -> None:
     """List the machines of the library, which `init NAME --machine MACHINE` starts from."""
-    from exudyn_crawler.case.datasheet import library
     from exudyn_crawler.files import refuse_existing
+    from exudyn_crawler.machines.datasheet import library
 
     if page is not None:
         refuse_existing(page, overwrite)

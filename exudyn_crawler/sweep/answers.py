@@ -6,11 +6,10 @@ from typing import Annotated, Any, ClassVar, Literal
 import xarray as xr
 from pydantic import Field, TypeAdapter
 
-from exudyn_crawler.case import Case, CaseFile
+from exudyn_crawler.case import Case
 from exudyn_crawler.case.gear.base import WheelKind
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity as measured
 from exudyn_crawler.case_run import CaseRun
+from exudyn_crawler.machines import CaseFile
 from exudyn_crawler.results.history import catalogue
 from exudyn_crawler.results.history.catalogue import QUANTITIES, select
 from exudyn_crawler.results.history.quantities import DTYPES, Quantity
@@ -19,6 +18,8 @@ from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.measured.drawbar import drawbar_result
 from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
 from exudyn_crawler.run.folder.folder import SAME_TIME
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option, quantity as measured
 
 ANSWERABLE = {
     name: entry

@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeVar
 import pandas as pd
 from scipy.stats import qmc
 
-from exudyn_crawler.case import CaseFile, Outputs, case_of
-from exudyn_crawler.case.case_file import BARE
-from exudyn_crawler.case.datasheet import files as datasheets
-from exudyn_crawler.case.parameters import checks, fields, reading, units
-from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
+from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.machines import CaseFile, Outputs, case_of
+from exudyn_crawler.machines.case_file import BARE
+from exudyn_crawler.machines.datasheet import files as datasheets
+from exudyn_crawler.settings import fields, reading, units
+from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, DamageOptions, Life, Often
 from exudyn_crawler.sweep.vary import Varied, Vary, checked_case
 

@@ -9,9 +9,9 @@ import pandas as pd
 import xarray as xr
 from scipy.stats import binomtest, quantile_test, spearmanr
 
-from exudyn_crawler.case.parameters.fields import PREFIXES, prefix_of, value_text
 from exudyn_crawler.errors import NoAnswerError
 from exudyn_crawler.results.history.catalogue import READ_IN
+from exudyn_crawler.settings.fields import PREFIXES, prefix_of, value_text
 from exudyn_crawler.sweep import answers, definition, worker
 from exudyn_crawler.sweep.scatter import AnySweep
 from exudyn_crawler.views.tables import write_table

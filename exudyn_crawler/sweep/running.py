@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from exudyn_crawler.case import CaseFile, write_case
-from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from exudyn_crawler.files import writable_folder, write_netcdf
+from exudyn_crawler.machines import CaseFile, write_case
 from exudyn_crawler.run.folder import progress as parts, record
+from exudyn_crawler.settings.fields import in_units
 from exudyn_crawler.sweep import answers, page, results, scatter
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome

@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case.parameters import base, checks, fields, reading
+from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.life_run import stage_lives
 from exudyn_crawler.results.life import duty_runs, life
 from exudyn_crawler.results.life.duty import DamageOptions, Duty, DutyCase, DutyRun, read_duty
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
+from exudyn_crawler.settings import fields, parameters, reading
 from exudyn_crawler.sweep import answers, definition
 from fem.fatigue.changes import EndsTracker, PassEnds, changes
 from fem.fatigue.defects import CycleStage
@@ -30,9 +31,9 @@ class DutyScatter(definition.Variation):
     """Lives over a duty of which values are drawn: every draw is a shoe."""
 
     duty: Duty
-    design: definition.Design = base.option("as in a sweep", "latin_hypercube")
+    design: definition.Design = parameters.option("as in a sweep", "latin_hypercube")
 
-    def _errors(self) -> base.Errors:
+    def _errors(self) -> parameters.Errors:
         for path in (path for variable in self.vary for path in variable.keys):
             names = fields.names_of(fields.parse_path(path))
             if not {names[0], names[-1]} & set(DRAWN):

@@ -7,12 +7,12 @@ import numpy as np
 from pydantic import Field, ValidationError
 from scipy.stats import norm
 
-from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.files import with_equal_loads
-from exudyn_crawler.case.parameters import fields, reading
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option
-from exudyn_crawler.case.parameters.faults import error_lines
+from exudyn_crawler.machines import CaseFile
+from exudyn_crawler.machines.case_files import with_equal_loads
 from exudyn_crawler.results.life.duty import Duty
+from exudyn_crawler.settings import fields, reading
+from exudyn_crawler.settings.error_lines import error_lines
+from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option
 from exudyn_crawler.sweep.answers import Life
 
 WITHIN = 0.9  # of drawn values between low and high

@@ -16,7 +16,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from exudyn_crawler import case_run, errors
-from exudyn_crawler.case import CaseFile
+from exudyn_crawler.machines import CaseFile
 from exudyn_crawler.model.reductions import program_digest
 from exudyn_crawler.run.folder.record import LOCK, note_file, timestamp, write_json
 from exudyn_crawler.sweep import answers, definition

@@ -10,8 +10,9 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import files
-from exudyn_crawler.case import CaseFile, CellTerrain, Outputs
-from exudyn_crawler.case.datasheet.ledger import ORIGINS_FILE, ledger_of
+from exudyn_crawler.case import CellTerrain
+from exudyn_crawler.machines import CaseFile, Outputs
+from exudyn_crawler.machines.datasheet.ledger import ORIGINS_FILE, ledger_of
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history import History, catalogue, ground_map, summary
 from exudyn_crawler.results.stress import hot_spots, recovery

@@ -29,7 +29,7 @@ def origin_rows(entries: Iterable["Entry"], short: bool = False) -> list[tuple[s
 
     Values are `short` with four digits, else as exact as case files have them.
     """
-    from exudyn_crawler.case.parameters.fields import value_text
+    from exudyn_crawler.settings.fields import value_text
 
     rows = []
     for entry in entries:

@@ -7,12 +7,13 @@ import pytest
 pytest.importorskip("nicegui", reason="the extra `app` is not installed")
 
 from exudyn_crawler.app.document import Document
-from exudyn_crawler.case import Case, CaseFile, duties, read_case, write_case
-from exudyn_crawler.case.case_file import typed_text
-from exudyn_crawler.case.files import typed_value
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.asked import choices, presets, range_words
+from exudyn_crawler.case import Case
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.machines import CaseFile, duties, read_case, write_case
+from exudyn_crawler.machines.case_file import typed_text
+from exudyn_crawler.machines.case_files import typed_value
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.constraints import choices, presets, range_words
 
 WEIGHT = "datasheet.operating_weight"
 

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("nicegui", reason="the extra `app` is not installed")
 
-from exudyn_crawler.case import read_case
+from exudyn_crawler.machines import read_case
 from tests.views.conftest import browser  # noqa: F401 - a fixture
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")

@@ -13,10 +13,10 @@ from exudyn_crawler.assessment.inputs import numbers_of
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import check_of, shoe_stresses
 from exudyn_crawler.case import Drive, Heights, Ridge, Track
-from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.machines.datasheet import library
 from exudyn_crawler.origins import Origin
 from exudyn_crawler.results.checks.cases import ShoeCheck
 from fem import Mesh, write_mesh

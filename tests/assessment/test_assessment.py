@@ -12,11 +12,12 @@ from exudyn_crawler.assessment.ledger import rules
 from exudyn_crawler.assessment.load_cases import read_load_cases
 from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessment
 from exudyn_crawler.assessment.slewing import least_over_slew
-from exudyn_crawler.case import MachineCycle, read_case, write_case
-from exudyn_crawler.case.datasheet import library
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case import MachineCycle
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.machines import read_case, write_case
+from exudyn_crawler.machines.datasheet import library
 from exudyn_crawler.origins import Entry, Ledger, Origin
+from exudyn_crawler.settings import fields
 from tests.test_release import read
 
 GRAVITY = 9.81

@@ -8,10 +8,10 @@ import typing
 from hypothesis import strategies as st
 
 from exudyn_crawler import Case, CaseFile, SphereContact, StepProfile
-from exudyn_crawler.case import Outputs
-from exudyn_crawler.case.parameters.base import Parameters
-from exudyn_crawler.case.parameters.fields import allows_none, key_paths, models_of, named_values
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines import Outputs
+from exudyn_crawler.settings.fields import allows_none, key_paths, models_of, named_values
+from exudyn_crawler.settings.parameters import Parameters
 from meshes import SHOE_SIZES
 
 # no lone surrogates: they are no text that a file could hold

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import SIDES, Drive, LoadCycle, MachineCycle, StepProfile, read_case
-from exudyn_crawler.case.datasheet.library import machines
+from exudyn_crawler.case import SIDES, Drive, LoadCycle, MachineCycle, StepProfile
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.case.parameters.machine_cycle import Pose
 from exudyn_crawler.case.ph4100c import MACHINE_MASS, PROPEL_END
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.machines import read_case
+from exudyn_crawler.machines.datasheet.library import machines
 
 CLOSED, SHOVEL = Case.closed(), Case.shovel()
 RATES = {"speed": 0.3, "turn_rate": 0.05}

@@ -5,15 +5,15 @@ import re
 import numpy as np
 import pytest
 
-from exudyn_crawler.case import read_case
-from exudyn_crawler.case.datasheet import figures, library
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.ledger import case_ledger, sheet_ledger
-from exudyn_crawler.case.datasheet.library import machines
-from exudyn_crawler.case.datasheet.odd_figures import odd_figures, odd_values
-from exudyn_crawler.case.datasheet.sheet import Datasheet
-from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import CaseFileError, ParameterError
+from exudyn_crawler.machines import read_case
+from exudyn_crawler.machines.datasheet import figures, library
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.discrepancies import odd_figures, odd_values
+from exudyn_crawler.machines.datasheet.ledger import case_ledger, sheet_ledger
+from exudyn_crawler.machines.datasheet.library import machines
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.settings import fields
 
 PC300 = {
     "operating_weight": 35371.0,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from exudyn_crawler.case.datasheet import rules, typical
+from exudyn_crawler.machines.datasheet import rules, typical
 
 
 def test_pins_circle_of_a_half_pitch_sprocket_is_that_of_its_service_manual():

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 import fem
-from exudyn_crawler.case import Shoe, Track, read_case
-from exudyn_crawler.case.datasheet import figures, library, shoe_mesh
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.ledger import case_ledger
-from exudyn_crawler.case.datasheet.sheet import Datasheet, DatasheetError
+from exudyn_crawler.case import Shoe, Track
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.machines import read_case
+from exudyn_crawler.machines.datasheet import figures, library, shoe_mesh
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.ledger import case_ledger
+from exudyn_crawler.machines.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.model import shoe_mesh as fits
 from meshes import PITCH, STEEL, checks, fitted, grouser, mesh_named
 from meshes.recognition import quality

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from exudyn_crawler import Case, read_case
-from exudyn_crawler.case import datasheet
 from exudyn_crawler.case.gear.deflections import SHALLOWEST, LoadedContact
 from exudyn_crawler.case.parameters.checks import implausible
+from exudyn_crawler.machines import datasheet
 
 CLOSED = Case.closed()
 LIBRARY = Path(datasheet.__file__).parent / "library"

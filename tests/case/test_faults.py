@@ -8,11 +8,12 @@ import pytest
 
 import exudyn_crawler.results.checks.cases
 import exudyn_crawler.sweep.scatter
-from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.parameters import fields, loads, reading
-from exudyn_crawler.case.parameters.base import Parameters
-from exudyn_crawler.case.parameters.faults import error_lines
+from exudyn_crawler.case.parameters import loads
 from exudyn_crawler.ground.cells.laws import bekker, rock
+from exudyn_crawler.machines import CaseFile
+from exudyn_crawler.settings import fields, reading
+from exudyn_crawler.settings.error_lines import error_lines
+from exudyn_crawler.settings.parameters import Parameters
 
 BAD = (
     *("x", "", "386,4 kN", 5, -1, 1.5, True, [], [5], ["x"], [[1, 2]], [None], {}, {"a": 1}, {"model": "x"}),

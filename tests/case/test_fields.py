@@ -4,9 +4,9 @@ import pytest
 
 from exudyn_crawler import Case, CaseFile, LoadCycle, PairContact, SphereContact, Terrain
 from exudyn_crawler.case import CellContact
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.fields import entry_at, parse_path, walk, with_value
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.fields import entry_at, parse_path, walk, with_value
 
 CONTENT = {"loads": {"phases": [{"end": 0.0}, {"end": 5.0}]}, "name": "a"}
 

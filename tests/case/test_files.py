@@ -9,18 +9,12 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from jsonschema import Draft202012Validator
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, PairContact, SphereContact, Terrain
-from exudyn_crawler.case import CellContact, CellTerrain, Outputs, read_case, write_case
-from exudyn_crawler.case.case_file import case_text
-from exudyn_crawler.case.files import case_schema
-from exudyn_crawler.case.parameters.fields import (
-    case_rows,
-    key_paths,
-    models_of,
-    named_values,
-    number_text,
-    tag_of,
-)
+from exudyn_crawler.case import CellContact, CellTerrain
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.machines import Outputs, read_case, write_case
+from exudyn_crawler.machines.case_file import case_text
+from exudyn_crawler.machines.case_files import case_schema
+from exudyn_crawler.settings.fields import case_rows, key_paths, models_of, named_values, number_text, tag_of
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, CaseFile, MachineCycle, read_case, write_case
-from exudyn_crawler.case import CarBody, Closed, Dragged, Machine, Rolled, saved_case
+from exudyn_crawler.case import CarBody, Closed, Dragged, Machine, Rolled
 from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines import saved_case
 
 KINDS = {
     "dragged": Case.translation(),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exudyn_crawler.case.kept import kept_lines
+from exudyn_crawler.machines.unscaled_values import kept_lines
 
 SMALLER = """
 base = "translation"
@@ -39,7 +39,8 @@ def test_a_file_near_to_its_base_says_nothing(lines_of):
 
 
 def test_a_file_without_a_base_says_nothing(lines_of, tmp_path):
-    from exudyn_crawler.case import Case, CaseFile, write_case
+    from exudyn_crawler.case import Case
+    from exudyn_crawler.machines import CaseFile, write_case
 
     written = write_case(
         CaseFile(case=Case.translation().with_({"shoe.mass": 2000.0})), tmp_path / "whole.toml"

@@ -2,12 +2,12 @@
 
 import pytest
 
-from exudyn_crawler.case import read_case
-from exudyn_crawler.case.datasheet import library
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.lift_chart import com_ahead, fit_of
-from exudyn_crawler.case.datasheet.sheet import Datasheet, LiftChart
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines import read_case
+from exudyn_crawler.machines.datasheet import library
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.lift_chart import com_ahead, fit_of
+from exudyn_crawler.machines.datasheet.sheet import Datasheet, LiftChart
 
 
 def chart_of(front, moment, line, radii, share=0.75):

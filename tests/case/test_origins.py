@@ -5,16 +5,16 @@ from collections import Counter
 
 import pytest
 
-from exudyn_crawler.case import read_case
-from exudyn_crawler.case.datasheet import figures, library, typical
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.ledger import case_ledger, ledger_of, sheet_ledger, stated_ledger
-from exudyn_crawler.case.datasheet.odd_figures import odd_figures, odd_values
-from exudyn_crawler.case.datasheet.ruled_machine import rules
-from exudyn_crawler.case.datasheet.sheet import Datasheet
-from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import CaseFileError, ParameterError
+from exudyn_crawler.machines import read_case
+from exudyn_crawler.machines.datasheet import figures, library, typical
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.discrepancies import odd_figures, odd_values
+from exudyn_crawler.machines.datasheet.ledger import case_ledger, ledger_of, sheet_ledger, stated_ledger
+from exudyn_crawler.machines.datasheet.ruled_machine import rules
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.origins import Origin
+from exudyn_crawler.settings import fields
 from tests.case.random_datasheets import drawn
 
 HEAVIER = """

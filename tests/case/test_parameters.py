@@ -13,10 +13,10 @@ import pytest
 import fem
 from exudyn_crawler import Case, CaseFile, Drive, LoadCycle, PairContact, StepProfile, run_case, simulate
 from exudyn_crawler.case import FlexibleShoes, Phase, Shoe, Solver, Terrain, Track
-from exudyn_crawler.case.parameters.base import Parameters
-from exudyn_crawler.case.parameters.fields import entry_at
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.settings.fields import entry_at
+from exudyn_crawler.settings.parameters import Parameters
 from exudyn_crawler.sweep.answers import Answer
 from exudyn_crawler.sweep.vary import Vary
 from meshes import shoe_mesh

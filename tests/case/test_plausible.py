@@ -6,10 +6,10 @@ import warnings
 import pytest
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, Phase, SphereContact, simulate
-from exudyn_crawler.case.case_file import check_size, machine_memory
 from exudyn_crawler.case.parameters.checks import implausible, warn_implausible
-from exudyn_crawler.case.parameters.fields import plausible_range, walk
 from exudyn_crawler.errors import ImplausibleWarning, ParameterError
+from exudyn_crawler.machines.case_file import check_size, machine_memory
+from exudyn_crawler.settings.fields import plausible_range, walk
 
 STRAIGHT = Case.translation()
 SPHERES = STRAIGHT.with_(contact=SphereContact.oil_sand())

@@ -5,13 +5,14 @@ import re
 
 import pytest
 
-from exudyn_crawler.case import Case, CaseFile, read_case
-from exudyn_crawler.case.datasheet import plausible, typical
-from exudyn_crawler.case.datasheet.library import machines
-from exudyn_crawler.case.datasheet.odd_figures import odd_machine, odd_values
-from exudyn_crawler.case.datasheet.sheet import Datasheet
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.reading import CaseFileError
+from exudyn_crawler.case import Case
+from exudyn_crawler.machines import CaseFile, read_case
+from exudyn_crawler.machines.datasheet import plausible, typical
+from exudyn_crawler.machines.datasheet.discrepancies import odd_machine, odd_values
+from exudyn_crawler.machines.datasheet.library import machines
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.reading import CaseFileError
 
 EXCAVATOR = {
     "kind": "excavator",

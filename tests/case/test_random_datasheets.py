@@ -2,10 +2,10 @@
 
 import pytest
 
-from exudyn_crawler.case.datasheet import figures
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.sheet import Datasheet
 from exudyn_crawler.errors import EquilibriumError, ParameterError
+from exudyn_crawler.machines.datasheet import figures
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from tests.case.random_datasheets import drawn
 
 MOST_WORDS = 60

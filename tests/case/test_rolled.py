@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, LoadCycle, Shoe
-from exudyn_crawler.case import CaseFile, MachineCycle, Rails, Rolled, ph4100c, read_case, write_case
+from exudyn_crawler.case import MachineCycle, Rails, Rolled, ph4100c
 from exudyn_crawler.case.parameters.checks import implausible
 from exudyn_crawler.case.parameters.machine_cycle import MachinePhase, Pose
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines import CaseFile, read_case, write_case
 from exudyn_crawler.model.flexible_shoes import check_shoe
 from meshes import mesh_named
 from meshes.rails import rail_outline, station_weights

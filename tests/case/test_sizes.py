@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import read_case
 from exudyn_crawler.case.parameters import sizes
 from exudyn_crawler.case.parameters.checks import implausible
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines import read_case
 
 CLOSED = Case.closed()
 SHOVEL = Case.shovel()

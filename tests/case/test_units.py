@@ -2,10 +2,11 @@
 
 import pytest
 
-from exudyn_crawler.case import Case, CaseFile, read_case, write_case
-from exudyn_crawler.case.parameters.reading import CaseFileError
-from exudyn_crawler.case.parameters.units import hint, number_of
+from exudyn_crawler.case import Case
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines import CaseFile, read_case, write_case
+from exudyn_crawler.settings.reading import CaseFileError
+from exudyn_crawler.settings.units import hint, number_of
 
 SHEET = """
 [datasheet]

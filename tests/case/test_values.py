@@ -6,10 +6,10 @@ import pytest
 
 import studies.cases
 from exudyn_crawler import Case, CaseFile, LoadCycle, read_case, write_case
-from exudyn_crawler.case.case_file import differences, nearest_base, run_lines
-from exudyn_crawler.case.parameters.fields import value_text
-from exudyn_crawler.case.parameters.units import number_of
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.machines.case_file import differences, nearest_base, run_lines
+from exudyn_crawler.settings.fields import value_text
+from exudyn_crawler.settings.units import number_of
 from tests.test_release import PROJECT
 
 SOFT = 'base = "translation"\n[terrain]\nspring_stiffness = 10e6\n'

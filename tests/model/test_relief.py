@@ -5,9 +5,9 @@ import pytest
 
 from exudyn_crawler import Case, LoadCycle, Terrain, simulate
 from exudyn_crawler.case import Heights
-from exudyn_crawler.case.files import read_case
 from exudyn_crawler.case.parameters.heights import MeasuredGrid, Ramp, Roughness, Stone, Waves
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines.case_files import read_case
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.views.scenes.pictures import side_scene

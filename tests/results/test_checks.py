@@ -10,9 +10,9 @@ import pytest
 
 import fem
 from exudyn_crawler import Duty, FatigueMaterial
-from exudyn_crawler.case import Outputs
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.life_run import check_cases, roller_paths
+from exudyn_crawler.machines import Outputs
 from exudyn_crawler.results.checks.cases import (
     CheckCase,
     GroundPart,

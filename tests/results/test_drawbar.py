@@ -154,7 +154,7 @@ def test_ground_of_cells_gets_as_long_as_the_way():
 
 @pytest.mark.parametrize("name", ["m113", "marder"])
 def test_machines_with_their_sprocket_in_front_travel_the_other_way(name):
-    library = files("exudyn_crawler.case.datasheet") / "library"
+    library = files("exudyn_crawler.machines.datasheet") / "library"
     case = read_case(library / f"{name}.toml").case
     assert case.drive.speed.values[-1] < 0.0
     test, duration = pulled(case, drawbar.SLIPS)

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import simulate
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.results.history.machine import machine_answers, together
 
 SHEET = Datasheet(

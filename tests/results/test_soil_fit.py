@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from docs.rooms import ROOT
-from exudyn_crawler.case import read_case
 from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
 from exudyn_crawler.ground.cells.laws import read_law
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.machines import read_case
 from exudyn_crawler.results.measured import soil_fit
 from exudyn_crawler.results.measured.soil_fit import fit_plates, fit_shear, fit_soil
 from exudyn_crawler.results.measured.soil_tests import PlateTests, read_plates, read_shear

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, CaseFile, History, StepProfile, run_case, simulate
-from exudyn_crawler.case import Drive, Outputs, read_case
+from exudyn_crawler.case import Drive
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.machines import Outputs, read_case
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.results.history.catalogue import link_name

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, CaseFile, History, read_case, run_case
-from exudyn_crawler.case import Outputs
 from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.machines import Outputs
 from exudyn_crawler.run.folder.folder import refuse_other_results, run_in
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study

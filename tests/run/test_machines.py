@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import read_case, simulate
-from exudyn_crawler.case.datasheet.library import machines
+from exudyn_crawler.machines.datasheet.library import machines
 
 LEAST_WAY = 0.5
 """m."""

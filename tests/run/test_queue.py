@@ -8,7 +8,8 @@ import time
 
 import pytest
 
-from exudyn_crawler.case import Case, CaseFile, read_case
+from exudyn_crawler.case import Case
+from exudyn_crawler.machines import CaseFile, read_case
 from exudyn_crawler.run.folder import queue, record
 from exudyn_crawler.run.folder.queue import DONE, FAILED, RUNNING, STOPPED, WAITING, Runs
 

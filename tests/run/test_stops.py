@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, CaseFile, History, run_case
-from exudyn_crawler.case import Outputs, write_case
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
+from exudyn_crawler.machines import Outputs, write_case
 from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.run.solve import simulation
 from exudyn_crawler.views import outputs

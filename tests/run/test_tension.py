@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, StepProfile, simulate
-from exudyn_crawler.case import Drive, read_case
-from exudyn_crawler.case.datasheet.derive import derived
-from exudyn_crawler.case.datasheet.library import machines
-from exudyn_crawler.case.datasheet.sheet import Datasheet
+from exudyn_crawler.case import Drive
 from exudyn_crawler.case.gear.closed_frame import LEAST_SAG, MAKERS_SAG
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.machines import read_case
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.library import machines
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.results.history.summary import difference_table, key_results
 from exudyn_crawler.results.history.tension import depth_below_edge, hanging_chains
 from exudyn_crawler.run.solve import rest

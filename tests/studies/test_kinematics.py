@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History
-from exudyn_crawler.case import CaseFile, read_case
+from exudyn_crawler.machines import CaseFile, read_case
 from exudyn_crawler.views.figures import KINEMATICS
 from studies.comparison import reported_values
 from studies.kinematics import study as kinematics_study

@@ -6,7 +6,8 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History, StepProfile, recover_stresses
-from exudyn_crawler.case import Drive, Outputs
+from exudyn_crawler.case import Drive
+from exudyn_crawler.machines import Outputs
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.views.outputs import WRITERS, write_outputs

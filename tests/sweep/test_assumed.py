@@ -2,8 +2,8 @@
 
 import pytest
 
-from exudyn_crawler.case.datasheet import library
 from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
+from exudyn_crawler.machines.datasheet import library
 from exudyn_crawler.sweep.definition import read_sweep
 from exudyn_crawler.sweep.results import results_table, scatter_tables
 from exudyn_crawler.sweep.running import run_sweep

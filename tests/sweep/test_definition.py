@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, write_case
-from exudyn_crawler.case import Outputs
 from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
+from exudyn_crawler.machines import Outputs
 from exudyn_crawler.run.folder.progress import BEGIN, SIMULATE, rule_of_thumb
 from exudyn_crawler.sweep import definition
 from exudyn_crawler.sweep.answers import Answer, HotSpot

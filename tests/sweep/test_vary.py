@@ -3,7 +3,7 @@
 import pytest
 
 from exudyn_crawler import CaseFile
-from exudyn_crawler.case.parameters.fields import parse_path, with_value
+from exudyn_crawler.settings.fields import parse_path, with_value
 from exudyn_crawler.sweep.vary import Vary, checked_case
 from tests.sweep.cases import STIFFNESS, small_case
 

@@ -6,10 +6,10 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, History, run_case, simulate
-from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.parameters.heights import Heights, Ridge
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.machines import Outputs
 from exudyn_crawler.results.history.ground_map import ground_map, pressed_depths
 from exudyn_crawler.results.history.summary import extremes, key_results
 from exudyn_crawler.views.figures import history_series, run_figures

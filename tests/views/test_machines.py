@@ -2,8 +2,8 @@
 
 import pytest
 
-from exudyn_crawler.case import read_case
-from exudyn_crawler.case.datasheet import library
+from exudyn_crawler.machines import read_case
+from exudyn_crawler.machines.datasheet import library
 from exudyn_crawler.views.pages import machines
 
 

@@ -321,8 +321,8 @@ def test_sections_without_content_are_left_out():
 
 
 def test_page_of_a_machine_from_its_datasheet_says_where_every_value_comes_from(translation, tmp_path):
-    from exudyn_crawler.case import read_case
-    from exudyn_crawler.case.datasheet import library
+    from exudyn_crawler.machines import read_case
+    from exudyn_crawler.machines.datasheet import library
     from exudyn_crawler.views.outputs import write_origins
 
     translation.save(tmp_path / "history.nc")

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity
+from exudyn_crawler.settings.parameters import Errors, Parameters, quantity
 
 
 class Arm(Parameters):

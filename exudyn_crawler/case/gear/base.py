@@ -10,12 +10,12 @@ from typing import ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
 
-from exudyn_crawler.case.parameters.base import Errors, Parameters
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.machine_cycle import MachineCycle
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
+from exudyn_crawler.settings.parameters import Errors, Parameters
 
 SIDE_FRAME = "side frame"
 """Name of the body that rolls over the shoes; of a machine on two tracks all of it but shoes and tumblers."""

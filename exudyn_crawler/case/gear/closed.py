@@ -12,10 +12,10 @@ from exudyn_crawler.case.gear.closed_frame import ClosedFrame
 from exudyn_crawler.case.gear.deflections import PULL, SIDEWAYS, TOOTH, LoadedContact, idler_spring
 from exudyn_crawler.case.gear.running_gear import odd_rails
 from exudyn_crawler.case.parameters import assembly, base, sizes
-from exudyn_crawler.case.parameters.base import Errors, option
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
 from exudyn_crawler.case.parameters.track import MIDWAY, Shoe, Track
 from exudyn_crawler.case.ph4100c import GRAVITY
+from exudyn_crawler.settings.parameters import Errors, option
 
 MISFIT = 0.01  # of a chain's pitch by which that of its tumbler plausibly differs from it, new or worn
 SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most

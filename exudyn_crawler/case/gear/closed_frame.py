@@ -8,10 +8,11 @@ import numpy as np
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.base import WheelLabel, Whole
 from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
-from exudyn_crawler.case.parameters import base, fields
-from exudyn_crawler.case.parameters.base import Errors, option, quantity
+from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler, Wheel
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Errors, option, quantity
 
 MAKERS_SAG = 0.025
 """Sag over the free span between idler and carrier that a chain has where no file says more: chosen here."""

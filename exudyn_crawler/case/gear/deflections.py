@@ -10,9 +10,9 @@ from functools import partial
 from typing import NamedTuple
 
 from exudyn_crawler.case.gear.arms import Arm
-from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.closed_track import Recoil, Tensioner
 from exudyn_crawler.case.ph4100c import GRAVITY
+from exudyn_crawler.settings import fields
 
 _newtons = partial(fields.in_units, units={"GN": 1e9, "MN": 1e6, "kN": 1e3, "N": 1.0})
 SHALLOWEST = 1e-6  # m, that a contact plausibly gives way at least

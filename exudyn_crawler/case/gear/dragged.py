@@ -3,7 +3,7 @@
 from typing import ClassVar, Literal
 
 from exudyn_crawler.case.gear.base import Gear, Whole
-from exudyn_crawler.case.parameters.base import Errors, option
+from exudyn_crawler.settings.parameters import Errors, option
 
 
 class Dragged(Gear):

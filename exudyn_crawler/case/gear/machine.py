@@ -11,10 +11,10 @@ from exudyn_crawler.case.gear.assembled import Assembled
 from exudyn_crawler.case.gear.base import WheelLabel, Whole
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters import sizes
-from exudyn_crawler.case.parameters.base import Errors, option
 from exudyn_crawler.case.parameters.car_body import CarBody, Part
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
+from exudyn_crawler.settings.parameters import Errors, option
 
 UPPER_REACH = 3.0  # crawler's lengths: radius of gyration of an upper structure with its boom, at most
 INSTANTS = 501  # of a drive, between which its way is integrated

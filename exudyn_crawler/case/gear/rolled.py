@@ -8,11 +8,13 @@ import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.running_gear import RunningGear, odd_rails, overlap_errors
-from exudyn_crawler.case.parameters import base, fields
-from exudyn_crawler.case.parameters.base import Errors, Place, option, quantity
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Place
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Shoe, Track
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Errors, option, quantity
 
 MARGIN = 4.0  # m of ground ahead of the track
 FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them

@@ -9,12 +9,13 @@ import numpy as np
 from exudyn_crawler.case.gear.arms import Arm, arm_errors
 from exudyn_crawler.case.gear.base import POSTS, SIDE_FRAME, Gear, WheelLabel, Whole
 from exudyn_crawler.case.gear.deflections import TYRE, LoadedContact, arm_spring
-from exudyn_crawler.case.parameters import base, fields, sizes
-from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
+from exudyn_crawler.case.parameters import base, sizes
 from exudyn_crawler.case.parameters.car_body import Part
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 from exudyn_crawler.case.ph4100c import GRAVITY
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 
 ACROSS = (1, 5)
 """Coordinates of a side frame across the track: y and yaw."""

@@ -7,7 +7,8 @@ import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Place, quantity
+from exudyn_crawler.case.parameters.base import Place
+from exudyn_crawler.settings.parameters import quantity
 
 
 class Part(NamedTuple):

@@ -9,9 +9,10 @@ import numpy as np
 from pydantic import BaseModel
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.parameters import drive, fields, sizes
+from exudyn_crawler.case.parameters import drive, sizes
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.errors import ImplausibleWarning
+from exudyn_crawler.settings import fields
 
 logger = logging.getLogger("exudyn_crawler")
 

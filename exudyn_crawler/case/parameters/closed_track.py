@@ -6,8 +6,8 @@ import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, track
-from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.tooth_profile import ToothProfile
+from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 
 DEEPER, TRIED = 10.0, 500  # greatest depth in place of another, and values tried, of teeth that would do
 SETTLING = 2e-3

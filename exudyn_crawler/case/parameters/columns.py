@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exudyn_crawler.case.parameters import units
+from exudyn_crawler.settings import units
 
 HEAD = re.compile(r"\s*(?P<name>.*?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|(?:,|/| in )\s*(?P<c>[^,]+?))?\s*")
 """Name of a column with its unit: ``force [N]``, ``force (N)``, ``force, N``, ``force/N``, ``force in N``."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
+from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 
 
 class PairContact(Parameters):

@@ -7,8 +7,9 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Component, Errors, Parameters, option, quantity
+from exudyn_crawler.case.parameters.base import Component
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 
 SAME_TIME = 1e-9  # relative difference below which two times are the same
 SHORTEST = 1e-9  # s, of a STEP, whose rates are numbers so

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from exudyn_crawler.case.parameters.columns import MISSING, read_text
-from exudyn_crawler.case.parameters.units import number_of
+from exudyn_crawler.settings.units import number_of
 
 LEAST = 4  # heights along each side, which a cubic spline takes
 CLIFF = 1000.0

@@ -10,9 +10,10 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Place, option, quantity
+from exudyn_crawler.case.parameters.base import Place
 from exudyn_crawler.case.parameters.measured import MeasuredGrid
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option, quantity
 
 FLANK = 2.0
 """Cells that a flank has at least, so that a shoe which comes to it is lifted over some steps of time."""

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import drive, fields, measured_loads, reading, units
-from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, Several, option, quantity
+from exudyn_crawler.case.parameters import drive, measured_loads
+from exudyn_crawler.case.parameters.base import Load
+from exudyn_crawler.settings import fields, reading, units
+from exudyn_crawler.settings.parameters import Errors, Name, Parameters, Several, option, quantity
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,8 +8,8 @@ import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, drive, loads
-from exudyn_crawler.case.parameters.base import Errors, Several, quantity
 from exudyn_crawler.case.parameters.car_body import CarBody, Part
+from exudyn_crawler.settings.parameters import Errors, Several, quantity
 
 
 class MachinePhase(loads.PhaseEnd):

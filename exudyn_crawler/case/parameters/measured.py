@@ -8,8 +8,8 @@ import numpy as np
 from annotated_types import Ge, Le
 from scipy import interpolate, ndimage
 
-from exudyn_crawler.case.parameters.base import Errors, File, Parameters, option, quantity
 from exudyn_crawler.case.parameters.grids import PROJECT, HeightGrid, Units, read_grid, size_of
+from exudyn_crawler.settings.parameters import Errors, File, Parameters, option, quantity
 
 STEEPEST = 1.0  # rise over run beyond which heights are a wall, which cells do not know
 STEP = 0.2

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case.parameters import base, track
-from exudyn_crawler.case.parameters.base import Errors
+from exudyn_crawler.settings.parameters import Errors
 
 ROUNDING = 1e-9  # m, by which places may be beyond a bound
 DENSEST = 8000.0  # kg/m3, of steel: of parts that are no denser

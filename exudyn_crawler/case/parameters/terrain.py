@@ -11,11 +11,12 @@ import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationError, ValidationInfo
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Errors, File, Parameters, Slope, Two, option, quantity
-from exudyn_crawler.case.parameters.faults import error_lines
+from exudyn_crawler.case.parameters.base import Slope, Two
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.error_lines import error_lines
+from exudyn_crawler.settings.parameters import Errors, File, Parameters, option, quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

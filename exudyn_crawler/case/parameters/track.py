@@ -10,8 +10,10 @@ from pydantic import AfterValidator, ValidationInfo
 
 import fem
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import base, drive, fields
-from exudyn_crawler.case.parameters.base import Errors, Length, Parameters, Place, option, quantity
+from exudyn_crawler.case.parameters import base, drive
+from exudyn_crawler.case.parameters.base import Length, Place
+from exudyn_crawler.settings import fields, parameters
+from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 from meshes import SHOE_SIZES
 
 UNEVENNESS: float = ph4100c.UNEVENNESS  # m, of the underside's middle beside the COM: `Shoe.uneven`
@@ -278,7 +280,7 @@ def mesh_beside(name: str, info: ValidationInfo) -> str:
 class FlexibleShoes(Parameters):
     """Which shoes are flexible, and the finite-element model that all of them share."""
 
-    shoes: base.Rising[int] = option("numbers of the flexible shoes", min_length=1)
+    shoes: parameters.Rising[int] = option("numbers of the flexible shoes", min_length=1)
     mesh: Annotated[str, AfterValidator(mesh_beside)] = option(
         "coarse, study or fine, or the path of a mesh with the same surfaces"
     )
@@ -301,7 +303,7 @@ class FlexibleShoes(Parameters):
     highest_frequency: float | None = quantity(
         "Hz", "above which integrated modes are left out", (50.0, 1e6), gt=0, le=1e12, default=None
     )
-    modes: base.Rising[int] | None = option(
+    modes: parameters.Rising[int] | None = option(
         "numbers (from 1) of the modes that are integrated", None, min_length=1
     )
     damping: drive.StepProfile = quantity(

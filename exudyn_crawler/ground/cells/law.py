@@ -17,8 +17,9 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from scipy.optimize import brentq
 
-from exudyn_crawler.case.parameters import base, terrain
+from exudyn_crawler.case.parameters import terrain
 from exudyn_crawler.ground.frames import Vector
+from exudyn_crawler.settings import parameters
 from fem.compiling import compiler
 
 if TYPE_CHECKING:
@@ -94,21 +95,21 @@ class CellLaw(terrain.SoilLaw):
     """Parameters of a law of the cells, with those that all laws have; base of the classes in `laws`."""
 
     kernel: ClassVar[LawKernel]
-    shear_deformation: float = base.quantity(
+    shear_deformation: float = parameters.quantity(
         "m",
         "K: slip at which shear of its first stiffness reaches the strength; in soil 63 % is mobilized there",
         plausible=(1e-5, 0.1),
         ge=1e-7,
         le=10,
     )
-    shear_viscosity: float = base.quantity(
+    shear_viscosity: float = parameters.quantity(
         "s",
         "time by which ground that sticks resists slip more than its stiffness",
         ge=0,
         le=10,
         default=2e-3,
     )
-    damping: float = base.quantity(
+    damping: float = parameters.quantity(
         "s/m", "share by which a sinkage of 1 m/s raises the pressure", ge=0, le=1e3, default=0.5
     )
 

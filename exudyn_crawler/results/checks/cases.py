@@ -11,10 +11,12 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 
 from exudyn_crawler.case import Case, Track, ph4100c
-from exudyn_crawler.case.files import read_case
-from exudyn_crawler.case.parameters import base, reading
-from exudyn_crawler.case.parameters.base import Name, Parameters, Place, Two, option, quantity
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Place, Two
+from exudyn_crawler.machines.case_files import read_case
 from exudyn_crawler.results.life.duty import FatigueMaterial
+from exudyn_crawler.settings import parameters, reading
+from exudyn_crawler.settings.parameters import Name, Parameters, option, quantity
 from fem import Mesh
 from meshes.geometry import ShoeDimensions
 from meshes.rails import RailOutline, rail_outline
@@ -114,7 +116,7 @@ class CheckCase(Parameters):
         "N m", "bending moment at y = 0 by hand, positive with the underside in tension", default=None
     )
 
-    def _errors(self) -> base.Errors:
+    def _errors(self) -> parameters.Errors:
         if not (self.treads or self.pressures or self.pins):
             yield "treads, pressures or pins must be given: nothing loads the shoe"
         lacking = self.ground is None or not self.pressures or not self.treads or self.held_by
@@ -167,7 +169,7 @@ class ShoeCheck(Parameters):
     )
     cases: tuple[CheckCase, ...] = option("further ones", default=())
 
-    def _errors(self) -> base.Errors:
+    def _errors(self) -> parameters.Errors:
         names = [case.name for case in self.cases]
         if double := sorted({name for name in names if names.count(name) > 1}):
             yield f"cases: names must differ, got {double} twice"

@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from exudyn_crawler.case.parameters.fields import errors_at
 from exudyn_crawler.results.checks import cases as ready
 from exudyn_crawler.results.checks.checked_shoe import CheckedShoe, inside
+from exudyn_crawler.settings.fields import errors_at
 from fem.body import supports
 
 BLOW_STEPS = 8  # to the force of a blow, whose error each makes less than half

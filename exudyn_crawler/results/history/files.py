@@ -19,7 +19,8 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import Case, saved_case
+from exudyn_crawler.case import Case
+from exudyn_crawler.machines import saved_case
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.history.catalogue import CONTACT_KEYS, QUANTITIES, select
 from fem.files.hdf5 import check_heaps

@@ -14,10 +14,11 @@ from typing import Any, Literal, Self, get_args
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Survival, option, quantity
-from exudyn_crawler.case.parameters.reading import read_parameters
+from exudyn_crawler.case.parameters.base import Survival
 from exudyn_crawler.results.stress.hot_spots import Region
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option, quantity
+from exudyn_crawler.settings.reading import read_parameters
 from fem.fatigue import defects, sn_curve
 
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]

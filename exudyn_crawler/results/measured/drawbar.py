@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case import Case, CaseFile, StepProfile
+from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.machines import CaseFile
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.measured.traction import EvenTrack, even_track
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.measured.soil_fit import SoilFit
+from exudyn_crawler.settings import fields
 
 HEADS = ("parameter", "unit", "value", "95 % from", "95 % to", "from")
 SCATTER = {True: "how tests scatter", False: "how points scatter"}

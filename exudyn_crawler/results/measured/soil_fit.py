@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 
-from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.shear import COHESION_PRESSURE
 from exudyn_crawler.results.measured.least_squares import Parameter, PartFit, Problem, fit, part
@@ -28,6 +27,7 @@ from exudyn_crawler.results.measured.soil_tests import (
     read_plates,
     read_shear,
 )
+from exudyn_crawler.settings import fields
 
 SAME = 1.2
 """Ratio of widths, pressures or sinkages below which they count as the same. Chosen here."""

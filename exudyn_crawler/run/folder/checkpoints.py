@@ -14,7 +14,8 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import Case, differences, saved_case
+from exudyn_crawler.case import Case
+from exudyn_crawler.machines import differences, saved_case
 from exudyn_crawler.results.history.files import Chunk, reading_history, save_joined
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.record import CHECKPOINTS, END, HISTORY, quiet

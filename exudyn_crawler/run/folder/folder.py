@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import CaseFile, differences, read_case, write_case
+from exudyn_crawler.machines import CaseFile, differences, read_case, write_case
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.record import CASE, HISTORY, Holds, RunFolder, quiet

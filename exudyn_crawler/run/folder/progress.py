@@ -19,7 +19,7 @@ from rich import progress as bars
 from rich.console import Console
 
 if TYPE_CHECKING:
-    from exudyn_crawler.case import CaseFile
+    from exudyn_crawler.machines import CaseFile
 
 REFRESH = 0.2  # s of wall time between updates of a bar; an update costs more than a time step
 LINE_EVERY = 10.0  # s of wall time between lines where there is no terminal, and in a log
@@ -84,7 +84,7 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
 
 def times_line(times: Mapping[str, float]) -> str:
     """Processor time of the parts of a run (s) by the rule, for reading; apart what stays for other runs."""
-    from exudyn_crawler.case.parameters.fields import in_units
+    from exudyn_crawler.settings.fields import in_units
 
     def sum_of(parts: Mapping[str, float]) -> str:
         words = ", ".join(f"{part} {in_units(time, TIMES, 2)}" for part, time in parts.items())

@@ -17,7 +17,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from exudyn_crawler import files
-from exudyn_crawler.case import CaseFile, write_case
+from exudyn_crawler.machines import CaseFile, write_case
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.progress import PROGRESS
 

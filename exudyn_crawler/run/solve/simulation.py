@@ -9,12 +9,13 @@ from itertools import pairwise
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from exudyn_crawler.case import Case, Solver, case_file
+from exudyn_crawler.case import Case, Solver
 from exudyn_crawler.case.gear.base import SIDE_FRAME
 from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.engine import formulation
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.ground import rotations, sphere_contact
+from exudyn_crawler.machines import case_file
 from exudyn_crawler.model import compiling, flexible_shoes, state
 from exudyn_crawler.model.diagnostics import NewtonError
 from exudyn_crawler.model.exudyn import exu, newton_settings

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.gear.closed_frame import GREATEST_SAG, LEAST_SAG
-from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.results.history import History, tension
 from exudyn_crawler.results.history.catalogue import LOADED
 from exudyn_crawler.run.solve.simulation import compiled, solved_for_tension
 from exudyn_crawler.run.solve.tension import history_at_rest
+from exudyn_crawler.settings.fields import in_units
 
 FORCES = {"MN": 1e6, "kN": 1e3, "N": 1.0}
 

@@ -6,10 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.case import SIDES, Case, CaseFile
+from exudyn_crawler.case import SIDES, Case
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import EquilibriumError, ParameterError
+from exudyn_crawler.machines import CaseFile
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.history import History, tension
 from exudyn_crawler.results.history.states import system_history

@@ -10,7 +10,6 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.results.checks.solve import CheckResults
 from exudyn_crawler.results.checks.tables import CYCLES
 from exudyn_crawler.results.life.life import (
@@ -27,6 +26,7 @@ from exudyn_crawler.results.life.life import (
     life_words,
 )
 from exudyn_crawler.results.stress.hot_spots import BORES, flat_triangles
+from exudyn_crawler.settings.fields import case_rows
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import packing, page
 from exudyn_crawler.views.scenes import pictures, scene, shoes

@@ -7,11 +7,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.datasheet.figures import Figure as MachineFigure, figures
-from exudyn_crawler.case.datasheet.ledger import GENERAL, ledger_of
-from exudyn_crawler.case.parameters.fields import value_text
+from exudyn_crawler.machines import CaseFile
+from exudyn_crawler.machines.datasheet.figures import Figure as MachineFigure, figures
+from exudyn_crawler.machines.datasheet.ledger import GENERAL, ledger_of
 from exudyn_crawler.origins import Ledger
+from exudyn_crawler.settings.fields import value_text
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.pages.page import Section, table, together

@@ -11,11 +11,11 @@ import xarray as xr
 from markupsafe import Markup
 
 from exudyn_crawler.case import CellTerrain, Terrain
-from exudyn_crawler.case.datasheet.ledger import GENERAL, ORIGINS_FILE
-from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
+from exudyn_crawler.machines.datasheet.ledger import GENERAL, ORIGINS_FILE
 from exudyn_crawler.origins import Origin
 from exudyn_crawler.results.history import History, ground_map, summary
+from exudyn_crawler.settings.fields import case_rows
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.pages import first_screen, packing, page, runs
 from exudyn_crawler.views.pages.page import Section, part, table, together

@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case.case_file import differences
+from exudyn_crawler.machines.case_file import differences
 from exudyn_crawler.results.history import History, catalogue, common_phases, summary
 from exudyn_crawler.views.figures import history_series, overlay, panel_figure
 from exudyn_crawler.views.pages import page

@@ -7,7 +7,15 @@ import pytest
 import xarray
 from numpy.testing import assert_allclose, assert_array_equal
 
-from exudyn_crawler.case.parameters.heights import Heights, MeasuredGrid, Ramp, Ridge, Roughness, Stone, Waves
+from exudyn_crawler.case.parameters.heights import (
+    Heights,
+    MeasuredGrid,
+    Ramp,
+    Ridge,
+    Roughness,
+    Stone,
+    Waves,
+)
 from exudyn_crawler.errors import CrawlerError, ParameterError
 from tests.ground.cells.driving import DOWN, LOAD, ROCK, Driven, Shoe, ground
 

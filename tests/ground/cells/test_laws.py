@@ -8,13 +8,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from exudyn_crawler import Case, CaseFile, read_case, simulate, write_case
-from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.case.parameters.terrain import SoilLaw, law_class
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells import laws
 from exudyn_crawler.ground.cells.law import Memory, Probe
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil, backbone
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.machines.case_files import saved_case
 from tests.ground.cells.driving import AREA, BOTH_LAWS, DOWN, LOAD, ROCK, SAND, Shoe, turn
 
 LAWS = pytest.mark.parametrize("law", [SAND, BekkerSoil.lete_sand("chrono"), BekkerSoil.oil_sand_low()])
@@ -184,7 +184,7 @@ LAW = '''
 
 from typing import ClassVar, Literal, NamedTuple
 
-from exudyn_crawler.case.parameters.base import quantity
+from exudyn_crawler.settings.parameters import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Response
 from exudyn_crawler.ground.compiled import inlined, kernel
 from exudyn_crawler.ground.frames import along

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, CaseFile, run_case, simulate
-from exudyn_crawler.case.case_file import BARE, case_text
-from exudyn_crawler.case.files import read_case, write_case
 from exudyn_crawler.case.parameters.heights import Heights, Ridge
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.machines.case_file import BARE, case_text
+from exudyn_crawler.machines.case_files import read_case, write_case
 from tests.rolled import small_case
 
 SOIL = BekkerSoil.lete_sand("chrono")

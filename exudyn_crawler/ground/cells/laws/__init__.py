@@ -4,8 +4,9 @@ import pkgutil
 from importlib import import_module
 from pathlib import Path
 
-from exudyn_crawler.case.parameters import reading, terrain
+from exudyn_crawler.case.parameters import terrain
 from exudyn_crawler.ground.cells.law import CellLaw
+from exudyn_crawler.settings import reading
 
 
 def law_classes() -> list[type[CellLaw]]:

@@ -7,10 +7,10 @@ Hanamoto, 1st Int. Conf. on the Mechanics of Soil-Vehicle Systems (1961).
 import math
 from typing import ClassVar, Literal, NamedTuple, Self
 
-from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Probe, Response
 from exudyn_crawler.ground.cells.shear import NOTHING, Strength, answer, lifted, shear_strength
 from exudyn_crawler.ground.compiled import inlined, kernel
+from exudyn_crawler.settings.parameters import quantity
 
 ROUNDING = 1e-3
 """m, sinkage below which the curve is a parabola of the same value and slope: a power below 1 has no finite

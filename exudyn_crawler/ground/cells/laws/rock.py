@@ -3,10 +3,10 @@
 import math
 from typing import ClassVar, Literal, NamedTuple, Self
 
-from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Probe, Response
 from exudyn_crawler.ground.cells.shear import NOTHING, Strength, answer, lifted, shear_strength
 from exudyn_crawler.ground.compiled import inlined, kernel
+from exudyn_crawler.settings.parameters import quantity
 
 
 class Rock(NamedTuple):

@@ -1,0 +1,277 @@
+"""Case files: everything that a run depends on, as TOML, and their schema, by which editors check them.
+
+A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`, or what of them differs from a
+`base`: a named case such as "translation" at its top, a constructor such as "stress" in the table of a part.
+"""
+
+import difflib
+import json
+import tomllib
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from pydantic.json_schema import GenerateJsonSchema
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.gear.dragged import Dragged
+from exudyn_crawler.case.parameters import loads, terrain, track
+from exudyn_crawler.files import whole_file
+from exudyn_crawler.machines import mesh_shoe
+from exudyn_crawler.machines.case_file import CaseFile, case_text
+from exudyn_crawler.machines.datasheet import files as datasheets
+from exudyn_crawler.settings import error_lines, fields, reading, units
+
+BESIDE = ("duration", "outputs", datasheets.KEY)
+"""Keys of a case file beside those of its case."""
+CYCLE = "file"  # key of the loads that names a file with their cycle, and of a soil law's file
+TEXT = {"type": "string", "description": "a number with its unit, such as '20 MN/m'"}
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
+
+
+def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
+    """Read a case file; paths of mesh, load cycle, measured heights and ruts count from the file's folder.
+
+    `changes` are values in place of the file's, each as ``terrain.spring_stiffness=1e7`` or, of an item of a
+    list that the file or a base has, ``loads.phases[0].end=15``. A FileNotFoundError if there is no such
+    file, a CaseFileError that names every key at fault by its path, and what is allowed there.
+    """
+    resolved = partial(_resolved, folder=Path(path).parent, changes=changes)
+    return reading.read_parameters(path, CaseFile, "case file", resolved)
+
+
+def case_of(entry: Any, path: Path) -> CaseFile:
+    """Case that a file `path` names, of `Case` or a case file, or has as a table; raises as `read_case`."""
+    if isinstance(entry, str) and entry in fields.named_values(Case):
+        entry = {fields.BASE: entry}
+    if isinstance(entry, str):
+        named = path.parent / entry
+        if not named.exists():
+            raise FileNotFoundError(f"{path}: there is no case file {named}")
+        return read_case(named)
+    if not isinstance(entry, dict):
+        got = "" if entry is None else f", got {entry!r}"
+        raise ValueError(f"case must be a case file, the name of a case, or a table of one{got}")
+    with reading.errors_named(path, CaseFile):
+        return reading.from_content(CaseFile, _resolved(entry, path.parent), path.parent)
+
+
+def write_case(
+    case_file: CaseFile, path: str | Path, overwrite: bool = False, *, by_hand: bool = False
+) -> Path:
+    """Write all values with units and meanings; read back, the file gives an equal object.
+
+    One to be changed `by_hand` has units in words and numbers of ten digits. A FileExistsError if the file
+    exists and `overwrite` is false.
+    """
+    path = Path(path)
+    with whole_file(path, overwrite) as temporary:
+        temporary.write_text(case_text(case_file, by_hand), encoding="utf-8")
+    return path
+
+
+def saved_case(text: str | bytes) -> Case:
+    """Case from the JSON in a history or a checkpoint; `ValueError` if it is none."""
+    return Case(**json.loads(text))
+
+
+def _change(text: str) -> tuple[str, fields.KeyPath, Any]:
+    """Key, path and value of "key = value" as TOML has it; a key is a path, or its last names if unique."""
+    key, equals, value = (part.strip() for part in text.partition("="))
+    try:
+        path = fields.parse_path(key)
+    except ValueError:
+        equals = ""
+    if not equals:
+        like = "terrain.spring_stiffness=1e7 or loads.phases[0].end=15"
+        raise ValueError(f"a change must be like {like}, got {text!r}")
+    return key, _whole_path(key, path), typed_value(value)
+
+
+def typed_value(text: str) -> Any:
+    """Value that is typed: as TOML has it, and a text, such as one with a unit, where it is none."""
+    try:
+        content = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        content = {}
+    # a line break could hide more
+    return content["value"] if len(content) == 1 else text
+
+
+def case_of_text(text: str, folder: Path, name: str = "case") -> CaseFile:
+    """Case of the text of a case file of a name in a folder; raises as `read_case`."""
+    path = folder / f"{name}.toml"
+    with reading.errors_named(path, CaseFile):
+        content = reading.content_of(text)
+    return case_of(content, path)
+
+
+def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
+    """Path in a case file, of which a key may give the last names alone."""
+    names = ".".join(fields.names_of(path))
+    known = list(fields.key_paths(CaseFile))
+    if path[-1] in (fields.BASE, CYCLE) or any(f"{choice}.".startswith(f"{names}.") for choice in known):
+        return path
+    # a datasheet has some names of its own: its values have to be named with it
+    meant = [
+        choice
+        for choice in known
+        if choice.endswith(f".{names}") and not choice.startswith(f"{datasheets.KEY}.")
+    ]
+    if len(meant) > 1:
+        raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
+    if meant:
+        return (*fields.parse_path(meant[0].removesuffix(f".{names}")), *path)
+    if path[0] in error_lines.RENAMED:
+        raise ValueError(f"{path[0]}: {error_lines.unknown_key(path[:1], known)}")
+    near = difflib.get_close_matches(names, known, n=1)
+    raise ValueError(f"{key}: unknown key" + (f"; did you mean {near[0]}?" if near else ""))
+
+
+def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = ()) -> reading.Content:
+    """Values of a file in a folder as `CaseFile` takes them: bases filled in, and changes made."""
+    content = dict(content)
+    of_items = []
+    cycle = None
+    if datasheets.has_datasheet(content):
+        content = datasheets.with_machine(content)
+    for key, path, value in map(_change, changes):
+        # lists may come from a base
+        if len(fields.names_of(path)) < len(path):
+            of_items.append((key, path, value))
+        else:
+            with fields.errors_at(key):
+                content = fields.with_value(content, path, value)
+    table = content.get("loads")
+    if isinstance(table, dict) and CYCLE in table:
+        if len(table) > 1 or not isinstance(table[CYCLE], str):
+            raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {table!r}")
+        cycle = folder / content.pop("loads")[CYCLE]
+    beside = {name: content.pop(name) for name in BESIDE if name in content}
+    below: reading.Content | None = None
+    if datasheets.has_datasheet(beside):
+        sheet = datasheets.datasheet_of(beside[datasheets.KEY], folder)
+        beside[datasheets.KEY] = sheet.model_dump(mode="json")
+        below = datasheets.case_values(sheet, content.get("flexible", fields.NONE) != fields.NONE)
+    else:
+        content = mesh_shoe.with_mesh_shoe(content, folder)
+    content = _with_law(content, folder)
+    case = reading.filled(content, Case, below=below)
+    if cycle is not None:
+        try:
+            case["loads"] = loads.LoadCycle.from_file(cycle, _shoe_count(case)).model_dump(mode="json")
+        except OSError as error:
+            raise ValueError(f"loads.{CYCLE}: {error}") from error
+    whole = beside | {"case": with_equal_loads(case)}
+    for key, path, value in of_items:
+        with fields.errors_at(key):
+            # beside numbers that are in the fields' own units by now
+            unit = fields.unit_at(CaseFile, path)
+            number = value if unit is None else units.number_of(value, unit)
+            whole = fields.with_value(whole, path, number, CaseFile)
+        whole["case"] = with_equal_loads(whole["case"])
+    return whole
+
+
+def _with_law(content: reading.Content, folder: Path) -> reading.Content:
+    """Values of a case whose soil law has those of the file that it names, where it says no more itself."""
+    contact = content.get("contact")
+    law = contact.get("law") if isinstance(contact, dict) else None
+    if not isinstance(contact, dict) or not isinstance(law, dict) or CYCLE not in law:
+        return content
+    name = f"contact.law.{CYCLE}"
+    if not isinstance(law[CYCLE], str):
+        raise ValueError(f"{name} must be the name of a law file, got {law[CYCLE]!r}")
+    try:
+        of_file = reading.toml_content(folder / law[CYCLE], "law file")
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{name}: {error}") from error
+    rest = {key: value for key, value in law.items() if key != CYCLE}
+    return content | {"contact": contact | {"law": of_file | rest}}
+
+
+def with_equal_loads(case: reading.Content) -> reading.Content:
+    """Values of a case with one number for the loads on all shoes put on each of them.
+
+    The loads of a machine, which its wheels bring to its shoes, are none on however many there are.
+    """
+    if "loads" not in case:
+        return case
+    count = _shoe_count(case)
+    content = loads.with_equal_loads(case["loads"], count)
+    gear = case.get("gear")
+    if isinstance(gear, dict) and gear.get("kind") not in (None, fields.tag_of(Dragged)):
+        content = loads.follow_shoes(content, count)
+    return case | {"loads": content}
+
+
+def _shoe_count(case: reading.Content) -> int:
+    """Number of shoes of the values of a case; one where it is none, which is refused with all else."""
+    chain = case.get("track")
+    count = chain.get("shoe_count") if isinstance(chain, dict) else None
+    return count if isinstance(count, int) and 0 < count <= track.MOST_SHOES else 1
+
+
+class _FileSchema(GenerateJsonSchema):
+    """Schema of files whose tables have a `base`, texts with units for numbers, and "none" for no value."""
+
+    def model_schema(self, schema: Any) -> dict[str, Any]:
+        """Table of a class, all of whose keys may be left out."""
+        kind = schema["cls"]
+        if kind is terrain.SoilLaw:
+            laws = kind.plugged_in()
+            return {"anyOf": [self.generate_inner(law.__pydantic_core_schema__) for law in laws]}
+        table = super().model_schema(schema)
+        table.pop("required", None)
+        if issubclass(kind, terrain.SoilLaw):
+            table["properties"][CYCLE] = {
+                "type": "string",
+                "description": "law file with the values that are not stated",
+            }
+        if kind is track.Shoe:
+            words = (
+                "coarse, study, fine or a mesh's file: shoe, pins and flexible shoes are those of the mesh"
+            )
+            table["properties"][mesh_shoe.KEY] = {"type": "string", "description": words}
+        if names := sorted(fields.named_values(kind)):
+            table["properties"][fields.BASE] = {
+                "enum": names,
+                "description": "gives all values that are not stated",
+            }
+        return table
+
+    def float_schema(self, schema: Any) -> dict[str, Any]:
+        """Number, or a text with its unit."""
+        return {"anyOf": [super().float_schema(schema), TEXT]}
+
+    def tuple_schema(self, schema: Any) -> dict[str, Any]:
+        """List; one load stands for those of all shoes."""
+        array = super().tuple_schema(schema)
+        return array if "prefixItems" in array else {"anyOf": [array, {"type": "number"}, TEXT]}
+
+    def nullable_schema(self, schema: Any) -> dict[str, Any]:
+        """Value, or "none"."""
+        return {"anyOf": [self.generate_inner(schema["schema"]), {"const": fields.NONE}]}
+
+    def tagged_union_schema(self, schema: Any) -> dict[str, Any]:
+        """Table of any of several classes: what tells them apart may come from the base."""
+        return {"anyOf": super().tagged_union_schema(schema)["oneOf"]}
+
+    def encode_default(self, dft: Any) -> Any:
+        """Default as a file has it."""
+        return fields.NONE if dft is None else super().encode_default(dft)
+
+
+def case_schema() -> dict[str, Any]:
+    """JSON schema of what a case file may hold.
+
+    Every key may be left out, a table may name a `base`, a number may be a text with its unit, and "none"
+    says that there is none. What values have to be to each other is left to the program.
+    """
+    whole = CaseFile.model_json_schema(schema_generator=_FileSchema)
+    case = whole["$defs"].pop("Case")["properties"]
+    beside = whole["properties"]
+    about = {"$schema": DRAFT, "title": "case file of exudyn-crawler", "type": "object"}
+    properties = case | {name: schema for name, schema in beside.items() if name not in ("case", fields.BASE)}
+    return about | {"properties": properties, "additionalProperties": False, "$defs": whole["$defs"]}

@@ -1,0 +1,177 @@
+"""Figures of a datasheet beside those of the machine that follows: weight, pressure, pull, speed, grade."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.machines.datasheet import rules
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.machines.datasheet.shoe_mesh import shoe_of_mesh
+
+CLOSE, OF_LENGTH = 0.03, 0.05
+"""Relative differences up to which a figure is that of the datasheet: of weight and pressure, of a length."""
+MADE = "was built to it"
+"""Verdict on a figure that is made of the printed one."""
+LOSS = 0.05
+"""Of the weight: resistance of a slow excavator on firm ground, in all (0.04 to 0.08, remembered)."""
+ON_GROUND = ("datasheet.length_on_ground", "datasheet.pitch", "datasheet.shoes", "datasheet.sprocket_gaps")
+"""Values of which the lengths of a track are made."""
+
+
+class Figure(NamedTuple):
+    """Figure of the machine that was built beside that of its datasheet, in SI units."""
+
+    name: str
+    value: float
+    printed: float | None
+    unit: str
+    verdict: str
+
+    @property
+    def difference(self) -> float | None:
+        """Relative difference; None where nothing is printed."""
+        return self.value / self.printed - 1.0 if self.printed else None
+
+
+def machine_mass(case: Case) -> float:
+    """Mass of all parts of a machine, kg: its shoes and what they carry."""
+    return case.gear.whole_mass(case)
+
+
+def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
+    """Length on ground, and over the shoes of one track as it was assembled, m."""
+    gear = case.closed_gear()
+    start = gear.assembled(case.shoe, case.track)
+    rear, front, _, _, low = case.shoe.footprint
+    if sheet.shoe_mesh is not None:
+        low -= shoe_of_mesh(sheet.shoe_mesh).grouser
+    place = start.shoes[:, 0]
+    pitch = start.shoes[:, 4]
+    ends = [place + x * np.cos(pitch) + low * np.sin(pitch) for x in (rear, 0.5 * (rear + front), front)]
+    on_ground = gear.length + start.take_up
+    if sheet.sprocket_to_idler is not None or sheet.has_road_wheels:
+        on_ground = gear.rollers[-1] - gear.rollers[0]
+    return on_ground, float(np.max(ends) - np.min(ends))
+
+
+def contact_area(case: Case, sheet: Datasheet) -> float:
+    """Contact area of both tracks of the machine as it was assembled, as datasheets print it, m2."""
+    counts = rules.ground_length(*lengths(case, sheet), sheet.typical_value("pressure_share"))
+    return 2.0 * case.shoe.width * counts
+
+
+def mean_pressure(case: Case, sheet: Datasheet) -> float:
+    """Mean ground pressure of the machine as it was assembled, as datasheets print it, Pa."""
+    return machine_mass(case) * case.gravity / contact_area(case, sheet)
+
+
+def figures(case: Case, sheet: Datasheet) -> list[Figure]:
+    """All figures that the datasheet lets be checked."""
+    return [*_built(case, sheet), *_travelling(case, sheet)]
+
+
+def _verdict(value: float, printed: float | None, most: float, made: bool = False) -> str:
+    """Compare a figure with the printed one; no agreement is shown if that one `made` it."""
+    if not printed:
+        return "follows"
+    off = value / printed - 1.0
+    if abs(off) <= most:
+        return MADE if made else "agrees"
+    return f"differs by {100.0 * off:+.1f} %"
+
+
+def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
+    """Weight, lengths and pressure."""
+    figures_of = derived(sheet).ruled.figures_of
+    of_lengths = figures_of(*ON_GROUND)
+    mass = machine_mass(case)
+    printed = sheet.operating_weight
+    made = "operating_weight" in figures_of("gear.mass")
+    yield Figure("weight of all parts", mass, printed, "kg", _verdict(mass, printed, CLOSE, made))
+    if sheet.shoe_weight is not None:
+        shoe = case.shoe.mass
+        verdict = _verdict(shoe, sheet.shoe_weight, CLOSE, "shoe_weight" in figures_of("shoe.mass"))
+        yield Figure("weight of a shoe", shoe, sheet.shoe_weight, "kg", verdict)
+    on_ground, over_shoes = lengths(case, sheet)
+    for name, value, key in (
+        ("length on ground", on_ground, "length_on_ground"),
+        ("length over shoes", over_shoes, "crawler_length"),
+    ):
+        stated = getattr(sheet, key)
+        yield Figure(name, value, stated, "m", _verdict(value, stated, OF_LENGTH, key in of_lengths))
+    if sheet.contact_area is not None:
+        area = contact_area(case, sheet)
+        verdict = _verdict(area, sheet.contact_area, CLOSE, "contact_area" in of_lengths)
+        yield Figure("contact area", area, sheet.contact_area, "m2", verdict)
+    pressure = mean_pressure(case, sheet)
+    stated = sheet.ground_pressure
+    verdict = _verdict(pressure, stated, CLOSE, "ground_pressure" in of_lengths)
+    if stated and abs(pressure / stated - 1.0) > CLOSE:
+        counts = mass * case.gravity / (2.0 * case.shoe.width * stated)
+        verdict += f": the printed one has the weight on {counts:.3g} m of each track"
+    yield Figure("mean ground pressure", pressure, stated, "Pa", verdict)
+
+
+def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
+    """Speed of the sprocket, power, pull and grade."""
+    gear = case.closed_gear()
+    radius = gear.travel_per_angle(case.track)
+    weight = machine_mass(case) * case.gravity
+    speed = sheet.travel_speed
+    pull = sheet.drawbar_pull
+    if speed is not None:
+        turns = speed / radius
+        rpm = 60.0 * turns / (2.0 * math.pi)
+        yield Figure(
+            "speed of the sprockets", turns, None, "rad/s", f"{rpm:.3g} rpm at {3.6 * speed:.3g} km/h"
+        )
+    yield from _of_motors(sheet, radius)
+    if pull is not None:
+        need = f"takes a coefficient of traction of {pull / weight:.2f}"
+        yield Figure("drawbar pull over weight", pull / weight, None, "1", need)
+        torque = rules.sprocket_torque(pull, radius, sheet.typical_value("chain_efficiency"))
+        yield Figure("torque of a sprocket", torque, None, "N m", "at the drawbar pull")
+    if pull is not None and speed is not None:
+        words = "at once they take this power: "
+        power = pull * speed
+        if sheet.power is None:
+            words += "its gears have less pull where they have more speed"
+        else:
+            share = power / sheet.power
+            words += (
+                "the drives have it"
+                if share <= 1.0
+                else f"{share:.2g} times what the drives have, so never at once"
+            )
+        yield Figure("pull times speed", power, None, "W", words)
+    if sheet.gradeability is not None:
+        yield from _grade(sheet.gradeability, pull, weight)
+
+
+def _of_motors(sheet: Datasheet, radius: float) -> Iterator[Figure]:
+    """Travel speed and pull of the travel motors, by their gears and the radius (m) of the pins."""
+    ratio = sheet.gear_ratio
+    if ratio is None:
+        return
+    printed = sheet.travel_speed
+    if sheet.motor_speed is not None:
+        speed = sheet.motor_speed / ratio * radius
+        yield Figure("speed by the motors", speed, printed, "m/s", _verdict(speed, printed, OF_LENGTH))
+    printed = sheet.drawbar_pull
+    if sheet.motor_torque is not None:
+        pull = 2.0 * sheet.motor_torque * ratio * sheet.typical_value("chain_efficiency") / radius
+        yield Figure("drawbar pull by the motors", pull, printed, "N", _verdict(pull, printed, OF_LENGTH))
+
+
+def _grade(slope: float, pull: float | None, weight: float) -> Iterator[Figure]:
+    """Pull that a grade takes, and friction."""
+    steep = math.hypot(1.0, slope)
+    needed = weight * (slope + LOSS) / steep
+    verdict = f"and a coefficient of traction of {slope + LOSS:.2f}"
+    if pull is not None:
+        verdict = f"the drawbar pull has {pull / needed:.2g} times as much; {verdict}"
+    yield Figure(f"pull up a grade of {100.0 * slope:.0f} %", needed, None, "N", verdict)

@@ -1,0 +1,124 @@
+"""Datasheets in case files: the table ``[datasheet]``, of which the rest of the file changes what follows."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines.case_file import CaseFile
+from exudyn_crawler.machines.datasheet import library
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.machines.datasheet.shoe_mesh import flexible_of
+from exudyn_crawler.settings import error_lines, fields, reading
+
+KEY = "datasheet"
+OF_RUN = ("travel", "speed", "grade", "shoe_mesh")
+"""Values of a datasheet with which a machine stays the same one."""
+
+
+def has_datasheet(content: reading.Content) -> bool:
+    """True where a file has a datasheet, and not the word for none."""
+    return content.get(KEY, fields.NONE) != fields.NONE
+
+
+def with_machine(content: reading.Content) -> reading.Content:
+    """Content over that of the library's machine that its datasheet names as `base`, if it does."""
+    table = content[KEY]
+    if not isinstance(table, dict):
+        raise ParameterError(f"{KEY} must be a table with what its maker prints, got {fields.shown(table)}")
+    if fields.BASE in content:
+        raise ParameterError(f"{fields.BASE} must be left out beside a {KEY}, from which all values follow")
+    content = with_own_mesh(content)
+    table = content[KEY]
+    if fields.BASE not in table:
+        return content
+    below = dict(library.machine_content(table[fields.BASE]))
+    given = {name: value for name, value in table.items() if name != fields.BASE}
+    if any(name not in OF_RUN for name in given):
+        # another machine has its own name: that of the file
+        del below["name"]
+    return library.over(content | {KEY: {"began_as": table[fields.BASE]} | given}, below)
+
+
+def datasheet_of(table: reading.Content, folder: Path | None = None) -> Datasheet:
+    """Datasheet of a table of a file in a folder; a ParameterError with a line for each value at fault."""
+    try:
+        sheet = reading.from_content(Datasheet, table, folder)
+        if sheet.began_as is not None:
+            library.machine_content(sheet.began_as)
+        return sheet
+    except ValidationError as error:
+        lines = error_lines.error_lines(error, CaseFile, {KEY: table}, (KEY,))
+        raise ParameterError("\n".join(lines)) from None
+    except ValueError as error:
+        raise ParameterError("\n".join(f"{KEY}.{line}" for line in fields.lines_of(error))) from error
+
+
+def followed(content: reading.Content, before: reading.Content) -> reading.Content:
+    """Content of a case file whose case follows of its datasheet, which changed since it was that `before`.
+
+    What of the case did not follow of the datasheet before stays as it is.
+    """
+    if content.get(KEY) is None or content[KEY] == before[KEY]:
+        return content
+    old, new = (case_values(datasheet_of(file[KEY])) for file in (before, content))
+    return content | {"case": _replaced(content["case"], old, new)}
+
+
+def _replaced(values: Any, old: Any, new: Any) -> Any:
+    """New values in place of those that are the old ones."""
+    if values == old:
+        return new
+    if isinstance(values, dict) and isinstance(old, dict) and isinstance(new, dict):
+        return {name: _replaced(value, old.get(name), new.get(name)) for name, value in values.items()}
+    return values
+
+
+def assumed_ranges(sheet: Datasheet) -> list[reading.Content]:
+    """Typical values that a datasheet's machine takes, as a sweep varies them: each over its range."""
+    path = f"{KEY}.typical"
+    rows = derived(sheet).ruled.typical
+    return [{"key": f"{path}.{row.name}", "low": row.low, "high": row.high} for row in rows]
+
+
+def case_values(sheet: Datasheet, flexible: bool = False) -> reading.Content:
+    """Values of the case of a datasheet, as a file has them; with flexible shoes if asked for."""
+    try:
+        case = derived(sheet).case
+        values = case.model_dump(mode="json")
+        if flexible:
+            values["flexible"] = flexible_of(sheet, passed_shoe(case)).model_dump(mode="json")
+        return values
+    except ValueError as error:
+        raise ParameterError("\n".join(_keyed(line) for line in fields.lines_of(error))) from error
+
+
+def _keyed(line: str) -> str:
+    """Return a line of a datasheet's fault with the table's name before it."""
+    key = re.match(r"\w*(?=[\w.\[\]]*: )", line)
+    return f"{KEY}.{line}" if key and key[0] in Datasheet.model_fields else f"{KEY}: {line}"
+
+
+def passed_shoe(case: Case) -> int:
+    """Number of the shoe below the wheel that is foremost in travel, over which all others pass."""
+    gear = case.closed_gear()
+    start = gear.assembled(case.shoe, case.track)
+    rollers = start.frame[0] + np.array(gear.rollers)
+    foremost = rollers.max() if case.drive.speed.values[-1] >= 0.0 else rollers.min()
+    x = start.shoes[:, 0]
+    z = start.shoes[:, 2]
+    return 1 + int(np.argmin(np.abs(x - foremost) + np.abs(z - z.min())))
+
+
+def with_own_mesh(content: reading.Content) -> reading.Content:
+    """Content whose `[shoe] mesh` stands in the datasheet, as `shoe_mesh`: the machine follows of it."""
+    shoe = content.get("shoe")
+    if not isinstance(shoe, dict) or "mesh" not in shoe:
+        return content
+    rest = {name: value for name, value in shoe.items() if name != "mesh"}
+    return content | {"shoe": rest, KEY: content[KEY] | {"shoe_mesh": shoe["mesh"]}}

@@ -1,0 +1,186 @@
+"""Gear of a datasheet's machine: two closed tracks of its wheels, its parts, and contacts that fit both."""
+
+import math
+from functools import partial
+from typing import NamedTuple
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.gear.machine import Machine
+from exudyn_crawler.case.parameters.car_body import CarBody
+from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
+from exudyn_crawler.case.parameters.track import Shoe, Track
+from exudyn_crawler.machines.datasheet import rules, suspension, travel, weights, wheels
+from exudyn_crawler.machines.datasheet.chain import Chain
+from exudyn_crawler.machines.datasheet.sheet import Datasheet, DatasheetError
+from exudyn_crawler.origins import Ruled
+from exudyn_crawler.settings import fields
+
+PLAY, FLANGE = 0.015, 0.076  # pitches, of guides: those of the project's P&H 4100C
+DAMPED_DEPTH = 1.5e-4  # pitches, at which a contact's damping is full: the same
+TREAD_DAMPING, GUIDE_DAMPING = 0.1, 0.73  # of critical: the same
+GUIDES = 0.1  # of a tread's stiffness: of the flanges
+SOFT = 0.1  # of a tread's compliance: of a pin across the chain
+LAG = 0.1  # of the sprocket's speed: how far it falls behind at 0.7 of its torque limit
+LEAST_FRAME = 1e-3  # of the operating weight: a side frame
+FADING = 0.05  # of the chain's speed: at which rolling resistance has 0.7 of its value
+
+
+class Contacts(NamedTuple):
+    """Stiffness (N/m) and damping (N s/m) of treads, teeth and flanges."""
+
+    tread: float
+    tread_damping: float
+    tooth: float
+    guide: float
+    guide_damping: float
+
+
+def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track) -> tuple[Machine, dict[str, Ruled]]:
+    """Return the gear of the machine, and values with their rules where there are several.
+
+    A ParameterError in words of the datasheet where wheels or weights do not fit.
+    """
+    rails = shoe.rails
+    assert rails is not None
+    pitch = chain.pitch
+    place = wheels.wheels_of(sheet, chain, rails.height - track.pin_height)
+    sprocket = pitch**3 * sheet.typical_value("sprocket_mass")
+    axes = place.roller_radius + rails.height + shoe.com_height
+    springs = suspension.springs_of(sheet, chain, shoe.mass, place)
+    beside = sprocket, springs.mass
+    parts = weights.weights_of(sheet, chain, shoe.mass, beside, axes)
+    contacts = _contacts(sheet, chain, shoe, len(place.rollers))
+    speed = travel.run_speed(sheet)
+    bogies = suspension.bogies_of(sheet, pitch, place.rollers)
+    radius = chain.built_gaps * pitch / (2.0 * math.pi)
+    _check_frame(sheet, chain, shoe, parts, sum(bogie.mass for bogie in bogies))
+    tumbler = _tumbler(sheet, chain, track, place, sprocket, contacts)
+    flanks = Ruled(tumbler.reach, "" if tumbler.reach == place.reach else "flanks")
+    ruled = {"gear.tumbler.reach": flanks, **place.ruled, **parts.ruled}
+    gear = Machine(
+        mass=parts.frame - sum(bogie.mass for bogie in bogies),
+        inertia=parts.frame_inertia,
+        com=parts.frame_com,
+        tumbler=tumbler,
+        idler=_idler(sheet, pitch, place, springs),
+        rollers=place.rollers,
+        bogies=bogies,
+        arms=springs.arms,
+        roller_radius=place.roller_radius,
+        carriers=place.carriers,
+        carrier_radius=place.carrier_radius,
+        tread_width=rails.width * sheet.typical_value("tread_width"),
+        stiffness=contacts.tread,
+        damping=contacts.tread_damping,
+        damping_depth=DAMPED_DEPTH * pitch,
+        rolling_resistance=sheet.typical_value("rolling_resistance"),
+        resistance_speed=FADING * speed,
+        guide_play=PLAY * pitch,
+        guide_height=FLANGE * pitch,
+        guide_stiffness=contacts.guide,
+        guide_damping=contacts.guide_damping,
+        compliance=SOFT / contacts.tread,
+        torque_limit=_torque(sheet, radius),
+        torque_speed=LAG * speed / radius,
+        car_body=_car_body(sheet, parts),
+    )
+    return gear, ruled
+
+
+def _check_frame(
+    sheet: Datasheet, chain: Chain, shoe: Shoe, parts: weights.PartWeights, bogies: float
+) -> None:
+    """Refuse a machine whose other parts leave no mass for a side frame beside its bogies (kg)."""
+    frame = parts.frame - bogies
+    if frame >= LEAST_FRAME * sheet.operating_weight:
+        return
+    text = partial(fields.quantity_text, unit="kg")
+    of_track = f"{chain.shoes} shoes of {text(shoe.mass)}" + (f", bogies of {text(bogies)}" if bogies else "")
+    raise DatasheetError(
+        f"a side frame would weigh {text(frame)}: {of_track} on each track, a car body of {text(parts.body)} "
+        f"and an upper structure of {text(parts.upper)} leave no more of operating_weight "
+        f"{text(sheet.operating_weight)}; lighter or fewer shoes, or another weight"
+    )
+
+
+def _contacts(sheet: Datasheet, chain: Chain, shoe: Shoe, rollers: int) -> Contacts:
+    """Contacts as deep, in pitches, as those of the P&H 4100C under weight and pull.
+
+    Stiffer ones would ask for shorter steps: a shoe swings as fast, in steps, as that machine's.
+    """
+    pitch = chain.pitch
+    weight = sheet.operating_weight * ph4100c.GRAVITY
+    # two treads a roller on two tracks
+    tread = 0.25 * weight / rollers / (pitch * sheet.typical_value("tread_depth"))
+    pull = sheet.drawbar_pull or weight * sheet.typical_value("pull_share")
+    # two sides of a sprocket on two tracks
+    tooth = 0.25 * pull / (pitch * sheet.typical_value("contact_depth"))
+    guide = GUIDES * tread
+    return Contacts(
+        tread,
+        TREAD_DAMPING * math.sqrt(2.0 * tread * shoe.mass),
+        tooth,
+        guide,
+        2.0 * GUIDE_DAMPING * math.sqrt(guide * shoe.mass),
+    )
+
+
+def _tumbler(
+    sheet: Datasheet,
+    chain: Chain,
+    track: Track,
+    place: wheels.WheelPlaces,
+    mass: float,
+    contacts: Contacts,
+) -> Tumbler:
+    """Sprocket, whose teeth end where their flanks meet at the latest."""
+    inertia = (*rules.ring_inertia(mass, place.pins).tolist(), 0.0, 0.0, 0.0)
+    tumbler = Tumbler(
+        place=place.sprocket,
+        teeth=chain.teeth,
+        gaps_per_shoe=chain.gaps_per_shoe,
+        mass=mass,
+        inertia=inertia,
+        reach=place.reach,
+        flank=sheet.typical_value("flank"),
+        lug_radius=place.bush,
+        stiffness=contacts.tooth,
+        damping=contacts.tread_damping,
+        damping_depth=DAMPED_DEPTH * chain.pitch,
+    )
+    longest = tumbler.longest_reach(track)
+    return tumbler if math.isclose(longest, place.reach) else tumbler.with_(reach=longest)
+
+
+def _idler(sheet: Datasheet, pitch: float, place: wheels.WheelPlaces, springs: suspension.Springs) -> Idler:
+    """Idler where the chain has the tension that the maker asks for."""
+    way = pitch * sheet.typical_value("take_up")
+    return Idler(
+        place=place.idler,
+        radius=place.idler_radius,
+        range=(-way, way),
+        sag=sheet.sag,
+        pretension=sheet.chain_tension,
+        recoil=springs.recoil,
+    )
+
+
+def _torque(sheet: Datasheet, radius: float) -> float | None:
+    """Greatest torque of a sprocket, N m: by pull or motor; None where neither is printed."""
+    if sheet.drawbar_pull is None:
+        if sheet.motor_torque is None or sheet.gear_ratio is None:
+            return None
+        return sheet.motor_torque * sheet.gear_ratio
+    return rules.sprocket_torque(sheet.drawbar_pull, radius, sheet.typical_value("chain_efficiency"))
+
+
+def _car_body(sheet: Datasheet, parts: weights.PartWeights) -> CarBody:
+    return CarBody(
+        track_distance=sheet.track_gauge,
+        mass=parts.body,
+        inertia=parts.body_inertia,
+        com=parts.body_com,
+        upper_mass=parts.upper,
+        upper_inertia=parts.upper_inertia,
+        upper_com=parts.upper_com,
+    )

@@ -1,0 +1,120 @@
+"""Machines as files: datasheets with their sources, to begin with and to look at."""
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.settings import fields, reading
+
+NAME = re.compile(r"^name\s*=.*$")
+FOLDER = Path(__file__).with_name("library")
+ANOTHER = 0.2
+"""Relative change of weight or shoe from which on a machine is another one than the library's."""
+NO_FIGURES = (
+    *("source", "began_as", "remembered", "typical", "lift_chart", "kind", "sprocket", "travel", "grade"),
+    *("speed", "suspension", "recoil_spring", "shoe_kind", "shoe_mesh"),
+)
+"""Fields of a datasheet that are no figures of a maker."""
+SCALES = ("operating_weight", "shoe_width", "pitch", "shoe_weight")
+"""Figures that say how large a machine and its shoe are."""
+
+
+@cache
+def machines() -> dict[str, Path]:
+    """Files of the library by name."""
+    return {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
+
+
+def machine_content(name: object) -> reading.Content:
+    """Content of a machine's file; a ParameterError with the names that there are if there is none."""
+    known = machines()
+    if isinstance(name, str) and name in known:
+        return reading.toml_content(known[name], "datasheet")
+    near = difflib.get_close_matches(str(name), known, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    raise ParameterError(f"datasheet.base: no {name!r}; {hint}allowed are {', '.join(map(repr, known))}")
+
+
+@dataclass(frozen=True)
+class LibraryMachine:
+    """Machine of the library, for what is left of it in a file that began as it."""
+
+    title: str
+    sheet: Datasheet
+    content: reading.Content
+
+    @property
+    def source(self) -> str:
+        """Its title, and the source of its figures."""
+        source = self.sheet.source
+        return source if source.startswith(self.title) else f"{self.title}: {source}"
+
+
+@cache
+def library_machine(name: str) -> LibraryMachine:
+    """Return a machine of the library by its name."""
+    content = machine_content(name)
+    return LibraryMachine(content["name"], reading.from_content(Datasheet, content["datasheet"]), content)
+
+
+def beginning(sheet: Datasheet) -> LibraryMachine | None:
+    """Return the machine of the library that a datasheet began as: that which it names, or of its source."""
+    if sheet.began_as is not None:
+        return library_machine(sheet.began_as)
+    known = map(library_machine, machines())
+    return next((machine for machine in known if machine.sheet.source == sheet.source), None)
+
+
+def text_of(machine: str, name: str) -> str:
+    """Return the text of a case file of a name that begins as a machine of the library."""
+    lines = machines()[machine].read_text(encoding="utf-8").splitlines()
+    about = next(number for number, line in enumerate(lines) if not line.startswith("#"))
+    head = [
+        f"# {name}, begun as the library's {library_machine(machine).title}: what you change is yours.",
+        *(["# Of that machine:", *lines[:about]] if about else []),
+    ]
+    rest = [NAME.sub(f'name = "{name}"', line) for line in lines[about:]]
+    rest.insert(rest.index("[datasheet]") + 1, f'began_as = "{machine}"')
+    return "\n".join([*head, *rest]) + "\n"
+
+
+def over(content: Mapping[str, Any], below: Mapping[str, Any]) -> dict[str, Any]:
+    """Content of a file over that of the machine that it begins with: tables go into each other."""
+    merged = dict(below)
+    for name, value in content.items():
+        before = merged.get(name)
+        merged[name] = over(value, before) if isinstance(value, dict) and isinstance(before, dict) else value
+    return merged
+
+
+def left_of_library(sheet: Datasheet) -> Iterator[str]:
+    """Yield a line about figures that are still those of the library's machine, of which this is another."""
+    machine = beginning(sheet)
+    if machine is None:
+        return
+    changes = []
+    for name in SCALES:
+        own, before = getattr(sheet, name), getattr(machine.sheet, name)
+        if own and before and not 1.0 / (1.0 + ANOTHER) <= own / before <= 1.0 + ANOTHER:
+            unit = fields.unit_of(Datasheet.model_fields[name])
+            units = {"t": 1e3, "kg": 1.0} if unit == "kg" else {unit: 1.0}
+            texts = (fields.in_units(value, units, digits=4) for value in (own, before))
+            changes.append(f"{name} {' in place of '.join(texts)}")
+    stays = [
+        name
+        for name, field in Datasheet.model_fields.items()
+        if name not in NO_FIGURES
+        and getattr(sheet, name) not in (None, field.default)
+        and getattr(sheet, name) == getattr(machine.sheet, name)
+    ]
+    if changes and stays:
+        yield (
+            f"this is another machine than the library's {machine.title} ({', '.join(changes)}), of which "
+            f"are left: {', '.join(stays)}; give this machine's own, or leave them out"
+        )

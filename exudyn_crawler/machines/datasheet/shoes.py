@@ -1,0 +1,82 @@
+"""Shoe of a datasheet: plate and link by the pitch, its weight by rule or as printed, and the chain of it."""
+
+import numpy as np
+
+from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
+from exudyn_crawler.machines.datasheet import rules
+from exudyn_crawler.machines.datasheet.chain import Chain
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.machines.datasheet.shoe_mesh import MeshShoe
+
+RAIL_SHARE = 0.98  # of the pitch: length of a rail, so that neighbours do not overlap
+
+
+def shoe_of(sheet: Datasheet, chain: Chain, of_mesh: MeshShoe | None = None) -> Shoe:
+    """Shoe of a mesh, or a plate that carries a link, whose masses are those of boxes.
+
+    The underside of these is at the tips of the grousers. The link lies between the plate and the top of the
+    rails.
+    """
+    if of_mesh is not None:
+        return of_mesh.shoe
+    pitch = chain.pitch
+    width = sheet.shoe_width
+    link_height = pitch * sheet.typical_value("link_height")
+    rail_y = pitch * sheet.typical_value("rail_place")
+    rail_width = pitch * sheet.typical_value("rail_width")
+    plate = sheet.typical_value("plate_mass") * pitch**2 * width
+    link = sheet.typical_value("link_mass") * pitch**3
+    mass = plate + link
+    if sheet.shoe_weight is not None:
+        plate, link = (sheet.shoe_weight * part / mass for part in (plate, link))
+        mass = sheet.shoe_weight
+    # heights above the underside
+    seat = chain.grouser + pitch * sheet.typical_value("plate_thickness")
+    link_top = seat + link_height
+    heights = 0.5 * seat, 0.5 * (seat + link_top)
+    com = (plate * heights[0] + link * heights[1]) / mass
+    boxes = (
+        rules.box_inertia(plate, pitch, width, seat),
+        rules.box_inertia(link, pitch, min(width, 2.0 * rail_y + rail_width), link_height),
+    )
+    shifts = [part * (height - com) ** 2 for part, height in zip((plate, link), heights, strict=True)]
+    inertia = sum(boxes) + np.array([sum(shifts), sum(shifts), 0.0])
+    half = 0.5 * RAIL_SHARE * pitch
+    top = link_top - com
+    rails = Rails(rear=-half, front=half, right=-rail_y, left=rail_y, width=rail_width, height=top)
+    return Shoe(
+        mass=mass,
+        inertia=(*inertia.tolist(), 0.0, 0.0, 0.0),
+        com_height=com,
+        length=pitch,
+        width=width,
+        underside_center=(0.0, 0.0),
+        load_point=(0.0, 0.0, top),
+        rails=rails,
+    )
+
+
+def track_of(sheet: Datasheet, chain: Chain, shoe: Shoe, of_mesh: MeshShoe | None = None) -> Track:
+    """Chain of both tracks, whose pins are those of a mesh or end at the rails' middles."""
+    right = -0.5 * sheet.track_gauge
+    if of_mesh is not None:
+        return Track(
+            shoe_count=2 * chain.shoes,
+            first_com=(0.0, right),
+            pitch=chain.pitch,
+            pin_ahead=of_mesh.pin_ahead,
+            pin_height=of_mesh.pin_height,
+            spherical_y=right + of_mesh.joint_y[0],
+            parallel_y=right + of_mesh.joint_y[1],
+        )
+    rails = shoe.rails
+    assert rails is not None
+    return Track(
+        shoe_count=2 * chain.shoes,
+        first_com=(0.0, right),
+        pitch=chain.pitch,
+        pin_ahead=0.5 * chain.pitch,
+        pin_height=chain.tips - shoe.com_height,
+        spherical_y=right + rails.right,
+        parallel_y=right + rails.left,
+    )

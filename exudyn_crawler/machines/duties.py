@@ -1,0 +1,85 @@
+"""Ground and duty of a machine by name: soils, slopes, obstacles, travel and work."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from exudyn_crawler.case.gear.machine import Machine
+from exudyn_crawler.case.parameters.machine_cycle import MachineCycle
+from exudyn_crawler.case.parameters.terrain import CellContact
+from exudyn_crawler.machines.case_file import CaseFile
+from exudyn_crawler.machines.datasheet.files import KEY
+from exudyn_crawler.machines.edited_text import table_of
+from exudyn_crawler.settings.constraints import presets
+
+Values = dict[str, Any]
+"""Of a case file by their paths, to be changed together; None leaves a key out."""
+SOIL = "soil"
+SLOPE = "slope"
+OBSTACLE = "put ahead of the machine"
+DUTY = "travel or work"
+AHEAD = 1.0
+"""M ahead of the foremost shoe at which an obstacle is put."""
+OBSTACLES: dict[str, Values] = {
+    "stone": {"model": "stone", "height": 0.1, "width": 0.1, "flank": 0.3, "y": 0.0},
+    "ridge": {"model": "ridge", "height": 0.1, "width": 0.2, "flank": 0.3},
+    "rut": {"model": "ridge", "height": -0.1, "width": 0.3, "flank": 0.3},
+    "ramp": {"model": "ramp", "height": 0.2, "flank": 1.0},
+    "waves": {"model": "waves", "height": 0.05, "length": 2.0},
+}
+"""What may lie on the ground, with sizes to begin with."""
+SLOPES = {
+    "level": (None, None),
+    "up, 20 %": (0.2, None),
+    "down, 20 %": (-0.2, None),
+    "across, 15 %": (None, 0.15),
+}
+"""Grades ahead and across."""
+TRAVELS = {"propel": "straight", "propel backward": "backward", "turn on the spot": "on the spot"}
+TRAVELLED = 5.0
+"""S of a run of one of these."""
+DIG = "dig, swing and dump"
+STANDS = {"times": [0.0], "values": [0.0]}
+
+
+def lists() -> dict[str, dict[str, Callable[[CaseFile], Values]]]:
+    """Functions of a case file that give the values which make it so, by list and name.
+
+    Travel and work are those of machines from their datasheets.
+    """
+    laws = presets(CellContact.model_fields["law"])
+    return {
+        SOIL: {name: partial(_on_soil, law=law) for name, law in laws.items()},
+        SLOPE: {name: partial(_on_slope, grades=grades) for name, grades in SLOPES.items()},
+        OBSTACLE: {name: partial(_before_obstacle, name=name) for name in OBSTACLES},
+        DUTY: {name: partial(_travelling, way=way) for name, way in TRAVELS.items()} | {DIG: _digging},
+    }
+
+
+def _on_soil(_case_file: CaseFile, law: Values) -> Values:
+    return {"contact": {"model": "cells", "law": law}}
+
+
+def _on_slope(_case_file: CaseFile, grades: tuple[float | None, float | None]) -> Values:
+    return {"terrain.grade": grades[0], "terrain.side_slope": grades[1]}
+
+
+def _before_obstacle(case_file: CaseFile, name: str) -> Values:
+    case = case_file.case
+    number = len(case.terrain.relief.parts)
+    x = round(float(case.outline(0.0)[:, 0].max()) + AHEAD, 2)
+    return {f"terrain.relief.parts[{number}]": {"name": name, "x": x} | OBSTACLES[name]}
+
+
+def _travelling(_case_file: CaseFile, way: str) -> Values:
+    return {f"{KEY}.travel": way, "drive": None, "machine": None, "duration": TRAVELLED}
+
+
+def _digging(case_file: CaseFile) -> Values:
+    case = case_file.case
+    if not isinstance(case.gear, Machine):
+        raise ValueError(f"digging must be that of a machine on two tracks, got gear.kind {case.gear.kind!r}")
+    digs = case.with_(machine=MachineCycle.digging(case.gear.car_body, case.terrain.down.tolist()))
+    cycle = table_of(case_file.with_(case=digs), ("machine",))
+    stands = {"speed": STANDS, "turn_rate": STANDS}
+    return {"drive": stands, "machine": cycle, "duration": cycle["phases"][-1]["end"]}
