@@ -1,4 +1,4 @@
-"""Conservation of momentum and energy, checked on the history of a run, whatever solved it.
+"""Conservation of momentum and energy, checked on the history of a run of any solver.
 
 All vectors are global, all units SI.
 """
@@ -23,14 +23,14 @@ from exudyn_crawler.results.loads.load_map import loads_by_kind, unit_loads
 from exudyn_crawler.results.loads.places import PINS, PinsOfShoe, Point
 
 FREEDOMS = ("travel", "sway", "heave", "roll", "pitch", "yaw")
-"""Balances of a side frame in the order of its coordinates."""
+"""Names of a side frame's balances in the order of its coordinates."""
 
 
 class _Motion:
     """Motion of the frames of shoes, arrays (times, shoes, 3), or of the side frame, (times, 3).
 
-    `axes` (..., 3, 3) has an axis a column, `center` is that of mass from the origin, about which `inertia`
-    (3, 3) is, in the body's axes.
+    `axes` (..., 3, 3) has one axis per column. `center` is the centre of mass relative to the origin.
+    `inertia` (3, 3) is about `center` in the body's axes.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class _Motion:
         self.inertia = inertia
 
     def momentum_rates(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rates of momentum (N) and of angular momentum about the origin (N m): arrays (..., 3)."""
+        """Return the rates of momentum (N) and of angular momentum about the origin (N m): (..., 3)."""
         inertia = self.axes @ self.inertia @ np.swapaxes(self.axes, -1, -2)
         turning = np.cross(self.omega, np.cross(self.omega, self.center))
         rate = self.mass[..., None] * (self.acceleration + np.cross(self.alpha, self.center) + turning)
@@ -53,19 +53,19 @@ class _Motion:
         return rate, spin + np.cross(self.center, rate)
 
     def energies(self, gravity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Kinetic energy of each body and that of gravity from z = 0 on: arrays (...), J."""
+        """Return kinetic and gravitational energy of each body, the latter from z = 0: arrays (...), J."""
         omega = _times(np.swapaxes(self.axes, -1, -2), self.omega)
         velocity = self.velocity + np.cross(self.omega, self.center)
         twice = self.mass * np.sum(velocity**2, axis=-1) + np.sum(omega * (omega @ self.inertia), axis=-1)
         return 0.5 * twice, -self.mass * ((self.origin + self.center) @ gravity)
 
     def velocity_at(self, points: np.ndarray, shoe: int = 0) -> np.ndarray:
-        """Velocity (times, 3) of a shoe, or of the side frame, at points (times, 3), m/s."""
+        """Return the velocity (times, 3) of a shoe, or of the side frame, at points (times, 3), m/s."""
         rows = (slice(None), shoe - 1) if shoe else slice(None)
         return self.velocity[rows] + np.cross(self.omega[rows], points - self.origin[rows])
 
     def powers(self, loads: Iterable[acting.Action]) -> Mapping[Kind, np.ndarray]:
-        """Power (times,) of actions by their kind, W; zero of others."""
+        """Return the power (times,) of actions by kind, W; zero for kinds without an action."""
         summed: dict[Kind, np.ndarray] = defaultdict(lambda: np.zeros(len(self.omega)))
         for action in loads:
             omega = self.omega[:, action.shoe - 1] if action.shoe else self.omega
@@ -75,7 +75,7 @@ class _Motion:
 
 
 def _shoes(history: History) -> _Motion:
-    """Motion of the shoes; of a flexible one that of its frame, with the mass of its mesh."""
+    """Return the motion of the shoes; that of a flexible one is of its frame, with the mass of its mesh."""
     case = history.case
     masses = [acting.shoe_mass(case, shoe) for shoe in case.track.shoes.tolist()]
     mass = [shoe.mass for shoe in masses]
@@ -84,7 +84,7 @@ def _shoes(history: History) -> _Motion:
 
 
 def _side_frame(history: History) -> _Motion:
-    """Motion of the side frame, or of the machine on two tracks; ValueError if bogies or arms swing in it."""
+    """Return the motion of the side frame or the machine; raise `ValueError` for drawbars, bogies or arms."""
     if history.case.drive.slip is not None:
         raise ValueError("balances leave out drawbars: drive.slip must be none")
     for kind in ("bogie", "arm"):
@@ -101,7 +101,7 @@ def _side_frame(history: History) -> _Motion:
 
 
 def _of_tracks(history: History, name: str) -> np.ndarray:
-    """A quantity of tumblers or idlers: array (tracks, times, ...)."""
+    """Return a quantity of tumblers or idlers: array (tracks, times, ...)."""
     array = history.dataset[name]
     return (
         (array if "track" in array.dims else array.expand_dims("track"))
@@ -111,7 +111,7 @@ def _of_tracks(history: History, name: str) -> np.ndarray:
 
 
 def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
-    """Motions of tumblers, which turn in their side frame, then of idlers that slide along it."""
+    """Yield the motions of tumblers, which turn in their side frame, then of idlers that slide along it."""
     case = history.case
     time = history.time.values
     if not case.gear.tumblers:
@@ -140,9 +140,9 @@ def _riding(
     mass: float,
     inertia: np.ndarray,
 ) -> _Motion:
-    """Motion of a body in a frame with its COM at a place (times, 3), m.
+    """Return the motion of a body in a frame with its COM at a place (times, 3), m.
 
-    Its `motion` are angle (rad) and speed (rad/s) about the y of the frame, and way along its x (m).
+    `motion` holds the body's angle (rad) and speed (rad/s) about the frame's y, and its way along x (m).
     """
     body = copy(frame)
     arm = place - frame.origin
@@ -165,14 +165,14 @@ def _riding(
 
 
 def _rate(values: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Rate of values (times, ...) by differences; zero for a single time."""
+    """Return the rate of values (times, ...) by differences; zero for a single time."""
     return np.gradient(values, time, axis=0) if len(time) > 1 else np.zeros_like(values)
 
 
 def shoe_actions(history: History) -> xr.Dataset:
-    """All that acts on shoes by kind: `force`, N, `moment` about the frame, N m, (source, time, shoe, axis).
+    """Return actions on shoes by kind: `force`, N, `moment` about the frame, N m: (source, time, shoe, axis).
 
-    Sources are the kinds of actions that a history has, in the order of their table.
+    Sources are the kinds of actions in the history, in the order of `Kind`.
     """
     position = history.position.values
     loads = acting.actions(history)
@@ -188,10 +188,10 @@ def shoe_actions(history: History) -> xr.Dataset:
 
 
 def shoe_momentum_rates(history: History) -> xr.Dataset:
-    """Rates of every shoe's momentum: `force` (N) and, about its frame, `moment` (N m), (time, shoe, axis).
+    """Return shoes' momentum rates: `force` (N) and, about the frame, `moment` (N m), (time, shoe, axis).
 
-    The elastic modes of a flexible shoe carry no momentum. They do carry angular momentum, whose rate takes
-    accelerations of modes that a history does not keep: its moments are NaN.
+    The elastic modes of a flexible shoe carry no momentum, but they carry angular momentum. The rate of this
+    needs modal accelerations that a history does not keep: its moments are NaN.
     """
     rate, spin = _shoes(history).momentum_rates()
     if history.case.flexible is not None:
@@ -208,16 +208,16 @@ def _of_shoes(history: History, force: np.ndarray, moment: np.ndarray, **coords:
 
 
 def shoe_imbalance(history: History) -> xr.Dataset:
-    """Rate as in `shoe_momentum_rates` less all that acts, of every shoe: zero where mechanics holds."""
+    """Return each shoe's `shoe_momentum_rates` less all actions: zero if the mechanics holds."""
     with xr.set_options(keep_attrs=True):
         return shoe_momentum_rates(history) - shoe_actions(history).sum("source")
 
 
 def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.Dataset:
-    """Momentum's rate less what acts from outside, of the track as a whole: zero where mechanics holds.
+    """Return the whole track's momentum rate less the external actions: zero if the mechanics holds.
 
-    The links are internal and left out. `force` (N) and `moment` about a fixed point (3,) in m (N m), both
-    (time, axis); with flexible shoes the moment is NaN, see `shoe_momentum_rates`.
+    The links are internal and left out. The result has `force` (N) and `moment` (N m), both (time, axis),
+    about a fixed point (3,) in m. With flexible shoes the moment is NaN, see `shoe_momentum_rates`.
     """
     with xr.set_options(keep_attrs=True):
         outside = shoe_actions(history).drop_sel(source=Kind.JOINT.value).sum("source")
@@ -228,12 +228,12 @@ def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.
 
 
 def frame_imbalance(history: History) -> xr.Dataset:
-    """Rate of the side frame's momentum less all that acts on it: zero where mechanics holds.
+    """Return the rate of the side frame's momentum less all actions on it: zero if the mechanics holds.
 
-    `travel` and `heave` (N) along x and z, `roll` and `pitch` (N m) about the axes of these angles and the
-    frame's origin, each (time,); what holds y and yaw is left out: those of a machine on two tracks are
-    `sway` and `yaw`. In a closed track the frame is taken with its tumblers, and with idlers that slide, so
-    that what acts between them is left out. ValueError if there is no side frame, or posts hold it.
+    `travel` and `heave` (N) are along x and z. `roll` and `pitch` (N m) are about the axes of these angles
+    and the frame's origin. Each is (time,). Held coordinates y and yaw are left out; a machine on two tracks
+    has `sway` and `yaw` for them. In a closed track the frame includes its tumblers and the idlers that
+    slide; forces between these are internal. Raises `ValueError` if there is no side frame, or posts hold it.
     """
     case = history.case
     frame = _side_frame(history)
@@ -254,7 +254,7 @@ def frame_imbalance(history: History) -> xr.Dataset:
 
 
 def tumbler_imbalance(history: History) -> np.ndarray:
-    """Rate of tumblers' spin about their axles less drive and teeth: (tracks, times), N m; zero as above."""
+    """Return the rate of tumblers' spin less drive and teeth, (tracks, times), N m; zero as above."""
     data = history.dataset
     frame = _side_frame(history)
     left = []
@@ -269,14 +269,14 @@ def tumbler_imbalance(history: History) -> np.ndarray:
 
 
 def energies(history: History) -> xr.Dataset:
-    """Stored energy of track and terrain over time, J: kinetic, gravitational and of the springs.
+    """Return the stored energy of track and terrain over time, J: kinetic, gravitational and of the springs.
 
-    Each (time,). Heights count from the origin of the COMs of shoes and from free springs of the units.
-    On cells there are no springs: what the ground stores and gives back is with its `powers`.
-    Under a side frame also `frame_kinetic`; `frame_gravitational`, heights from z = 0; and `treads`, stored
-    in their contacts with rails. In a closed track the frame's are with those of tumblers and idlers, `teeth`
-    is what their contacts store, `tensioners` the springs of idlers and `elastic` the modes of flexible
-    shoes. ValueError for flexible shoes of an open track, or on cells.
+    Each is (time,). Heights of the shoes' COMs count from the origin, those of the units from free springs.
+    On cells there are no springs: the energy that the ground stores and gives back is part of `powers`. Under
+    a side frame there are also `frame_kinetic`, `frame_gravitational` (heights from z = 0) and `treads`, the
+    energy in their contacts with rails. In a closed track the frame's energies include tumblers and idlers.
+    `teeth` is the energy in their contacts, `tensioners` that in the springs of idlers, `elastic` that of the
+    modes of flexible shoes. Raises `ValueError` for flexible shoes of an open track, or on cells.
     """
     _only_known(history)
     case = history.case
@@ -318,18 +318,18 @@ def energies(history: History) -> xr.Dataset:
 
 
 def powers(history: History) -> xr.Dataset:
-    """Power of all that stores no energy of its own in `energies`, W, each (time,).
+    """Return the powers of everything without a stored energy in `energies`, W, each (time,).
 
-    `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and comes
-    back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
-    On cells `pressure` and `shear` are all that the ground takes, some of which it gives back: the power of
-    the normal tractions' resultant, which is that of all of them on a plane, and the rest.
-    Under a side frame the drive pulls on frame and chain, the machine's load is that on the frame with the
-    tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too. In a closed
-    track the drive is its torque on the tumblers, and `wheel_losses` and `tooth_losses` are what these take
-    and do not store: by resistance, damping and flanges; `modal_damping` and `tensioner_damping` take power
-    where there are such. ValueError for a history of contact by spheres, of which a row does not say what
-    each takes, or as in `energies`.
+    `drive` and `machine_load` supply power. `elastic_contact` goes into the contact's stiffness and comes
+    back from it. `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
+    On cells `pressure` and `shear` are the power that the ground takes; it gives some of it back. `pressure`
+    is the power of the normal tractions' resultant (on a plane, of all normal tractions), `shear` is the
+    rest. Under a side frame the drive pulls on frame and chain. The machine's load is that on the frame with
+    the tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too. In a closed
+    track the drive is the torque on the tumblers. `wheel_losses` and `tooth_losses` are the power that wheels
+    and teeth take and do not store: by resistance, damping and flanges. `modal_damping` and
+    `tensioner_damping` take power if they exist. Raises `ValueError` as in `energies`, or for contact by
+    spheres: its history does not have the power of each contact.
     """
     _only_known(history)
     case = history.case
@@ -350,7 +350,7 @@ def powers(history: History) -> xr.Dataset:
 
 
 def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
-    """Powers that contact with units, and these, take (times,)."""
+    """Return the powers (times,) that units and the contact with them take."""
     terrain = history.case.unit_terrain()
     law = history.case.contact
     if law.model != "pair":
@@ -384,7 +384,7 @@ def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
 def _rolled_powers(
     history: History, frame: Rolled, shoes: _Motion, chain: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Powers about a side frame over rigid shoes, on whose pins the chain has a power (times,)."""
+    """Return the powers (times,) at a side frame over rigid shoes; `chain` is the power on their pins."""
     motion = _side_frame(history)
     on_frame = motion.powers(frame_actions(history))
     last = history.case.track.shoe_count
@@ -401,7 +401,7 @@ def _rolled_powers(
 
 
 def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
-    """Powers about the gear of closed tracks."""
+    """Return the powers (times,) at the gear of closed tracks."""
     data = history.dataset
     time = history.time.values
     case = history.case
@@ -436,7 +436,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
 
 
 def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
-    """Power that damping of modes takes (times,), W; takes what bends off the losses of wheels and teeth."""
+    """Return the power of modal damping (times,), W; subtract bending from the losses of wheels and teeth."""
     flexible = history.case.flexible_shoes()
     units = unit_loads(history.case)
     rates = 4.0 * np.pi * history.frequency.values * flexible.damping.value(history.frequency.values)
@@ -453,7 +453,7 @@ def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
 def _treads(
     history: History, frame: Rolled, motion: _Motion, shoes: _Motion
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Energy in the treads, J, and the power that their resistance and damping take, W: arrays (times,)."""
+    """Return the energy in the treads, J, and the powers of resistance and damping, W: arrays (times,)."""
     energy, resisted, damped = np.zeros((3, history.time.size))
     rails = history.case.shoe.rails
     middles = () if rails is None else rails.middles
@@ -480,10 +480,10 @@ def _treads(
 
 
 def energy_balance(history: History) -> xr.Dataset:
-    """Where the work went, from the start to every time, J, each (time,).
+    """Return the energy balance from the start to every time, J, each (time,).
 
-    The changes of `energies`, the works of `powers` (by the trapezoidal rule over the stored states) and
-    `imbalance`: work of drive and machine's forces less everything else.
+    It has the changes of `energies`, the works of `powers` (by the trapezoidal rule over the stored states)
+    and `imbalance`: the work of the drive and of the machine's forces less everything else.
     """
     stored = energies(history)
     change = stored - stored.isel(time=0)
@@ -497,16 +497,17 @@ def energy_balance(history: History) -> xr.Dataset:
 
 
 def middle_pins(history: History, end: str) -> np.ndarray:
-    """Middle between the pins at an end, "front" or "rear", of every shoe: array (times, shoes, 3), m."""
+    """Return the middle of the pins at an end, "front" or "rear", of each shoe: (times, shoes, 3), m."""
     centers = history.case.track.joint_centers
     place = np.mean([center for name, center in centers.items() if PINS[name].end == end], axis=0)
     return history.position.values + rotation_matrices(history.angles.values) @ place
 
 
 def frame_actions(history: History) -> Iterator[acting.Action]:
-    """All that acts on a history's side frame, but for what holds its y and its yaw; ValueError without one.
+    """Yield the actions on a history's side frame without those that hold y and yaw.
 
-    In closed tracks with what acts on tumblers and on idlers that slide, but for the weight of these.
+    In closed tracks these include actions on tumblers and on idlers that slide, without the weight of these.
+    Raises `ValueError` without a side frame, or if posts hold it.
     """
     case = history.case
     if not case.frame_parts or case.gear.holds == POSTS:
@@ -543,7 +544,7 @@ def _only_known(history: History) -> None:
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Matrices (..., 3, 3) times vectors (..., 3)."""
+    """Return matrices (..., 3, 3) times vectors (..., 3)."""
     return (matrices @ vectors[..., None])[..., 0]
 
 

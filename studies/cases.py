@@ -1,4 +1,4 @@
-"""Cases of the studies to start from, as `pyproject.toml` registers them; this does not load the runs."""
+"""Cases of the studies to start from, registered in `pyproject.toml`; this does not load the runs."""
 
 from exudyn_crawler import Case, CaseFile, Drive, FlexibleShoes, StepProfile
 from exudyn_crawler.case import ph4100c
@@ -8,50 +8,50 @@ from studies.grounds import uneven_case
 
 
 def kinematics() -> CaseFile:
-    """Straight propel."""
+    """Return the case of straight propel."""
     return CaseFile(case=Case.translation(), duration=DURATION)
 
 
 def forces() -> CaseFile:
-    """Propel with a turn."""
+    """Return the case of propel with a turn."""
     return CaseFile(case=Case.turning(), duration=DURATION)
 
 
 def stress() -> CaseFile:
-    """Whole cycle with six flexible shoes."""
+    """Return the case of a whole cycle with six flexible shoes."""
     return CaseFile(case=Case.stress(), duration=CYCLE_DURATION)
 
 
 def rollers() -> CaseFile:
-    """Machine that rolls over rigid shoes."""
+    """Return the case of a machine that rolls over rigid shoes."""
     return CaseFile(case=Case.rolled(), duration=DURATION)
 
 
 def uneven() -> CaseFile:
-    """Straight propel over random roughness."""
+    """Return the case of straight propel over random roughness."""
     return CaseFile(case=uneven_case("rough"), duration=DURATION)
 
 
 def closed() -> CaseFile:
-    """Half a machine on a closed track, from its start to a speed of 0.3 m/s."""
+    """Return the case of half a machine on a closed track, from its start to a speed of 0.3 m/s."""
     return CaseFile(case=Case.closed(), duration=DURATION)
 
 
 def shovel() -> CaseFile:
-    """Machine on two closed tracks."""
+    """Return the case of a machine on two closed tracks."""
     return CaseFile(case=Case.shovel(), duration=DURATION)
 
 
 def grounds() -> CaseFile:
-    """Machine that rolls over rigid shoes on ground of cells: LETE sand."""
-    # its laws load the compiler, which no other case needs
+    """Return the case of a machine that rolls over rigid shoes on ground of cells: LETE sand."""
+    # imported here, since its laws load the compiler and no other case needs it
     from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 
     return CaseFile(case=Case.rolled().on_cells(BekkerSoil.lete_sand()), duration=DURATION)
 
 
 def demo() -> CaseFile:
-    """Half a machine that gets to 1 km/h on a closed track with one flexible shoe, on a coarse mesh."""
+    """Return the case of half a machine up to 1 km/h on a closed track, one shoe flexible, coarse mesh."""
     case = Case.closed()
     case = case.with_(
         name="demo",
@@ -60,6 +60,6 @@ def demo() -> CaseFile:
         drive=Drive(speed=StepProfile(times=(0.0, 1.5), values=(0.0, 0.3))),
         solver=case.solver.with_(output_interval=0.02),
     )
-    # the page shows it all
+    # the page shows all of these
     outputs = Outputs(figures=False, pictures=False, paraview=False, tables=False, forces=False)
     return CaseFile(case=case, duration=3.5, outputs=outputs)

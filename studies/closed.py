@@ -1,9 +1,9 @@
-"""Closed track: one revolution straight on the papers' ground beside the rolled open track, and turns.
+"""Closed track: a straight revolution on the papers' ground beside the rolled open track, and turns.
 
-No paper reports it. The papers' track is open: its tension is an assumed force at its ends, and no shoe goes
-over tumbler and idler. The rolled track has the same rollers here, the same ground and the same contact. It
-is run with its assumed tension, and as a trial with that of the closed one. The machine on two tracks turns
-about one of them and on the spot.
+No paper reports this study. The papers' track is open: its tension is an assumed force at its ends, and no
+shoe goes over tumbler and idler. The rolled track here has the same rollers, ground and contact. It runs with
+its assumed tension, and as a trial with that of the closed track. The machine on two tracks turns about one
+of them and on the spot.
 """
 
 from pathlib import Path
@@ -21,30 +21,30 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.summary import tension_along_chain
 from studies.running import Running, save, study_runs
 
-START = 10.0  # s, before which the machine starts: peaks do not count
+START = 10.0  # s, end of the machine's start; peaks before it do not count
 INTERVAL = 0.02  # s between stored states
-TENSION = 8.9e5  # N, mean tension of all links of the closed track over its revolution: that of the trial
-CUTS = (0.3,)  # m ahead of the tumbler's axis, where its torque is compared with the tension
-OPEN_SHOES, OPEN_DURATION = 31, 70.0  # shoes of the open track, and s in which all rollers pass its middle
+TENSION = 8.9e5  # N, tension of the trial: mean of all links of the closed track over its revolution
+CUTS = (0.3,)  # m ahead of the tumbler's axis, cuts at which its torque is compared with the tension
+OPEN_SHOES, OPEN_DURATION = 31, 70.0  # shoes of the open track; s for all rollers to pass its middle
 CLOSED = "closed"
 ROLLED = "rolled"
 TRIAL = "rolled at the closed tension"
 ABOUT_LEFT = "turn about the left track"
 ON_SPOT = "turn on the spot"
 TURNS = {ABOUT_LEFT: (0.1, 0.02), ON_SPOT: (0.0, 0.03)}
-"""Speed (m/s) and rate (rad/s) that the drive of the machine on two tracks goes to in 1 s."""
-TURNING = 6.0  # s, of a turn
+"""Speed (m/s) and turn rate (rad/s) that the machine on two tracks reaches in 1 s."""
+TURNING = 6.0  # s, duration of a turn
 KILO = 1e3
 
 
 def closed_case() -> Case:
-    """Half a machine on a closed track of rigid shoes, at the papers' speed on their ground."""
+    """Return half a machine on a closed track of rigid shoes, at the papers' speed on their ground."""
     case = Case.closed()
     return case.with_(solver=case.solver.with_(output_interval=INTERVAL))
 
 
 def revolution(case: Case) -> float:
-    """Time (s) in which a chain goes once round, from rest on."""
+    """Return the time (s) of one revolution of a chain, from rest."""
     way = case.track.shoe_count * case.track.pitch
     speed = case.drive.speed
     end = speed.times[-1]
@@ -53,7 +53,7 @@ def revolution(case: Case) -> float:
 
 
 def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
-    """Rolled open track with rollers, ground and contact of the closed one; tension of its ends in N."""
+    """Return the rolled open track with rollers, ground and contact of the closed one; `tension` is in N."""
     closed = closed_case()
     case = Case.rolled()
     frame = Rolled.ph4100c().with_(rollers=closed.closed_gear().rollers, end_tension=tension)
@@ -68,7 +68,7 @@ def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
 
 
 def turning_case(speed: float, rate: float) -> Case:
-    """Machine on two tracks whose drive goes to a speed (m/s) and a rate of turning (rad/s)."""
+    """Return the machine on two tracks with a drive up to a speed (m/s) and a turn rate (rad/s)."""
     case = Case.shovel()
     profiles = [StepProfile(times=(0.0, 1.0), values=(0.0, goal)) for goal in (speed, rate)]
     drive = Drive(speed=profiles[0], turn_rate=profiles[1])
@@ -78,7 +78,7 @@ def turning_case(speed: float, rate: float) -> Case:
 def study_cases(
     duration: float | None = None, flexible: int | None = None, mesh: str = "coarse"
 ) -> dict[str, CaseFile]:
-    """Cases of the study over `duration` (s) at most; `flexible`: a shoe of the closed track that bends."""
+    """Return the cases over at most `duration` (s); `flexible` is the number of a flexible shoe."""
     most = np.inf if duration is None else duration
     closed = closed_case()
     if flexible is not None:
@@ -96,7 +96,7 @@ def study_cases(
 
 
 def peaks_in_mid_track(history: History) -> dict[str, float]:
-    """Forces on the shoes between the axes of the outer rollers, kN: greatest, and mean of those that act."""
+    """Return forces on shoes between the outer rollers' axes, kN: greatest, and mean of acting ones."""
     rollers = history.case.running_gear().rollers
     frame = history.side_frame_position.transpose("time", "axis").values
     place = history.position.transpose("time", "shoe", "axis").values - frame[:, None]
@@ -115,7 +115,7 @@ def peaks_in_mid_track(history: History) -> dict[str, float]:
 
 
 def loads_round_the_loop(history: History) -> pd.DataFrame:
-    """Tension by the parts of the loop, and the greatest loads of teeth, idler, rollers and carriers, kN."""
+    """Tabulate the tension by parts of the loop, and the loads of teeth and wheels, kN."""
     along = tension_along_chain(history)
     late = history.time >= min(START, 0.5 * history.duration)
     parts = [
@@ -143,7 +143,7 @@ def loads_round_the_loop(history: History) -> pd.DataFrame:
 
 
 def loads_across(history: History) -> dict[str, float]:
-    """Loads of lugs and pins, kN and kN m: tension, loads across the chain, flanges, teeth and torque."""
+    """Return loads of lugs and pins, kN and kN m: tension, loads across the chain, flanges, teeth, torque."""
     data = history.dataset.isel(time=history.time >= min(START, 0.5 * history.duration))
     late = History(history.case, data)
     left = rotation_matrices(data.side_frame_angles.transpose("time", "axis").values)[..., 1]
@@ -173,13 +173,13 @@ def loads_across(history: History) -> dict[str, float]:
 
 
 def torque_by_tension(history: History, cuts: tuple[float, ...] = CUTS) -> pd.DataFrame:
-    """Mean torque of the drive over whole pitches beside what the tension says of it, kN m.
+    """Compare the drive's mean torque over whole pitches with the torque that the tension implies, kN m.
 
-    The chain is cut `cuts` (m) ahead of the tumbler's axis, at pins that are there or further forward and on
-    no tooth. Its shoes behind the cut bear the moments of both links about the axis and that of their weight,
-    which the torque balances. By work a radian takes what both links and the weight take from these shoes
-    while it turns. By means of tension each link acts at n p / (2 pi). How high the weight is raised counts
-    between the COMs of the shoes that come in and go out: those are further apart than their pins.
+    The chain is cut `cuts` (m) ahead of the tumbler's axis, at pins there or further forward and on no tooth.
+    The shoes behind the cut bear the moments of both links about the axis and that of their weight; the
+    torque balances them. By work, the torque times an angle is the work that both links and the weight take
+    from these shoes. By means of tension, each link acts at the lever n p / (2 pi). The rise of the weight
+    counts between the COMs of the shoes that come in and go out: these are further apart than their pins.
     """
     case = history.case
     data = history.dataset
@@ -237,11 +237,11 @@ def study(
     mesh: str = "coarse",
     **how: Unpack[Running],
 ) -> tuple[dict[str, CaseRun], pd.DataFrame, pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Run the closed track and the rolled ones: runs by case, and four tables.
+    """Run the closed track and the rolled ones; return the runs by case, and four tables.
 
-    Cases are those of `study_cases`. With `out` it gets their folders and the tables: `loads.csv`, round the
-    loop, `torque.csv`, by tension, `peaks.csv`, what shoes in mid-track bear by case, and `turns.csv`. Errors
-    are those of `study_runs`.
+    See `study_cases` for the cases. `out` gets their folders and the tables: `loads.csv` (round the loop),
+    `torque.csv` (by tension), `peaks.csv` (loads of shoes in mid-track by case) and `turns.csv`. Errors are
+    those of `study_runs`.
     """
     with study_runs(out, study_cases(duration, flexible, mesh), **how) as runs:
         loads, torque = (of(runs[CLOSED].history) for of in (loads_round_the_loop, torque_by_tension))

@@ -1,6 +1,6 @@
 """Commands of the studies.
 
-Nothing heavy is imported before a command needs it, so that help comes at once.
+Heavy modules are imported in the commands that need them, so that help comes at once.
 """
 
 import math
@@ -25,14 +25,14 @@ command = partial(application.command, app)
 
 
 def _positive(duration: float | None) -> float | None:
-    """Refuse a duration before a study is loaded, which takes two seconds."""
+    """Check the duration before a study is loaded, which takes two seconds."""
     if duration is not None and not (math.isfinite(duration) and duration > 0.0):
         raise typer.BadParameter(f"duration must be positive and finite, got {duration!r} s")
     return duration
 
 
 def _show_tables(out: Path, tables: Mapping[str, tuple["pd.DataFrame", str, Sequence[str]]]) -> None:
-    """Print tables that are in CSV files of a folder, by their names, with titles and columns shown first."""
+    """Print tables of a folder's CSV files by name, with titles and the columns shown first."""
     for name, (table, title, keys) in tables.items():
         print_table(table, title, keys or [*table.columns], out / f"{name}.csv")
     typer.echo(f"the runs and {', '.join(f'{name}.csv' for name in tables)} are in {out}")
@@ -40,10 +40,10 @@ def _show_tables(out: Path, tables: Mapping[str, tuple["pd.DataFrame", str, Sequ
 
 KINEMATICS = RESULTS / "kinematics"
 COMPARED = ("quantity", "statistic", "paper", "computed", "within", "unit")
-"""Columns of a comparison that are shown where not all fit, as `print_rows` takes them."""
+"""Columns of a comparison that are shown first if not all fit, see `print_table`."""
 HOT = ("rank", "region", "von Mises in MPa", "time in s", "verdict", "node")
 LIVES = ("propel_and_material", "region", "life in h at least", "life in h at most", "verdict", "main part")
-"""Same of hot spots, and of lives."""
+"""Columns of hot spots, and of lives, that are shown first if not all fit."""
 REGIONS = "Highest von Mises stress by region of the shoe"
 Propel = Literal["translation", "turning", "both"]
 Chosen = Annotated[Propel, typer.Option(help="what to run")]
@@ -188,7 +188,7 @@ def shovel_life(
     out: Out = RESULTS / "life",
     overwrite: Overwrite = False,
 ) -> None:
-    """Give the life of the P&H 4100C's shoes in machine hours for three materials."""
+    """Compute the life of the P&H 4100C's shoes in machine hours for three materials."""
     from studies.life import study
 
     _, summary = study(out, stress, rollers, overwrite=overwrite, say=typer.echo)
@@ -225,7 +225,7 @@ def closed(
     out: Out = RESULTS / "closed",
     overwrite: Overwrite = False,
 ) -> None:
-    """One revolution of a closed track on the papers' ground, beside the rolled open track, and turns."""
+    """Run one revolution of a closed track on the papers' ground, beside the rolled open track, and turns."""
     from studies.closed import study
 
     how: dict[str, Any] = {
@@ -311,7 +311,7 @@ def measurements(
     runs: Annotated[bool, typer.Option("--runs", help="trends that need runs, too: some minutes")] = False,
     out: Out = RESULTS / "measurements",
 ) -> None:
-    """Hold the program against public measurements: numbers, and trends where only those are published."""
+    """Compare the program with public measurements: numbers, and trends if only those are published."""
     from studies.measurements import study
 
     rows, trends = study(out, runs, typer.echo)

@@ -1,9 +1,9 @@
-"""Paper value against computed value, and how close a sound model should come.
+"""Comparison of paper values with computed values, and the tolerance for a sound model.
 
 The tables of the papers name quantities in words (``shoe 13 x displacement``, ``any shoe z velocity``) and
-statistics (``max abs``, ``mean over 10 s``). This module parses both, so that a comparison needs nothing but
-a row of the reported values: `reported.csv` has one number a row, each with its source. The class of a row
-says what governs it, and so how close to come:
+statistics (``max abs``, ``mean over 10 s``). This module parses both, so that a comparison needs only a row
+of the reported values: `reported.csv` has one number per row, each with its source. The class of a row says
+what governs its value, and with it the tolerance:
 
 ============  ======================================  ==========================
 class         what governs it                         within
@@ -15,8 +15,8 @@ structural    the shoe's geometry, not published      25 %, frequencies 10 %
               in full
 fluctuation   bouncing, step size, solver damping     a factor of 2
 lateral       asymmetry and noise in their contact    no verdict
-prediction    a measurement: soil and machine are     no verdict: how close it
-              the source's, no number the row's       comes is what is asked
+prediction    a measurement: soil and machine are     no verdict: the deviation
+              the source's, no number the row's       is the result
 fit           a measurement that a law is fitted to   no verdict
 ============  ======================================  ==========================
 """
@@ -37,7 +37,7 @@ Verdict = Literal["yes", "no", "not reached", ""]
 
 ENDS = {name: {"translation": 10.0, "turning": 10.0} for name in ("kinematics", "forces")}
 ENDS["stress"] = {"modal": 0.0, "propel": 15.0, "loading": 40.0, "hot spots": 40.0}
-"""s by study and case: ends of the papers' runs."""
+"""Ends of the papers' runs by study and case, s."""
 
 RELATIVE = {"exact": 1e-4, "prescribed": 0.01, "statics": 0.10, "structural": 0.25}
 FREQUENCY = 0.10
@@ -46,9 +46,9 @@ FACTOR = 2.0
 
 
 def reported_values(study: str) -> pd.DataFrame:
-    """Rows of one study: kinematics, forces, stress, verification or measured.
+    """Read the rows of one study: kinematics, forces, stress, verification or measured.
 
-    Columns: study, case, quantity, statistic, unit, value, class, source.
+    Columns: study, case, quantity, statistic, unit, value, class, source. Other names raise `ValueError`.
     """
     with files("studies").joinpath("reported.csv").open() as file:
         table = pd.read_csv(file)
@@ -59,13 +59,13 @@ def reported_values(study: str) -> pd.DataFrame:
 
 
 def needed_time(study: str, case: str, statistic: str) -> float:
-    """Time (s) that a run has to reach before a row can be compared with it."""
+    """Return the time (s) that a run has to reach before it can be compared with a row."""
     named = re.fullmatch(r"(?:at t=|mean over )(\d+) s", statistic)
     return float(named[1]) if named else ENDS[study][case]
 
 
 def verdict(paper: float, computed: float, kind: str, unit: str) -> Verdict:
-    """Verdict on a computed value within its class of the paper's: yes, no, or no verdict."""
+    """Return the verdict on a computed value by the tolerance of its class: yes, no, or no verdict."""
     if kind in OPEN or computed != computed:
         return ""
     ratio = computed / paper
@@ -79,21 +79,24 @@ _RATES = ("velocity", "acceleration")
 KINEMATIC = {name: (name, 1.0) for name in ("displacement", *_RATES)}
 KINEMATIC |= {f"angular {name}": (f"angular_{name}", 180.0 / math.pi) for name in _RATES}
 KINEMATIC["displacement from equilibrium"] = KINEMATIC["displacement"]
-"""Kinematic quantities of the papers: quantity of the catalogue and factor to the papers' unit."""
+"""Quantity of the catalogue, and factor to the papers' unit, by kinematic quantity of the papers."""
 
-SAME_TIME = 1e-9  # s, below which two times are the same
+SAME_TIME = 1e-9  # s, difference below which two times are the same
 
 SHOE_QUANTITY = re.compile(r"(?:any shoe|shoe (?P<shoe>\d+)) (?P<axis>[xyz]) (?P<kind>[a-z ]+)")
 
 
 def time_mean(values: xr.DataArray) -> xr.DataArray:
-    """Mean over time, by the trapezoidal rule, for samples that need not be equally spaced."""
+    """Return the mean over time by the trapezoidal rule; samples need not be equally spaced."""
     span = float(values.time[-1] - values.time[0])
     return values.integrate("time") / span
 
 
 def kinematic_quantity(history: History, quantity: str) -> xr.DataArray:
-    """Quantity that a paper names, else ValueError, in its unit: (time, shoe), or (time) of one shoe."""
+    """Return a quantity that a paper names, in its unit: (time, shoe), or (time) for one shoe.
+
+    Raises `ValueError` for another quantity.
+    """
     match = SHOE_QUANTITY.fullmatch(quantity)
     if match is None or match["kind"] not in KINEMATIC:
         raise ValueError(f"{quantity!r} names no kinematic quantity of a shoe")
@@ -105,7 +108,10 @@ def kinematic_quantity(history: History, quantity: str) -> xr.DataArray:
 
 
 def statistic_of(values: xr.DataArray, statistic: str) -> float:
-    """Statistic that a paper names, else ValueError, over times and shoes; NaN if the run is too short."""
+    """Return a statistic that a paper names over times and shoes; NaN if the run is too short.
+
+    Raises `ValueError` for another statistic.
+    """
     end = float(values.time[-1])
     if match := re.fullmatch(r"at t=(\d+) s", statistic):
         time = float(match[1])
@@ -131,7 +137,7 @@ def statistic_of(values: xr.DataArray, statistic: str) -> float:
 
 
 def kinematics_value(histories: Mapping[str, History], case: str, quantity: str, statistic: str) -> float:
-    """Computed value of one row of the kinematics tables; NaN where no history is of its case."""
+    """Return the computed value of a row of the kinematics tables; NaN without a history of its case."""
     if case not in histories:
         return math.nan
     values = kinematic_quantity(histories[case], quantity)
@@ -146,11 +152,11 @@ def kinematics_value(histories: Mapping[str, History], case: str, quantity: str,
 def comparison_table(
     reported: pd.DataFrame, computed: list[float], until: Mapping[str, float] | None = None
 ) -> pd.DataFrame:
-    """Reported rows with their computed values, ratios and verdicts.
+    """Return the reported rows with their computed values, ratios and verdicts.
 
-    Columns study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is yes,
-    no, empty if the class has no verdict or nothing was computed, or "not reached" (with an empty ratio) if
-    the run is too short: `until` are the ends of those that were made, s, by case; None compares all rows.
+    Columns study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is yes or
+    no. It is empty if the class has no verdict or nothing was computed. It is "not reached" (with an empty
+    ratio) if the run is too short. `until` has the ends of the runs by case, s; None compares all rows.
     """
     table = reported.drop(columns="source").rename(columns={"value": "paper"})
     table.insert(6, "computed", computed)
@@ -170,12 +176,12 @@ def comparison_table(
 
 
 def ends(histories: Mapping[str, History]) -> dict[str, float]:
-    """Last stored times of histories by their case, s."""
+    """Return the last stored times of histories by their case, s."""
     return {case: float(history.time[-1]) for case, history in histories.items()}
 
 
 def compare_kinematics(histories: Mapping[str, History]) -> pd.DataFrame:
-    """Every kinematics row that the papers report against the runs."""
+    """Compare every kinematics row that the papers report with the runs."""
     reported = reported_values("kinematics")
     computed = [
         kinematics_value(histories, row.case, row.quantity, row.statistic) for row in reported.itertuples()

@@ -1,9 +1,9 @@
-"""Flutter of an uneven track on rolling units: growth of its least stable swing over the unevenness.
+"""Flutter of an uneven track on rolling units: growth of its least stable swing by unevenness.
 
-The law of a pair is not conservative: with depth d, roll a and width W of an underside the penetration is
-``d + a**2 W**2 / (12 d)`` and the force acts ``a W**2 / (12 d)`` beside the middle. Heave and roll of a shoe
-that stands rolled couple one way more than the other, and beyond a threshold their swings feed each other.
-Here the equations of the whole track are linearized about its rest without friction.
+The law of a pair is not conservative. With depth d, roll a and width W of an underside the penetration is ``d
++ a**2 W**2 / (12 d)``, and the force acts ``a W**2 / (12 d)`` beside the middle. Heave and roll of a rolled
+shoe couple more in one direction than in the other. Beyond a threshold their swings feed each other. Here the
+equations of the whole track are linearized about its equilibrium without friction.
 """
 
 from collections.abc import Sequence
@@ -20,11 +20,11 @@ from studies.sliding import LinearTrack, derivative, eigenmodes
 
 UNEVENNESS = (0.0, 0.05, 0.1, 0.12, 0.14, 0.16, 0.17, 0.18, 0.2, 0.25, 0.3)  # m
 STEP = 1e-7
-"""m, rad and their rates: of central differences, far below the 0.1 mm of the contact's damping law."""
+"""Step of central differences, m, rad and their rates: far below the 0.1 mm of the contact's damping law."""
 
 
 def swings(case: Case) -> np.ndarray:
-    """Eigenvalues as in `eigenmodes` of a rigid track at rest without friction, its front shoe held."""
+    """Return the `eigenmodes` eigenvalues of a rigid track at rest without friction, its front shoe held."""
     contact = case.pair_contact().with_(static_friction=0.0, dynamic_friction=0.0)
     case = case.with_(contact=contact)
     system = compiled_system(case)
@@ -51,7 +51,7 @@ def swings(case: Case) -> np.ndarray:
 
 
 def flutter(unevenness: Sequence[float] = UNEVENNESS) -> pd.DataFrame:
-    """Least stable swing of the straight track over the unevenness of its shoes.
+    """Tabulate the least stable swing of the straight track by the unevenness of its shoes.
 
     Columns unevenness (m), roll of the shoes at rest (rad), growth (1/s) and frequency (Hz).
     """

@@ -1,15 +1,15 @@
 """Contact, friction and joint forces, sinkage and terrain deformation of a crawler track.
 
 Reproduces the F-paper ("Contact and Joint Forces Modeling and Simulation of Crawler-Formation Interactions")
-on the two runs of the K-paper: the extremes and means of contact and joint forces, penetration, slip and
-terrain deformation that it states, and its figures of shoes 1, 4, 7, 10 and 13, of shoe 7 where it crosses
-from unit to unit, and of shoe 10 and link 10-11 turning against translation.
+on the two runs of the K-paper. It compares the stated extremes and means of contact and joint forces,
+penetration, slip and terrain deformation. It draws the figures of shoes 1, 4, 7, 10 and 13, of shoe 7 as it
+crosses from unit to unit, and of shoe 10 and link 10-11 turning against translation.
 
 The paper takes its least, greatest and mean values from the shoes and links that it draws; so does every row
 here about "a shoe", "shoes" or "joints". It prints means of forces and torques as magnitudes, so magnitudes
-are compared. Its figures 5 to 8 (normal force, friction) show one contact each and figure 10 (contact force)
-the sum of a shoe's: extremes of the former are those of one volume here, too. What it says of shoe 7 on unit
-7 is taken while they touch, of one volume.
+are compared. Its figures 5 to 8 (normal force, friction) show one contact each, and figure 10 (contact force)
+the sum of a shoe's contacts: extremes of the former are those of one volume here, too. Values of shoe 7 on
+unit 7 are of one volume, while they touch.
 """
 
 import math
@@ -39,10 +39,10 @@ from studies.running import Compared, Running, compare_cases
 CONTACT = {"penetration depth": "penetration", "sinkage velocity": "penetration_rate"}
 CONTACT |= {name: name.replace(" ", "_") for name in ("normal force", "slip velocity", "friction force")}
 CONTACT |= {name: name.replace(" ", "_") for name in ("friction torque", "contact force")}
-"""Contact quantities of the paper and their variables in `contacts_by_shoe`."""
+"""Variables of `contacts_by_shoe` by contact quantity of the paper."""
 
 ONE_VOLUME = ("normal force", "friction force", "friction torque")
-"""Of these its figures show one contact each."""
+"""Contact quantities for which the paper's figures show one contact each."""
 
 VOLUMES = re.compile(r"shoe (?P<shoe>\d+) on unit (?P<unit>\d+) (?P<words>.+)")
 
@@ -50,7 +50,10 @@ REACTIONS = {"spherical joint reaction": "joint_force", "parallel joint torque":
 
 
 def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.DataArray:
-    """Quantity that the F-paper names, else ValueError, in SI units; `contacts` as in `contacts_by_shoe`."""
+    """Return a quantity that the F-paper names, in SI units; `contacts` is the result of `contacts_by_shoe`.
+
+    Raises `ValueError` for another quantity.
+    """
     if quantity == "total terrain deformation from equilibrium":
         return history.terrain_deformation
     name, axis, shoe = _words(quantity)
@@ -62,12 +65,12 @@ def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.
         raise ValueError(f"{quantity!r} names no quantity of contact, joints or terrain")
     if "axis" not in values.dims:
         return values
-    # the friction torque turns about the normal, which is z but for the units' tilt
+    # the friction torque turns about the normal, which is z up to the units' tilt
     return values.sel(axis=axis)
 
 
 def _words(quantity: str) -> tuple[str, str, int]:
-    """Name, axis (z where none is named) and shoe (0 for none) of a quantity in the paper's words."""
+    """Return name, axis (z if none is named) and shoe (0 for none) of a quantity in the paper's words."""
     words = re.sub(r" \(crossing two units\)| of a shoe", "", quantity)
     shoe = re.search(r"shoe (\d+)", words)
     words = re.sub(r"(of )?shoe \d+", "", words).strip()
@@ -76,17 +79,17 @@ def _words(quantity: str) -> tuple[str, str, int]:
 
 
 def greatest_of_one_volume(history: History, quantity: str) -> xr.DataArray:
-    """Component of a force of every contact of the shoes that the paper draws: dimensions (time, contact)."""
+    """Return a force component of each contact of the shoes that the paper draws: (time, contact)."""
     name, axis, _ = _words(quantity)
     drawn = np.isin(history.contact_shoe.values, figures.SHOES)
     return history.dataset[CONTACT[name]].isel(contact=drawn).sel(axis=axis)
 
 
 def volumes_value(history: History, shoe: int, unit: int, words: str) -> float:
-    """Value of the paper for the volumes of a shoe on a unit; NaN for volumes that a run does not have.
+    """Return a computed value for the volumes of a shoe on a unit; NaN for volumes that a run does not have.
 
-    By the words "one volume" or "three volumes": until when, s; of a component: its mean over the time in
-    which they touch, of one volume, as a magnitude.
+    The words "one volume" or "three volumes" ask for the time (s) until which these touch. The words of a
+    component ask for the magnitude of its mean in one volume over the time of contact.
     """
     here = (history.contact_shoe.values == shoe) & (history.contact_unit.values == unit)
     if not here.any():
@@ -111,7 +114,7 @@ def volumes_value(history: History, shoe: int, unit: int, words: str) -> float:
 
 
 def force_statistic(values: xr.DataArray, statistic: str) -> float:
-    """Statistic as the F-paper takes it: means of magnitudes, greatest and least of shoes' means."""
+    """Return a statistic as defined in the F-paper: means of magnitudes, extremes of shoes' means."""
     if statistic.startswith("mean"):
         means = np.abs(time_mean(values))
         if statistic == "mean least":
@@ -123,7 +126,7 @@ def force_statistic(values: xr.DataArray, statistic: str) -> float:
 
 
 def _force_value(history: History, contacts: xr.Dataset, quantity: str, statistic: str) -> float:
-    """Computed value of a row of the F-paper."""
+    """Return the computed value of a row of the F-paper."""
     if match := VOLUMES.fullmatch(quantity):
         return volumes_value(history, int(match["shoe"]), int(match["unit"]), match["words"])
     name, _, shoe = _words(quantity)
@@ -133,7 +136,7 @@ def _force_value(history: History, contacts: xr.Dataset, quantity: str, statisti
 
 
 def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
-    """Every row of the F-paper against the runs; columns as in `comparison.comparison_table`."""
+    """Compare every row of the F-paper with the runs; see `comparison.comparison_table` for columns."""
     contacts = {case: history.contacts_by_shoe() for case, history in histories.items()}
     reported = reported_values("forces")
     computed = [
@@ -146,11 +149,11 @@ def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
 
 
 def turning_ratios(translation: History, turning: History, shoe: int = 10, joint: int = 10) -> pd.DataFrame:
-    """Turning against translation: extremes and means of every component of both, and their ratios.
+    """Compare turning with translation: extremes and means of every component, and their ratios.
 
     Columns quantity, axis, unit, extreme translation, extreme turning, extreme ratio, mean translation, mean
-    turning, mean ratio. Extremes are greatest magnitudes, means are magnitudes of means; a ratio to a
-    translation value that is only rounding is left empty.
+    turning, mean ratio. Extremes are greatest magnitudes, means are magnitudes of means. A ratio is empty if
+    its translation value is only rounding.
     """
     rows = []
     pair = [_components(history, shoe, joint) for history in (translation, turning)]
@@ -181,7 +184,7 @@ def _components(history: History, shoe: int, joint: int) -> dict[tuple[str, str]
     }
 
 
-CROSSING_SHOE = 7  # shoe that stands on two units, which the F-paper draws apart
+CROSSING_SHOE = 7  # shoe on two units; the F-paper draws its contacts separately
 COMPARED_SHOE, COMPARED_JOINT = 10, 10  # shoe and link that the F-paper draws turning against translation
 
 
@@ -196,9 +199,9 @@ def study(
 ) -> Compared:
     """Run the cases, or take their histories, and compare their forces with the paper.
 
-    As `kinematics.study`; `out` gets `turning_ratios.csv`, too. Histories in `reuse`, the folder of a study,
-    take the place of runs with the same parameters; if `strict`, one that is missing is a FileNotFoundError,
-    one of other parameters a ValueError.
+    See `kinematics.study`; `out` gets `turning_ratios.csv`, too. Histories in `reuse`, the folder of a study,
+    replace runs with the same parameters. If `strict`, a missing history raises `FileNotFoundError`, one of
+    other parameters `ValueError`.
     """
     files = case_files(cases, duration)
     sources = {name: _source(file, reuse, strict, how.get("say", quiet)) for name, file in files.items()}
@@ -206,7 +209,7 @@ def study(
 
 
 def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable[[str], None]) -> Path | None:
-    """Folder whose history takes the place of a run, if there is one that fits."""
+    """Return the folder with a history that replaces a run, if one fits."""
     if reuse is None:
         return None
     try:
@@ -221,7 +224,7 @@ def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable
 
 
 def write_results(histories: Mapping[str, History], out: Path) -> None:
-    """Draw what the F-paper draws beside the curves of each run; turning against translation as a table."""
+    """Draw the F-paper's additional figures of each run; tabulate turning against translation."""
     drawn = {
         f"{name} shoe {CROSSING_SHOE} crossing": crossing_figure(history)
         for name, history in histories.items()
@@ -235,7 +238,7 @@ def write_results(histories: Mapping[str, History], out: Path) -> None:
 
 
 def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
-    """Contacts of one shoe drawn apart, a curve for every volume with a unit that it meets."""
+    """Draw the contacts of one shoe separately, a curve for each volume with a unit that it meets."""
     shown = {"penetration depth": history.penetration}
     shown["z normal force"] = history.normal_force.sel(axis="z")
     shown["x contact force"] = history.contact_force.sel(axis="x")
@@ -254,7 +257,7 @@ def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
 
 
 def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
-    """Cases against each other: contact of one shoe, reactions of one link; by a name that can be a file."""
+    """Draw cases against each other by file name: contact of one shoe, reactions of one link."""
     by_case = {case: figures.history_series(history) for case, history in histories.items()}
     shoe = f"shoe {COMPARED_SHOE}"
     link = f"link {COMPARED_JOINT}-{COMPARED_JOINT + 1}"

@@ -1,9 +1,10 @@
-"""The machine rolls over ground of cells: sand, oil sand as a range, hard floor with ruts, stones and ridges.
+"""Machine rolling over ground of cells: sand, a range of oil sand, hard floor with ruts, stones and ridges.
 
-No paper reports it. The papers' ground of units stands beside: there a shoe sinks by 66 mm under its share of
-the machine and tilts the rollers into a climb that is most of the pull. Two trials part what sinking costs:
-sand that springs back along the line to where it began, which keeps no rut; and a second pass of the machine
-in the ruts of the first. All other soils keep their ruts. Powers of rigid shoes say where the pull goes.
+No paper reports this study. The papers' ground of units is compared: there a shoe sinks by 66 mm under its
+share of the machine. It tilts, and the rollers' climb is most of the pull. Two trials separate the cost of
+sinkage. In one, sand springs back along the line to its start and keeps no rut. In the other, the machine
+passes a second time in the ruts of the first. All other soils keep their ruts. Powers of rigid shoes show the
+parts of the pull.
 """
 
 from pathlib import Path
@@ -28,18 +29,18 @@ from studies.balance import energy_balance
 from studies.rollers import highest_by_region, rolled_case
 from studies.running import Running, by_name, save, study_runs
 
-FLEXIBLE = 20  # flexible shoe of every case
-PASS_DURATION = 60.0  # s, in which five of the six rollers pass over it
+FLEXIBLE = 20  # number of the flexible shoe of every case
+PASS_DURATION = 60.0  # s, time for five of the six rollers to pass over the flexible shoe
 PAPERS = "papers' units"
 AGAIN = "second pass"
 SOFT = "oil sand, soft end"
 KEEPS_RUTS: Literal["wong", "chrono"] = "chrono"
-"""Unloading of soils that keep nearly all of their sinkage as a rut."""
+"""Unloading law of soils that keep nearly all of their sinkage as a rut."""
 KILO = 1e3
 
 
 def reliefs() -> dict[str, Heights]:
-    """Reliefs of a hard floor: what lies on it is chosen here."""
+    """Return reliefs of a hard floor; their shapes are chosen here."""
     case = Case.rolled()
     (x0, x1) = case.terrain.bounds[0]
     y = case.track.first_com[1]
@@ -48,7 +49,7 @@ def reliefs() -> dict[str, Heights]:
     ruts = [
         Ridge(x=x0, y=y + side * edge, heading=0.0, height=-0.1, width=0.6, flank=0.3) for side in (-1.0, 1.0)
     ]
-    # a stone under one edge of a shoe, and one under the other edge of the next but one
+    # a stone under one edge of a shoe, and another under the other edge of the second next shoe
     places = [(x, y + (-1.0) ** k * edge) for k, x in enumerate(np.arange(x0 + 1.0, x1 + 20.0, 1.3))]
     stones = [Stone(x=x, y=across, height=0.08, width=0.2, flank=0.2) for x, across in places]
     return {
@@ -62,9 +63,10 @@ def reliefs() -> dict[str, Heights]:
 def study_cases(
     mesh: str = "coarse", duration: float = PASS_DURATION, out: Path | None = None
 ) -> dict[str, CaseFile]:
-    """Cases of the study, each over `duration` (s).
+    """Return the cases of the study, each over `duration` (s).
 
-    Second passes start in the ruts that the first have left in the study's folder; none without one.
+    Second passes start in the ruts that the first passes left in the study's folder; without `out` there are
+    none.
     """
     flexible = FlexibleShoes.ph4100c(mesh).with_(shoes=(FLEXIBLE,))
     base = rolled_case(mesh).with_(flexible=flexible)
@@ -88,7 +90,7 @@ def study_cases(
 
 
 def covered(history: History) -> np.ndarray:
-    """Share of every cell that undersides cover as the run ends, seen from above; shoes stand along x."""
+    """Return the share of each cell below undersides at the end of a run, from above; shoes stand along x."""
     cell = history.case.cell_terrain().cell
     (x0, x1, y0, y1, _) = history.case.shoe.footprint
     place = history.position.isel(time=-1).values
@@ -105,7 +107,7 @@ def covered(history: History) -> np.ndarray:
 def kept_work(
     history: History, sinkage: xr.DataArray, pressure: xr.DataArray, share: ArrayLike = 1.0
 ) -> float:
-    """Work (J) that cells keep of being loaded to greatest sinkages (m) with the pressures there (Pa).
+    """Return the work (J) that cells keep after loading to their greatest sinkages (m) and pressures (Pa).
 
     Shoes press on a `share` of every cell.
     """
@@ -123,9 +125,9 @@ def kept_work(
 
 
 def work_balance(history: History) -> dict[str, float]:
-    """Work that the ground keeps beside what drive and sinking machine give beyond the rolling resistance.
+    """Return the work kept by the ground, and the work of drive and sinking less the rolling resistance.
 
-    Mean forces over the distance travelled, in kN; the first is unknown on units.
+    The works are mean forces over the distance travelled, in kN. The work kept is unknown on units.
     """
     case = history.case
     frame = history.case.rolled_gear()
@@ -145,7 +147,7 @@ def work_balance(history: History) -> dict[str, float]:
 
 
 def row(run: CaseRun) -> dict[str, float]:
-    """Pull, tilt, sinkage and loads of a run."""
+    """Return pull, tilt, sinkage and loads of a run."""
     history = run.history
     tilt = np.abs(history.angles.sel(axis="y").values)
     carried = history.contacts_by_shoe()
@@ -167,10 +169,11 @@ def row(run: CaseRun) -> dict[str, float]:
 
 
 def power_cases(duration: float | None = None, out: Path | None = None) -> dict[str, CaseFile]:
-    """Cases of rigid shoes of `power_study`, each over its own duration (s), or over at most this one.
+    """Return the cases of `power_study` with rigid shoes, each over its own duration (s), at most `duration`.
 
-    The machine of `study_cases` for as long, without its flexible shoe, and its second pass in the ruts that
-    the first has left in the folder; and trials over 24 shoes. With the longest K slip is nearly elastic.
+    One is the machine of `study_cases` for as long, without its flexible shoe. Its second pass is in the ruts
+    that the first left in the folder. The others are trials over 24 shoes. With the longest K slip is nearly
+    elastic.
     """
     lete = BekkerSoil.lete_sand(KEEPS_RUTS)
     soft = BekkerSoil.oil_sand_low(KEEPS_RUTS)
@@ -196,10 +199,11 @@ def power_cases(duration: float | None = None, out: Path | None = None) -> dict[
 
 
 def powers_over_way(history: History) -> dict[str, float]:
-    """Works of `energy_balance` as mean forces over the distance travelled, kN: the first four give the rest.
+    """Return the works of `energy_balance` as mean forces over the distance travelled, kN.
 
-    The drive's pull counts less the rolling resistance of the frame's weight, treads by what they take less
-    than this, the chain by what drive and tension give as they move it.
+    The first four supply the others. The drive's pull counts without the rolling resistance of the frame's
+    weight. Treads count by the work that they take less than this resistance. The chain counts by the work of
+    drive and tension on it.
     """
     case = history.case
     work = energy_balance(history).isel(time=-1)
@@ -223,9 +227,9 @@ def powers_over_way(history: History) -> dict[str, float]:
 def power_study(
     out: Path | None = None, *, duration: float | None = None, **how: Unpack[Running]
 ) -> pd.DataFrame:
-    """Where the pull goes, by powers of rigid shoes: a row a case of `power_cases`.
+    """Tabulate the parts of the pull from powers of rigid shoes, a row for each case of `power_cases`.
 
-    With `out` it gets their folders and `powers.csv`. Errors are those of `study_runs`.
+    `out` gets their folders and `powers.csv`. Errors are those of `study_runs`.
     """
     with study_runs(out, power_cases(duration, out), **how) as runs:
         table = pd.DataFrame({"ground": name} | _power_row(run.history) for name, run in runs.items())
@@ -246,7 +250,7 @@ def _power_row(history: History) -> dict[str, float]:
 
 
 def lives_by_region(run: CaseRun) -> pd.DataFrame:
-    """Shortest life of the flexible shoe in every region, in hours of propel: the pass repeats itself."""
+    """Return the flexible shoe's shortest life by region, in hours of propel; the pass repeats."""
     name = run.history.case.name
     only = DutyRun(name="pass", folder=str(run.folder or name), share=1.0)
     duty = Duty(name=name, runs=(only,), material=FatigueMaterial.cast_nicrmo())
@@ -260,11 +264,11 @@ def study(
     duration: float = PASS_DURATION,
     **how: Unpack[Running],
 ) -> tuple[dict[str, CaseRun], pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Roll the machine over every ground, with one flexible shoe: runs by ground, and three tables.
+    """Roll the machine with one flexible shoe over every ground; return runs by ground, and three tables.
 
-    Cases are those of `study_cases`. With `out` it gets their folders and the tables: `grounds.csv`, pull and
-    stress, and highest stresses and shortest lives by region, `regions.csv` and `lives.csv`. Errors are those
-    of `study_runs`.
+    See `study_cases` for the cases. `out` gets their folders and the tables: `grounds.csv` (pull and stress),
+    `regions.csv` and `lives.csv` (highest stresses and shortest lives by region). Errors are those of
+    `study_runs`.
     """
     with study_runs(out, study_cases(mesh, duration, out), **how) as runs:
         table = pd.DataFrame({"ground": name} | row(run) for name, run in runs.items())

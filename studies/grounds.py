@@ -4,15 +4,15 @@ from exudyn_crawler import Case, PairContact, Shoe, SphereContact, Terrain
 from exudyn_crawler.case import Heights
 from exudyn_crawler.case.parameters.heights import Ramp, Roughness
 
-STEP_PLACE, STEP_HEIGHT = 14.0, 0.1  # m: below the middle of the track at t = 0; height
-RAMP_START, RAMP_END, RAMP_HEIGHT = 8.0, 20.0, 0.6  # m: 5 % over the whole track
-STEP_LENGTH = 1.0  # m, of the unit that climbs the step
+STEP_PLACE, STEP_HEIGHT = 14.0, 0.1  # m, position below the middle of the track at t = 0, and height
+RAMP_START, RAMP_END, RAMP_HEIGHT = 8.0, 20.0, 0.6  # m, grade of 5 % over the whole track
+STEP_LENGTH = 1.0  # m, length of the unit that climbs the step
 ROUGHNESS = Roughness(spectrum=1.4e-3, shortest=4.0, seed=1)
-"""About 20 mm of standard deviation, in waves that units of 1 m follow."""
+"""Roughness with a standard deviation of about 20 mm, in waves that units of 1 m follow."""
 
 
 def strip(relief: Heights) -> Terrain:
-    """One row of 13 units below the track, 1 m long and 5 m wide, for a relief that changes along it.
+    """Return one row of 13 units below the track, 1 m long and 5 m wide, for a relief that varies along it.
 
     Density, height, stiffness per area and tilt stiffness are those of the S-paper's units of 1 x 1 m.
     """
@@ -38,29 +38,29 @@ GROUNDS: dict[str, Heights] = {
 
 
 def pitching(case: Case) -> Case:
-    """Case whose units pitch, on springs at the Gauss points of their length.
+    """Return a case with units that pitch, on springs at the Gauss points of their length.
 
-    There two springs resist heave and pitch exactly as an evenly spread support of the same stiffness does.
+    Two springs there resist heave and pitch exactly like an evenly spread support of the same stiffness.
     """
     terrain = case.unit_terrain()
     return case.with_(terrain=terrain.with_(tilt="pitch", spring_offset=terrain.unit_length / 12.0**0.5))
 
 
 def plain(case: Case) -> Case:
-    """Case in which nothing moves a straight track sideways: no fingers, face normals, units that pitch."""
+    """Return a case without lateral motion of a straight track: no fingers, face normals, pitching units."""
     return pitching(case.with_(shoe=Shoe.ph4100c(), contact=PairContact.oil_sand()))
 
 
 def uneven_case(ground: str) -> Case:
-    """Straight propel over one of the grounds, whose faces are drawn back from the units' seams.
+    """Return straight propel over one of the grounds, with faces drawn back from the units' seams.
 
-    Seams of units 1 m long lie under most shoes: whole faces would make the ground stiffer there and lift
-    the shoes by what is not in its heights. A ValueError for an unknown ground.
+    Seams of units 1 m long lie under most shoes. Whole faces would make the ground stiffer there and lift the
+    shoes above its heights. Raises `ValueError` for an unknown ground.
     """
     if ground not in GROUNDS:
         raise ValueError(f"ground must be of {list(GROUNDS)}, got {ground!r}")
     spheres = SphereContact.oil_sand().with_(faces="drawn_back")
-    # spheres know no fingers
+    # contact by spheres has no fingers
     return Case.translation().with_(
         name=ground, shoe=Shoe.ph4100c(), terrain=strip(GROUNDS[ground]), contact=spheres
     )

@@ -3,9 +3,9 @@
 Reproduces the motion of the rigid shoes over 10 s of the K-chapter ("Multi-Body Kinematics Simulation
 Modeling and Analysis of Shovel Crawler Performance in Rugged Surface Mining Terrains") and the K-paper
 ("Multi-Body Dynamic Modeling and Simulation of Crawler-Formation Interactions in Surface Mining Operations -
-Crawler Kinematics"): the prescribed motion of shoe 13 (equations 27 and 29), the extremes and means of
-displacements, velocities, accelerations and angular motion that they state, and their figures of shoes 1, 4,
-7, 10 and 13 and of shoe 10 turning against translation.
+Crawler Kinematics"). It has the prescribed motion of shoe 13 (equations 27 and 29), and the stated extremes
+and means of displacements, velocities, accelerations and angular motion. It draws their figures of shoes 1,
+4, 7, 10 and 13, and of shoe 10 turning against translation.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,7 +25,7 @@ COMPARED_SHOE = 10  # shoe that the K-chapter draws turning against translation
 
 
 def case_files(names: Sequence[str] = tuple(CASES), duration: float = DURATION) -> dict[str, CaseFile]:
-    """Cases of the rigid studies over a duration (s), checked; ValueError for an unknown one, or none."""
+    """Return the cases of the rigid studies over a duration (s); `ValueError` for an unknown one or none."""
     if not names or set(names) - set(CASES):
         raise ValueError(f"cases must be of {list(CASES)}, got {list(names)}")
     return {name: CaseFile(case=CASES[name](), duration=duration) for name in names}
@@ -38,16 +38,16 @@ def study(
     duration: float = DURATION,
     **how: Unpack[Running],
 ) -> Compared:
-    """Run the cases and compare them with the papers, as `compare_kinematics` does.
+    """Run the cases and compare them with the papers, see `compare_kinematics`.
 
-    Cases are those of `case_files`; with `out` it gets their folders, `comparison.csv` and figures. Errors
-    are those of `case_files` and `study_runs`.
+    See `case_files` for the cases. `out` gets their folders, `comparison.csv` and figures. Errors are those
+    of `case_files` and `study_runs`.
     """
     return compare_cases(case_files(cases, duration), out, compare_kinematics, write_figures, **how)
 
 
 def write_figures(histories: Mapping[str, History], out: Path) -> None:
-    """Draw one shoe turning against translation, a figure a quantity."""
+    """Draw one shoe turning against translation, a figure for each quantity."""
     if len(histories) < 2:
         return
     by_case = {case: history_series(history) for case, history in histories.items()}

@@ -1,8 +1,8 @@
 """Life of the P&H 4100C's shoes in machine hours, from the stress study's propel and loading cycle.
 
 Field observation (S-paper, section 6): shoes crack in the roller path, their lugs stay whole. The papers drag
-the chain, so that their load case shows where a dragged shoe would crack; the rollers study, if there is one,
-is compared with it.
+the chain, so that their load case shows the cracks of a dragged shoe. It is compared with the rollers study,
+if there is one.
 """
 
 from collections.abc import Callable
@@ -19,17 +19,17 @@ from studies.rollers import overhang_cases
 from studies.running import by_name
 from studies.stress import RUN, study as stress_study
 
-PROPEL = "propel"  # phase of the stress study's cycle in which the track is pulled, and its run in the duty
-PROPEL_SHARE = 0.07  # of machine hours, at most (makers' figures for rope shovels)
-CYCLES_AN_HOUR = 70.0  # dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within
+PROPEL = "propel"  # phase of the stress study's cycle with a pulled track, and its run in the duty
+PROPEL_SHARE = 0.07  # greatest fraction of machine hours (makers' figures for rope shovels)
+CYCLES_AN_HOUR = 70.0  # dig cycles: 60 to 90 per full hour at 40 to 60 s each; assumed in that range
 CHANGES_AN_HOUR = 4.0
-"""Moves between digging positions, each of about a minute in which the run's 15 s repeat; assumed."""
+"""Moves between digging positions per hour, each about a minute of the run's repeated 15 s; assumed."""
 MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
-"""First the usual material of shoes."""
+"""Materials of shoes, the usual one first."""
 
 
 def digging_duty(kind: str, propel: Path, dig: Path, material: FatigueMaterial) -> Duty:
-    """Duty of a shovel that digs: runs of its propel and of its cycle, or of both one after the other."""
+    """Return the duty of a digging shovel: runs of propel and dig cycle, or of both in one run."""
     end = None
     if propel == dig:
         loads = History.load(propel / HISTORY).case.loads
@@ -43,7 +43,7 @@ def digging_duty(kind: str, propel: Path, dig: Path, material: FatigueMaterial) 
 
 
 def overhang_duty(rollers: Path, material: FatigueMaterial) -> Duty:
-    """Duty of `rolled_duty.toml`, of shoes whose rails overhang and wear, with runs in a folder."""
+    """Return the duty of `rolled_duty.toml`: shoes with overhanging rails that wear, runs in a folder."""
     duty = read_duty(Path(__file__).with_name("rolled_duty.toml"))
     runs = tuple(run.with_(folder=str(rollers / Path(run.folder).name)) for run in duty.runs)
     return duty.with_(name=f"rails that overhang, {material.name}", runs=runs, material=material)
@@ -57,10 +57,11 @@ def study(
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> tuple[dict[str, pd.DataFrame], pd.DataFrame]:
-    """Shortest lives of the shoes for each material, by folder, and a table of the shortest and its cause.
+    """Find the shoes' shortest lives for each material, by folder; tabulate the shortest and their causes.
 
-    `stress` and `rollers` are folders of these studies, of which the first runs if it is missing. `out` gets
-    a folder per kind of propel and material, and `summary.csv`. The others, and errors, are as in `life`.
+    `stress` and `rollers` are the folders of these studies; the stress study runs if it is missing. `out`
+    gets a folder per kind of propel and material, and `summary.csv`. See `life` for other arguments and
+    errors.
     """
     if not (stress / RUN / HISTORY).is_file():
         stress_study(stress, say=say)

@@ -1,7 +1,7 @@
-"""Public measurements beside the program: numbers of `reported.csv`, and trends where those alone are public.
+"""Comparison with public measurements: numbers of `reported.csv`, and trends if only those are public.
 
-No number of the program is fitted to a row but in those of the class "fit". `docs/measured.md` has the
-sources, and what of each was seen.
+Numbers of the program are fitted only to rows of the class "fit". `docs/measured.md` has the sources, and
+how much of each was seen.
 """
 
 from collections.abc import Callable
@@ -26,22 +26,22 @@ from exudyn_crawler.run.solve.standing import standing
 from studies.comparison import comparison_table, reported_values
 from studies.running import save
 
-SINKAGE = 0.02  # m, at which pressures of plates are compared
+SINKAGE = 0.02  # m, sinkage at which pressures of plates are compared
 LOADS, PRESSURES = (11e3, 15e3, 33e3), (70e3, 100e3, 150e3)
-"""N and Pa: wheel loads and inflation pressures of Arvidsson and Keller (2007)."""
+"""Wheel loads, N, and inflation pressures, Pa, of Arvidsson and Keller (2007)."""
 TOPSOIL, SUBSOIL = 0.1, 0.7  # m, least and greatest depth of their sensors
 TENSIONS = (90e3, 300e3, 550e3)
-"""N, pretension of the 4100C's chain: from near the least to near the greatest that there is on sand."""
-LOADED = 0.02  # of the force on the most loaded shoe, from which on a shoe counts as loaded
-SPEED = 0.5  # m/s, of the chain in drawbar tests
-SLIP = 0.2  # of Turnage's pulls
+"""Pretensions of the 4100C's chain, N: nearly the whole possible range on sand."""
+LOADED = 0.02  # force above which a shoe counts as loaded, fraction of that on the most loaded shoe
+SPEED = 0.5  # m/s, chain speed in drawbar tests
+SLIP = 0.2  # slip of Turnage's pulls
 SECOND_WHEEL = 9.5, 15.9
-"""mm, of the upper run of an M113 above its second road wheel; TM 9-2350-247-10, p. 0058 00-3."""
-TOUCHES = 0.1  # mm, above a wheel, within which the run lies on it
+"""Clearance of an M113's upper run above its second road wheel, mm; TM 9-2350-247-10, p. 0058 00-3."""
+TOUCHES = 0.1  # mm, clearance below which the run lies on a wheel
 
 
 class Trend(NamedTuple):
-    """Trend that was measured, and what the program gives."""
+    """Measured trend, and the result of the program."""
 
     measurement: str
     measured: str
@@ -50,26 +50,26 @@ class Trend(NamedTuple):
 
 
 def plates(box: str) -> PlateTests:
-    """First loading of the plates in the "large" or the "small" box of sand."""
+    """Return the first loading of the plates in the "large" or the "small" box of sand."""
     with as_file(files("studies").joinpath(f"measured/plates_{box}_box.csv")) as path:
         return read_plates(path).split()[0]
 
 
 def measured_pressure(tests: PlateTests) -> float:
-    """Pressure at `SINKAGE`, Pa: mean over the tests of one plate, between their points."""
+    """Return the pressure at `SINKAGE`, Pa, interpolated: mean over the tests of one plate."""
     each = [np.interp(SINKAGE, tests.sinkage[points], tests.pressure[points]) for points in tests.each()]
     return float(np.mean(each))
 
 
 def _by_law(tests: PlateTests, width: float) -> float:
-    """Pressure (Pa) at `SINKAGE` below a plate (m) by the law of tests."""
+    """Return the pressure (Pa) at `SINKAGE` below a plate of a width (m) by the law fitted to tests."""
     fit, _ = fit_plates(tests)
     modulus = (fit.number("k_c") / width if "k_c" in fit.names else 0.0) + fit.number("k_phi")
     return float(modulus * SINKAGE ** fit.number("exponent"))
 
 
 def compare_plates() -> pd.DataFrame:
-    """Rows of plates in sand: laws of the large box beside pressures in the small one."""
+    """Compare plates in sand: laws of the large box, and measured pressures in the small one."""
     large = plates("large")
     reported = reported_values("measured")
     computed = []
@@ -82,13 +82,13 @@ def compare_plates() -> pd.DataFrame:
 
 
 def below_wheel(load: float, pressure: float, depth: float, concentration: float = CONCENTRATION) -> float:
-    """Vertical stress (Pa) in the ground below a wheel that presses evenly on a circle, by Froehlich."""
+    """Return the stress (Pa) at a depth (m) below a wheel's evenly loaded circle, by Froehlich."""
     radius = np.sqrt(load / (np.pi * pressure))
     return float(pressure * (1.0 - (1.0 + (radius / depth) ** 2) ** (-0.5 * concentration)))
 
 
 def wheel_trend() -> Trend:
-    """Stress below wheels: the inflation pressure decides in the topsoil, the load in the subsoil."""
+    """Compare stress below wheels: inflation pressure governs the topsoil, load the subsoil."""
     soft, _, hard = PRESSURES
     light, _, heavy = LOADS
     by_pressure = [below_wheel(heavy, hard, z) / below_wheel(heavy, soft, z) for z in (TOPSOIL, SUBSOIL)]
@@ -103,7 +103,7 @@ def wheel_trend() -> Trend:
 
 
 def _closed(drive: Drive, pretension: float | None = None, load: float = 1.0) -> Case:
-    """Half of the 4100C on LETE sand that keeps ruts, without rolling resistance, its load in the middle."""
+    """Return half of the 4100C, load centred, on LETE sand that keeps ruts, without rolling resistance."""
     case = Case.closed()
     gear: Any = case.gear
     idler = gear.idler
@@ -117,14 +117,14 @@ def _closed(drive: Drive, pretension: float | None = None, load: float = 1.0) ->
 
 
 def evenness(history: History) -> float:
-    """Greatest over mean pressure of the loaded shoes as a run ends."""
+    """Return the ratio of greatest to mean pressure of the loaded shoes at the end of a run."""
     force = history.contacts_by_shoe().normal_force.sel(axis="z").isel(time=-1).values
     loaded = force[force > LOADED * force.max()]
     return float(loaded.max() / loaded.mean())
 
 
 def tension_trend(say: Callable[[str], None]) -> Trend:
-    """Evenness of the pressure below a track that stands, by its tension."""
+    """Compare the evenness of pressure below a standing track by its tension."""
     found = []
     for tension in TENSIONS:
         case = _closed(Drive(speed=StepProfile.constant(0.0)), tension)
@@ -141,7 +141,7 @@ def tension_trend(say: Callable[[str], None]) -> Trend:
 
 
 def adjustment_trend(say: Callable[[str], None]) -> Trend:
-    """Upper run of the library's M113 on its road wheels, as its chain is adjusted."""
+    """Compare the clearances of the library's M113 between upper run and road wheels."""
     found = standing(read_case(machines()["m113"]).case, progress=False)
     assert found is not None  # it has a machine
     gaps = 1e3 * roller_clearances(found.case, found.history.dataset.isel(time=0))
@@ -157,14 +157,14 @@ def adjustment_trend(say: Callable[[str], None]) -> Trend:
 
 
 def pull_at_slip(case: Case) -> tuple[float, float]:
-    """Pull at `SLIP` of a case in a drawbar test, N, and over the weight."""
+    """Return the pull at `SLIP` of a case in a drawbar test, N, and as a fraction of the weight."""
     test = drawbar.pulled_case(CaseFile(case=case, duration=1.0), drawbar.DrawbarTest((SLIP,)))
     result = drawbar.drawbar_result(simulate(test.case, test.duration, progress=False), SLIP)
     return result.pull_at_slip, result.pull_at_slip / result.track.weight
 
 
 def pull_trends(say: Callable[[str], None]) -> list[Trend]:
-    """Pull at 20 % slip by load and by tension."""
+    """Compare the pull at 20 % slip by load and by tension."""
     drive = Drive(speed=StepProfile(times=(0.0, 2.0), values=(0.0, SPEED)))
     cases = {
         "as it is": _closed(drive),
@@ -199,7 +199,7 @@ def pull_trends(say: Callable[[str], None]) -> list[Trend]:
 def study(
     out: Path | None, runs: bool = False, say: Callable[[str], None] = print
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Rows with numbers, and trends; those that need runs (three minutes of work) where asked for."""
+    """Tabulate rows with numbers, and trends; with `runs` also trends from runs (three minutes)."""
     if out is not None:
         writable_folder(out)
     rows = compare_plates()

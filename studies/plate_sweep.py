@@ -1,7 +1,7 @@
-"""Top plate of the shoe and stiffness of the ground against the life of the roller path in rolling propel.
+"""Life of the roller path in rolling propel by the shoe's top plate and the ground's stiffness.
 
-No paper reports it. One flexible shoe stands under the middle of the machine, which rolls on by the distance
-of two rollers once it has its speed; all hours are hours of such propel.
+No paper reports this study. One flexible shoe stands under the middle of the machine. At full speed the
+machine rolls on by the distance of two rollers; all hours are hours of such propel.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,21 +23,21 @@ from exudyn_crawler.views.style import STYLE, save_figure
 from fem import write_mesh
 from meshes import ShoeDimensions, mesh_shoe
 
-THICKNESSES = (0.030, ShoeDimensions.top_thickness, 0.054)  # m, of the top plate
-STIFFNESSES = (10e6, 20e6, 40e6)  # N/m, of the ground's springs; the papers' in the middle
+THICKNESSES = (0.030, ShoeDimensions.top_thickness, 0.054)  # m, thicknesses of the top plate
+STIFFNESSES = (10e6, 20e6, 40e6)  # N/m, stiffnesses of the ground's springs; the middle one is the papers'
 FLEXIBLE = 11
 SIZE = "coarse"
 OUTPUT_INTERVAL = 0.02
-"""s, in which the machine rolls by 2 mm."""
+"""Time between stored states, s; the machine rolls by 2 mm."""
 PICTURE = "lives.png"
 MILLI = 1e-3
 MEGA = 1e6
 VARIED = ("flexible.mesh", "shoe.mass", "shoe.inertia", "shoe.load_point")
-"""What a thickness stands for: rigid shoes weigh what the flexible one does."""
+"""Parameters that vary with the thickness: rigid shoes weigh as much as the flexible one."""
 
 
 def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str], None]) -> dict[float, Path]:
-    """Meshes of shoes with these top plates (m) in a folder, made if missing."""
+    """Return mesh files in a folder of shoes with these top plates (m); mesh those that are missing."""
     paths = {}
     for thickness in thicknesses:
         path = folder / f"shoe_{SIZE}_top_{1e3 * thickness:g}mm.msh.gz"
@@ -51,7 +51,7 @@ def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str]
 
 
 def passing_case(mesh: str = SIZE) -> CaseFile:
-    """Machine that rolls over one flexible shoe by the distance of two rollers, from the end of its start."""
+    """Return a machine at speed that rolls over one flexible shoe by the distance of two rollers."""
     case = Case.rolled()
     rollers = Rolled.ph4100c().rollers
     speed = case.drive.speed
@@ -67,7 +67,7 @@ def passing_case(mesh: str = SIZE) -> CaseFile:
 def plate_sweep(
     meshes: Mapping[float, Path], stiffnesses: Sequence[float] = STIFFNESSES, case: CaseFile | None = None
 ) -> Sweep:
-    """Sweep of `passing_case` over top plates, meshes by thickness (m), and the ground's stiffness (N/m)."""
+    """Return the sweep of `passing_case` over top plates (m), by meshes, and ground stiffness (N/m)."""
     base = case or passing_case()
     shoes = {path: Shoe.from_mesh(str(path)) for path in meshes.values()}
     begin = base.case.drive.speed.times[-1]
@@ -91,7 +91,7 @@ def plate_sweep(
 
 
 def draw_lives(ax: Axes, lives: xr.DataArray) -> Axes:
-    """Draw an answer in hours, (top_plate, spring_stiffness) in m and N/m, with a curve a top plate."""
+    """Draw lives in hours over the stiffness of springs, a curve for each top plate."""
     for curve in lives.transpose("top_plate", "spring_stiffness"):
         ax.loglog(
             curve.spring_stiffness / MEGA,
@@ -109,7 +109,7 @@ def draw_lives(ax: Axes, lives: xr.DataArray) -> Axes:
 
 
 def lives_figure(dataset: xr.Dataset) -> Figure:
-    """Lives of the roller path and of the whole shoe, side by side."""
+    """Draw the lives of the roller path and of the whole shoe side by side."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 3.6))
         left, right = figure.subplots(1, 2)
@@ -121,7 +121,7 @@ def lives_figure(dataset: xr.Dataset) -> Figure:
 def study(
     out: Path, *, workers: int | None = None, say: Callable[[str], None] = lambda _text: None
 ) -> SweepRun:
-    """Run what of the sweep a folder lacks, and draw lives; errors of `plate_meshes` and `run_sweep`."""
+    """Run what the sweep lacks, and draw lives; errors are those of `plate_meshes` and `run_sweep`."""
     meshes = plate_meshes(out / "meshes", THICKNESSES, say)
     run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
     run.check_answers()

@@ -1,9 +1,9 @@
 """Rolling propel: the machine passes over flexible shoes and digs above them, compared with dragging.
 
-Beside the ready shoe it passes over one whose rails overhang, new and with 25 mm worn off its path.
+Besides the ready shoe it passes over one with overhanging rails, new and with 25 mm worn off its path.
 
-No paper reports it. The S-paper (Minerals 2016, 6(3), 61) ends with the limits of its dragged, evenly loaded
-track: in the field shoes crack in the roller path, under the lower rollers.
+No paper reports this study. The S-paper (Minerals 2016, 6(3), 61) ends with the limits of its dragged, evenly
+loaded track: in the field shoes crack in the roller path, under the lower rollers.
 """
 
 from pathlib import Path
@@ -24,16 +24,16 @@ from studies import CYCLE_DURATION
 from studies.balance import energy_balance
 from studies.running import Compared, Running, by_name, save, study_runs
 
-FLEXIBLE, COUNT = (17, 18, 19, 20, 21, 22), 38  # flexible shoes, and the number of all shoes
+FLEXIBLE, COUNT = (17, 18, 19, 20, 21, 22), 38  # numbers of the flexible shoes, and the count of all shoes
 BEFORE, ABOVE = 15.5, 22.2
-"""m, x of the frame's origin: its front roller just behind the flexible shoes, and above their middle."""
-PASS_DURATION = 137.0  # s, after which the rear roller has left the last flexible shoe
+"""Positions x of the frame's origin, m: front roller just behind the flexible shoes; above their middle."""
+PASS_DURATION = 137.0  # s, time until the rear roller leaves the last flexible shoe
 OVERHANG = {"overhang": "shoe_overhang.msh.gz", "overhang worn": "shoe_overhang_25mm.msh.gz"}
-"""Ready meshes of shoes whose rails overhang by 0.132 m, as fine as the coarse one."""
+"""Ready meshes of shoes with rails that overhang by 0.132 m, as fine as the coarse one."""
 STANDS = {"front": -2.9, "middle": 0.0, "rear": 2.9}
-"""Part of the machine that digs above six of these shoes, and m that its middle is ahead of them."""
+"""Distance, m, of the machine's middle ahead of the flexible shoes, by the part of the machine above them."""
 CHOICES_DURATION = 8.0  # s
-FOLDED = 1.0  # rad, tilt of a shoe beyond which the chain has folded up
+FOLDED = 1.0  # rad, tilt of a shoe above which the chain has folded up
 FIRM = 10.0
 FIRM_SPRINGS = "springs of the ground x 10"
 FIRM_CONTACT = "contact with the ground x 10"
@@ -41,7 +41,7 @@ KILO = 1e3
 
 
 def rolled_case(mesh: str = "study") -> Case:
-    """One pass of the machine at the papers' speed over six flexible shoes among rigid ones."""
+    """Return one pass of the machine at the papers' speed over six flexible shoes among rigid ones."""
     case = Case.rolled()
     track = case.track.with_(shoe_count=COUNT)
     return case.with_(
@@ -56,7 +56,7 @@ def rolled_case(mesh: str = "study") -> Case:
 
 
 def loading_case(mesh: str = "study", ahead: float = 0.0) -> Case:
-    """Loading cycle of the machine that stands `ahead` m of the flexible shoes, from the end of propel."""
+    """Return the loading cycle of a machine that stands `ahead` (m) of the flexible shoes after propel."""
     case = rolled_case(mesh)
     frame = Rolled.ph4100c().with_(start=ABOVE + ahead)
     whole = MachineCycle.shovel(frame)
@@ -71,7 +71,7 @@ def loading_case(mesh: str = "study", ahead: float = 0.0) -> Case:
 
 
 def overhang_cases() -> dict[str, Case]:
-    """The pass, and loading cycles on all of `STANDS`, of shoes of the meshes of `OVERHANG`."""
+    """Return the pass and the loading cycles at all `STANDS` for shoes with the meshes of `OVERHANG`."""
     cases = {}
     for name, file in OVERHANG.items():
         path = str(shoe_path("coarse").with_name(file))
@@ -86,9 +86,9 @@ def overhang_cases() -> dict[str, Case]:
 
 
 def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str, CaseFile]:
-    """Cases of the study with their durations (s), at most `duration`.
+    """Return the cases of the study with their durations (s), at most `duration`.
 
-    `mesh` is as in `FlexibleShoes`; shoes with overhanging rails have meshes of their own.
+    See `FlexibleShoes` for `mesh`; shoes with overhanging rails have meshes of their own.
     """
     most = np.inf if duration is None else duration
     loading = ph4100c.RETURN_END - ph4100c.PROPEL_END
@@ -101,7 +101,7 @@ def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str,
 
 
 def highest_by_region(run: CaseRun) -> pd.DataFrame:
-    """Highest von Mises stress of any flexible shoe in every region, as a row of `region_table` each."""
+    """Return the highest von Mises stress of any flexible shoe by region, as rows of `region_table`."""
     stresses = run.recovered()
     table = region_table(stresses.by_region, stresses.dataset)
     highest = table.loc[table.groupby("region")["von Mises in MPa"].idxmax()]
@@ -118,7 +118,7 @@ def study(
 ) -> Compared:
     """Run the pass, the loading cycle and the papers' dragged study, and compare their hot spots.
 
-    Cases are those of `study_cases`; with `out` it gets their folders and `regions.csv`. Errors are those of
+    See `study_cases` for the cases. `out` gets their folders and `regions.csv`. Errors are those of
     `study_runs`.
     """
     with study_runs(out, study_cases(mesh, duration), **how) as runs:
@@ -134,7 +134,7 @@ def _with_rollers(frame: Rolled, count: int, spacing: float) -> Rolled:
 
 
 def choices() -> dict[str, Case]:
-    """Rigid machine as it is, with each open choice changed, and on firmer ground than the papers'."""
+    """Return the default rigid machine, variants with one changed choice each, and firmer grounds."""
     case = Case.rolled()
     frame = Rolled.ph4100c()
     changed = {
@@ -159,7 +159,7 @@ def choices() -> dict[str, Case]:
 
 
 def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
-    """Effect of the open choices on a rigid machine over some time (s).
+    """Tabulate the effect of the open choices on a rigid machine over a duration (s).
 
     Only friction and tension keep the chain from folding up; if it does, the run stops.
     """

@@ -1,4 +1,4 @@
-"""Run the cases of a study, each into its own folder, and compare them with the paper."""
+"""Runs of a study's cases, each in its own folder, and their comparison with the paper."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -23,18 +23,18 @@ class Running(TypedDict, total=False):
 
 
 Compared = tuple[dict[str, CaseRun], pd.DataFrame]
-"""Runs of a study by case, and their comparison with the paper, or what else a table says of them."""
+"""Runs of a study by case, and their comparison with the paper or another table."""
 
 
 def save(out: Path | None, **tables: pd.DataFrame) -> None:
-    """Write tables by the names of their files into a folder, if there is one."""
+    """Write tables to a folder, if given, under their names."""
     if out is not None:
         for name, table in tables.items():
             write_table(table, out / f"{name}.csv", overwrite=True)
 
 
 def by_name(what: str, tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Tables one below the other, with a column of their names first."""
+    """Stack tables one below the other, with a first column of their names."""
     whole = pd.concat([table.assign(**{what: name}) for name, table in tables.items()], ignore_index=True)
     return whole[[what, *[name for name in whole.columns if name != what]]]
 
@@ -49,12 +49,12 @@ def study_runs(
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Iterator[dict[str, CaseRun]]:
-    """Run cases into folders of their names in `out`, and hold it while a study writes its results there.
+    """Run cases in folders of their names in `out`, and hold `out` while a study writes its results there.
 
-    None writes nothing. A study that was stopped continues: cases that have finished are used as they are.
-    `reuse` has by case the folder of an earlier run whose history replaces the simulation; the others are as
-    of `run_case`. FileExistsError before anything runs if the folder has results and `overwrite` is false,
-    BlockingIOError if another run works there, else errors of `run_case`.
+    Nothing is written if `out` is None. A stopped study continues: finished cases are used as they are.
+    `reuse` has the folder of an earlier run by case; its history replaces the simulation. See `run_case` for
+    other arguments. Before anything runs, raises `FileExistsError` if the folder has results and `overwrite`
+    is false, and `BlockingIOError` if another run works there. Other errors are those of `run_case`.
     """
     with run_in(out, overwrite=overwrite, report=say, cases=cases) as folder:
         how: dict[str, Any] = {"overwrite": folder.overwrites, "progress": progress, "say": folder.say}
@@ -73,7 +73,7 @@ def compare_cases(
     reuse: Mapping[str, Path | None] | None = None,
     **how: Unpack[Running],
 ) -> Compared:
-    """Run cases as `study_runs`, `compare` their histories with a paper, and `write` more files of them."""
+    """Run cases by `study_runs`, `compare` their histories with a paper, and `write` more files from them."""
     with study_runs(out, cases, reuse, **how) as runs:
         histories = {name: run.history for name, run in runs.items()}
         table = compare(histories)

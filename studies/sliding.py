@@ -1,7 +1,7 @@
 """Steady sliding of a track, and the linear equations of motion about it.
 
-All shoes move along x at one speed and nothing accelerates. The ground's units stay where they are: a mode
-lives for a second, in which a shoe moves by a tenth of its length.
+All shoes move along x at one speed and nothing accelerates. The ground's units stay the same: a mode lasts
+for a second, while a shoe moves by a tenth of its length.
 """
 
 from collections.abc import Callable
@@ -26,48 +26,48 @@ from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 from exudyn_crawler.run.solve.stages import Recorder
 
-RESIDUAL = 1e-3  # N, greatest force out of balance that ends Newton's method: 1e-9 of a shoe's load
+RESIDUAL = 1e-3  # N, greatest residual force at the end of Newton's method: 1e-9 of a shoe's load
 GAP = 1e-10  # m and rad, greatest gap of the links at the end of Newton's method
 ITERATIONS = 15
 LONG_STEP = 1.0
-"""m and rad, correction beyond which Newton's method has gone astray."""
-LEAST_PORTION = 0.01  # of friction and travel, put on at a time
+"""Correction above which Newton's method diverges, m and rad."""
+LEAST_PORTION = 0.01  # least increment of friction and travel, fraction of both
 POSITION_STEP, RATE_STEP = 1e-6, 1e-6
-"""m and rad, and per second: half steps of central differences, far below the 0.1 mm of the damping law and
-the 10 mm/s of the friction law."""
-FORCE_SCALE = 1e6  # N, multiplier that the links' directions are taken with: their forces are linear in it
-STILL = 1e-9  # imaginary over greatest eigenvalue below which a mode does not swing
+"""Half steps of central differences, m and rad, and these per second: far below the 0.1 mm of the damping law
+and the 10 mm/s of the friction law."""
+FORCE_SCALE = 1e6  # N, multiplier for the links' directions: forces are linear in it
+STILL = 1e-9  # ratio of imaginary part to greatest eigenvalue below which a mode does not swing
 
 
 @dataclass(frozen=True)
 class SteadySliding:
-    """Equilibrium of a track whose shoes all slide along x at one speed."""
+    """Equilibrium of a track with all shoes sliding along x at one speed."""
 
     system: CompiledSystem
     speed: float  # m/s
-    q: np.ndarray  # (n,): coordinates as of the system's layout
+    q: np.ndarray  # (n,): coordinates in the order of the system's layout
     q_t: np.ndarray  # (n,): their rates
-    multipliers: np.ndarray  # of links and drive
+    multipliers: np.ndarray  # multipliers of links and drive
     tension: np.ndarray  # (links,): force of each link along x on its rear shoe, N
-    normal_force: np.ndarray  # (shoes,): vertical force of the ground on each, N
+    normal_force: np.ndarray  # (shoes,): vertical force of the ground on each shoe, N
 
 
 class Balance:
-    """Forces of a system that does not accelerate, at any state."""
+    """Forces of a system without acceleration, at any state."""
 
     def __init__(self, system: CompiledSystem) -> None:
         self._system = system
         self.size, self.rows = system.layout.coordinate_count, len(system.multipliers)
 
     def __call__(self, q: np.ndarray, q_t: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
-        """Forces out of balance (n,), then the gaps of links and drive."""
+        """Return the residual forces (n,), then the gaps of links and drive."""
         inputs = self._system.inputs(0.0)
         out = self._system.residual(np.stack((q, q_t, np.zeros_like(q))), inputs, multipliers)
         out[self.size :] /= STIFFNESS
         return out
 
     def mass(self, q: np.ndarray) -> np.ndarray:
-        """Mass matrix (n, n)."""
+        """Return the mass matrix (n, n)."""
         still = np.zeros_like(q)
         none = np.zeros(self.rows)
         inputs = self._system.inputs(0.0)
@@ -78,7 +78,7 @@ class Balance:
         return np.column_stack(columns)[: self.size]
 
     def directions(self, q: np.ndarray) -> np.ndarray:
-        """Generalized forces (n, rows) of unit multipliers; zero for equations that constrain nothing."""
+        """Return generalized forces (n, rows) of unit multipliers; zero for unconstrained equations."""
         still = np.zeros_like(q)
         base = self(q, still, np.zeros(self.rows))[: self.size]
         pushed = [self(q, still, e)[: self.size] - base for e in FORCE_SCALE * np.eye(self.rows)]
@@ -86,13 +86,13 @@ class Balance:
 
 
 def derivative(function: Callable[[np.ndarray], np.ndarray], values: np.ndarray, step: float) -> np.ndarray:
-    """Central differences of a function, a column for each of its values."""
+    """Return the central differences of a function, a column for each of its values."""
     changes = step * np.eye(len(values))
     return np.column_stack([(function(values + e) - function(values - e)) / (2.0 * step) for e in changes])
 
 
 def check_sliding(case: Case, speed: float) -> None:
-    """Refuse, by a ValueError, what has no steady sliding."""
+    """Raise `ValueError` for a case or a speed without steady sliding."""
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be positive and finite, got {speed!r} m/s")
     case.pair_contact()
@@ -111,12 +111,12 @@ def check_sliding(case: Case, speed: float) -> None:
 
 
 def steady_sliding(case: Case, speed: float, travel: float = 0.0) -> SteadySliding:
-    """Find the state in which all shoes slide along x at one speed and nothing accelerates.
+    """Find the state with all shoes sliding along x at one speed without acceleration.
 
     Friction has its steady value, and the chain's tension grows shoe by shoe to the front. The loads are
-    those at t = 0. Friction and travel are put on in as few portions as can be. `speed` is in m/s; `travel`
-    (m), the way that the front shoe has gone along x, says which units the shoes stand on. A ValueError as in
-    `check_sliding`, an EquilibriumError if Newton's method finds none.
+    those at t = 0. Friction and travel are applied in as few increments as possible. `speed` is in m/s.
+    `travel` (m) is the way of the front shoe along x; it decides which units bear the shoes. Raises
+    `ValueError` as in `check_sliding`, and `EquilibriumError` if Newton's method finds no state.
     """
     check_sliding(case, speed)
     case = case.with_(terrain_formulation="reduced", formulation=None)
@@ -155,7 +155,7 @@ def _newton(
     portion: float,
     travel: float,
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Coordinates and multipliers in balance under a portion of what the speed adds; None without success."""
+    """Find coordinates and multipliers in balance at a portion of friction and travel; None if it fails."""
     n = forces.size
     driven = 6 * system.case.track.shoe_count - 6
     q, q_t = start
@@ -164,11 +164,11 @@ def _newton(
     def balance(q: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         moving, resting = (forces(q, rates, multipliers) for rates in (q_t, 0.0 * q_t))
         residuals = portion * moving + (1.0 - portion) * resting
-        # the drive prescribes a speed, which any place has
+        # the drive prescribes a speed, at any position
         residuals[drive] = q[driven] - travel
         return residuals
 
-    # without its tension a track that is pulled beside its middle would be far too ready to turn
+    # without its tension a track that is pulled beside its middle would turn far too easily
     multipliers = -scipy.linalg.lstsq(forces.directions(q), balance(q, np.zeros(forces.rows))[:n])[0]
     for _ in range(ITERATIONS):
         residual = balance(q, multipliers)
@@ -183,7 +183,7 @@ def _newton(
             [[by_q[:n], FORCE_SCALE * directions[:, held]], [FORCE_SCALE * by_q[n:][held], none]]
         )
         right = -np.concatenate((residual[:n], FORCE_SCALE * gap))
-        # nothing holds the track across its path: the shortest step leaves it where it is
+        # nothing holds the track across its path: the shortest step does not move it sideways
         step = scipy.linalg.lstsq(matrix, right, cond=1e-13)[0]
         if not np.abs(step[:n]).max() < LONG_STEP:
             return None
@@ -208,10 +208,10 @@ def _state(
 
 @dataclass(frozen=True)
 class LinearTrack:
-    """``mass y'' + damping y' + stiffness y = 0`` for the motion ``basis @ y`` about an equilibrium.
+    """Equations ``mass y'' + damping y' + stiffness y = 0`` of the motion ``basis @ y`` about equilibrium.
 
-    `mass`, `damping`, `stiffness` are (f, f), `basis` is (n, f): f of the n coordinates are left by links and
-    drive. Without friction all three matrices are symmetric.
+    `mass`, `damping`, `stiffness` are (f, f), `basis` is (n, f): links and drive leave f of n coordinates
+    free. Without friction all three matrices are symmetric.
     """
 
     mass: np.ndarray
@@ -223,8 +223,8 @@ class LinearTrack:
 def linearized(state: SteadySliding) -> LinearTrack:
     """Linearise the equations of motion about steady sliding, without the constrained motions.
 
-    Derivatives are central differences of the residual: they have how forces of links and loads turn with
-    the shoes, which Newton's matrix of a run leaves out.
+    Derivatives are central differences of the residual. They include the rotation of link forces and loads
+    with the shoes, which Newton's matrix of a run leaves out.
     """
     forces = Balance(state.system)
     n = len(state.q)
@@ -238,9 +238,9 @@ def linearized(state: SteadySliding) -> LinearTrack:
 
 
 def eigenmodes(linear: LinearTrack) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues (modes,), 1/s, by falling growth rate, of pairs the one above the real axis; and shapes.
+    """Return complex eigenvalues (modes,), 1/s, in order of falling growth rate, and shapes (n, modes).
 
-    These are in all coordinates, (n, modes), and not scaled; both are complex.
+    A pair has the eigenvalue above the real axis. The complex shapes are in all coordinates and not scaled.
     """
     f = len(linear.mass)
     below = np.linalg.solve(linear.mass, np.hstack((-linear.stiffness, -linear.damping)))
@@ -252,9 +252,9 @@ def eigenmodes(linear: LinearTrack) -> tuple[np.ndarray, np.ndarray]:
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def integrated_from(case: Case, state: np.ndarray, duration: float) -> History:
-    """History of a case for some time (s) from a state's row, of which the multipliers do not matter.
+    """Return the history of a case for a duration (s) from a state's row; its multipliers do not matter.
 
-    Raises a `NewtonError` if a step fails at its least size.
+    Raises `NewtonError` if a step fails at its least size.
     """
 
     def store(time: float) -> bool:

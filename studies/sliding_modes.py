@@ -1,6 +1,6 @@
-"""Why the shoes bounce: modes of the sliding track, which of them grow and over what, beside 10 s runs.
+"""Cause of the shoes' bouncing: growth of the sliding track's modes by parameter, compared with 10 s runs.
 
-No paper reports it. The tables are those of `docs/sliding_modes.md`.
+No paper reports this study. The tables are those of `docs/sliding_modes.md`.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -19,20 +19,20 @@ from exudyn_crawler.views.tables import write_table
 from studies.grounds import plain
 from studies.sliding import STILL, SteadySliding, eigenmodes, linearized, steady_sliding
 
-SPEED = 0.2  # m/s, where friction no longer changes with the speed
+SPEED = 0.2  # m/s, above which friction no longer changes with the speed
 FRICTION = 0.3
 SWINGING = 0.1
-"""Hz, least frequency of a swing."""
+"""Least frequency of a swing, Hz."""
 COORDINATES = ["x", "y", "z", "roll", "pitch", "yaw"]
-"""Of a shoe: displacement of the COM (m) and angles (rad)."""
+"""Coordinates of a shoe: displacement of the COM (m) and angles (rad)."""
 
 SWING = 0.1  # m, greatest motion drawn
 PHASES = {"at an instant": 1.0 + 0.0j, "a quarter period later": 1.0j}
-"""Instants drawn of a swing, as factors of its shape; it does not grow between them in the figure."""
+"""Drawn instants of a swing, as factors of its shape; the figure shows no growth between them."""
 
 
 def sliding_modes(case: Case, speed: float, travel: float = 0.0) -> xr.Dataset:
-    """Complex modes of the track on its ground about steady sliding, least stable first.
+    """Find complex modes of the track on its ground about steady sliding, least stable first.
 
     A mode moves as the real part of ``shape exp((growth_rate + 2 pi i frequency) t)``. Arguments and errors
     are those of `steady_sliding`.
@@ -40,10 +40,10 @@ def sliding_modes(case: Case, speed: float, travel: float = 0.0) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over `mode`: `growth_rate` (1/s), `frequency` (Hz) and `damping_ratio` (NaN at rest). `shape` (mode,
-        shoe, coordinate), complex: displacement of the COM in m and angles in rad; `unit_shape` (mode, unit,
-        motion): heave in m and tilt in rad. The greatest motion of a shoe's COM or end is 1 m, real. Of the
-        equilibrium: `position` (shoe, coordinate) from t = 0 before settling, `tension` (joint) and
+        Over `mode`: `growth_rate` (1/s), `frequency` (Hz) and `damping_ratio` (NaN at rest). Complex `shape`
+        (mode, shoe, coordinate): displacement of the COM in m and angles in rad. `unit_shape` (mode, unit,
+        motion): heave in m and tilt in rad. The greatest motion of a shoe's COM or end is 1 m, real. The
+        equilibrium has `position` (shoe, coordinate) from t = 0 before settling, `tension` (joint) and
         `normal_force` (shoe), N.
     """
     state = steady_sliding(case, speed, travel)
@@ -84,7 +84,7 @@ def _dataset(state: SteadySliding, values: np.ndarray, shapes: np.ndarray) -> xr
 
 
 def mode_table(modes: xr.Dataset, count: int = 10) -> pd.DataFrame:
-    """The least stable modes: frequency, damping, growth, and what of the shoes moves most.
+    """Tabulate the least stable modes: frequency, damping, growth, and the greatest motions of shoes.
 
     Columns `frequency, Hz`, `growth rate, 1/s`, `damping ratio`, `shoe` (the one that moves most) and the
     greatest motion of all shoes in every coordinate, m and rad.
@@ -104,7 +104,7 @@ def mode_table(modes: xr.Dataset, count: int = 10) -> pd.DataFrame:
 
 
 def draw_mode(ax: Axes, modes: xr.Dataset, case: Case, mode: int = 1) -> Axes:
-    """Draw undersides and pins of the shoes from the side in a mode, enlarged, about steady sliding."""
+    """Draw undersides and pins of the shoes from the side in a mode about steady sliding, enlarged."""
     shape = modes["shape"].sel(mode=mode).values
     position = modes.position.values
     coms = case.track.com_positions(case.shoe.com_height) + position[:, :3]
@@ -133,7 +133,7 @@ def draw_mode(ax: Axes, modes: xr.Dataset, case: Case, mode: int = 1) -> Axes:
 
 
 def _seen(coms: np.ndarray, pitch: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Positions (shoes, points, 2), x and z, of points (points, 3) in the shoes' frames."""
+    """Return positions (shoes, points, 2), x and z, of points (points, 3) in the shoes' frames."""
     c = np.cos(pitch)[:, None]
     s = np.sin(pitch)[:, None]
     x, z = points[:, 0], points[:, 2]
@@ -141,7 +141,7 @@ def _seen(coms: np.ndarray, pitch: np.ndarray, points: np.ndarray) -> np.ndarray
 
 
 def mode_figure(modes: xr.Dataset, case: Case, numbers: Sequence[int] = (1, 2)) -> Figure:
-    """The named modes from the side, one below the other."""
+    """Draw the given modes from the side, one below the other."""
     title = f"{modes.attrs['title']}, sliding at {modes.attrs['speed']:g} m/s"
     with titled_figure(title, 8.0, 0.6 + 2.6 * len(numbers)) as figure:
         axes = figure.subplots(len(numbers), 1, sharex=True, squeeze=False)[:, 0].tolist()
@@ -151,7 +151,7 @@ def mode_figure(modes: xr.Dataset, case: Case, numbers: Sequence[int] = (1, 2)) 
 
 
 def even_ground(stiffness: float = 1e11) -> Case:
-    """The rigid studies' track on one unit, no seams, on springs of some stiffness (N/m)."""
+    """Return the rigid studies' track on one unit without seams, on springs of a stiffness (N/m)."""
     case = plain(Case.translation())
     (_, length), (_, width) = case.terrain.bounds
     sides = {"columns": 1, "rows": 1, "unit_length": length, "unit_width": width}
@@ -160,7 +160,7 @@ def even_ground(stiffness: float = 1e11) -> Case:
 
 
 def grounds() -> dict[str, Case]:
-    """Even ground, 7 m units of the rigid studies, 1 m units of the stress study; all shoes rigid."""
+    """Return tracks of rigid shoes on even ground, 7 m units (rigid studies) and 1 m units (stress study)."""
     return {
         "even": even_ground(),
         "7 m units": plain(Case.translation()),
@@ -169,18 +169,18 @@ def grounds() -> dict[str, Case]:
 
 
 def with_law(case: Case, **factors: float) -> Case:
-    """Case with some parameters of its contact law times factors."""
+    """Return the case with some parameters of its contact law times factors."""
     law = case.pair_contact()
     return case.with_(contact=law.with_(**{name: f * getattr(law, name) for name, f in factors.items()}))
 
 
 def with_friction(case: Case, static: float, dynamic: float) -> Case:
-    """Case with other coefficients of friction."""
+    """Return the case with other coefficients of friction."""
     return case.with_(contact=case.pair_contact().with_(static_friction=static, dynamic_friction=dynamic))
 
 
 def with_shoes(case: Case, count: int) -> Case:
-    """Case with another number of shoes, each with the same load."""
+    """Return the case with another number of shoes, each with the same load."""
     phase = case.loads.phases[0]
     loads = LoadCycle(phases=(phase.with_(loads=(phase.loads[0],) * count),))
     return case.with_(track=case.track.with_(shoe_count=count), loads=loads)
@@ -203,12 +203,12 @@ PARAMETERS: dict[str, tuple[Sequence[float], Callable[..., Case], Sequence[str]]
     "contact stiffness factor": ((0.5, 1, 2, 4), lambda case, f: with_law(case, stiffness=f), COARSE),
     "shoes": (COUNTS, with_shoes, COARSE),
 }
-"""Parameter: values, how they change a case with constant friction, and the grounds."""
+"""Values, change of a case with constant friction, and grounds, by parameter."""
 SPEEDS = (0.002, 0.005, 0.009, 0.012, 0.02, 0.03, 0.05, 0.08, 0.095, 0.1, 0.2)  # m/s
 
 
 def _trials(constant: Sequence[float], damped: Sequence[float] = ()) -> list[tuple[float, float, float]]:
-    """Trials with the papers' friction, with some constant coefficients, and with factors of damping."""
+    """Return trials with the papers' friction, with constant coefficients, and with damping factors."""
     falling = [(0.4, 0.3, factor) for factor in (1.0, 10.0, 100.0)]
     level = [*((mu, mu, 1.0) for mu in constant), *((0.3, 0.3, factor) for factor in damped)]
     return [falling[0], *level, *falling[1:]]
@@ -219,11 +219,11 @@ TRIALS = {
     "7 m units": _trials((0.0, 0.1, 0.2, 0.3), (3.0, 10.0, 100.0)),
     "1 m units": _trials((0.0, 0.1, 0.3), (10.0,)),
 }
-"""By ground, coefficients of friction and factor of damping of the runs."""
+"""Coefficients of friction and damping factor of the runs, by ground."""
 
 
 def least_stable(case: Case, speed: float = SPEED, travel: float = 0.0) -> tuple[float, float, int]:
-    """Growth rate (1/s) and frequency (Hz) of the least stable swing, and how many grow."""
+    """Return growth rate (1/s) and frequency (Hz) of the least stable swing, and the number growing."""
     modes = sliding_modes(case, speed, travel)
     swings = modes.where(modes.frequency > SWINGING, drop=True)
     growing = int((swings.growth_rate > 1e-6).sum())
@@ -231,7 +231,7 @@ def least_stable(case: Case, speed: float = SPEED, travel: float = 0.0) -> tuple
 
 
 def growth_row(cases: Iterable[tuple[str, Case]], speed: float = SPEED) -> dict[str, str]:
-    """Growth rate, frequency and number of growing swings by ground, as text."""
+    """Return growth rate, frequency and number of growing swings by ground, as text."""
     row = {}
     for ground, case in cases:
         try:
@@ -243,7 +243,7 @@ def growth_row(cases: Iterable[tuple[str, Case]], speed: float = SPEED) -> dict[
 
 
 def growth_over(parameter: str, values: Sequence[float] | None = None) -> pd.DataFrame:
-    """Table of `growth_row` over one of `PARAMETERS`, with constant friction."""
+    """Tabulate `growth_row` over one of `PARAMETERS`, with constant friction."""
     all_values, change, on = PARAMETERS[parameter]
     base = {name: with_friction(grounds()[name], FRICTION, FRICTION) for name in on}
     rows = [
@@ -254,14 +254,14 @@ def growth_over(parameter: str, values: Sequence[float] | None = None) -> pd.Dat
 
 
 def growth_over_speed() -> pd.DataFrame:
-    """Table of `growth_row` over the speed, with the papers' falling friction."""
+    """Tabulate `growth_row` over the speed, with the papers' falling friction."""
     return pd.DataFrame([{"speed, m/s": v} | growth_row(grounds().items(), v) for v in SPEEDS])
 
 
 def trial(
     ground: str, static: float, dynamic: float, damping: float, duration: float = 10.0
 ) -> dict[str, object]:
-    """Predicted growth at the final speed beside what a run does."""
+    """Compare the predicted growth at the final speed with a run."""
     case = with_law(with_friction(grounds()[ground], static, dynamic), damping=damping)
     growth = least_stable(case)[0]
     run = simulate(case, duration, progress=False).dataset
@@ -292,9 +292,9 @@ def trial(
 def study(
     out: Path | None = None, *, runs: bool = False, overwrite: bool = False
 ) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Titles and tables as they are made; with `out` each is a CSV file there, beside `modes.png`.
+    """Yield titles and tables one by one; `out` gets each table as a CSV file, and `modes.png`.
 
-    `runs` makes the 10 s runs, too, which take longest. A FileExistsError if a file is there and `overwrite`
+    `runs` adds the 10 s runs, which take longest. Raises `FileExistsError` if a file exists and `overwrite`
     is false.
     """
     case = with_friction(plain(Case.translation()), FRICTION, FRICTION)
@@ -309,7 +309,7 @@ def study(
 
 
 def table_name(title: str) -> str:
-    """File of the table of a title."""
+    """Return the file name for the table of a title."""
     return f"{title.split(',')[0].replace(' ', '_')}.csv"
 
 

@@ -1,10 +1,10 @@
 """Stresses of flexible shoes over propel and a loading cycle.
 
 Reproduces the S-paper ("Multibody Dynamic Stress Simulation of Rigid-Flexible Shovel Crawler Shoes",
-Minerals 2016, 6(3), 61): six flexible shoes over 15 s of propel and 25 s of digging, swinging and dumping;
-the modes of figure 9, motion, contact and joint forces and deformation of figures 11 to 17 and 21, von Mises
-stresses at eight instants, and the hot spots of tables 5 and 6. It speaks of its flexible shoes only; so do
-all rows here. Propel lasts until the drive is switched off, loading from then on.
+Minerals 2016, 6(3), 61): six flexible shoes over 15 s of propel and 25 s of digging, swinging and dumping. It
+has the modes of figure 9, motion, contact and joint forces and deformation of figures 11 to 17 and 21. It
+also has von Mises stresses at eight instants, and the hot spots of tables 5 and 6. The paper covers only its
+flexible shoes; so do all rows here. Propel lasts until the drive is switched off; then loading begins.
 """
 
 import math
@@ -32,12 +32,15 @@ RANKS = {"1st": 0, "2nd": 1, "3rd": 2, "4th": 3, "5th": 4}
 MOTION = re.compile(r"(?:any )?flexible shoe (?P<axis>[xyz]) (?P<kind>[a-z ]+)")
 CONTACT = re.compile(r"contact force (?P<axis>[xyz]) on a flexible shoe")
 REACTION = re.compile(r"revolute joint reaction (?P<axis>[xyz]) \(one of two\)")
-SHOWN_DIGITS = 20  # of a wrong number of a mode, in an error
+SHOWN_DIGITS = 20  # digits of a wrong mode number that a message shows
 HOT_SPOT = re.compile(r"shoe (?P<shoe>\d+) greatest von Mises")
 
 
 def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
-    """Quantity that the S-paper names, else ValueError, in its unit: over time, and what words leave open."""
+    """Return a quantity that the S-paper names, in its unit: over time and all dimensions that are not named.
+
+    Raises `ValueError` for another quantity.
+    """
     shoes = list(history.case.flexible_shoes().shoes)
     if quantity == "total terrain deformation from equilibrium":
         return history.terrain_deformation
@@ -55,12 +58,12 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
 
 
 def _revolute(values: xr.DataArray) -> xr.DataArray:
-    """Links that have a revolute joint at either pin: those of a flexible shoe."""
+    """Select the links with a revolute joint at both pins: those of a flexible shoe."""
     return values.isel(joint=values.notnull().all(["time", "pin", "axis"]).values)
 
 
 def stress_value(history: History, results: StressResults, case: str, quantity: str, statistic: str) -> float:
-    """Computed value of a row on propel, loading or hot spots; NaN where the run does not reach it."""
+    """Return the computed value of a row on propel, loading or hot spots; NaN if the run is too short."""
     if match := HOT_SPOT.fullmatch(quantity):
         table = results.hot_spots.get(int(match["shoe"]))
         return math.nan if table is None else float(table["value"].iloc[RANKS[statistic]]) / MEGA
@@ -73,7 +76,7 @@ def stress_value(history: History, results: StressResults, case: str, quantity: 
 
 
 def compare_stresses(history: History, results: StressResults) -> pd.DataFrame:
-    """Every row of the S-paper against a run; columns as in `comparison.comparison_table`."""
+    """Compare every row of the S-paper with a run; see `comparison.comparison_table` for columns."""
     reported = reported_values("stress")
     frequencies = whole_reduction(history.case).body.frequencies
     computed = []
@@ -89,7 +92,10 @@ def compare_stresses(history: History, results: StressResults) -> pd.DataFrame:
 
 
 def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray:
-    """Part of a series in the propel or in the loading, else a ValueError; empty where no run reaches it."""
+    """Return the part of a series in propel or loading; empty if the run does not reach it.
+
+    Raises `ValueError` for another phase.
+    """
     end = min(history.case.drive.switch_times, default=math.inf)
     if phase == "propel":
         return values.where(values.time <= end, drop=True)
@@ -99,7 +105,7 @@ def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray
 
 
 def highest_in_propel_and_loading(history: History, stresses: StressResults) -> pd.DataFrame:
-    """Highest von Mises stress of every flexible shoe in propel and loading, NaN for a phase not reached.
+    """Tabulate the highest von Mises stress of each flexible shoe in propel and loading; NaN if not reached.
 
     Columns shoe, propel and loading (MPa), ratio of loading to propel.
     """
@@ -114,7 +120,7 @@ def highest_in_propel_and_loading(history: History, stresses: StressResults) -> 
 
 RUN = "cycle"  # folder of the run in the folder of the study
 PICTURE_TIMES = (0.0, 5.0, 10.0, 15.0, 22.5, 30.0, 33.5, 40.0)
-"""s, instants at which the S-paper shows the stressed shoes."""
+"""Instants at which the S-paper shows the stressed shoes, s."""
 
 
 def study(
@@ -126,9 +132,9 @@ def study(
 ) -> tuple[CaseRun, pd.DataFrame]:
     """Run a track with flexible shoes, `Case.stress()` if none is given, and compare it with the paper.
 
-    With `out` it gets the run in its folder "cycle", and `comparison.csv`, see `compare_stresses`. A
-    ValueError before anything runs for no flexible shoes, interfaces that do not meet the pins, modes that do
-    not exist, a bad duration (s), or checkpoints of other parameters; others are those of `study_runs`.
+    `out` gets the run in its folder "cycle", and `comparison.csv`, see `compare_stresses`. Raises
+    `ValueError` before anything runs: for no flexible shoes, interfaces off the pins, unknown modes, a bad
+    duration (s), or checkpoints of other parameters. Other errors are those of `study_runs`.
     """
     case = Case.stress() if case is None else case
     shown = tuple(time for time in PICTURE_TIMES if time <= duration) or None
@@ -142,9 +148,9 @@ def study(
 
 
 def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None) -> pd.DataFrame:
-    """Rows of the S-paper that runs of a duration (s) reach, with a column for each open choice of the study.
+    """Compare rows of the S-paper that runs of a duration (s) reach, with a column for each open choice.
 
-    Columns case, quantity, statistic, unit, paper, and the choices; part of the propel shows the trends.
+    Columns case, quantity, statistic, unit, paper, and the choices. Part of the propel suffices for trends.
     """
     case = Case.stress(mesh)
     flexible = case.flexible_shoes()
@@ -164,11 +170,11 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
 
 
 def with_modes(flexible: FlexibleShoes, choice: str) -> FlexibleShoes:
-    """Same shoes with the modes of a choice integrated; the others follow their loads without inertia.
+    """Return the shoes with the modes of a choice integrated; the others follow their loads without inertia.
 
-    "all" is the whole basis that stress is made of, "1200Hz" its modes up to a frequency, "1-20,25" those
-    with these numbers, in order of frequency, "10 fixed" the constraint modes and the 10 lowest
-    fixed-interface ones. A ValueError for anything else, or modes that do not exist.
+    "all" is the whole basis of the stress, "1200Hz" its modes up to a frequency, "1-20,25" the modes with
+    these numbers in order of frequency. "10 fixed" is the constraint modes and the 10 lowest fixed-interface
+    modes. Raises `ValueError` for anything else, or modes that do not exist.
     """
     text = choice.strip().lower()
     whole = flexible.with_(fixed_modes=flexible.recovered_modes, highest_frequency=None, modes=None)
@@ -180,7 +186,7 @@ def with_modes(flexible: FlexibleShoes, choice: str) -> FlexibleShoes:
         return whole.with_(highest_frequency=float(match[1]))
     if re.fullmatch(r"\d+(-\d+)?(, *\d+(-\d+)?)*", text):
         numbers: set[int] = set()
-        # a range is as long as it says: none is made of more numbers than there are modes
+        # the end is checked first, so that no range becomes longer than the number of modes
         most = whole.mode_count
         for part in text.split(","):
             first, _, last = part.strip().partition("-")

@@ -1,11 +1,11 @@
 """Two-body verification problem: a block dragged over a fixed plate.
 
-Reproduces the problem by which the K-paper ("Multi-Body Dynamic Modeling and Simulation of Crawler-Formation
-Interactions in Surface Mining Operations - Crawler Kinematics") verifies its equations (its tables 7 and 8).
+Reproduces the verification of the equations in the K-paper, tables 7 and 8 ("Multi-Body Dynamic Modeling and
+Simulation of Crawler-Formation Interactions in Surface Mining Operations - Crawler Kinematics").
 
-Body 2, a plate, is fixed to the ground at its centre; body 3, a block, keeps its orientation, is driven
-along x and is free in y and z. Given the block's penetration and its rate, accelerations and reactions
-follow by hand (Newton and Euler) and, independently, from the assembled multibody system.
+Body 2, a plate, is fixed to the ground at its centre. Body 3, a block, keeps its orientation, is driven along
+x and is free in y and z. The block's penetration and its rate are given. Accelerations and reactions follow
+by hand (Newton and Euler) and, independently, from the assembled multibody system.
 """
 
 from dataclasses import dataclass
@@ -21,15 +21,15 @@ from studies.comparison import comparison_table, reported_values
 
 GRAVITY = 9.81
 DENSITY = 7801.0
-"""kg/m3; K-paper: body 2 of 30 x 10 x 1 m weighs 2.340e6 kg."""
+"""Density, kg/m3 (K-paper: body 2 of 30 x 10 x 1 m weighs 2.340e6 kg)."""
 PLATE = (30.0, 10.0, 1.0)  # m, sides of body 2; its centre is at (15, 5, -0.5) (K-paper)
 BLOCK = (0.5, 3.5, 0.5)  # m, sides of body 3; its COM is at (3.25, 5.0, 0.25) at t = 0 (K-paper)
 BLOCK_START = (3.25, 5.0, 0.25)
 SPEED = 0.5
-"""m/s, driven along x (K-paper)."""
-TIME = 0.5  # s, of the printed solution (K-paper, tables 7 and 8)
+"""Prescribed speed along x, m/s (K-paper)."""
+TIME = 0.5  # s, time of the printed solution (K-paper, tables 7 and 8)
 NORMAL_FORCE = 44275.0  # N, contact force at that time: ADAMS output, from both printed values of the K-paper
-SINKING = 0.02  # m/s, penetration rate given to the block; any will do, since only the force is printed
+SINKING = 0.02  # m/s, penetration rate of the block; arbitrary, since only the force is printed
 
 
 Three = tuple[float, float, float]
@@ -37,18 +37,18 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class TwoBodySolution:
-    """Accelerations and reactions at `TIME`, global axes."""
+    """Accelerations and reactions at `TIME` in global axes."""
 
-    block_acceleration: Three  # of body 3's COM, m/s2
-    plate_force_z: float  # generalized, on body 2: its weight and the contact, N
-    drive_force: float  # on body 3 along x, N
-    hold_moment: Three  # on body 3, which keeps its orientation, N m
-    fixing_force: Three  # on body 2 from the ground, at its centre, N
-    fixing_moment: Three  # the same, N m
+    block_acceleration: Three  # acceleration of body 3's COM, m/s2
+    plate_force_z: float  # generalized force on body 2: its weight and the contact, N
+    drive_force: float  # force on body 3 along x, N
+    hold_moment: Three  # moment on body 3 that keeps its orientation, N m
+    fixing_force: Three  # force on body 2 from the ground, at its centre, N
+    fixing_moment: Three  # moment on body 2 from the ground, N m
 
 
 def _box(sides: Three) -> tuple[float, Three]:
-    """Mass (kg) and principal moments of inertia (kg m2) of a solid box."""
+    """Return mass (kg) and principal moments of inertia (kg m2) of a solid box."""
     mass = DENSITY * float(np.prod(sides))
     x, y, z = sides
     return mass, (mass / 12 * (y**2 + z**2), mass / 12 * (x**2 + z**2), mass / 12 * (x**2 + y**2))
@@ -61,14 +61,14 @@ PLATE_MASS, PLATE_INERTIA = _box(PLATE)
 
 
 def block_penetration(law: PairContact) -> float:
-    """Penetration (m), beyond the damping depth, that gives the printed force at the given sinking rate."""
+    """Return the penetration (m), beyond the damping depth, for the printed force at the given rate."""
     return float(((NORMAL_FORCE - law.damping * SINKING) / law.stiffness) ** (1.0 / law.exponent))
 
 
 def hand_solution(law: PairContact) -> TwoBodySolution:
-    """Newton's and Euler's equations of the two bodies.
+    """Solve Newton's and Euler's equations of the two bodies.
 
-    The slip of 0.5 m/s is beyond the friction speed, so the friction is mu_d of the normal force. The
+    The slip of 0.5 m/s is above the friction speed, so that friction is mu_d times the normal force. The
     contact acts at half the penetration below the plate's top face, under the block's middle.
     """
     friction = law.dynamic_friction * NORMAL_FORCE
@@ -92,7 +92,7 @@ def hand_solution(law: PairContact) -> TwoBodySolution:
 
 
 def engine_solution(law: PairContact) -> TwoBodySolution:
-    """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
+    """Solve for initial accelerations and multipliers of the assembled system at `TIME` with Exudyn."""
     start = np.array([BLOCK_START])
     sides = ("length", "width", "height")
     # no spring carries the plate, which is fixed to the ground
@@ -139,7 +139,7 @@ def _add_body(
     displacement: np.ndarray,
     velocity: np.ndarray,
 ) -> int:
-    """Add a body of some mass and principal moments of inertia, with its weight; gives its node."""
+    """Add a body of given mass and principal moments of inertia, with its weight; return its node."""
     mass, inertia = body
     names = ("referenceCoordinates", "initialCoordinates", "initialVelocities")
     vectors = zip(names, (position, displacement, velocity), strict=True)
@@ -153,7 +153,7 @@ def _add_body(
 
 
 def _add_contact(mbs: "exu.MainSystem", contact: PairGroundContact, nodes: list[int]) -> None:
-    """Contact of block and plate; neither turns, so that angles about any axes serve its coordinates."""
+    """Add the contact of block and plate; neither turns, so that angles about any axes serve."""
 
     def force(_mbs, _t, _item, q, q_t):
         return contact.forces(np.array(q), np.array(q_t))
@@ -163,7 +163,7 @@ def _add_contact(mbs: "exu.MainSystem", contact: PairGroundContact, nodes: list[
 
 
 def _add_holds(mbs: "exu.MainSystem", node: int) -> list[int]:
-    """Drive a body along x and keep its orientation; gives the connectors, x first, then the rotations."""
+    """Drive a body along x and keep its orientation; return the connectors: x first, then rotations."""
     at_rest = mbs.AddNode(items.NodePointGround())
     fixed = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=at_rest, coordinate=0))
     holds = []
@@ -177,7 +177,7 @@ def _add_holds(mbs: "exu.MainSystem", node: int) -> list[int]:
 
 
 def _initial_state(mbs: "exu.MainSystem") -> tuple[np.ndarray, np.ndarray]:
-    """Accelerations and multipliers of the assembled system in its initial state."""
+    """Return accelerations and multipliers of the assembled system in its initial state."""
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
@@ -198,14 +198,14 @@ def _initial_state(mbs: "exu.MainSystem") -> tuple[np.ndarray, np.ndarray]:
 
 
 def study() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Both solutions side by side, and the engine's beside the printed values."""
+    """Compare both solutions with each other, and the engine's with the printed values."""
     law = PairContact.oil_sand()
     engine = engine_solution(law)
     return compare_verification(hand_solution(law), engine), compare_with_paper(engine)
 
 
 def compare_verification(hand: TwoBodySolution, engine: TwoBodySolution) -> pd.DataFrame:
-    """Every quantity by hand and by engine: columns quantity, unit, hand, engine, difference."""
+    """Compare every quantity by hand and by engine: columns quantity, unit, hand, engine, difference."""
     rows = []
     for name, unit in UNITS.items():
         pair = np.atleast_1d(getattr(hand, name)), np.atleast_1d(getattr(engine, name))
@@ -216,7 +216,7 @@ def compare_verification(hand: TwoBodySolution, engine: TwoBodySolution) -> pd.D
 
 
 def compare_with_paper(engine: TwoBodySolution) -> pd.DataFrame:
-    """Printed values of the K-paper against the engine's."""
+    """Compare the engine's values with those printed in the K-paper."""
     z = {
         "body 3 z acceleration": engine.block_acceleration[2],
         "body 2 generalized z force": engine.plate_force_z,

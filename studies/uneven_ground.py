@@ -1,6 +1,6 @@
-"""The track over uneven ground: a step, a ramp or random roughness.
+"""Track over uneven ground: a step, a ramp or random roughness.
 
-No paper reports it. The rigid track of the papers goes straight over units of different heights, with the
+No paper reports this study. The papers' rigid track goes straight over units of different heights, with the
 second contact model.
 """
 
@@ -22,10 +22,10 @@ def study(
     duration: float = DURATION,
     **how: Unpack[Running],
 ) -> dict[str, CaseRun]:
-    """Run the track over some of `GROUNDS` for a duration (s): runs by ground, also into folders in `out`.
+    """Run the track over some of `GROUNDS` for a duration (s), in folders in `out`; return runs by ground.
 
-    Each run's figure `ground` shows its end. A ValueError before anything runs for an unknown ground or a bad
-    duration; others are those of `study_runs`.
+    Each run's figure `ground` shows its end. Raises `ValueError` before anything runs for an unknown ground
+    or a bad duration. Other errors are those of `study_runs`.
     """
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
     with study_runs(out, files, **how) as runs:

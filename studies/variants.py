@@ -1,6 +1,6 @@
-"""Effect of the choices of the rigid studies' contact on every row of the papers, by variants.
+"""Effect of the rigid studies' contact choices on every row of the papers, by variants.
 
-The default follows what the papers say in words and means; what follows rows alone is a variant.
+The default follows the words and the means of the papers. Choices that only fit rows are variants.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -28,13 +28,13 @@ VARIANTS: Mapping[str, Change] = {
         shoe=Shoe.uneven(), contact=case.pair_contact().with_(penetration="closest")
     ),
 }
-"""Changes of the cases of the rigid studies, by name."""
+"""Changes of the rigid studies' cases, by name."""
 
 
 def compare_variants(
     names: Sequence[str] = tuple(VARIANTS), duration: float = DURATION, progress: bool | None = None
 ) -> pd.DataFrame:
-    """Every row of the rigid studies for some variants.
+    """Compute every row of the rigid studies for some variants.
 
     Columns case, quantity, statistic, unit, class, paper, then the computed value of every variant.
     """
@@ -49,9 +49,9 @@ def compare_variants(
 
 
 def counts(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows of a table of `compare_variants` within their class; lateral ones within a factor of 2.
+    """Count the rows of a `compare_variants` table within their class; lateral ones within a factor of 2.
 
-    Columns variant, then one a case and class: how many of how many.
+    Columns variant, then one per case and class: number within, of the number of rows.
     """
     lines = []
     for name in table.columns[6:]:
