@@ -1,1 +1,1 @@
-"""Figures, pictures, animations, tables and the report: they draw and print, and compute nothing."""
+"""Figures, pictures, animations, tables and pages of results: this room draws and computes nothing."""

@@ -1,4 +1,4 @@
-"""Drawings of an assessment: pressure and stability over slewing, rollers, travel, utilisation."""
+"""Drawings of an assessment: pressure and stability over the slewing angle, rollers, travel, utilisation."""
 
 from collections.abc import Callable
 from typing import Any
@@ -14,11 +14,11 @@ from exudyn_crawler.views import style
 WITHIN, EXCEEDS, LIMIT, UNKNOWN = "#4f8a5b", "#c0271d", "#3c4a54", "#9aa3a9"
 COLOURS = {"yes": WITHIN, "no": EXCEEDS}
 GRADES = np.linspace(0.0, 0.5, 51)
-"""Rise over run, over which travel is drawn."""
+"""Grades (rise over run) at which travel is drawn."""
 
 
 def assessment_figures(found: Assessment) -> dict[str, Figure]:
-    """All drawings by name."""
+    """Return all drawings of an assessment by name."""
     return {
         "utilisation": utilisation_figure(found),
         "ground pressure over slew": pressure_figure(found),
@@ -31,7 +31,7 @@ def assessment_figures(found: Assessment) -> dict[str, Figure]:
 
 
 def utilisation_figure(found: Assessment) -> Figure:
-    """Bars of all items with a limit, the greatest on top."""
+    """Draw the utilisation of all items with a limit as bars, the greatest on top."""
     items = [item for item in found.governing if np.isfinite(item.utilisation)][::-1]
     with style.titled_figure(
         "Utilisation, by the load case that governs", 9.0, 0.8 + 0.27 * len(items)
@@ -55,7 +55,7 @@ def utilisation_figure(found: Assessment) -> Figure:
 
 
 def pressure_figure(found: Assessment) -> Figure:
-    """Polar plot of the greatest pressure over the angle of slewing, beside what the ground bears."""
+    """Draw the greatest ground pressure over the slewing angle, in polar form, beside the allowed one."""
     with style.titled_figure("Greatest ground pressure over the angle of slewing, kPa", 6.4, 5.6) as figure:
         ax = _polar(figure)
         allowed = found.numbers.ground.allowed / 1e3
@@ -79,7 +79,7 @@ def pressure_figure(found: Assessment) -> Figure:
 
 
 def _polar(figure: Figure, place: tuple[int, int, int] = (1, 1, 1)) -> Any:
-    """Polar axes with straight ahead on top and the left side on the left."""
+    """Return polar axes with straight ahead on top and the left side on the left."""
     ax: Any = figure.add_subplot(*place, projection="polar")
     ax.set_theta_zero_location("N")
     ax.set_theta_direction(1)
@@ -91,12 +91,15 @@ def _polar(figure: Figure, place: tuple[int, int, int] = (1, 1, 1)) -> Any:
 
 
 def _closed(angle: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Curve that ends where it begins."""
+    """Return a curve closed by its first point."""
     return np.append(angle, angle[0]), np.append(values, values[0])
 
 
 def tracks_figure(found: Assessment) -> Figure:
-    """Pressure along both tracks at the angle of the greatest, of beams, with the rollers."""
+    """Draw the pressure along both tracks, with the rollers, at the slewing angle of greatest pressure.
+
+    Each track is a beam on the ground.
+    """
     over = found.over_slew
     last = over[over["state"] == over["state"].iloc[-1]].reset_index(drop=True)
     greater = np.fmax(last["left track, greatest in kPa"], last["right track, greatest in kPa"])
@@ -135,7 +138,7 @@ def tracks_figure(found: Assessment) -> Figure:
 
 
 def _line(load: float, ahead: float, area: pressure.Footprints) -> Callable[[np.ndarray], np.ndarray]:
-    """Pressure (Pa) at places (m) along a track."""
+    """Return the pressure (Pa) along a track as a function of position (m)."""
     shape = pressure.track_pressure(load, ahead, area.length, area.width)
     end = np.copysign(1.0, ahead) * 0.5 * area.length
     fall = (shape.greatest - shape.least) / shape.length
@@ -143,7 +146,7 @@ def _line(load: float, ahead: float, area: pressure.Footprints) -> Callable[[np.
 
 
 def stability_figure(found: Assessment) -> Figure:
-    """Draw polar plots of the angle at which it tips, and of the load that is rated at a stated reach."""
+    """Draw the tipping angle over the slewing angle, and the rated load at the given reach, in polar form."""
     with style.titled_figure("Stability over the angle of slewing, on the level", 10.0, 5.2) as figure:
         rated = "rated load in t" in found.over_slew
         left = _polar(figure, (1, 1 + rated, 1))
@@ -169,7 +172,7 @@ def stability_figure(found: Assessment) -> Figure:
 
 
 def _draw_rated_load(ax: Any, found: Assessment) -> None:
-    """Draw the load that is rated at the reach over the angle of slewing, and the payload."""
+    """Draw the rated load at the given reach over the slewing angle, and the payload."""
     rows = found.over_slew[found.over_slew["state"] == slewing.WITHOUT]
     angle = np.radians(rows["slew in deg"].to_numpy())
     rated = rows["rated load in t"].to_numpy()
@@ -184,7 +187,7 @@ def _draw_rated_load(ax: Any, found: Assessment) -> None:
 
 
 def travel_figure(found: Assessment) -> Figure:
-    """Pull of both tracks over the grade beside drive and ground, and what a turn takes."""
+    """Draw the pull of both tracks over the grade beside drive and ground, and the pull of turns."""
     numbers = found.numbers
     weight = numbers.weight
     ground = numbers.ground
@@ -214,7 +217,7 @@ def travel_figure(found: Assessment) -> Figure:
 
 
 def rollers_figure(found: Assessment) -> Figure:
-    """Loads of the rollers of the more loaded track in each load case."""
+    """Draw the roller loads of the more loaded track in each load case."""
     places = found.numbers.rollers.places
     rows = found.loads
     with style.titled_figure("Roller loads of the more loaded track, kN", 9.0, 4.2) as figure:
@@ -235,7 +238,7 @@ def rollers_figure(found: Assessment) -> Figure:
 
 
 def chain_figure(found: Assessment) -> Figure:
-    """Chain tension of each load case, at rest and by the pull."""
+    """Draw the chain tension of each load case: pretension and the part of the pull."""
     rows = found.loads[::-1]
     rest = found.numbers.chain.rest / 1e6
     with style.titled_figure("Chain tension: at rest (pretension) and pull", 9.0, 3.8) as figure:

@@ -1,7 +1,7 @@
-"""Series of a run to be drawn over time, in units for reading, curves in panels, and the papers' figures.
+"""Time histories of a run as figures: series in units for reading, panels of curves, figures of the papers.
 
-Panels stand one below the other, the phases of the run as light bands behind them. Figures are by names that
-can be those of files.
+Panels stand one below the other, with the phases of the run as light bands behind the curves. The names of
+figures are valid file names.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,20 +21,21 @@ from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes.gear import each_track
 
 PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.1
-"""Inches: width of a figure and height of each of its panels, height of what is written above and below them,
-width of what is written at their left."""
+"""Sizes in inches: width of a figure, height of a panel, of the text above and below the panels, and width of
+the labels at their left."""
 NAME_SIZE, NAME_INSET = 6.5, 2.0
-"""Points: size of a phase's name, and how far it stands to the right of its band's begin and above it."""
+"""Points: size of a phase's name, and its offset to the right of the band's begin and above the axes."""
 SHOES, JOINTS = (1, 4, 7, 10, 13), (1, 4, 7, 10, 12)
-"""Shoes that the papers draw, and links by their rear shoe: those behind these shoes, and 12-13."""
+"""Shoes that the papers draw, and their links by the rear shoe: the links behind these shoes, and link
+12-13."""
 GROUPS = (
     *("stress", "motion", "contact", "rollers", "wheels"),
     *("teeth", "tumbler", "side frame", "links", "track"),
 )
-"""Groups of curves, in the order in which they are offered."""
+"""Groups of curves in the order in which a page offers them."""
 LABEL = {name: quantity.label for name, quantity in QUANTITIES.items()}
 KINEMATICS = {name.replace("_", " "): quantity.label for name, quantity in select(curves="motion").items()}
-"""Figures of kinematic quantities that the papers draw, and the labels of what they show."""
+"""Figures of kinematic quantities in the papers, and the labels of these quantities."""
 VECTORS = select(curves="contact", curve_axes=False, dimensions="axis")
 CONTACT_VECTORS = [quantity.label for quantity in VECTORS.values()]
 SCALARS = select(curves="contact", dimensions="contact")
@@ -49,14 +50,14 @@ OF_RUNS |= {label: [label] for label in JOINT_VECTORS}
 OF_RUNS |= {LABEL[name]: [LABEL[name]] for name in ("link_tension", "tooth_force", "wheel_load")}
 OF_RUNS |= {"drive torque": [LABEL["drive_moment"], LABEL["tumbler_speed"]]}
 OF_RUNS |= {"terrain deformation": [LABEL["terrain_deformation"]]}
-"""Figures of every run that has what they show, and the labels of that."""
+"""Figures of every run that has their quantities, and the labels of these quantities."""
 SHORT = {LABEL["terrain_deformation"]: "deformation"}  # labels that fit beside a panel
-DEPTH_ON_CELLS = "sinkage"  # what is called the depth of shoes on cells, which have no heave
-ON_RAILS = f"{LABEL['roller_force']} on the {{}} rails"  # its name on one rail
+DEPTH_ON_CELLS = "sinkage"  # label of the shoes' depth on cells, which have no heave
+ON_RAILS = f"{LABEL['roller_force']} on the {{}} rails"  # label of the force on one rail
 OF_FLEXIBLE_SHOES = ("displacement", "velocity", "angular velocity", "contact force")
 """Figures of the flexible shoes."""
 OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
-"""Same of the pins, a figure for each side."""
+"""Figures of the pins, one for each side."""
 ROLLER_PATH = "roller_path"  # name of its table and its figure
 MODES_DRAWN = 6  # lowest modal coordinates in the figure
 TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}  # components of angles for reading
@@ -64,7 +65,7 @@ TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}  # components of angles for read
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes of a figure over time: what is drawn, its unit, and series (time,) by their names."""
+    """Axes of a figure over time: label, unit, and series (time,) by name."""
 
     label: str
     unit: str
@@ -82,8 +83,8 @@ class Panel:
 
 
 def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase] = ()) -> Figure:
-    """Panels one below the other, with one legend; phases of the run stand behind the curves."""
-    # places that are searched for would take half of the time of a figure
+    """Draw panels one below the other with one legend; bands behind the curves show the phases."""
+    # an automatic layout would take half of the time of a figure
     with mpl.rc_context(style.STYLE | {"figure.constrained_layout.use": False}):
         height = TITLE_HEIGHT + PANEL_HEIGHT * len(panels) + TIME_HEIGHT
         figure = Figure(figsize=(PANEL_WIDTH, height))
@@ -95,7 +96,7 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
             panel.draw(ax)
         draw_phases(axes, phases)
         axes[-1].set_xlabel("time in s")
-        # a case may have any name, also one that looks like a formula
+        # the name of a case may look like a formula
         figure.suptitle(title, x=0.01, y=1.0 - 0.06 / height, ha="left", parse_math=False)
         figure.align_ylabels(axes)
         handles, labels = axes[0].get_legend_handles_labels()
@@ -106,12 +107,12 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
 
 
 def draw_phases(axes: Sequence[mpl.axes.Axes], phases: Sequence[RunPhase]) -> None:
-    """Draw a band a phase behind the curves of panels over time (s) that have their place and their limits.
+    """Draw a band for each phase behind the curves of panels over time (s).
 
-    Colours alternate. Names stand above the first panel alone, where no curve can be; one that is wider than
-    its band is left out. A run of one phase has no bands.
+    The panels must have their final position and limits. Colours alternate. Names stand above the first panel
+    alone, where no curve can be; a name wider than its band is left out. A run of one phase has no bands.
     """
-    # a text that is asked for its place without a renderer makes one
+    # without a given renderer, each text would make its own to find its extent
     figure: Any = axes[0].figure
     renderer = FigureCanvasAgg(figure).get_renderer()
     for panel, ax in enumerate(axes):
@@ -127,18 +128,18 @@ def draw_phases(axes: Sequence[mpl.axes.Axes], phases: Sequence[RunPhase]) -> No
 
 
 def _band(ax: mpl.axes.Axes, number: int, begin: float, end: float, name: str) -> mpl.text.Annotation:
-    """Draw a band behind curves, in the colour of its number, and its name above the axes."""
+    """Draw a band behind the curves, with the colour of its number, and return its name above the axes."""
     colour = style.PHASE_BANDS[number % len(style.PHASE_BANDS)]
     ax.axvspan(begin, end, facecolor=colour, edgecolor="none", zorder=0.0)
     place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
-    # a phase may have any name, also one that looks like a formula
+    # the name of a phase may look like a formula
     look: dict[str, Any] = {"fontsize": NAME_SIZE, "color": style.PHASE_NAME, "parse_math": False}
     return ax.annotate(name, (begin, 1.0), xytext=(NAME_INSET, NAME_INSET), va="bottom", **place, **look)
 
 
 @dataclass(frozen=True)
 class Series:
-    """One quantity over time: `values` over time, item (such as "shoe 7") and axis, which may be ""."""
+    """Quantity over time: `values` by time, item (such as "shoe 7") and axis, which may be ""."""
 
     group: str
     label: str
@@ -151,12 +152,12 @@ class Series:
         return self.values["item"].values.tolist()
 
     def panels(self, items: Sequence[str] | None = None) -> list[Panel]:
-        """Panel for each axis, with a curve for each of some items, or of all."""
+        """Return a panel for each axis, with a curve for each of the given items or of all."""
         return overlay({"": self}, self.items if items is None else items)
 
 
 def history_series(history: History, stress: xr.Dataset | None = None) -> dict[str, Series]:
-    """Everything over time that a history and its stresses offer to be drawn, by the catalogue's label."""
+    """Return all time series of a history and its stresses, by the label of the catalogue."""
     rows = [
         quantity
         for group in GROUPS
@@ -174,7 +175,10 @@ def history_series(history: History, stress: xr.Dataset | None = None) -> dict[s
 
 
 def overlay(by_label: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
-    """Panel for each axis of one quantity of runs by name, with a curve an item, named by what differs."""
+    """Return a panel for each axis of one quantity of several runs, with a curve for each item.
+
+    The names of curves tell only what differs: the item, the run, or both.
+    """
     first = next(iter(by_label.values()))
     is_named = len(items) > 1 or len(by_label) == 1
 
@@ -190,12 +194,12 @@ def overlay(by_label: Mapping[str, Series], items: Sequence[str]) -> list[Panel]
 
 
 def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
-    """Series of a quantity; forces on rails of both sides together, and of each."""
+    """Yield the series of a quantity; forces on rails as the sum of both sides and for each side."""
     values = for_reading(values)
     unit = values.attrs["units"]
     axes = list(quantity.curve_axes)
     if axes:
-        # the friction torque turns about the normal, which is z but for the units' tilt
+        # the friction torque acts about the normal: z, apart from the units' tilt
         values = values.sel(axis=axes if len(axes) > 1 else axes[0], drop=True)
     if quantity.name.endswith("angles"):
         values = values.assign_coords(axis=[TURNS[str(axis)] for axis in values.axis.values])
@@ -204,7 +208,7 @@ def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
         sides = {ON_RAILS.format(side): values.sel(rail=side, drop=True) for side in values.rail.values}
         parts = {quantity.label: values.sum("rail")} | sides
     if "pin" in values.dims:
-        # a rigid link has one joint for both pins, whose force is the link's
+        # a rigid link has one joint for both pins, with the link's force
         apart = values.isel(joint=values.isel(time=0).notnull().all(("pin", "axis")).values)
         parts = {quantity.label: apart.stack(place=("joint", "pin"))} if apart.sizes["joint"] else {}
     for label, part in parts.items():
@@ -212,7 +216,7 @@ def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
 
 
 def _by_item(values: xr.DataArray, per: str) -> xr.DataArray:
-    """Values with dimensions (time, item, axis), by the names of what they are of, or of the one thing."""
+    """Return values with dimensions (time, item, axis); items are named, or are the quantity's only body."""
     if "axis" not in values.dims:
         values = values.expand_dims({"axis": [""]})
     dim = next((str(key) for key in (*NAMED, *values.dims) if key in {*values.dims} - {"time", "axis"}), None)
@@ -233,18 +237,18 @@ NAMED: dict[str, Callable[[xr.DataArray, Any], str]] = {
     "track": lambda _, track: f"{track} tumbler",
     "place": lambda _, pin: f"link {pin[0]}-{pin[0] + 1} {pin[1]}",
 }
-"""Items of what has one of a quantity, by the dimension; a place is that of a pin.
+"""Names of items by dimension; "place" stands for a pin.
 
-Coordinates of other dimensions, such as wheels, are names.
+The coordinates of other dimensions, such as wheels, are names already.
 """
 
 
 def run_figures(
     history: History, shoes: Sequence[int] = SHOES, series: Mapping[str, Series] | None = None
 ) -> dict[str, Figure]:
-    """Motion and contact of some shoes, forces of the links behind them, of rollers, and the side frame.
+    """Return figures of some shoes' motion and contact, link forces, rollers and the side frame.
 
-    `series` are those of `history_series`, where they are known already.
+    `series` are the results of `history_series` if they exist already.
     """
     case = history.case
     by_label = history_series(history) if series is None else series
@@ -262,7 +266,7 @@ def run_figures(
         panels[force] = _panels(by_label, [force, *sides], axis="z")
         loaded = items if case.flexible is None else [f"shoe {shoe}" for shoe in case.flexible.shoes]
         panels[on_shoes] = _panels(by_label, [on_shoes], loaded)
-        # the way along x is an input
+        # the travel along x is an input
         rising = _panels(by_label, [LABEL["side_frame_displacement"]], axis="z")
         pull, turning = (_panels(by_label, [LABEL[name]]) for name in ("drive_pull", "side_frame_angles"))
         panels["side frame"] = [*pull, *rising, *turning]
@@ -278,7 +282,7 @@ def run_figures(
 
 
 def chain_figure(history: History) -> Figure:
-    """Tension of a closed chain over a run: where on the loop, place by place, and link by link."""
+    """Draw the tension of a closed chain over a run: around the loop, by position and by link."""
     along = summary.tension_along_chain(history)
     with style.titled_figure(f"{history.case.name}: tension along the chain", PANEL_WIDTH, 8.4) as figure:
         loop, by_place, by_link = figure.subplots(3, 1, height_ratios=[1.25, 1.0, 1.0])
@@ -314,9 +318,9 @@ def chain_figure(history: History) -> Figure:
 def stress_figures(
     history: History, stress: xr.Dataset, series: Mapping[str, Series] | None = None
 ) -> dict[str, Figure]:
-    """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle.
+    """Return figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle.
 
-    `series` are those of `history_series`, where they are known already.
+    `series` are the results of `history_series` if they exist already.
     """
     shoes = history.flexible_shoe.values
     by_label = history_series(history, stress) if series is None else series
@@ -325,7 +329,7 @@ def stress_figures(
     panels = {name: _panels(by_label, labels, items) for name, labels in drawn.items()}
     for name, label in OF_PINS.items():
         for side in history.pin.values:
-            # the figure says which side it is, the curves only whose links
+            # the name of the figure tells the side; the names of the curves tell the links
             pins = [item for item in by_label[label].items if item.endswith(f" {side}")]
             links = [item.removesuffix(f" {side}") for item in pins]
             values = by_label[label].values.sel(item=pins).assign_coords(item=links)
@@ -344,7 +348,10 @@ def stress_figures(
 
 
 def roller_path_figure(table: pd.DataFrame, name: str) -> Figure:
-    """Pressure of the treads along the rail, see `roller_path.roller_path`, beside what materials bear."""
+    """Draw the pressure of the treads along the rail beside the limits of materials.
+
+    `table` is the result of `roller_path.roller_path`.
+    """
     with style.titled_figure(f"{name}: roller path", PANEL_WIDTH, 0.5 * PANEL_WIDTH) as figure:
         ax = figure.subplots()
         on_rail = table["place"] == roller_path.RAIL
@@ -365,7 +372,7 @@ def roller_path_figure(table: pd.DataFrame, name: str) -> Figure:
 
 
 def _figures(title: str, panels: Mapping[str, Sequence[Panel]], history: History) -> dict[str, Figure]:
-    """Figures by their names, which stand in their titles."""
+    """Return figures by name; the names are part of their titles."""
     phases = common_phases(history)
     return {name: panel_figure(f"{title}: {name}", panel, phases) for name, panel in panels.items()}
 
@@ -373,7 +380,7 @@ def _figures(title: str, panels: Mapping[str, Sequence[Panel]], history: History
 def _panels(
     by_label: Mapping[str, Series], labels: Sequence[str], items: Sequence[str] = (), axis: str = ""
 ) -> list[Panel]:
-    """Panels of some quantities one below the other: of the items that are theirs, or of all of theirs."""
+    """Return panels of some quantities: each with the given items that it has, or with all of its items."""
     panels = []
     for series in (by_label[label] for label in labels):
         values = series.values.sel(axis=[axis]) if axis else series.values

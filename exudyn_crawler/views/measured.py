@@ -1,4 +1,4 @@
-"""Figures of what was measured beside what a law or a run gives."""
+"""Figures of measured data beside the results of a law or a run."""
 
 from itertools import pairwise
 from typing import Any
@@ -15,12 +15,12 @@ from exudyn_crawler.results.measured.soil_tests import PlateTests, ShearTests
 from exudyn_crawler.results.measured.traction import EvenTrack
 
 DOTS: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4.0}
-BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}  # where a legend hides no point
+BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}  # outside the axes
 DRAWN = 200  # points of a curve
 
 
 def draw_soil_fit(fit: SoilFit, figure: Figure) -> None:
-    """Draw a fitted law over its points: pressure over sinkage by plates, and shear by pressures."""
+    """Draw a fitted law with its measured points: pressure over sinkage by plate, and shear by pressure."""
     panels = figure.subplots(1, 1 if fit.shear is None else 2, squeeze=False)[0]
     _draw_plates(fit, fit.plates, panels[0])
     if fit.shear is not None:
@@ -28,7 +28,7 @@ def draw_soil_fit(fit: SoilFit, figure: Figure) -> None:
 
 
 def _draw_plates(fit: SoilFit, plates: PlateTests, axes: Axes) -> None:
-    """Draw pressure over sinkage of every test, and the law along the sinkage of one test a plate size."""
+    """Draw the measured pressure over sinkage, and the law along the deepest test of each plate size."""
     for number, width in enumerate(plates.widths):
         here = plates.of(plates.width == width)
         colour = f"C{number}"
@@ -43,7 +43,7 @@ def _draw_plates(fit: SoilFit, plates: PlateTests, axes: Axes) -> None:
 
 
 def _finer(sinkage: np.ndarray) -> np.ndarray:
-    """Sinkage with more points between those at which it turns, so that the law is drawn as a curve."""
+    """Return a sinkage path with points added between its turns, so that the law is drawn as a curve."""
     turns = np.flatnonzero(np.diff(np.sign(np.diff(sinkage))) != 0) + 1
     corners = sinkage[np.unique([0, *turns, len(sinkage) - 1])]
     count = max(2, DRAWN // max(1, len(corners) - 1))
@@ -68,7 +68,7 @@ def _draw_shear(fit: SoilFit, shear: ShearTests, axes: Axes) -> None:
 
 
 def draw_compared(series: list[Compared], figure: Figure) -> None:
-    """Draw measured series as points over the curves of the run, a panel each."""
+    """Draw measured series as points over the curves of the run, one panel for each series."""
     panels = figure.subplots(len(series), 1, squeeze=False, sharex=True)[:, 0]
     for axes, beside in zip(panels, series, strict=True):
         axes.plot(beside.run_place, beside.run_values, color="C0", label="run")
@@ -104,7 +104,7 @@ def draw_drawbar(table: pd.DataFrame, track: EvenTrack, figure: Figure) -> None:
 
 
 def draw_soil_stress(table: pd.DataFrame, passages: pd.DataFrame, figure: Figure) -> None:
-    """Draw pressure at sensors over the distance, and the mean while the track is over them as dashes."""
+    """Draw the pressure at sensors over the distance; dashes show the mean below the track."""
     axes = figure.subplots()
     travelled = table["distance in m"].to_numpy()
     heads = [*table.columns][2:]

@@ -1,4 +1,4 @@
-"""Writers of what a run leaves beside its history: one for each of the outputs that its case asks for."""
+"""Writers of a run's outputs: one for each output that its case requests."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -26,14 +26,14 @@ from meshes import mesh_named
 Stresses = recovery.StressResults | None  # of the flexible shoes, if there are any
 
 MOST_DRAWN = 5 * 10**8
-"""Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
-GROUND = "ground.nc"  # map of ground of cells as the run ends and at chosen times
+"""Size (bytes) of a history above which curves are thinned: 70 s of 13 rigid shoes, stored every 2 ms."""
+GROUND = "ground.nc"  # map of the cells of the ground at the end of the run and at chosen times
 SERIES, PARTS = "track.pvd", "track_parts"
-"""File of the series for ParaView, and the folder of the VTU files beside it."""
+"""File of the series for ParaView, and folder of its VTU files."""
 
 
 def write_tables(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """Extremes, loads at the ends of phases, the roller path; highest stresses by phase, region and run."""
+    """Write the tables of a run: extremes, loads by phase, roller path, highest stresses, hot spots."""
     by_name = {"extremes": summary.extremes(history), "loads": summary.load_table(history)}
     if stresses is not None:
         data = stresses.dataset
@@ -48,7 +48,7 @@ def write_tables(history: History, stresses: Stresses, folder: Path, outputs: Ou
 
 
 def write_origins(case_file: CaseFile, folder: Path) -> None:
-    """Write where every value of a machine comes from; nothing for a case without a datasheet."""
+    """Write the origin of every value of a machine; nothing for a case without a datasheet."""
     if case_file.datasheet is not None:
         table = pd.DataFrame(tables.origin_rows(ledger_of(case_file)), columns=tables.ORIGIN_COLUMNS)
         tables.write_table(table, folder / ORIGINS_FILE, overwrite=True)
@@ -72,7 +72,7 @@ def write_forces(history: History, stresses: Stresses, folder: Path, outputs: Ou
 
 
 def write_figures(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """Curves of some shoes and links, of rollers and of flexible shoes; uneven ground as the run ends."""
+    """Write the curves of shoes, links, rollers and flexible shoes, and the ground at the end of the run."""
     terrain = history.case.terrain
     drawn = {}
     if isinstance(terrain, CellTerrain):
@@ -82,7 +82,7 @@ def write_figures(history: History, stresses: Stresses, folder: Path, outputs: O
             drawn[f"ground at {time:g} s"] = pictures.map_figure(history, ground, time)
     elif not terrain.is_even:
         drawn["ground"] = pictures.ground_figure(history, history.duration)
-    # curves of a long run would not fit into memory, and no figure shows them at every step
+    # the curves of a long run would not fit into memory, and no figure shows every step
     thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
     drawn["ground pressure"] = pictures.pressure_figure(thinned)
     series = figures.history_series(thinned, None if stresses is None else stresses.dataset)
@@ -96,18 +96,18 @@ def write_figures(history: History, stresses: Stresses, folder: Path, outputs: O
         file = f"{name.replace(' ', '_')}.{outputs.figure_format}"
         figure = drawn.pop(name)
         style.save_figure(figure, folder / file, overwrite=True)
-        # figures refer to themselves in circles, with 10 MB of pixels and curves each
+        # reference cycles keep 10 MB of pixels and curves alive in each figure
         figure.clear()
 
 
 def write_pictures(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """Pictures of stressed shoes at the chosen times."""
+    """Write pictures of stressed shoes at the chosen times."""
     if stresses is not None:
         shoes.write_stress_pictures(stresses.dataset, history, folder, overwrite=True)
 
 
 def write_3d(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """Track with its stressed shoes at the chosen times; greatest stress of every node of each shoe."""
+    """Write files for ParaView: the track at the chosen times, and the greatest stress at each node."""
     if stresses is None:
         return
     for shoe in stresses.dataset.shoe.values:
@@ -125,14 +125,15 @@ def write_3d(history: History, stresses: Stresses, folder: Path, outputs: Output
 
 
 def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite: bool = False) -> Path:
-    """Write the chosen times of a stress study: `track.pvd`, which is returned, and `track_parts`.
+    """Write the chosen times of a stress study as `track.pvd`, whose path is returned, and `track_parts`.
 
-    Everything is in place in the global frame. Flexible shoes carry their elastic displacement (m, global
-    components, for Warp By Vector) and von Mises stress (Pa) at all nodes of the mesh, rigid ones their
-    number, units their heave (m), the surface of cells height and sinkage (m), contacts and treads the force
-    on the shoe (N, for glyphs), rollers their number and what they press with on both rails (N).
-    A ValueError if the nodes of `stress` are not those of the history's mesh, a FileExistsError if the series
-    exists and `overwrite` is false.
+    All points are in the global frame. Flexible shoes have their elastic displacement (m, global components,
+    for Warp By Vector) and von Mises stress (Pa) at all nodes of the mesh. Rigid shoes have their number,
+    units their heave (m), the surface of cells its height and sinkage (m). Contacts and treads have the force
+    on the shoe (N, for glyphs), rollers their number and their force on both rails (N).
+
+    Raises ValueError if the nodes of `stress` are not those of the history's mesh, FileExistsError if the
+    series exists and `overwrite` is false.
     """
     path = folder / SERIES
     files.refuse_existing(path, overwrite)
@@ -163,7 +164,7 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
 
 
 def _flexible_shoes(stress: xr.Dataset, now: xr.Dataset, mesh: Mesh) -> Iterator[tuple[str, meshio.Mesh]]:
-    """All elements of every flexible shoe, in place."""
+    """Yield name and elements of every flexible shoe at its pose."""
     for shoe in stress.shoe.values:
         place = track.shoe_pose(now, int(shoe))
         chosen = stress.sel(shoe=shoe)
@@ -173,7 +174,7 @@ def _flexible_shoes(stress: xr.Dataset, now: xr.Dataset, mesh: Mesh) -> Iterator
 
 
 def _track(moment: History) -> Iterator[tuple[str, meshio.Mesh]]:
-    """Solids around the flexible shoes at an instant."""
+    """Yield the solids around the flexible shoes at one instant."""
     for solid in track.shoe_boxes(moment):
         if solid.name == "rigid shoes":
             numbers = [float(label.removeprefix("shoe ")) for label in solid.labels]
@@ -189,7 +190,7 @@ def _track(moment: History) -> Iterator[tuple[str, meshio.Mesh]]:
 
 
 def _roller_fields(moment: History) -> dict[str, np.ndarray]:
-    """Number and force of every roller of an open track in one instant, on each of its treads."""
+    """Return number and force of every roller of an open track at an instant, repeated for its treads."""
     if not moment.has("roller_force"):
         return {}
     force = moment.roller_force.isel(time=0).sum("rail").transpose("roller", "axis")
@@ -201,7 +202,7 @@ def _roller_fields(moment: History) -> dict[str, np.ndarray]:
 
 
 def _ground(moment: History) -> meshio.Mesh:
-    """Units as boxes with their heave; cells as a surface with its height and how deep it was pressed, m."""
+    """Return units as boxes with their heave (m), or cells as a surface with its height and sinkage (m)."""
     if not isinstance(moment.case.terrain, CellTerrain):
         return _cells(track.ground_units(moment), heave=moment.unit_heave.isel(time=0).values)
     solid = track.ground_faces(moment).at()
@@ -212,7 +213,7 @@ def _ground(moment: History) -> meshio.Mesh:
 
 
 def _cells(solid: scene.Solid, **fields: np.ndarray) -> meshio.Mesh:
-    """Copies of a solid, boxes as hexahedra and others as triangles, with values of each field a copy."""
+    """Return all copies of a solid, boxes as hexahedra, others as triangles; `fields` have a value a copy."""
     surface = solid.at()
     is_box = len(solid.points) == 8
     cells = np.arange(len(surface.points)).reshape(-1, 8) if is_box else surface.triangles
@@ -221,20 +222,20 @@ def _cells(solid: scene.Solid, **fields: np.ndarray) -> meshio.Mesh:
 
 
 def _vertices(name: str, places: np.ndarray, forces: np.ndarray) -> Iterator[tuple[str, meshio.Mesh]]:
-    """Forces (1, n, 3) of one kind at their places as vertices, if there are any."""
+    """Yield the forces (1, n, 3) of one kind as vertices at their points, if there are any."""
     if (acts := forces[0].any(axis=-1)).any():
         vertices = [("vertex", np.arange(acts.sum())[:, None])]
         yield name, meshio.Mesh(places[0][acts], vertices, point_data={"force": forces[0][acts]})
 
 
 def write_film(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """The track on its deforming terrain."""
+    """Write an animation of the track on its deforming terrain."""
     films.write_animation(history, folder / "track.mp4", overwrite=True)
 
 
 def write_page(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """All of the run on one page."""
-    # what draws pages takes a while to load, and sweeps make none of their runs
+    """Write the report of the run as one page."""
+    # the modules of pages load slowly, and sweeps write no pages of their runs
     from exudyn_crawler.views.pages.report import write_report
 
     write_report(folder, overwrite=True, loaded={folder / files.HISTORY: history})
@@ -249,11 +250,11 @@ WRITERS: dict[str, Callable[[History, Stresses, Path, Outputs], None]] = {
     "animation": write_film,
     "page": write_page,
 }
-"""What is written of a run, by the output that asks for it, in this order."""
+"""Writers by the output that requests them, in the order of writing."""
 
 
 def write_outputs(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """Write stresses, the ground's map, and what derives from all of it as far as the outputs ask for it."""
+    """Write stresses, the map of the ground, and all further outputs that are requested."""
     if stresses is not None:
         files.write_netcdf(stresses.dataset, folder / "stress.nc", overwrite=True)
     if isinstance(history.case.terrain, CellTerrain):

@@ -1,4 +1,4 @@
-"""Tables on a terminal and in CSV files; nothing heavy is loaded to print rows."""
+"""Tables on a terminal and in CSV files; printing rows loads no heavy library."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -16,18 +16,19 @@ if TYPE_CHECKING:
     from exudyn_crawler.origins import Entry
 
 VERDICT_STYLES = {"yes": "green", "no": "red"}
-BETWEEN = 3  # characters beside a column: its rule and its margins
+BETWEEN = 3  # characters between columns: rule and margins
 LARGE, BEYOND = 1e4, 1e9
-"""From the first on numbers are grouped by thousands, from the second on powers of ten are shorter."""
+"""Limits of number formats: thousands are grouped from the first on; from the second on a power of ten is
+shorter."""
 DECIMAL = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e[+-]?\d+)?(?![\w.])")
 ORIGIN_COLUMNS = ("key", "value", "origin", "how")
-NUMBER = "%.10g"  # in a CSV file: the last digits of sixteen are rounding alone, 1.5860000000000005 for 1.586
+NUMBER = "%.10g"  # in a CSV file: the last of sixteen digits are rounding, 1.5860000000000005 for 1.586
 
 
 def origin_rows(entries: Iterable["Entry"], short: bool = False) -> list[tuple[str, str, str, str]]:
-    """Return entries of a ledger for reading: value with unit, origin, rule or source (`ORIGIN_COLUMNS`).
+    """Return the entries of a ledger for reading: path, value with unit, origin, source (`ORIGIN_COLUMNS`).
 
-    Values are `short` with four digits, else as exact as case files have them.
+    Values are `short` with four digits, else exact as in case files.
     """
     from exudyn_crawler.settings.fields import value_text
 
@@ -39,7 +40,7 @@ def origin_rows(entries: Iterable["Entry"], short: bool = False) -> list[tuple[s
 
 
 def short_numbers(text: str, digits: int = 4) -> str:
-    """Return a text with few digits of its decimal numbers; whole numbers stay as they are."""
+    """Return a text with few digits in its decimal numbers; whole numbers are unchanged."""
     return DECIMAL.sub(lambda found: f"{float(found[0]):.{digits}g}", text)
 
 
@@ -51,11 +52,11 @@ def print_rows(
     keys: Sequence[str] = (),
     whole: str | Path = "",
 ) -> None:
-    """Print rows of cells under the names of their columns; `numeric` ones stand to the right.
+    """Print rows of cells under the names of their columns; `numeric` columns are aligned to the right.
 
-    No word and no number is cut. Where the columns do not fit side by side, those of the `keys` are shown, as
-    many from the first on as fit, and a line says where the `whole` is; if even two do not fit, or without
-    keys, each row is a block of lines. Rows with a column `within` are coloured.
+    No word and no number is cut. If the columns do not fit side by side, only those of `keys` are shown, as
+    many from the first on as fit, and a line tells where the `whole` table is. If not even two fit, or
+    without keys, each row is a block of lines. Rows with a column `within` are coloured.
     """
     console = Console()
     if not console.is_terminal:
@@ -78,7 +79,7 @@ def print_rows(
     if spare() < 0:
         _print_blocks(cells, title, console)
         return
-    # those that need least to stand in one line get it first
+    # columns that need the least extra width for one line get it first
     needs = {name: max(map(len, [name, *(row[name] for row in cells)])) - widths[name] for name in shown}
     for left, name in zip(range(len(shown), 0, -1), sorted(shown, key=lambda name: needs[name]), strict=True):
         widths[name] += min(needs[name], spare() // left)
@@ -94,12 +95,12 @@ def print_rows(
 
 
 def _longest(text: str, whole: bool = False) -> int:
-    """Characters that stay together: of a number all, of words the longest."""
+    """Return the length of the longest unbreakable part: a whole number, or the longest word."""
     return len(text) if whole else max(map(len, text.split()), default=0)
 
 
 def _print_blocks(cells: Sequence[dict[str, str]], title: str, console: Console) -> None:
-    """Print a block of lines for each row: names of the columns, and their cells."""
+    """Print a block of lines for each row: names of the columns and their cells."""
     console.print(f"[italic]{escape(title)}[/italic]")
     for row in cells:
         shown = Table(show_header=False, style=VERDICT_STYLES.get(row.get("within", ""), ""))
@@ -112,7 +113,7 @@ def _print_blocks(cells: Sequence[dict[str, str]], title: str, console: Console)
 
 
 def cell_text(value: object, digits: int = 4) -> str:
-    """Cell of a table as a reader sees it: some digits of a number, thousands apart up to a billion."""
+    """Return a cell of a table for reading: few digits of a number, thousands grouped up to a billion."""
     if not isinstance(value, float):
         return str(value)
     if value != value:
@@ -122,14 +123,14 @@ def cell_text(value: object, digits: int = 4) -> str:
 
 
 def print_table(table: "pd.DataFrame", title: str, keys: Sequence[str] = (), whole: str | Path = "") -> None:
-    """Print a table, see `print_rows`; a column with a number is numeric, whatever words it has, too."""
+    """Print a table with `print_rows`; a column with any number is numeric, whatever words it also has."""
     numeric = [str(name) for name in table.columns if any(isinstance(cell, Number) for cell in table[name])]
     rows = table.itertuples(index=False, name=None)
     print_rows([*map(str, table.columns)], rows, title, numeric, keys, whole)
 
 
 def write_table(table: "pd.DataFrame", path: Path, overwrite: bool = False) -> Path:
-    """Write a table as CSV, whole or not at all."""
+    """Write a table as CSV; the file appears whole or not at all."""
     from exudyn_crawler.files import whole_file
 
     with whole_file(path, overwrite) as temporary:
@@ -138,7 +139,7 @@ def write_table(table: "pd.DataFrame", path: Path, overwrite: bool = False) -> P
 
 
 def within_by_class(table: "pd.DataFrame") -> "pd.DataFrame":
-    """How many rows of a comparison with a verdict (yes or no) are within: columns class, within, of."""
+    """Return the number of rows within limits, and of rows with yes or no, by class: class, within, of."""
     judged = table[table["within"].isin(["yes", "no"])]
     is_within = judged.assign(within=judged["within"] == "yes").groupby("class", sort=False)["within"]
     return is_within.agg(["sum", "size"]).set_axis(["within", "of"], axis=1).reset_index()

@@ -1,4 +1,4 @@
-"""Page of an assessment: what governs, drawings, load cases, inputs with their origin, clauses."""
+"""Page of an assessment: governing items, drawings, load cases, inputs with their origin, clauses."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -24,7 +24,7 @@ DRAWN = {
     "travel": ("Travel", ("travel",)),
     "rollers": ("Rollers and chain", ("roller loads", "chain tension")),
 }
-"""Sections with their drawings."""
+"""Sections and their drawings."""
 
 
 def write_assessment_page(
@@ -63,7 +63,7 @@ def write_assessment_page(
 
 
 def printed(found: Assessment) -> pd.DataFrame:
-    """Return the table of items as a terminal shows it; the first lines say what the unknown ones need."""
+    """Return the table of items for a terminal; the head of an assessment lists what unknown items need."""
     columns = ["item", "utilisation", "within", "load case", "group", "number", "limit", "unit", "from"]
     items = found.items[columns]
     unknown = items["within"].str.startswith(NOT_KNOWN)

@@ -1,4 +1,4 @@
-"""First screen of a run's page: the machine, a sentence of what was simulated, answers, the first warning."""
+"""First screen of a run's page: picture of the machine, a sentence on the run, answers, the first warning."""
 
 from typing import Any
 
@@ -26,7 +26,7 @@ ASKED = (
     "greatest ground pressure below a shoe",
     "greatest torque of the drive",
 )
-"""Answers that come first, as far as a run has them; then the others in their order."""
+"""Answers that come first if a run has them; the others follow in their order."""
 WIDTH = 11.0  # inches, of the picture
 LEVEL = 1e-6  # grade of ground that is level
 GROUNDS = {
@@ -34,14 +34,14 @@ GROUNDS = {
     "rock": "rock or a hard floor",
     "units": "elastic ground of separate units",
 }
-"""Ground by its model, as an engineer calls it."""
+"""Names of the ground by its model."""
 ROOM = 0.8  # inches, of a picture for its title and labels
 
 
 def first_screen(history: History, results: pd.DataFrame, stress: xr.Dataset | None = None) -> Markup:
-    """Picture of the machine, what was simulated, answers, and the first warning if there is any.
+    """Return picture of the machine, sentence on the run, answers, and the first warning if there is any.
 
-    `results` are the run's key results.
+    `results` are the key results of the run.
     """
     case = history.case
     now = track.instants(history, [results["at"].iloc[0]])
@@ -59,7 +59,7 @@ def first_screen(history: History, results: pd.DataFrame, stress: xr.Dataset | N
 
 
 def sentence(history: History, results: pd.DataFrame) -> str:
-    """Say what was simulated, on which ground, how far and how long; `results` are its key results."""
+    """Describe machine, distance, duration and ground of a run; `results` are its key results."""
     case = history.case
     travel = results.set_index("result").loc["distance travelled", "value"]
     way = f"{travel:.3g} m in {history.duration:.4g} s"
@@ -68,7 +68,7 @@ def sentence(history: History, results: pd.DataFrame) -> str:
 
 
 def ground_words(case: Case) -> str:
-    """Say of what the ground of a case is, and its relief and grade."""
+    """Describe the ground of a case: its model, relief and grade."""
     words = GROUNDS[case.cell_contact().law.model if case.contact.model == "cells" else "units"]
     relief = "" if case.terrain.is_even else " with a relief"
     ahead, across, down = case.terrain.down
@@ -78,7 +78,7 @@ def ground_words(case: Case) -> str:
 
 
 def machine_figure(now: History) -> Figure:
-    """Side view of an instant, with the forces of the ground on the shoes."""
+    """Draw the side view of an instant with the forces of the ground on the shoes."""
     left, right, bottom, top = pictures.windows(now)[1]
     with mpl.rc_context(style.STYLE):
         figure = Figure(figsize=(WIDTH, WIDTH * (top - bottom) / (right - left) + ROOM))
@@ -91,7 +91,7 @@ def machine_figure(now: History) -> Figure:
 
 
 def _answer(result: Any, history: History, stress: xr.Dataset | None) -> tuple[str, str, str, str]:
-    """Name, value, place, and limit or verdict of a key result."""
+    """Return name, value, location, and limit or verdict of a key result."""
     value, place = value_and_place(result)
     limit = ""
     if result.unit == "kN":
@@ -107,18 +107,18 @@ def _answer(result: Any, history: History, stress: xr.Dataset | None) -> tuple[s
 
 
 def _usable(stress: xr.Dataset) -> xr.DataArray:
-    """True for nodes of shoes whose greatest stress may be used: not in a rigid spider, nor at a force."""
+    """Return True for nodes of shoes with a usable greatest stress: not in a rigid spider, nor at a force."""
     verdict = stress.peak_verdict
     return (verdict >= 0) & (verdict != trust.HELD)
 
 
 def value_and_place(result: Any) -> tuple[str, str]:
-    """Value of a row of the key results with its unit, and of what and when it is."""
+    """Return the value of a key result with its unit, and its body and time."""
     place = ", ".join(filter(None, (result.of, f"t = {result.at:.4g} s")))
     return f"{result.value:.4g} {result.unit}", place
 
 
 def _carried(history: History) -> float:
-    """Force of the ground on all shoes at the start, upward, N."""
+    """Return the upward force of the ground on all shoes at the start (N)."""
     start = history.dataset.isel(time=0)
     return float((start.normal_force + start.friction_force).sel(axis="z").sum())

@@ -1,4 +1,4 @@
-"""Pages of a life and of a check of a shoe: the shoe in 3D, coloured, tables, curves; pictures of a check."""
+"""Pages of a life and of a check of a shoe: coloured shoe in 3D, tables, curves; pictures of a check."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -33,11 +33,11 @@ from exudyn_crawler.views.scenes import pictures, scene, shoes
 from exudyn_crawler.views.tables import cell_text
 from fem.body.element_stress import von_mises
 
-LEAST_LIFE = 1.0  # h, that colours tell
-LEAST_DECADES = 2  # powers of ten of life that the colours span at least
+LEAST_LIFE = 1.0  # h, least life with a colour of its own
+LEAST_DECADES = 2  # least powers of ten of life in the colour scale
 DRAWN, POINTS = 3, 2000
-"""Nodes of the table whose growing damage is drawn, and points of a drawn curve at most."""
-BENT = 0.05  # m, at which the greatest elastic displacement of a check is drawn at most
+"""Nodes of the table with a curve of their damage, and greatest number of points of a curve."""
+BENT = 0.05  # m, greatest drawn elastic displacement of a check
 BY_CASE = "Colours show the stress of a case, with a separate scale for each case."
 VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
 WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
@@ -67,7 +67,7 @@ def write_life_page(
 ) -> Path:
     """Write one self-contained page of a life, to be read offline in a browser; raises as `write_page`.
 
-    `roller_paths` are tables of the treads' contact by what happens.
+    `roller_paths` are tables of the treads' contact by run or check case.
     """
     shortest, parts = (page.table(table, digits=5) for table in (in_words(lives.table), damage_parts(lives)))
     said = page.paragraph(SHARES)
@@ -90,7 +90,7 @@ def write_life_page(
 
 
 def _coloured_page(title: str, lead: list[str], sections: list[page.Section], solid: scene.Solid) -> str:
-    """HTML of a page whose first section shows a solid with its colourings."""
+    """Return the HTML of a page whose first section shows a solid with its colourings."""
     arrays = packing.SceneArrays()
     shown = packing.packed_scene(scene.Scene(("",), (solid,)), arrays)
     data = {"scenes": {sections[0].anchor: {"": shown}}, "arrays": arrays.packed, "first": []}
@@ -98,7 +98,7 @@ def _coloured_page(title: str, lead: list[str], sections: list[page.Section], so
 
 
 def life_lines(lives: LifeResults) -> list[str]:
-    """Shortest life and how far to trust it, and what it is counted by."""
+    """Return lines on the shortest life, its uncertainty, and the fatigue criterion and material."""
     rows = in_words(lives.table)
     outside = rows[rows["flag"] != "in spider"]
     worst = (outside if len(outside) else rows).iloc[0]
@@ -128,7 +128,7 @@ def life_lines(lives: LifeResults) -> list[str]:
 
 
 def _beyond_strength(lives: LifeResults) -> Iterator[str]:
-    """Yield what lives do not know where stress exceeds a strength, a line each; bores are left out."""
+    """Yield a line for each strength that stress exceeds; bores are left out."""
     material = lives.duty.material
     table = lives.table[lives.table["flag"] != "in spider"].sort_values(PEAK, ascending=False, kind="stable")
     for name, strength, unknown in (
@@ -150,7 +150,7 @@ def _beyond_strength(lives: LifeResults) -> Iterator[str]:
 
 
 def life_solid(lives: LifeResults) -> scene.Solid:
-    """Surface of the shoe coloured by its life, over all places and at each, and by how far to trust it."""
+    """Return the surface of the shoe coloured by life, over all places and at each, and by verdict."""
     data = lives.dataset
     used, corners = np.unique(data.triangle.values, return_inverse=True)
     at_last = data.place_damage.isel(survival=-1)
@@ -180,7 +180,7 @@ def life_solid(lives: LifeResults) -> scene.Solid:
 
 
 def causes_figure(lives: LifeResults) -> go.Figure:
-    """Life by each part of the damage alone, a row each, in every region: colours and hours."""
+    """Draw the life under each part of the damage alone by region: one row a part, colours and hours."""
     causes = lives.causes()
     words = causes.map(lambda hours: "" if hours >= BEYOND else cell_text(life_words(hours)))
     decades = np.log10(causes.clip(lower=LEAST_LIFE))
@@ -200,7 +200,7 @@ def causes_figure(lives: LifeResults) -> go.Figure:
 
 
 def damage_curves(lives: LifeResults) -> go.Figure:
-    """Damage of the worst nodes of the table as it grows over the runs, each at its worst place."""
+    """Draw the growing damage of the worst nodes of the table over the runs, each at its worst place."""
     figure = go.Figure()
     runs = [run.name for run in lives.duty.runs]
     for _, row in lives.table.head(DRAWN).iterrows():
@@ -220,7 +220,7 @@ def damage_curves(lives: LifeResults) -> go.Figure:
 
 
 def damage_parts(lives: LifeResults) -> pd.DataFrame:
-    """Share of every run and phase in the damage at the nodes of the table, in per cent."""
+    """Return the share of every run and phase in the damage at the nodes of the table, in per cent."""
     data = lives.dataset.isel(node=lives.table["node"].to_numpy())
     shares = 100.0 * data.part_damage / np.maximum(data.damage_an_hour.isel(survival=-1), 1e-300)
     columns = {f"{name} in %": shares.sel(part=name).values for name in data.part.values}
@@ -228,10 +228,10 @@ def damage_parts(lives: LifeResults) -> pd.DataFrame:
 
 
 def check_lines(checked: CheckResults) -> list[str]:
-    """Lines that say what of a checked shoe yields, and what cracks first of what does not.
+    """Return lines on what yields in a checked shoe, and what cracks first without yield.
 
-    Bores, whose stress is not to be used, are none of both. Above yield linear stress is none of a shoe that
-    bends for good, and cycles to a crack are formal.
+    Both leave out bores, whose stress is not to be used. Above yield, a shoe bends for good: linear stress
+    does not hold, and cycles to a crack are formal.
     """
     worst = checked.worst_cycles
     worst = worst[worst["region"] != BORES]
@@ -264,7 +264,7 @@ def check_lines(checked: CheckResults) -> list[str]:
 def check_solid(
     checked: CheckResults, colourings: list[scene.Colouring], bend: np.ndarray | float = 0.0
 ) -> scene.Solid:
-    """Surface of a checked shoe, bent by a displacement (nodes, 3), m, with colourings of its nodes."""
+    """Return the surface of a checked shoe, moved by `bend` (nodes, 3), m, with colourings of its nodes."""
     mesh = checked.shoe.mesh
     faces = np.searchsorted(mesh.surface_nodes, flat_triangles(mesh.boundary))
     points = mesh.nodes[mesh.surface_nodes] + bend
@@ -273,7 +273,7 @@ def check_solid(
 
 
 def write_check_page(checked: CheckResults, path: Path, overwrite: bool = False) -> Path:
-    """Write a page of a check: its cases in 3D, which of them cracks what, and its tables."""
+    """Write a page of a check: cases in 3D, cycles to a crack, and its tables."""
     colourings = []
     for case, stress in zip(checked.cases, checked.stress, strict=True):
         mises = von_mises(stress) / style.MEGA
@@ -296,7 +296,7 @@ def write_check_page(checked: CheckResults, path: Path, overwrite: bool = False)
 
 
 def case_figure(checked: CheckResults, number: int) -> Figure:
-    """One case from above and from below: von Mises stress on the bent shoe, and its peaks by region."""
+    """Draw one case from above and below: von Mises stress on the bent shoe, and its peaks by region."""
     case = checked.cases[number]
     stress = von_mises(checked.stress[number])
     bend = checked.displacement[number]

@@ -1,4 +1,4 @@
-"""Page of the library's machines: each as it will start, with its main figures and their sources."""
+"""Page of the library's machines: each at its start, with its main figures and their sources."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,12 +21,12 @@ TITLE = "Machines"
 COLUMNS = ("figure", "of the machine", "of its datasheet", "verdict")
 WIDTH, HEIGHT = 9.0, 3.2  # inches of a drawing
 COUNT = 2  # drawings beside each other where all of them are one picture
-GROUND = 0.15  # of the drawn height: ground below the track
+GROUND = 0.15  # drawn ground below the track, fraction of the height above it
 SEEN_THROUGH = 0.5  # opacity of shoes beside the wheels
 
 
 def draw_machine(ax: Axes, case_file: CaseFile) -> None:
-    """Draw the right track of a machine from the right as it will start, with its weight; axes in m."""
+    """Draw the right track of a machine at its start, seen from the right, with its weight; axes in m."""
     case = case_file.case
     now = start.with_ground(start.start_of(case.of_track("right")))
     shoes = [replace(solid, opacity=SEEN_THROUGH) for solid in track.shoe_boxes(now)]
@@ -42,14 +42,14 @@ def draw_machine(ax: Axes, case_file: CaseFile) -> None:
 
 
 def machine_figure(case_file: CaseFile) -> Figure:
-    """Drawing of a machine alone."""
+    """Draw one machine alone."""
     with style.titled_figure("", WIDTH, HEIGHT) as figure:
         draw_machine(figure.subplots(), case_file)
     return figure
 
 
 def library_figure(case_files: Sequence[CaseFile]) -> Figure:
-    """Drawings of all machines, each in a scale of its own."""
+    """Draw all machines, each in its own scale."""
     rows = -(-len(case_files) // COUNT)
     with style.titled_figure("", COUNT * 6.0, rows * 2.7) as figure:
         axes = figure.subplots(rows, COUNT, squeeze=False).ravel()
@@ -61,7 +61,7 @@ def library_figure(case_files: Sequence[CaseFile]) -> Figure:
 
 
 def figure_rows(case_file: CaseFile) -> list[tuple[str, str, str, str]]:
-    """Figures of a machine beside those of its datasheet, for reading."""
+    """Return the figures of a machine beside those of its datasheet, for reading."""
     assert case_file.datasheet is not None
     return [
         (one.name, _text(one.value, one), _text(one.printed, one), one.verdict)
@@ -70,18 +70,18 @@ def figure_rows(case_file: CaseFile) -> list[tuple[str, str, str, str]]:
 
 
 def _text(value: float | None, figure: MachineFigure) -> str:
-    """Value with four digits and its unit; empty for none."""
+    """Return a value with four digits and its unit; empty for None."""
     return "" if value is None else value_text(float(f"{value:.4g}"), figure.unit.replace("1", ""))
 
 
 def origins_line(case_file: CaseFile) -> str:
-    """Say how many values of a machine have which origin."""
+    """Describe how many values of a machine have each origin."""
     ledger = Ledger(entry for entry in ledger_of(case_file) if entry.how != GENERAL)
     return f"Of its {len(ledger)} values {ledger.summary}."
 
 
 def machines_page(case_files: dict[str, CaseFile]) -> str:
-    """HTML of a page with a section for each machine, by the name that `init --machine` takes."""
+    """Return the HTML of a page with a section for each machine, by its name for `init --machine`."""
     sections = []
     for name, case_file in case_files.items():
         sheet = case_file.datasheet

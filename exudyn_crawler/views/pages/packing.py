@@ -1,6 +1,6 @@
-"""Arrays, scenes and curves as a page's scripts take them.
+"""Arrays, scenes and curves in the form that a page's scripts read.
 
-Arrays are base64 of little-endian numbers. What only has to be seen in 3D is 16-bit steps of its greatest
+Arrays are base64 of little-endian numbers. Arrays that are only seen in 3D are 16-bit steps of their greatest
 magnitude. Long curves keep the least and the greatest value of every bin of time, so that no extreme is lost.
 """
 
@@ -15,43 +15,43 @@ from exudyn_crawler.results.history import History, common_phases
 from exudyn_crawler.views import figures, style
 from exudyn_crawler.views.scenes.scene import Scene, Solid
 
-SERIES_BYTES = 4_500_000  # size on the page that all series together may have
+SERIES_BYTES = 4_500_000  # greatest size of all series together on the page
 BYTES_A_POINT = 6 * 4 / 3  # a 16-bit number of the time and a 32-bit value, in base64
 Kept = dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray]]]
-"""Of every item and axis of a quantity, part by part of a run: indices of stored times, and values there."""
+"""Kept points of a quantity by item and axis: for each part of a run, indices of stored times, and values."""
 LEAST_POINTS, MOST_POINTS, FEW = 200, 4000, 5
-"""Points that a series keeps at least and at most; items of many that are drawn at first."""
+"""Least and greatest number of points of a series, and number of items drawn at first if there are many."""
 FIRST = [
     [figures.LABEL[name] for name in ("highest_von_mises", "drive_pull", "drive_moment", "velocity")],
     [figures.LABEL[name] for name in ("roller_force", "link_tension", "contact_force")],
 ]
-"""Labels of what both plots of a page show first, as far as runs have it: what moves, and what is carried."""
+"""Labels that both plots of a page show first, if runs have them: motion in one, loads in the other."""
 
 
 def packed(array: np.ndarray, kind: str) -> str:
-    """Base64 of an array as little-endian numbers of a kind such as "f4" or "u2"."""
+    """Return the base64 of an array as little-endian numbers of a kind such as "f4" or "u2"."""
     return base64.b64encode(np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()).decode("ascii")
 
 
 class SceneArrays:
-    """Arrays of the scenes of a page; what several solids have in common is there once."""
+    """Arrays of the scenes of a page; an array that several solids share is stored once."""
 
     def __init__(self) -> None:
         self.packed: list[dict[str, object]] = []
         self._numbers: dict[int, tuple[int, np.ndarray]] = {}
 
     def add(self, array: np.ndarray | None, kind: str = "f4", rows: int = 1) -> int | None:
-        """Number of an array, None of none; `rows` are the times that it holds."""
+        """Return the number of an array, None for None; `rows` is the number of times in the array."""
         if array is None:
             return None
         if id(array) not in self._numbers:
-            # with the array, whose number of an object no other gets as long as it is there
+            # the array is kept, so that no other object gets its id
             self._numbers[id(array)] = len(self.packed), array
             self.packed.append({"kind": kind, "data": packed(array, kind), "rows": rows})
         return self._numbers[id(array)][0]
 
     def add_over_time(self, array: np.ndarray | None, stepped: bool = False) -> int | None:
-        """Same of an array (times, ...), in steps if it is finite."""
+        """Return the number of an array (times, ...), in 16-bit steps if it is `stepped` and finite."""
         if array is None or not stepped or not np.isfinite(array).all():
             return self.add(array, rows=0 if array is None else len(array))
         kind, most = ("u2", 65535) if array.min() >= 0.0 else ("i2", 32767)
@@ -64,7 +64,7 @@ class SceneArrays:
 def packed_scene(
     scene: Scene, arrays: SceneArrays, window: list[tuple[float, float]] | None = None, first: int = 0
 ) -> dict[str, object]:
-    """Scene for a 3D view from the time of index `first` on; `window`: the least and greatest x, y, z, m."""
+    """Return a scene for a 3D view that starts at time index `first`; `window` limits x, y and z (m)."""
     return {
         "titles": scene.titles,
         "first": first,
@@ -107,7 +107,7 @@ def _as_they_are(item: object, *names: str) -> dict[str, object]:
 
 
 def _colour_scale(colours: str | tuple[str, ...]) -> list[list[object]]:
-    """Colours as Plotly takes them: places from 0 to 1, and a colour at each, of which some are doubled."""
+    """Return colours as Plotly reads them: positions from 0 to 1 with a colour; steps have two at an edge."""
     if isinstance(colours, str):
         return [
             [float(place), to_hex(style.colour_map(colours)(place))] for place in np.linspace(0.0, 1.0, 17)
@@ -119,7 +119,7 @@ def _colour_scale(colours: str | tuple[str, ...]) -> list[list[object]]:
 def packed_curves(
     histories: dict[str, History], stresses: dict[str, xr.Dataset]
 ) -> tuple[dict[str, object], str]:
-    """Time histories of runs by name for the page, and what a reader has to know about left-out times."""
+    """Return the time histories of runs by name for the page, and a sentence on left-out times."""
     at_first = {
         name: next(run.every(run.time.size).parts(stresses.get(name))) for name, run in histories.items()
     }
@@ -160,12 +160,12 @@ def packed_curves(
 
 
 def bin_width(times: int, points: int) -> int:
-    """Successive times of which a series of at most about so many points keeps the least and the greatest."""
+    """Return the number of successive times in a bin for a series of at most about `points` points."""
     return 1 if times <= points else -(-times // max(1, points // 2 - 1))
 
 
 def thinned(values: np.ndarray, width: int) -> np.ndarray:
-    """Indices to keep of a series (n,): ends, and the least and greatest of bins of so many values."""
+    """Return the indices to keep of a series (n,): its ends, and the extremes of bins of `width` values."""
     n = len(values)
     padded = np.concatenate((values, np.full(-n % width, values[-1]))).reshape(-1, width)
     starts = width * np.arange(len(padded))
@@ -174,7 +174,7 @@ def thinned(values: np.ndarray, width: int) -> np.ndarray:
 
 
 def _packed_series(series: figures.Series, stored: Kept, kind: str) -> dict[str, object]:
-    """Quantity for the page: names, and for every item and axis packed indices of time and values."""
+    """Return a quantity for the page: names, and packed time indices and values for each item and axis."""
     rows: list[list[list[str]]] = [[[] for _ in series.values.axis] for _ in series.items]
     for (item, axis), parts in stored.items():
         few, values = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
@@ -189,7 +189,7 @@ def _packed_series(series: figures.Series, stored: Kept, kind: str) -> dict[str,
 
 
 def _drawn(series: figures.Series) -> list[int]:
-    """Numbers of the items that are drawn at first, evenly spread."""
+    """Return the numbers of the items that are drawn at first, evenly spread."""
     matches = (re.search(r"\d+", item) for item in series.items)
     numbers = sorted({int(match[0]) for match in matches if match})
     places = np.linspace(0, len(numbers) - 1, min(FEW, len(numbers)))

@@ -1,4 +1,4 @@
-"""Self-contained pages, to be read offline in a browser: sections of text, tables, plots, pictures and 3D."""
+"""Self-contained pages for reading offline in a browser: text, tables, plots, pictures and 3D views."""
 
 import base64
 import io
@@ -23,7 +23,7 @@ GRID = "rgba(176, 176, 176, 0.3)"  # colour of a plot's grid
 
 
 class Section(NamedTuple):
-    """Part of a page below a heading; it is left out if its body is empty."""
+    """Part of a page below a heading; a section with an empty body is left out."""
 
     anchor: str
     heading: str
@@ -31,7 +31,7 @@ class Section(NamedTuple):
 
 
 class Cell(NamedTuple):
-    """Cell of a table: what it says, whether it is a number, and where a click leads."""
+    """Cell of a table: text, True for a number, and target of a link."""
 
     text: str
     number: bool = False
@@ -45,10 +45,10 @@ def page(
     data: dict[str, Any] | None = None,
     top: str = "",
 ) -> str:
-    """HTML of a page: lines below the title, `top`, sections, and `data` that the page's own scripts draw."""
+    """Return the HTML of a page: lead lines, `top`, sections, and `data` for the scripts of the page."""
     shown = [section for section in sections if section.body]
     has_plots = any("plotly-graph-div" in section.body for section in shown) or bool(data and data["scenes"])
-    # nothing in the data of the scripts can end or begin one, such as a name with <!--<script>
+    # no text in the data, such as a name with <!--<script>, may begin or end a script
     packed = "" if data is None else json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     parts = {"title": title, "lead": lead, "top": top, "sections": shown, "data": Markup(packed)}
     parts |= {"style": _text("page.css"), "scripts": [_text(name) for name in SCRIPTS]}
@@ -57,24 +57,24 @@ def page(
 
 
 def write_page(html: str, path: Path, overwrite: bool = False) -> Path:
-    """Write a page, whole or not at all; raises as `whole_file`."""
+    """Write a page; the file appears whole or not at all; raises as `whole_file`."""
     with whole_file(path, overwrite) as temporary:
         temporary.write_text(html, encoding="utf-8")
     return path
 
 
 def part(name: str, *values: object) -> Markup:
-    """Part of a section, made by the macro of that name."""
+    """Return a part of a section, rendered by the macro `name`."""
     return Markup(getattr(ENVIRONMENT.get_template("parts.html").module, name)(*values))
 
 
 def paragraph(text: str) -> Markup:
-    """Text of its own."""
+    """Return a text as a paragraph."""
     return part("paragraph", text)
 
 
 def together(*parts: Markup) -> Markup:
-    """Parts one below the other."""
+    """Return parts one below the other."""
     return Markup("\n").join(parts)
 
 
@@ -87,7 +87,7 @@ def table(
     compact: bool = False,
     headed: bool = True,
 ) -> Markup:
-    """Table of a frame, whose cells are values or `Cell`; `kinds` are the CSS classes of its rows."""
+    """Return a frame as a table, with cells of values or `Cell`; `kinds` are the CSS classes of its rows."""
     rows = [
         {"kind": kind, "cells": [_cell(value, digits) for value in row]}
         for kind, row in zip(kinds or [""] * len(frame), frame.itertuples(index=False), strict=True)
@@ -104,7 +104,7 @@ def _cell(value: Any, digits: int) -> Cell:
 
 
 def plot(figure: plotly.graph_objects.Figure) -> Markup:
-    """Plotly's figure in the style of all figures (`views.style`); its library stands on the page once."""
+    """Return a Plotly figure in the style of all figures (`views.style`); the page holds the library once."""
     figure.update_layout(template="simple_white")
     if figure.data[0].type in ("scatter", "bar"):
         figure.update_xaxes(showgrid=True, gridcolor=GRID).update_yaxes(showgrid=True, gridcolor=GRID)
@@ -112,20 +112,20 @@ def plot(figure: plotly.graph_objects.Figure) -> Markup:
 
 
 def picture_file(path: Path) -> str:
-    """Address that holds the picture of a file, no wider than a page needs."""
+    """Return the data address of a picture file, no wider than a page needs."""
     with Image.open(path) as opened:
         image = opened.convert("RGB")
     if image.width > PICTURE_WIDTH:
         size = (PICTURE_WIDTH, round(image.height * PICTURE_WIDTH / image.width))
         image = image.resize(size, Image.Resampling.LANCZOS)
     memory = io.BytesIO()
-    # its method 4 takes twice as long, and saves a twentieth
+    # method 4 would take twice as long and save 5 %
     image.save(memory, format="webp", quality=85, method=2)
     return _address(memory, "webp")
 
 
 def figure_picture(title: str, figure: Figure) -> Markup:
-    """Figure of matplotlib as a picture."""
+    """Return a figure of matplotlib as a picture."""
     memory = io.BytesIO()
     figure.savefig(memory, format="png", dpi=110)
     return part("picture", title, _address(memory, "png"))
@@ -140,5 +140,5 @@ ENVIRONMENT = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, *
 
 
 def _text(name: str) -> Markup:
-    """Text of a file beside the templates, to stand on a page as it is."""
+    """Return the text of a file beside the templates, unescaped."""
     return Markup((TEMPLATES / name).read_text(encoding="utf-8"))

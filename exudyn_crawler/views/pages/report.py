@@ -1,4 +1,4 @@
-"""One self-contained page of a run's folder, to be read offline in a browser."""
+"""Self-contained page of a run's folder, for reading offline in a browser."""
 
 import json
 from collections.abc import Mapping
@@ -29,13 +29,13 @@ ORIGIN_WORDS = {
     Origin.DERIVED: "by which rule, and its source",
     Origin.ASSUMED: "typical: range and source, and how it is known",
 }
-"""Origins of values of a machine from its datasheet, and what stands beside each."""
+"""Origins of the values of a machine from its datasheet, and head of the column beside each."""
 COMPARISON = "comparison.csv"
 LONGEST_TABLE = 300  # rows of a table on the page; longer ones are series, which plots show
 INSTANTS, MARGIN = 101, (0.6, 0.4, 0.3)
-"""Instants that the moving track shows, evenly spread; m beyond the track, beside it and below the ground."""
+"""Number of evenly spread instants of the moving track; margins (m) beyond, beside and below the track."""
 VERDICTS = {"yes": "within", "no": "outside"}
-SPOTS = "hot_spots_"  # begin of the names of hot spots' tables
+SPOTS = "hot_spots_"  # prefix of the file names of hot-spot tables
 HOT_SPOTS = (
     "Highest von Mises stresses over the run and where they are. A jump as large as the value means that the "
     "mesh makes the peak."
@@ -48,15 +48,15 @@ def write_report(
     overwrite: bool = False,
     loaded: Mapping[Path, History] | None = None,
 ) -> Path:
-    """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
+    """Write the report of a run's folder and return its path, `out` or `report.html` in the folder.
 
-    Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
-    those of the first run with flexible shoes. Returned is the file, `out` or `report.html` in the folder.
-    `loaded` are histories that are in memory, by their files.
+    The report shows the comparison, histories, stresses and cases that exist. For a study's folder, the runs
+    in its folders are shown together; pictures, hot spots and the 3D view are those of the first run with
+    flexible shoes. `loaded` are histories in memory, by their files.
 
-    A NotADirectoryError if there is no such folder, a FileNotFoundError if it holds neither a history nor a
-    comparison, a FileExistsError if the report exists and `overwrite` is false, a ValueError that names the
-    file if one cannot be read.
+    Raises NotADirectoryError if the folder does not exist, FileNotFoundError if it holds neither a history
+    nor a comparison, FileExistsError if the report exists and `overwrite` is false, ValueError that names a
+    file that cannot be read.
     """
     folder = Path(folder)
     if not folder.is_dir():
@@ -67,7 +67,7 @@ def write_report(
 
 
 def report_page(folder: Path, loaded: Mapping[Path, History] | None = None) -> str:
-    """HTML of the report; raises as `write_report`."""
+    """Return the HTML of the report; raises as `write_report`."""
     # a study keeps each of its cases in a folder of its own
     folders = [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
     histories, homes = runs.histories_in(folders, loaded or {})
@@ -116,7 +116,7 @@ def report_page(folder: Path, loaded: Mapping[Path, History] | None = None) -> s
 
 
 def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, object]:
-    """Track in evenly spread instants of a run, for a view in 3D."""
+    """Return the track at evenly spread instants of a run for a view in 3D."""
     case = history.case
     window = track.shown_box(history, MARGIN)
     shown = track.instants(history, np.linspace(0.0, history.duration, INSTANTS))
@@ -130,7 +130,7 @@ def packed_track(history: History, arrays: packing.SceneArrays) -> dict[str, obj
 
 
 def _ground(histories: Mapping[str, History]) -> Markup:
-    """Maps of the ground as runs on cells end."""
+    """Return maps of the ground at the end of runs on cells."""
     drawn = {
         name: history for name, history in histories.items() if isinstance(history.case.terrain, CellTerrain)
     }
@@ -139,7 +139,7 @@ def _ground(histories: Mapping[str, History]) -> Markup:
 
 
 def _roller_paths(homes: Mapping[str, Path]) -> Markup:
-    """Pressure of treads along the rails, of rolled runs whose table is there."""
+    """Return figures of the pressure of treads along the rails, for rolled runs that have the table."""
     paths = {name: home / f"{figures.ROLLER_PATH}.csv" for name, home in homes.items()}
     contacts = {name: runs.contents(path, pd.read_csv) for name, path in paths.items() if path.is_file()}
     drawn = {name: figures.roller_path_figure(contact, name) for name, contact in contacts.items()}
@@ -147,7 +147,7 @@ def _roller_paths(homes: Mapping[str, Path]) -> Markup:
 
 
 def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
-    """Lines that say what the page shows: times of the cases, versions, and when run and page were made."""
+    """Return lines on what the page shows: times of the cases, versions, date of run and page."""
     shown = [
         f"{name}: {history.duration:.4g} s, {history.time.size} stored times"
         for name, history in histories.items()
@@ -166,7 +166,7 @@ def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
 
 
 def _recorded(path: Path) -> list[str]:
-    """Lines of a run's record: the commit that ran, and when it ended, as far as it did."""
+    """Return lines of a run's record: its commit, and its end if it has ended."""
     record = json.loads(path.read_text(encoding="utf-8"))
     said = [f"commit {record['commit']}"] if record.get("commit") else []
     if "finished" in record:
@@ -176,7 +176,7 @@ def _recorded(path: Path) -> list[str]:
 
 
 def _key_table(results: Mapping[str, pd.DataFrame]) -> Markup:
-    """Key results: a row a result, with value and unit, where and when for each case."""
+    """Return key results as a table: one row a result, with value, unit, body and time for each case."""
     columns = []
     for name, frame in results.items():
         rows = [first_screen.value_and_place(row) for row in frame.itertuples()]
@@ -190,7 +190,7 @@ def _key_table(results: Mapping[str, pd.DataFrame]) -> Markup:
 
 
 def _compared(path: Path) -> Markup:
-    """How many rows of a comparison are within, and all of them with their verdicts."""
+    """Return a comparison with verdicts, and the number of rows within limits."""
     comparison = pd.read_csv(path, dtype={"within": str})
     if missing := {"class", "within"}.difference(comparison):
         raise ValueError(f"{path} has no column {max(missing)!r} and is no comparison")
@@ -203,21 +203,21 @@ def _compared(path: Path) -> Markup:
 
 
 def _tables(how: str, paths: Mapping[str, Path]) -> list[Markup]:
-    """Tables of files by their titles that are short enough to be read, by the macro of that name."""
+    """Return tables of files by title, rendered by the macro `how`; tables too long to read are left out."""
     contents = {title: runs.contents(path, pd.read_csv) for title, path in paths.items()}
     short = {title: content for title, content in contents.items() if len(content) <= LONGEST_TABLE}
     return [part(how, title, table(content, digits=5)) for title, content in short.items()]
 
 
 def _hot_spots(folder: Path) -> Markup:
-    """Tables of the hot spots in a folder, in the order of the shoes."""
+    """Return the tables of hot spots in a folder, in the order of the shoes."""
     paths = sorted(folder.glob(f"{SPOTS}*.csv"), key=lambda path: (len(path.name), path.name))
     parts = _tables("titled", {path.stem.removeprefix(SPOTS).replace("_", " "): path for path in paths})
     return together(page.paragraph(HOT_SPOTS), *parts) if parts else Markup()
 
 
 def _further(folder: Path, folders: list[Path]) -> Markup:
-    """Tables that have no section of their own."""
+    """Return tables without a section of their own."""
     paths = [path for home in folders for path in sorted(home.glob("[!.]*.csv"))]
     elsewhere = (COMPARISON, ORIGINS_FILE)
     further = [path for path in paths if path.name not in elsewhere and not path.name.startswith(SPOTS)]
@@ -225,7 +225,7 @@ def _further(folder: Path, folders: list[Path]) -> Markup:
 
 
 def _origins(homes: Mapping[str, Path]) -> Markup:
-    """Return tables of the values of machines from datasheets by origin, with rule or source."""
+    """Return the values of machines from datasheets as tables by origin, with rule or source."""
     parts = []
     for name, home in homes.items():
         path = home / ORIGINS_FILE
@@ -249,7 +249,7 @@ def _origins(homes: Mapping[str, Path]) -> Markup:
 
 
 def _cases(folder: Path, histories: Mapping[str, History]) -> Markup:
-    """Resolved cases with units, and files about the run as they are."""
+    """Return resolved cases with units, and the unchanged text of the files of the run."""
     resolved = [page.paragraph("The folder keeps no resolved case.")]
     if histories:
         rows = {name: pd.DataFrame(case_rows(history.case)) for name, history in histories.items()}
@@ -264,7 +264,7 @@ def _cases(folder: Path, histories: Mapping[str, History]) -> Markup:
 
 
 def _pictures(folder: Path, stress: xr.Dataset | None) -> tuple[Markup, int]:
-    """Stress pictures of the folder, and which is shown first: that of the highest stress."""
+    """Return the stress pictures of the folder, and the index of the first shown: that of highest stress."""
     paths = sorted(folder.glob(shoes.PICTURES))
     if not paths:
         return Markup(), 0

@@ -1,4 +1,4 @@
-"""Runs as pages find them in their folders, and two runs on one page."""
+"""Runs read from their folders, and a page that compares two runs."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -20,18 +20,18 @@ T = TypeVar("T")
 
 STRESSES = "stress.nc"
 MAIN = sorted(catalogue.select(figure=True).values(), key=lambda quantity: quantity.figure or 0)
-"""Quantities that the page draws, as far as both runs have them."""
+"""Quantities that the page draws if both runs have them."""
 SAME_CASES = "Nothing differs in the cases."
 SAME_RESULTS = "Nothing that both runs have differs in the results, beyond rounding."
-"""What stands in place of tables without rows."""
-ITEMS = 3  # shoes that a figure draws at most: the ends and the middle of those that both runs have
+"""Sentences in place of empty tables."""
+ITEMS = 3  # greatest number of shoes in a figure: the ends and the middle of those in both runs
 
 
 def contents(path: Path, read: Callable[[Path], T]) -> T:
-    """Content of a file; a ValueError that names the file if it cannot be read."""
+    """Return the content of a file; raise ValueError with its name if it cannot be read."""
     try:
         return read(path)
-    # altered bytes make the readers of tables, pictures and NetCDF raise all kinds of errors
+    # readers of tables, pictures and NetCDF raise all kinds of errors for damaged files
     except Exception as error:
         reason = " ".join(str(error).split()) or repr(error)
         named = reason if reason.startswith(f"{path} ") else f"{path} cannot be read: {reason}"
@@ -41,7 +41,7 @@ def contents(path: Path, read: Callable[[Path], T]) -> T:
 def histories_in(
     folders: list[Path], loaded: Mapping[Path, History]
 ) -> tuple[dict[str, History], dict[str, Path]]:
-    """Histories of some folders by case, and the folder of each; `loaded` ones are there already, by file."""
+    """Return the histories in folders by case, and the folder of each; `loaded` are histories by file."""
     histories: dict[str, History] = {}
     places: dict[str, Path] = {}
     for folder in folders:
@@ -56,14 +56,17 @@ def histories_in(
 
 
 def stress_of(folder: Path) -> xr.Dataset | None:
-    """Stresses that a run has left in a folder; None if there are none; a ValueError if they are broken."""
+    """Return the stresses in a run's folder; None if it has none.
+
+    Raises ValueError if the file cannot be read.
+    """
     path = folder / STRESSES
     return contents(path, _stresses) if path.is_file() else None
 
 
 @interrupts_wait()
 def _stresses(path: Path) -> xr.Dataset:
-    # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+    # without h5netcdf first, which floods the terminal for a file that HDF5 cannot read
     with h5py.File(path, "r"):
         pass
     dataset = xr.load_dataset(path, engine="h5netcdf")
@@ -74,7 +77,7 @@ def _stresses(path: Path) -> xr.Dataset:
 def comparison_figures(
     histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
 ) -> dict[str, Figure]:
-    """Overlays of the main curves of two runs by name, by the label of the quantity."""
+    """Return overlaid main curves of two runs, by the label of the quantity."""
     first, second = (history_series(history, stresses.get(name)) for name, history in histories.items())
     figures = {}
     phases = common_phases(*histories.values())
@@ -93,7 +96,7 @@ def comparison_figures(
 def comparison_tables(
     histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Tables of differences between the cases and results of two runs by name, first A, then B."""
+    """Return tables of the differences between the cases and the results of two runs, first A, then B."""
     first, second = histories.values()
     results = summary.difference_table(
         *(summary.compared(history, stresses.get(name)) for name, history in histories.items())
@@ -108,10 +111,11 @@ def write_comparison(
     stresses: Mapping[str, xr.Dataset] | None = None,
     overwrite: bool = False,
 ) -> Path:
-    """Write a page, to be read offline, of two runs: differences of cases and results, and main curves.
+    """Write a page on two runs for reading offline: differences of cases and results, and main curves.
 
-    `histories` are two by name, the first A and the second B, else a ValueError; `stresses` their datasets of
-    `StressResults`. A FileExistsError if the file exists and `overwrite` is false.
+    `histories` are two runs by name, first A, then B; `stresses` are their datasets of `StressResults`.
+
+    Raises ValueError if `histories` are not two, FileExistsError if the file exists and `overwrite` is false.
     """
     if len(histories) != 2:
         raise ValueError(f"histories must be two, got {list(histories)}")

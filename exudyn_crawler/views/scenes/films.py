@@ -1,4 +1,4 @@
-"""Moving pictures of a track on its deforming terrain, as MP4 or GIF."""
+"""Animations of a track on its deforming terrain, as MP4 or GIF."""
 
 from pathlib import Path
 
@@ -14,22 +14,22 @@ from exudyn_crawler.views import figures, style
 from exudyn_crawler.views.scenes import pictures, shoes, track
 
 RATE, MOST_PICTURES = 20, 20_000
-"""Pictures a second of an animation, if no other number is asked for; and at most in all, 1000 s."""
+"""Default number of pictures a second of an animation; greatest number of pictures, 1000 s."""
 PALETTE = "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=none"
-"""For ffmpeg: colours of its own for every picture, since one choice for all would need all in memory."""
+"""Filter of ffmpeg: a palette for every picture, since one for all would need all pictures in memory."""
 FORMATS = {".mp4": ("libx264", "yuv420p", [], 100), ".gif": ("gif", "pal8", ["-vf", PALETTE], 75)}
-"""Codec, format of colours, further options of ffmpeg and pixels an inch of a track, by the suffix."""
+"""Codec, pixel format, further options of ffmpeg and pixels an inch of a track, by suffix."""
 VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
-"""Inches: width of both views of a track, height of the curves, and height of all writing above and below."""
+"""Inches: width of both views of a track, height of the curves, and height of all text above and below."""
 DEEPEST, HEADROOM = 0.25, 0.35
-"""m that the greatest displacement of the ground is drawn at most; part of the curves' height that is left
-free above and below them, for the legend."""
+"""Greatest drawn displacement of the ground (m); fraction of the curves' height left free above and below
+them for the legend."""
 
 
 class TrackPicture:
-    """Figure that can be brought to a time of a run: the track from above and from the side, and curves.
+    """Figure of a run at one time: the track from above and from the side, and curves.
 
-    From the side the ground's displacements are `scale` times larger.
+    The side view magnifies the ground's displacements by `scale`.
     """
 
     def __init__(self, history: History, scale: float, dpi: float = 100) -> None:
@@ -38,13 +38,13 @@ class TrackPicture:
         self.history = history
         self._scale = scale
         self._force_scale = shoes.shoe_force_scale(history)
-        # of cells as the run begins and ends
+        # of cells, the heights at the begin and the end of the run
         ends = track.instants(history, [0.0, history.duration])
         (ground,) = track.ground_faces(ends).colourings
         shown = ground.values if "ground_depth" in ends.dataset else history.unit_heave.values / style.MILLI
         self._heave = float(shown.min()), float(shown.max())
         windows = pictures.windows(history)
-        # both views become as wide as the picture has room for
+        # both views fill the width of the picture
         ratios = [
             *(VIEW_WIDTH * (limits[3] - limits[2]) / (limits[1] - limits[0]) for limits in windows),
             SPEED_HEIGHT,
@@ -69,12 +69,12 @@ class TrackPicture:
             self._drawn: pictures.Drawn = []
             self.show(0.0)
             figures.draw_phases([curves], common_phases(history))
-            # the layout is solved once; solving it again would take most of the time of a picture
+            # the layout is solved once; solving it for each picture would take most of its time
             self.figure.draw_without_rendering()
             self.figure.set_layout_engine("none")
 
     def _legend(self) -> str:
-        """Legend of the side view."""
+        """Return the legend of the side view."""
         ground = f"displacement of the ground drawn {self._scale:g} times larger"
         most = track.greatest_shoe_force(self.history) / style.KILO
         greatest = f"contact force on each shoe, the greatest of the run {most:.3g} kN"
@@ -97,17 +97,17 @@ class TrackPicture:
         self._title.set_text(f"{self.history.case.name}: t = {instant:.2f} s")
 
     def image(self, time: float) -> np.ndarray:
-        """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
+        """Return the picture at a time (s) in red, green and blue: array (height, width, 3), uint8."""
         self.show(time)
         canvas = FigureCanvasAgg(self.figure)
-        # ticks are chosen when drawn, by the style's size of writing
+        # ticks are chosen while drawing, by the font size of the style
         with mpl.rc_context(style.STYLE):
             canvas.draw()
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
 def ground_scale(history: History) -> float:
-    """Round magnification that makes the ground's displacements visible."""
+    """Return a round magnification that makes the ground's displacements visible."""
     if "ground_depth" in (end := track.instants(history, [history.duration])).dataset:
         moved = end.ground_depth.values
     else:
@@ -116,7 +116,7 @@ def ground_scale(history: History) -> float:
 
 
 def _curves(history: History) -> figures.Panel:
-    """Curves of what drives a run: force of every roller, tension of a closed chain, speed of both ends."""
+    """Return the curves of a run: tension of a closed chain, roller forces, or speed of both end shoes."""
     if history.has("link_tension"):
         tension = history.over_time(["link_tension"])["link_tension"] / style.KILO
         most = tension.max("joint")
@@ -137,7 +137,7 @@ def _curves(history: History) -> figures.Panel:
 def film_times(
     duration: float, rate: int = RATE, speed: float = 1.0, start: float = 0.0, end: float | None = None
 ) -> np.ndarray:
-    """Times of a run that the pictures of an animation show, s: arguments and errors of `write_animation`."""
+    """Return the times (s) of a run in an animation; arguments and errors are those of `write_animation`."""
     end = duration if end is None else end
     if not 0.0 <= start < end <= duration + 1e-9:
         raise ValueError(f"start and end must lie in 0..{duration:g} s, got {start:g}..{end:g} s")
@@ -162,14 +162,14 @@ def write_animation(
     start: float = 0.0,
     end: float | None = None,
 ) -> Path:
-    """Write an animation of a run as MP4 or GIF, as the suffix of the path says, without a display.
+    """Write an animation of a run as MP4 or GIF, by the suffix of the path, without a display; return it.
 
     `scale` magnifies the ground's displacements in the side view, by a fitting round number if not given. A
     second shows `rate` pictures of `speed` simulated seconds, from `start` to `end` (s; the run's end if
-    None). The file is returned.
+    None).
 
-    A ValueError for another suffix, times outside the run, a scale, rate or speed that is not positive, or
-    more than 20 000 pictures; a FileExistsError if the file exists and `overwrite` is false.
+    Raises ValueError for another suffix, times outside the run, a scale, rate or speed that is not positive,
+    or more than 20 000 pictures; FileExistsError if the file exists and `overwrite` is false.
     """
     path = Path(path)
     if path.suffix not in FORMATS:
@@ -180,7 +180,7 @@ def write_animation(
     codec, colours, options, dpi = FORMATS[path.suffix]
     picture = TrackPicture(history, ground_scale(history) if scale is None else scale, dpi)
     with whole_file(path, overwrite) as temporary:
-        # the ffmpeg that imageio-ffmpeg brings along; players of H.264 want even sides
+        # the ffmpeg of imageio-ffmpeg; players of H.264 need even widths and heights
         size = picture.figure.canvas.get_width_height(physical=True)
         how = {"codec": codec, "pix_fmt_out": colours, "output_params": options, "ffmpeg_log_level": "error"}
         writer = imageio_ffmpeg.write_frames(str(temporary), size, fps=rate, macro_block_size=2, **how)

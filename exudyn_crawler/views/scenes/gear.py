@@ -1,7 +1,7 @@
-"""Side frame, bogies, arms, wheels and drive tumbler as solids, under a rolled track and in a closed one.
+"""Solids of side frame, bogies, arms, wheels and drive tumbler, for rolled and closed tracks.
 
-`history` holds some instants, see `track.instants`. How high and wide a side frame is, and how wide the
-teeth are, no parameter says: their drawn size means nothing.
+`history` holds some instants, see `track.instants`. The drawn height and width of a side frame and the drawn
+width of teeth follow from no parameter and mean nothing.
 """
 
 from dataclasses import replace
@@ -18,20 +18,22 @@ from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes.scene import Solid, box, carried, disc, star
 
 BEAM = (0.05, 0.85)
-"""m above the rollers' axes that the drawn beam of a rolling side frame reaches from and to."""
+"""Lower and upper edge of the drawn beam of a rolling side frame, m above the rollers' axes."""
 GAP, MARK = 0.03, 0.012
-"""m between the beam and the treads beside it; width of the line that shows how far a wheel turns."""
+"""Distance (m) of the beam from the treads beside it; width (m) of the line that shows the rotation of a
+wheel."""
 TEETH, SLIDE, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.12, 0.3, 16, 7
-"""m, width of drawn teeth and lugs, height of drawn slides; radius of the tumbler's shaft over that of its
-pins' circle; sides of a drawn lug; points along a gap between two teeth."""
+"""Width of drawn teeth and lugs (m), height of drawn slides (m); radius of the tumbler's shaft over that of
+its pitch circle; sides of a drawn lug; points along a gap between two teeth."""
 EYE = 0.25
-"""Half width of a drawn bogie or arm about its pivot and the axes of its rollers, of a roller's radius."""
+"""Half width of a drawn bogie or arm around its pivot and its rollers' axes, fraction of a roller's
+radius."""
 TURNING = {"roller": "rollers", "idler": "idler", "carrier": "carriers"}
-"""Titles of the kinds of wheels that turn; slides do not."""
+"""Titles of the kinds of turning wheels; slides do not turn."""
 
 
 def poses(dataset: xr.Dataset, of: str = "") -> tuple[np.ndarray, np.ndarray]:
-    """Origins (times, shoes, 3), m, and turns (times, shoes, 3, 3) of all shoes, or of a side frame."""
+    """Return origins (times, shoes, 3), m, and axes (times, shoes, 3, 3) of all shoes, or of a side frame."""
     origin, angles = (
         dataset[f"{of}{name}"].transpose("time", ..., "axis").values for name in ("position", "angles")
     )
@@ -39,13 +41,16 @@ def poses(dataset: xr.Dataset, of: str = "") -> tuple[np.ndarray, np.ndarray]:
 
 
 def frame_poses(history: History) -> tuple[np.ndarray, np.ndarray]:
-    """Origins (times, 1, 3), m, and turns (times, 1, 3, 3) of the side frame."""
+    """Return origins (times, 1, 3), m, and axes (times, 1, 3, 3) of the side frame."""
     origin, turn = poses(history.dataset, "side_frame_")
     return origin[:, None], turn[:, None]
 
 
 def frame_on_rails(case: Case) -> tuple[RunningGear, Rails]:
-    """Side frame of a case, and the rails that its wheels run on; ValueError if it has none."""
+    """Return the side frame of a case and the rails below its wheels.
+
+    Raises ValueError if the case has no side frame.
+    """
     frame = case.running_gear()
     rails = case.shoe.rails
     assert rails is not None
@@ -53,7 +58,7 @@ def frame_on_rails(case: Case) -> tuple[RunningGear, Rails]:
 
 
 def gear_solids(history: History) -> list[Solid]:
-    """Side frames and all that turns in them, and the car body; nothing of a dragged track."""
+    """Return side frames with their wheels and tumbler, and the car body; nothing for a dragged track."""
     if not history.case.frame_parts:
         return []
     solids = [] if history.case.tracks == 1 else [car_body(history)]
@@ -65,14 +70,14 @@ def gear_solids(history: History) -> list[Solid]:
 
 
 def each_track(history: History) -> dict[str, History]:
-    """Every track by itself, by what stands before the names of its bodies: its side where there are two."""
+    """Return every track alone, by the prefix of its bodies' names: its side if there are two tracks."""
     if history.case.tracks == 1:
         return {"": history}
     return {f"{side} ": history.of_track(side) for side in SIDES}
 
 
 def car_body(history: History) -> Solid:
-    """Block that stands for the car body, from one side frame to the other."""
+    """Return a block for the car body, from one side frame to the other."""
     (low, high) = BEAM
     (right, left) = history.case.gear.middles
     half = 0.2 * (left - right)
@@ -81,13 +86,13 @@ def car_body(history: History) -> Solid:
 
 
 def beam_ends(case: Case) -> tuple[float, float]:
-    """Lowest and highest z of the drawn beam in the side frame, m: it ends below what is above the frame."""
+    """Return lowest and highest z (m) of the drawn beam in the side frame, below all parts above it."""
     _, _, lowest = case.running_gear().extent(case.shoe, case.track)
     return BEAM[0], min(BEAM[1], lowest)
 
 
 def beam(history: History) -> Solid:
-    """Beam between the rails that stands for the side frame; of a closed one it carries all axes."""
+    """Return a beam between the rails for the side frame; in a closed track it carries all axes."""
     frame, rails = frame_on_rails(history.case)
     half = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP
     low, high = beam_ends(history.case)
@@ -97,7 +102,7 @@ def beam(history: History) -> Solid:
 
 
 class _Swinging(NamedTuple):
-    """Bogie or arm: what swings about a pivot of the frame and carries rollers."""
+    """Bogie or arm: body on a pivot of the side frame that carries rollers."""
 
     name: str
     pivot: tuple[float, float]  # x and z in the frame, m
@@ -106,9 +111,9 @@ class _Swinging(NamedTuple):
 
 
 def swinging_solids(history: History) -> list[Solid]:
-    """Bodies of bogies and arms, each round its pivot and the axes of its rollers."""
+    """Return the bodies of bogies and arms, each around its pivot and the axes of its rollers."""
     frame, rails = frame_on_rails(history.case)
-    # arms on both sides of the rollers, which are seen below them
+    # wider than the rollers, which remain visible below
     width = float(np.ptp(rails.middles)) + frame.tread_width + 2.0 * GAP
     eye = EYE * frame.first_wheels(history.case.shoe, history.case.track)[0, 2]
     solids = []
@@ -123,7 +128,7 @@ def swinging_solids(history: History) -> list[Solid]:
 
 
 def _swinging(history: History) -> list[_Swinging]:
-    """Bogies and arms of one track."""
+    """Return the bogies and arms of one track."""
     frame, _ = frame_on_rails(history.case)
     _, turn = frame_poses(history)
     carriers: list[tuple[tuple[float, float], tuple[int, ...]]]
@@ -139,7 +144,7 @@ def _swinging(history: History) -> list[_Swinging]:
 
 
 def _swung(history: History) -> np.ndarray:
-    """Ways by which bogies and arms have moved rollers' axes: array (times, rollers, 3), m, global."""
+    """Return displacements of the rollers' axes by bogies and arms: array (times, rollers, 3), m, global."""
     frame, _ = frame_on_rails(history.case)
     _, turn = frame_poses(history)
     ways = np.zeros((len(turn), len(frame.rollers), 3))
@@ -150,7 +155,7 @@ def _swung(history: History) -> np.ndarray:
 
 
 def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
-    """Names of the wheels of each kind, and x, z and radius of theirs in the frame (n, 3), m."""
+    """Return names of the wheels of each kind, and their x, z and radius in the side frame (n, 3), m."""
     frame, _ = frame_on_rails(case)
     table = frame.first_wheels(case.shoe, case.track)
     wheels = {}
@@ -162,7 +167,7 @@ def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
 
 
 def slide_solids(history: History) -> list[Solid]:
-    """Slides under the upper run of a closed track, on both rails."""
+    """Return the slides under the upper run of a closed track, on both rails."""
     frame, rails = frame_on_rails(history.case)
     half = 0.5 * frame.tread_width
     placed = carried(*frame_poses(history), np.outer(rails.middles, [0.0, 1.0, 0.0]))
@@ -174,11 +179,11 @@ def slide_solids(history: History) -> list[Solid]:
 
 
 def wheel_solids(history: History) -> list[Solid]:
-    """Treads of every kind of wheel, and a line across each, which turns as the chain runs over it."""
+    """Return the treads of every kind of wheel, each with a line that turns as the chain runs over it."""
     case = history.case
     frame, rails = frame_on_rails(case)
     origin, turn = frame_poses(history)
-    # how far wheels have turned counts from upright, whatever the pitch of the frame
+    # rotations of wheels count from the vertical, at any pitch of the frame
     axle = turn[..., 1]
     forward = np.cross(axle, [0.0, 0.0, 1.0])
     forward /= np.linalg.norm(forward, axis=-1, keepdims=True)
@@ -193,7 +198,7 @@ def wheel_solids(history: History) -> list[Solid]:
         places = np.array([(x, y, z) for x, z, _ in wheels for y in rails.middles])
         radius = wheels[0, 2]
         hub = origin
-        if name == "idler":  # a spring moves it from where it was assembled
+        if name == "idler":  # a spring moves it from its assembled position
             hub = origin + (history.take_up.values - case.assembled.take_up)[:, None, None] * turn[..., 0]
         placed = carried(hub, turn, places, level @ rotation_matrices(way[..., None] / radius * np.eye(3)[1]))
         if name == TURNING["roller"]:
@@ -209,14 +214,14 @@ def wheel_solids(history: History) -> list[Solid]:
 
 
 def tooth_outline(case: Case) -> np.ndarray:
-    """Outline of the tumbler's teeth, arcs and flanks of the gaps: (n, 2), x and z in m, clockwise."""
+    """Return the outline of the tumbler's teeth, arcs and flanks: (n, 2), x and z in m, clockwise."""
     profile = case.closed_gear().tumbler.profile(case.track)
     end = profile.flank_angle
     gap = -2.0 * np.pi * np.arange(round(profile.gaps)) / profile.gaps
     inward = np.stack((-np.cos(gap), -np.sin(gap)), axis=-1)
     aside = np.stack((-np.sin(gap), np.cos(gap)), axis=-1)
     along = np.linspace(end, -end, ARC_POINTS)
-    # of the arcs, and between two flanks' ends
+    # of the arcs, and of the flanks' ends
     deep = profile.arc * np.cos(along)
     wide = profile.arc * np.sin(along)
     if profile.flank > 0.0:
@@ -228,7 +233,7 @@ def tooth_outline(case: Case) -> np.ndarray:
 
 
 def tumbler_solids(history: History) -> list[Solid]:
-    """Toothed wheels of a drive tumbler on its shaft, and the lugs of shoes that run into them, if any."""
+    """Return the toothed wheels of a drive tumbler, its shaft, and the lugs that mesh with them, if any."""
     if not history.case.gear.tumblers:
         return []
     case = history.case
@@ -254,10 +259,10 @@ def tumbler_solids(history: History) -> list[Solid]:
 
 
 def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndarray]]:
-    """Forces of a closed track's wheels and of its teeth on every shoe, of one instant or of several.
+    """Return the forces of wheels and teeth on every shoe of a closed track, at one instant or several.
 
-    Names, colours, places (..., shoes, 3), m, where the lines that they act on are nearest to the COM, not a
-    number where there is no force, and forces (..., shoes, 3), N.
+    For each kind: name, colour, points (..., shoes, 3), m, and forces (..., shoes, 3), N. A point is that of
+    the force's line of action nearest to the COM; it is NaN without a force.
     """
     names = (("wheels", "wheel_load", "wheel_moment"), ("teeth", "tooth_force", "tooth_moment"))
     forces = []
@@ -273,7 +278,7 @@ def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndar
 
 
 def near_gear(history: History, shoes: np.ndarray, beside: float) -> list[Solid]:
-    """Wheels and tumbler, as far as they are within some m of shoes with origins (times, shoes, 3)."""
+    """Return wheels and tumbler within `beside` (m) of shoes with origins (times, shoes, 3)."""
     if not history.case.frame_parts:
         return []
     near = []

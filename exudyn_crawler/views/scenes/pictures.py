@@ -1,9 +1,9 @@
-"""Scenes on axes of matplotlib, seen in parallel projection: the track from the side and from above.
+"""Scenes on axes of matplotlib in parallel projection: the track from the side and from above.
 
-Solids are painted back to front, which needs neither a display nor OpenGL, flat ones with their edges; opaque
-ones without edges are `shaded`. The ground's displacement under the track is millimetres, from where its
-own weight leaves it, and can be drawn larger from the side. All that is above is then lifted or lowered with
-the ground beneath it, so that shoes keep their true depth in the ground and rollers theirs in the rails.
+Solids are painted back to front, which needs neither a display nor OpenGL. Flat solids have edges; opaque
+solids without edges are `shaded`. The ground's displacement under the track is a few millimetres, counted
+from the level under its own weight; the side view can magnify it. All bodies above then move up or down with
+the ground beneath, so that shoes keep their true depth in the ground and rollers theirs in the rails.
 """
 
 from collections.abc import Iterable
@@ -24,20 +24,21 @@ from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, 
 from exudyn_crawler.views.scenes.shaded import shade, shaded_surface, turned_to_viewer
 
 Window = tuple[float, float, float, float]
-"""Least and greatest coordinate to the right, least and greatest upward, m."""
+"""Least and greatest coordinate to the right, then upward, m."""
 Drawn = list[mpl.artist.Artist]
 ARROW_WIDTH, FINEST = 0.018, 0.06
-"""Inches, width of an arrow's shaft; m, edges of shaded triangles that are painted whole."""
+"""Width of an arrow's shaft (inches); longest edge of shaded triangles that are not split (m)."""
 FROM_THE_RIGHT = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
 FROM_ABOVE = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
-MARGIN = (0.6, 0.4, 1.0)  # m that are shown beyond the track, beside it and below the ground
+MARGIN = (0.6, 0.4, 1.0)  # m shown beyond the track, beside it and below the ground
 ABOVE, DEPTH = 0.4, 0.4
-"""m shown above what rolls, which magnified ground may lift, and below the lowest face in a figure."""
+"""Height (m) shown above a side frame, which magnified ground may lift; depth (m) shown below the lowest
+face."""
 PIN, PIN_SIDES = 0.03, 12  # m, radius of a drawn link pin; sides of its prism
 
 
 def paint(ax: Axes, solids: list[Solid], view: View, window: Window | None = None) -> mpl.artist.Artist:
-    """Draw the faces of solids that are turned to the viewer, each in one colour, m; a window: the limits."""
+    """Draw the visible faces of solids, each in one colour, in axes in m; a window sets their limits."""
     if window is not None:
         ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
     drawn: mpl.collections.Collection
@@ -50,7 +51,7 @@ def paint(ax: Axes, solids: list[Solid], view: View, window: Window | None = Non
 
 
 def _polygons(solids: list[Solid], view: View) -> mpl.collections.PolyCollection:
-    """Faces of solids that are turned to the viewer, the nearest last."""
+    """Return the faces of solids that are turned to the viewer, the nearest last."""
     parts: list[_Faces] = []
     for solid in solids:
         points = np.column_stack((view.project(solid.points), solid.values))
@@ -59,7 +60,7 @@ def _polygons(solids: list[Solid], view: View) -> mpl.collections.PolyCollection
     order = np.argsort(np.concatenate([part.depths for part in parts]), kind="stable")
     fills = np.concatenate([part.fills for part in parts])[order]
     lines = np.concatenate([part.lines for part in parts])[order]
-    # matplotlib's types do not know that it takes an array
+    # the type hints of matplotlib omit arrays
     polygons: Any = _of_one_length([part.outlines for part in parts])[order]
     how: dict[str, Any] = {"facecolors": fills, "edgecolors": lines, "linewidths": 0.7, "zorder": 1}
     return mpl.collections.PolyCollection(polygons, **how)
@@ -70,25 +71,25 @@ class _Faces(NamedTuple):
 
     outlines: np.ndarray  # (m, k, 2), m to the right and upward
     fills: np.ndarray  # (m, 4), colours of the faces
-    lines: np.ndarray  # (m, 4), and of the lines around them
+    lines: np.ndarray  # (m, 4), colours of the lines around them
     depths: np.ndarray  # (m,), m toward the viewer
 
 
 def _seen_faces(solid: Solid, points: np.ndarray) -> _Faces:
-    """Faces of a solid with corners (m, k, 4): in the picture and toward the viewer, m, and their value."""
+    """Return the visible faces of a solid; `points` (m, k, 4) are corners in the view, m, and values."""
     corners = points[..., :3]
     normals, seen = turned_to_viewer(corners)
     fills = _fills(solid, points[seen, :, 3].mean(axis=1), normals[seen])
     if solid.edges not in ("", FLAT) and corners.shape[1] > 3:
         lines = np.tile(mpl.colors.to_rgba(solid.edges), (len(fills), 1))
     else:
-        # opaque faces are drawn to their edges, so that nothing shines through between them
+        # opaque faces have lines of their own colour, so that no gap shows between them
         lines = fills * [1.0, 1.0, 1.0, solid.opacity == 1.0]
     return _Faces(corners[seen, :, :2], fills, lines, corners[seen, :, 2].mean(axis=1))
 
 
 def _of_one_length(outlines: list[np.ndarray]) -> np.ndarray:
-    """Outlines (m, k, 2) of faces as one array, in which the last corner of those with fewer corners repeats.
+    """Return outlines (m, k, 2) of faces as one array; shorter ones repeat their last corner.
 
     matplotlib makes paths of an array in a tenth of the time that it takes for a list.
     """
@@ -98,7 +99,7 @@ def _of_one_length(outlines: list[np.ndarray]) -> np.ndarray:
 
 
 def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Colours (m, 4) of faces by their values (m,), shaded by their normals (m, 3) without edges."""
+    """Return colours (m, 4) of faces by their values (m,), shaded by their normals (m, 3) without edges."""
     colours = np.tile(mpl.colors.to_rgba(solid.colour), (len(values), 1))
     for colouring in solid.colourings:
         colours = style.colour_map(colouring.colours)(
@@ -111,7 +112,7 @@ def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
 
 def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View, time: int = 0) -> Drawn:
-    """Draw arrows of a time over all that is there, seen from every side; what is drawn is returned."""
+    """Draw the arrows of a time over all else, visible from every side; return the drawn artists."""
     how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "zorder": 4}
     drawn: Drawn = []
     for kind in kinds:
@@ -123,7 +124,7 @@ def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View, time: int = 0) ->
 
 
 def _fine(corners: np.ndarray) -> np.ndarray:
-    """Corners (m, 3, 4) of triangles, place and value; large ones are split in four until they are small."""
+    """Return triangles (m, 3, 4), corners and values, with large ones split in four until they are small."""
     done: list[np.ndarray] = []
     while len(corners):
         edges = np.linalg.norm((corners - np.roll(corners, -1, axis=1))[..., :3], axis=2)
@@ -139,13 +140,13 @@ def _fine(corners: np.ndarray) -> np.ndarray:
 
 
 def windows(history: History) -> tuple[Window, Window]:
-    """Windows of a run at all times, m: from above, least and greatest x and y; from the side, x and z."""
+    """Return windows of a run for all times, m: x and y from above, x and z from the side."""
     x, y, (bottom, top) = track.shown_box(history, MARGIN)
     return (*x, *y), (*x, bottom, top + (ABOVE if history.has("side_frame_position") else 0.0))
 
 
 def ground_section(history: History, at_rest: bool = False) -> Solid:
-    """Ground under the track's middle line, cut along that, as it is, or at rest with free springs."""
+    """Return the ground cut along the middle line of the track, as it is or at rest with free springs."""
     y = float(gear.poses(history.dataset)[0][0, :, 1].mean())
     terrain = history.case.terrain
     if isinstance(terrain, CellTerrain):
@@ -165,7 +166,7 @@ def ground_section(history: History, at_rest: bool = False) -> Solid:
 
 
 def side_scene(now: History, scale: float = 1.0, force_scale: float = 0.0) -> Scene:
-    """Solids seen from the right at an instant, the ground moved `scale` times as far; forces, m for 1 N."""
+    """Return an instant from the right, ground displacements times `scale`; 1 N is `force_scale` m long."""
     moved, still = (ground_section(now, at_rest).at() for at_rest in (False, True))
     tops = np.array([3, 2]) + 4 * np.arange(len(moved.points) // 4)[:, None]
     x = moved.points[tops, 0]
@@ -189,7 +190,7 @@ def side_scene(now: History, scale: float = 1.0, force_scale: float = 0.0) -> Sc
 
 
 def link_pins(history: History) -> Solid:
-    """Pins at both ends of every shoe."""
+    """Return the pins at both ends of every shoe."""
     case = history.case
     pins = np.array([case.track.rear_pin, case.track.front_pin]) * [1.0, 0.0, 1.0]
     shape = disc(PIN, case.shoe.width + 0.01, PIN_SIDES)
@@ -200,7 +201,7 @@ def link_pins(history: History) -> Solid:
 def draw_side(
     ax: Axes, now: History, scale: float = 1.0, force_scale: float = 0.0, opacity: float = 0.75
 ) -> Drawn:
-    """Draw, and return, what `side_scene` has in axes that keep their limits; `opacity` is that of shoes."""
+    """Draw `side_scene` in axes that keep their limits; return the artists. `opacity` is that of shoes."""
     scene = side_scene(now, scale, force_scale)
     shown = [
         replace(solid, opacity=opacity) if solid.name.endswith("shoes") else solid for solid in scene.solids
@@ -209,10 +210,10 @@ def draw_side(
 
 
 def draw_plan(ax: Axes, now: History, heave: tuple[float, float]) -> Drawn:
-    """Draw, and return, what `plan_solids` has, with the numbers of the shoes."""
+    """Draw `plan_solids` with the numbers of the shoes; return the artists."""
     drawn: Drawn = [paint(ax, plan_solids(now, heave), FROM_ABOVE)]
     places = gear.poses(now.dataset)[0][0]
-    # of a closed track the lower run is out of sight
+    # the lower run of a closed track is hidden
     lowest = places[:, 2].mean() if now.case.gear.loops else -np.inf
     for shoe, (x, y, z) in zip(now.shoe.values, places, strict=True):
         if z < lowest:
@@ -222,7 +223,7 @@ def draw_plan(ax: Axes, now: History, heave: tuple[float, float]) -> Drawn:
 
 
 def plan_solids(now: History, heave: tuple[float, float]) -> list[Solid]:
-    """Shoes and rollers from above in one instant, on ground in colours of a range: heave or height, mm."""
+    """Return shoes and rollers at an instant from above; `heave` (mm) limits the ground's colours."""
     shown = []
     for shape in (solid.at() for solid in track.track_scene(now, 0.0).solids):
         if shape.name == "ground":
@@ -235,12 +236,12 @@ def plan_solids(now: History, heave: tuple[float, float]) -> list[Solid]:
 
 
 def ground_figure(history: History, time: float) -> Figure:
-    """Side view of a run at a time (s), and below it what the ground carries under every shoe."""
+    """Draw the side view of a run at a time (s), and below it the contact force under every shoe."""
     case = history.case
     now = track.instants(history, [time])
     left, right, _, top = windows(now)[1]
     bottom = min(0.0, float(case.unit_terrain().top_heights.min())) - DEPTH
-    # as high as the side view becomes when it takes the whole width, so that both panels are one as wide
+    # height of the side view at full width, so that both panels have the same width
     high = 10.5 * (top - bottom) / (right - left)
     with mpl.rc_context(style.STYLE):
         figure = Figure(figsize=(11.0, high + 3.2))
@@ -267,10 +268,10 @@ def ground_figure(history: History, time: float) -> Figure:
 
 
 def map_figure(history: History, ground: xr.Dataset, time: float | None = None) -> Figure:
-    """Ground of cells from above, see `ground_map`, in mm, with the outlines of the shoes.
+    """Draw the ground of cells from above (mm), see `ground_map`, with the outlines of the shoes.
 
-    At the end its greatest sinkage; at another of the map's times (s) that of then or, where the run has not
-    kept it, how deep shoes had pressed it.
+    At the end of the run the map shows the greatest sinkage. At another time of the map (s) it shows the
+    greatest sinkage until then or, if the run has not kept it, the greatest depth below shoes so far.
     """
     case = history.case
     shown = history.duration if time is None else time
@@ -317,7 +318,7 @@ def map_figure(history: History, ground: xr.Dataset, time: float | None = None) 
 
 
 def pressure_figure(history: History) -> Figure:
-    """Ground pressure below every shoe from above: as the run starts, and where it is greatest."""
+    """Draw the ground pressure below every shoe from above: at the start, and at its greatest."""
     case = history.case
     pressure = history.ground_pressure.transpose("time", "shoe")
     greatest = int(pressure.max("shoe").argmax("time"))

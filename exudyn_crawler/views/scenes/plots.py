@@ -1,4 +1,4 @@
-"""Scenes as figures of Plotly, plain tables that a browser draws: from the right as outlines, and in 3D."""
+"""Scenes as figures of Plotly, plain tables for a browser: outlines from the right, and 3D views."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,20 +13,20 @@ from fem.body.mesh import triangle_normals
 
 DIGITS = 4  # of places in m: a tenth of a millimetre
 SHOES, GROUND = "shoes", "ground"
-"""Ends of the names of solids that others are seen through, and name of what 3D alone shows."""
+"""Suffix of the names of translucent solids, and name of the solid that only 3D views show."""
 SEEN_THROUGH = 0.75  # opacity of shoes
 EYE = {"x": 0.7, "y": -1.35, "z": 0.7}
-"""Where a viewer stands at first: behind and to the right of the machine, above it."""
+"""Initial position of the viewer: behind and to the right of the machine, above it."""
 CONFIG = {"displaylogo": False, "responsive": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
 BELOW, ABOVE = 0.35, 0.15
-"""M that the view from the right shows below and above the machine."""
-FAR_SIDE = "left "  # begin of the names of what the near side hides
+"""Distances (m) that the view from the right shows below and above the machine."""
+FAR_SIDE = "left "  # prefix of the names of bodies that the near side hides
 
 Figure = dict[str, Any]
 
 
 def side_figure(solids: Sequence[Solid]) -> Figure:
-    """Outlines of solids as they are seen from the right, the near track alone."""
+    """Return the outlines of solids seen from the right, with the near track alone."""
     near = [solid for solid in solids if not solid.name.startswith((FAR_SIDE, GROUND))]
     traces = [_outlines(solid) for solid in sorted(near, key=lambda solid: solid.name.endswith(SHOES))]
     section = next(solid for solid in solids if solid.name == SECTION)
@@ -46,7 +46,7 @@ def side_figure(solids: Sequence[Solid]) -> Figure:
 
 
 def space_figure(solids: Sequence[Solid]) -> Figure:
-    """Solids in 3D, to be turned with the pointer."""
+    """Return solids in 3D, to be turned with the pointer."""
     hidden = {"visible": False}
     scene = {"aspectmode": "data", "camera": {"eye": EYE}}
     scene |= {"xaxis": hidden, "yaxis": hidden, "zaxis": hidden}
@@ -59,7 +59,7 @@ def space_figure(solids: Sequence[Solid]) -> Figure:
 
 
 def curve_figure(title: str, values: xr.DataArray) -> Figure:
-    """Figure of a curve over time."""
+    """Return a curve over time as a figure."""
     trace = {"type": "scatter", "x": values.time.values.tolist(), "y": values.values.tolist()}
     layout = {
         "margin": {"l": 60, "r": 10, "t": 28, "b": 36},
@@ -71,7 +71,7 @@ def curve_figure(title: str, values: xr.DataArray) -> Figure:
 
 
 def mesh_trace(solid: Solid) -> Figure:
-    """All copies of a solid as triangles in 3D."""
+    """Return all copies of a solid as triangles in 3D."""
     placed = solid.at()
     x, y, z = _rounded(placed.points).T.tolist()
     i, j, k = placed.triangles.T.tolist()
@@ -81,7 +81,7 @@ def mesh_trace(solid: Solid) -> Figure:
 
 
 def _outlines(solid: Solid) -> Figure:
-    """Faces of a solid that are turned to the viewer, as one line with gaps between them."""
+    """Return the faces of a solid turned to the viewer as one line with gaps between them."""
     placed = solid.at()
     points = FROM_THE_RIGHT.project(placed.points)
     parts = []

@@ -1,4 +1,4 @@
-"""Recognized shoe as a figure of Plotly, every named surface in its colour."""
+"""Recognized shoe as a figure of Plotly, each named surface in its own colour."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ WAYS = {"x": "ahead", "y": "left", "z": "up"}
 
 
 def shoe_figure(mesh: Mesh) -> Figure:
-    """Shoe in 3D, every named surface in its colour."""
+    """Return a shoe in 3D, each named surface in its own colour."""
     names = face_names(mesh, COLORS)
     traces = []
     look: Figure = {"type": "mesh3d", "flatshading": True, "showlegend": True, "hoverinfo": "name"}

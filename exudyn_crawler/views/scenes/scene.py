@@ -1,7 +1,7 @@
-"""The one description of what is seen in space: solids with their places over time, colours, and arrows.
+"""Description of a scene in space: solids with their poses over time, colours, and arrows.
 
-Pictures, films, ParaView and the pages' views in 3D all draw it. The first dimension of what changes over
-time is `times`; its length is 1 where nothing changes.
+Pictures, films, ParaView and the 3D views of pages all draw it. The first dimension of values over time is
+`times`; its length is 1 for constant values.
 """
 
 from dataclasses import dataclass, field, replace
@@ -10,9 +10,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-FLAT = "none"  # edges of faces that are drawn without shade and without lines between them
+FLAT = "none"  # edges of faces without shade and without lines between them
 HIDDEN, SIDES = 0.002, 32
-"""m by which something before a point has to lie to hide it; sides of the prism that is drawn for a disc."""
+"""Depth (m) by which a face must lie before a point to hide it; sides of the prism of a disc."""
 BOX = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], dtype=float)
 BOX_FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
 """Corners of a hexahedron in VTK's order, from -1 to 1, and its faces in outward sense."""
@@ -20,7 +20,7 @@ BOX_FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2
 
 @dataclass(frozen=True)
 class View:
-    """Parallel projection: unit vectors (3,) rightward and upward in the picture, and its zero (3,), m."""
+    """Parallel projection: unit vectors (3,) rightward and upward in the picture, and its origin (3,), m."""
 
     right: np.ndarray
     up: np.ndarray
@@ -28,14 +28,14 @@ class View:
 
     @classmethod
     def seen_from(cls, azimuth: float, elevation: float) -> Self:
-        """View of somebody who stands at an azimuth about z from +x and an elevation, degrees."""
+        """Return the view of a viewer at an azimuth about z from +x and at an elevation, degrees."""
         around, above = np.radians([azimuth, elevation])
         right = np.array([-np.sin(around), np.cos(around), 0.0])
         toward = np.array([np.cos(above) * np.cos(around), np.cos(above) * np.sin(around), np.sin(above)])
         return cls(right, np.cross(toward, right))
 
     def on(self, body: "Placement") -> Self:
-        """Same view of a body in its axes: it has the same place in the picture wherever it is."""
+        """Return this view fixed to a body: the body keeps its place in the picture wherever it moves."""
         return replace(self, right=body.turn @ self.right, up=body.turn @ self.up, origin=body.origin)
 
     @property
@@ -44,7 +44,7 @@ class View:
         return np.cross(self.right, self.up)
 
     def project(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) as right, up and toward the viewer: array of their shape, m."""
+        """Return points (..., 3) as right, up and toward the viewer: array of the same shape, m."""
         return (points - self.origin) @ np.column_stack((self.right, self.up, self.toward))
 
 
@@ -55,18 +55,18 @@ class Placement(NamedTuple):
     turn: np.ndarray
 
     def place(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) of the body's axes in the global ones."""
+        """Return points (..., 3) in the body's axes as global ones."""
         return points @ self.turn.T + self.origin
 
 
 @dataclass(frozen=True)
 class Colouring:
-    """Values on a solid, (times, copies, points) or (times, copies), and the colours that they have.
+    """Values on a solid, (times, copies, points) or (times, copies), and their colours.
 
-    What has no value is not a number. `title` is that of the colour bar, with the unit, `name` the one in a
-    list of several colourings of a solid. `colours` are a colour map of matplotlib between `low` and `high`,
-    or a colour for each whole number from 0, and `words` what these mean. Values in `decades` are powers of
-    ten; at `high` and beyond they are called "beyond" it.
+    A missing value is NaN. `title` is that of the colour bar, with the unit; `name` tells several colourings
+    of a solid apart. `colours` are a colour map of matplotlib between `low` and `high`, or a colour for each
+    whole number from 0; `words` explain these colours. Values in `decades` are powers of ten; a page calls
+    values from `high` on "beyond" it.
     """
 
     title: str
@@ -81,10 +81,10 @@ class Colouring:
 
 @dataclass(frozen=True)
 class Solid:
-    """One shape that stands in one place or several; a place that is not a number is not there.
+    """Shape with one pose or several copies; a copy with a NaN origin is absent.
 
     `faces` are arrays (m, k) of the corners of convex faces in outward sense; curved faces are cut into
-    triangles. With eight points they are those of a box. With `edges`, or `FLAT` ones, there is no shade.
+    triangles. A solid with eight points is a box. With `edges`, or `FLAT` ones, there is no shade.
     """
 
     name: str
@@ -97,9 +97,9 @@ class Solid:
     edges: str = ""  # colour of the edges of faces with more than three corners
     labels: tuple[str, ...] = ()  # of each copy
     notes: tuple[str, ...] = ()  # beside the name at each time
-    lift: np.ndarray | None = None  # (times, copies), m upward, beyond the place
+    lift: np.ndarray | None = None  # (times, copies), m upward, added to the origin
     bend: np.ndarray | None = None  # (times, copies, n, 3): displacement in the body's axes, m ...
-    larger: float = 1.0  # ... drawn so much larger
+    larger: float = 1.0  # ... and its magnification
     colourings: tuple[Colouring, ...] = ()  # the first is drawn; a page offers all
     nodes: np.ndarray | None = None  # (n,): numbers of the points in a mesh
 
@@ -114,7 +114,7 @@ class Solid:
         return self.colourings[0].values.ravel() if self.colourings else np.zeros(len(self.points))
 
     def at(self, time: int = 0) -> "Solid":
-        """All copies in one, as they are at a time by its index, in global axes."""
+        """Return all copies at a time, by its index, as one solid in global axes."""
         origin = at_time(self.origin, time)
         turn = at_time(self.turn, time)
         if self.lift is not None:
@@ -136,7 +136,7 @@ class Solid:
         return replace(merged, opacity=self.opacity, edges=self.edges, colourings=tuple(shown))
 
     def shows(self, point: int, view: View) -> bool:
-        """True for a point that is seen, with nothing of the solid before it."""
+        """Return True for a point that is visible, without a face of the solid before it."""
         projected = view.project(self.points)
         triangles = self.triangles
         here = projected[point]
@@ -154,11 +154,11 @@ class Solid:
 
 @dataclass(frozen=True)
 class Arrows:
-    """Forces of one kind: `heads` (times, arrows, 3) where they act, m, and `forces` that act there, N.
+    """Forces of one kind: `heads` (times, arrows, 3), the points of application, m, and `forces` there, N.
 
-    An arrow that is not a number somewhere is not there. `scale` are the m that are drawn for 1 N; `solid` is
-    the name of the solid that they go along with where solids are drawn apart. `through` are m beyond the
-    heads, along a force, where pages draw it again: a solid hides the one or the other.
+    An arrow with a NaN head is absent. `scale` is the drawn length of 1 N (m). `solid` is the name of the
+    solid that the arrows belong to where solids are drawn apart. Pages draw each arrow again `through` m
+    beyond its head along the force, because a solid hides one of the two.
     """
 
     name: str
@@ -170,7 +170,7 @@ class Arrows:
     through: float = 0.0
 
     def at(self, time: int = 0) -> np.ndarray:
-        """Tail and head of each arrow that is there at a time by its index: array (arrows, 2, 3), m."""
+        """Return tail and head of each present arrow at a time, by its index: array (arrows, 2, 3), m."""
         heads = self.heads[time]
         forces = self.scale * self.forces[time]
         there = np.isfinite(heads).all(axis=1) & forces.any(axis=1)
@@ -178,7 +178,7 @@ class Arrows:
 
 
 class Scene(NamedTuple):
-    """Solids that are seen at some times, each with a title; pictures show the first."""
+    """Solids and arrows at some times, each with a title; pictures show the first time."""
 
     titles: tuple[str, ...]
     solids: tuple[Solid, ...]
@@ -186,26 +186,26 @@ class Scene(NamedTuple):
 
 
 def at_time(values: np.ndarray, time: int) -> np.ndarray:
-    """Row of values (times, ...) at a time by its index; what never changes has one."""
+    """Return the row of values (times, ...) at a time, by its index; constant values have one row."""
     return values[min(time, len(values) - 1)]
 
 
 def triangulated(faces: tuple[np.ndarray, ...]) -> np.ndarray:
-    """Triangles (m, 3) of convex faces, arrays (m, k) of their corners; the array itself if it has them."""
+    """Return convex faces, arrays (m, k) of corners, as triangles (m, 3); triangles stay as given."""
     if len(faces) == 1 and faces[0].shape[1] == 3:
         return faces[0]
     return np.concatenate([group[:, [0, k, k + 1]] for group in faces for k in range(1, group.shape[1] - 1)])
 
 
 def box(low: np.typing.ArrayLike, high: np.typing.ArrayLike) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Corners (8, 3) of a box between two places, m, and its faces."""
+    """Return corners (8, 3) of a box between two corners, m, and its faces."""
     middle = 0.5 * np.add(low, high)
     half = 0.5 * np.subtract(high, low)
     return middle + half * BOX, (BOX_FACES,)
 
 
 def disc(radius: float, width: float, sides: int = SIDES) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Points (2 sides, 3) of a disc about the y axis, m, and its faces: rim and both flat sides."""
+    """Return points (2 sides, 3) of a disc about the y axis, m, and its faces: rim and both flat sides."""
     around = 2.0 * np.pi * np.arange(sides) / sides
     rim = radius * np.column_stack((np.sin(around), np.zeros(sides), np.cos(around)))
     half = np.array([0.0, 0.5 * width, 0.0])
@@ -216,9 +216,10 @@ def disc(radius: float, width: float, sides: int = SIDES) -> tuple[np.ndarray, t
 
 
 def star(outline: np.ndarray, width: float) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Points (2 n + 2, 3) of a prism about the y axis, m, and its faces.
+    """Return points (2 n + 2, 3) of a prism about the y axis, m, and its faces.
 
-    Its outline (n, 2), x and z in m, goes clockwise seen from the right, and all of it is seen from the axis.
+    Its outline (n, 2), x and z in m, is clockwise seen from the right; every point of it is visible from the
+    axis.
     """
     n = len(outline)
     half = np.array([0.0, 0.5 * width, 0.0])
@@ -235,15 +236,15 @@ def star(outline: np.ndarray, width: float) -> tuple[np.ndarray, tuple[np.ndarra
 def carried(
     origin: np.ndarray, turn: np.ndarray, places: np.ndarray, spin: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Origins (times, bodies * n, 3), m, and turns of what bodies have at places (n, 3) in their axes, m.
+    """Return origins (times, bodies * n, 3), m, and axes of parts at points (n, 3), m, of bodies.
 
-    `origin` (times, bodies, 3) and `turn` (times, bodies, 3, 3) are those of the bodies; what they carry
-    turns with them, or as `spin` has it.
+    `origin` (times, bodies, 3) and `turn` (times, bodies, 3, 3) are those of the bodies. The parts have the
+    axes of their bodies, or `spin` if given.
     """
     points = origin[:, :, None] + np.einsum("tbij,nj->tbni", turn, places)
     return points.reshape(len(points), -1, 3), np.repeat(turn if spin is None else spin, len(places), axis=1)
 
 
 def upward(heights: np.ndarray) -> np.ndarray:
-    """Vectors (..., 3) of heights (...)."""
+    """Return upward vectors (..., 3) with heights (...)."""
     return heights[..., None] * np.array([0.0, 0.0, 1.0])

@@ -1,6 +1,6 @@
-"""Shaded surfaces of opaque solids by a depth buffer: of every pixel the nearest face, by four points in it.
+"""Shaded surfaces of opaque solids by a depth buffer: the nearest face at four points of every pixel.
 
-matplotlib paints faces one over the other, all of them, which takes several times as long.
+matplotlib would paint all faces over each other, which takes several times as long.
 """
 
 from typing import Any, NamedTuple
@@ -14,37 +14,37 @@ from fem.body.mesh import triangle_normals
 from fem.compiling import compiler
 
 LIGHT = np.array([0.30, 0.15, 0.94]) / np.linalg.norm([0.30, 0.15, 0.94])
-"""Where light comes from, in the picture's axes: right, up, toward the viewer."""
+"""Direction of the light in the picture's axes: right, up, toward the viewer."""
 SUPER = 2
-"""Points of a pixel along each of its sides."""
+"""Points along each side of a pixel."""
 LEVELS = 256
-"""Colours of a scale; behind them stands that of what has no value."""
+"""Number of colours of a scale; one more colour stands for missing values."""
 
 
 class _SeenTriangles(NamedTuple):
     """Triangles of solids that are turned to the viewer."""
 
-    points: np.ndarray  # (n, 4): in the picture and toward the viewer, m, and value as a number of a colour
+    points: np.ndarray  # (n, 4): right, up and toward the viewer, m, and number of the colour
     triangles: np.ndarray  # (m, 3)
-    shades: np.ndarray  # (m,), of full light
+    shades: np.ndarray  # (m,), fraction of the full light
     colours: np.ndarray  # (solids, LEVELS + 1, 3)
     solids: np.ndarray  # (m,), number of each triangle's solid
 
 
 def shade(normals: np.ndarray) -> np.ndarray:
-    """Light (m,) that faces of unit normals (m, 3) throw to the viewer, over that of their colour."""
+    """Return the brightness (m,) of faces with unit normals (m, 3), relative to their colour."""
     return 0.45 + 0.65 * np.clip(normals @ LIGHT, 0.0, 1.0)
 
 
 def turned_to_viewer(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit normals (m, 3) of faces with corners (m, 3 or more, 3) in the picture, and which are seen (m,)."""
+    """Return unit normals (m, 3) of faces with corners (m, 3 or more, 3) in a view, and True if seen."""
     normals = triangle_normals(corners)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     return normals, normals[:, 2] > 1e-9
 
 
 def _surface(solids: list[Solid], view: View) -> _SeenTriangles:
-    """Surface of solids at their only time as a view shows it."""
+    """Return the surface of solids at their only time in a view."""
     points = []
     triangles = []
     shades = []
@@ -76,7 +76,7 @@ def _surface(solids: list[Solid], view: View) -> _SeenTriangles:
 
 @compiler(nogil=True)
 def _find_nearest(points, triangles, depth, nearest, numbers):
-    """Nearest triangle, its depth and its value at the points of a picture (rows, columns)."""
+    """Find the nearest triangle, its depth and its value at the points of a picture (rows, columns)."""
     rows, columns = depth.shape
     for face in range(len(triangles)):
         a = points[triangles[face, 0]]
@@ -95,7 +95,7 @@ def _find_nearest(points, triangles, depth, nearest, numbers):
                 x = column + 0.5 - a[0]
                 u = (x * (c[1] - a[1]) - (c[0] - a[0]) * y) / double
                 v = ((b[0] - a[0]) * y - x * (b[1] - a[1])) / double
-                # a point on an edge belongs to both sides of it
+                # a point on an edge belongs to both of its triangles
                 if u < -1e-9 or v < -1e-9 or u + v > 1.0 + 1e-9:
                     continue
                 z = a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2])
@@ -107,7 +107,7 @@ def _find_nearest(points, triangles, depth, nearest, numbers):
 
 @compiler(nogil=True)
 def _average(nearest, numbers, shades, colours, solids, image):
-    """Mean colours of pixels (rows, columns, 4) of their points, as bytes; opaque as far as these are hit."""
+    """Average the colours of each pixel's points as bytes (rows, columns, 4), opaque as far as hit."""
     levels = colours.shape[1] - 1
     mean = np.zeros(3)
     for row in range(image.shape[0]):
@@ -134,20 +134,20 @@ def _average(nearest, numbers, shades, colours, solids, image):
 
 
 def shaded_surface(solids: list[Solid], view: View, **how: Any) -> mpl.collections.Collection:
-    """Surfaces of solids without edges at their only time, all opaque, in a view, m, for axes to draw."""
+    """Return opaque surfaces of solids without edges at their only time, m, as an artist for axes."""
     return _Shaded(solids, view, **how)
 
 
 class _Shaded(mpl.collections.Collection):
-    """Surfaces that are found when they are drawn; see `shaded_surface`."""
+    """Surfaces that are rasterized while drawing; see `shaded_surface`."""
 
     def __init__(self, solids: list[Solid], view: View, **how: Any) -> None:
         super().__init__(**how)
-        # the axes ask a collection for its paths, of which an image needs none
+        # axes ask a collection for its paths; an image needs none
         self._paths: list[mpl.path.Path] = []
         self._solids = solids
         self._view = view
-        self._drawn: tuple[tuple[Any, ...], np.ndarray] | None = None  # where, and as what
+        self._drawn: tuple[tuple[Any, ...], np.ndarray] | None = None  # place in the picture, and image
 
     @mpl.artist.allow_rasterization
     def draw(self, renderer: mpl.backend_bases.RendererBase) -> None:
@@ -157,7 +157,7 @@ class _Shaded(mpl.collections.Collection):
         corner = np.floor(box.min).astype(int)
         columns, rows = np.ceil(box.max).astype(int) - corner
         place = self.get_transform().get_affine().get_matrix().tobytes(), *corner, rows, columns
-        # the layout of a figure draws once before
+        # the layout engine draws once before the figure itself
         if self._drawn is None or self._drawn[0] != place:
             self._drawn = place, self._image(corner, rows, columns)
         context = renderer.new_gc()
@@ -167,8 +167,8 @@ class _Shaded(mpl.collections.Collection):
         self.stale = False
 
     def _image(self, corner: np.ndarray, rows: int, columns: int) -> np.ndarray:
-        """Image (rows, columns, 4) of bytes, the lowest row first, from a corner in pixels on."""
-        # 5 MB a shoe, which a figure would hold for all of them
+        """Return the image (rows, columns, 4) in bytes, the lowest row first, from a corner in pixels."""
+        # not kept: 5 MB a shoe
         surface = _surface(self._solids, self._view)
         points = surface.points
         points[:, :2] = SUPER * (self.get_transform().transform(points[:, :2]) - corner)

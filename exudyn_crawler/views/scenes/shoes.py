@@ -1,8 +1,7 @@
-"""Flexible shoes in space: bent, coloured by their stress, with what presses on them and the rollers near.
+"""Flexible shoes in space: bent, coloured by stress, with the forces on them and the rollers nearby.
 
-`stress` is the dataset that the stress study leaves, or part of one; `docs/report.md` lists what it holds.
-Every stress picture of a study has the same colours, the same arrow lengths and the same magnification of the
-elastic displacement.
+`stress` is the dataset of the stress study, or part of it; `docs/report.md` lists its variables. All stress
+pictures of a study have the same colours, arrow lengths and magnification of the elastic displacement.
 """
 
 from dataclasses import replace
@@ -20,37 +19,37 @@ from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scen
 from fem.stress.trust import VERDICTS
 
 LONGEST_OF_SHOE, LONGEST_OF_PAIR, BENT = 0.7, 0.4, 0.04
-"""m, lengths at which the greatest force on a shoe, the greatest of a single contact or tread, and, at most,
-the greatest elastic displacement are drawn."""
+"""Drawn lengths (m) of the greatest force on a shoe, of the greatest single contact or tread force, and, at
+most, of the greatest elastic displacement."""
 BESIDE, ROLLER_OPACITY = 0.75, 0.4
-"""m beyond the outer shoes to which rollers are drawn; and their opacity, since they would hide the rails."""
+"""Distance (m) from a shoe within which rollers are drawn; their opacity, since they would hide the rails."""
 STRESS = "von Mises stress"
 TRUST = "how far to trust the greatest stress"
 VERDICT_COLOURS = (
     *("#00682f", "#238443", "#41ab5d", "#78c679", "#a6d96a", "#c5e86c", "#e6f598", "#fff3a0"),
     *("#f79440", "#d73027", "#7b3294", "#d9d9d9"),
 )
-"""Of `fem.stress.trust.VERDICTS`, and of what is too low to be judged."""
+"""Colours of `fem.stress.trust.VERDICTS`, and of stress too low to be judged."""
 LOW = 0.1  # part of the highest stress below which a stress is not judged: its relative error is of no use
 SPREAD, HEADROOM = 3.62, 0.02
-"""m that a view of a shoe shows from left to right, and above it; below it is space for arrows."""
+"""Width (m) of a view of a shoe, and room (m) above the shoe; the room below is for arrows."""
 VIEWS = {
     "from behind and above": View.seen_from(azimuth=190.0, elevation=30.0),
     "from ahead and below": View.seen_from(azimuth=10.0, elevation=-30.0),
 }
 WIDTH, ROW, STRIP, HEAD, FOOT = 14.0, 1.6, 1.9, 1.05, 0.55
-"""Inches: width of a stress picture; heights of a shoe, of the track below all, and of what is written."""
+"""Inches: width of a stress picture; heights of a shoe, of the track below all shoes, and of the text."""
 PICTURES = "stress_[0-9]*s.png"  # pattern of the stress pictures' file names
 
 
 def shoe_force_scale(history: History) -> float:
-    """M that are drawn for 1 N of the contact force on a shoe; 0 if there is none in the whole run."""
+    """Return the drawn length (m) of 1 N of contact force on a shoe; 0 if the run has no contact."""
     greatest = track.greatest_shoe_force(history)
     return LONGEST_OF_SHOE / greatest if greatest > 0.0 else 0.0
 
 
 def stress_scene(stress: xr.Dataset, history: History) -> Scene:
-    """All flexible shoes at the chosen times of their stresses, with single forces and rollers near them."""
+    """Return all flexible shoes at the chosen times of the stresses, with single forces and near rollers."""
     used, corners = np.unique(stress.triangle.transpose("face", "corner").values, return_inverse=True)
     faces = (corners.reshape(-1, 3),)
     points = stress.node_position.transpose("node", "axis").values[used]
@@ -85,7 +84,7 @@ def stress_scene(stress: xr.Dataset, history: History) -> Scene:
 
 
 def _trust(stress: xr.Dataset, shoe: int, used: np.ndarray) -> Colouring:
-    """Verdicts on the greatest stress of each node of a shoe's surface."""
+    """Return verdicts on the greatest stress at each node of a shoe's surface."""
     highest = stress.peak_von_mises.isel(node=used)
     low = highest.sel(shoe=shoe).values < LOW * float(highest.max())
     numbers = stress.peak_verdict.sel(shoe=shoe).values[used]
@@ -93,28 +92,28 @@ def _trust(stress: xr.Dataset, shoe: int, used: np.ndarray) -> Colouring:
 
 
 def verdict_colouring(numbers: np.ndarray, low: np.ndarray, low_words: str, name: str) -> Colouring:
-    """Return colours of verdicts (n,), of `trust.VERDICTS`; those that are `low` (n,) are not judged."""
+    """Return colours of verdicts (n,), of `trust.VERDICTS`; nodes with `low` (n,) stress are not judged."""
     judged = np.where(numbers < 0, np.nan, np.where(low, len(VERDICTS), numbers))
     words = (*VERDICTS, low_words)
     return Colouring("verdict", judged[None, None], -0.5, len(VERDICTS) + 0.5, VERDICT_COLOURS, words, name)
 
 
 def frame_titles(stress: xr.Dataset) -> list[str]:
-    """Chosen times for reading: ``t = 0.226 s, peak``."""
+    """Return the chosen times for reading: ``t = 0.226 s, peak``."""
     named = zip(stress.frame.values, stress.frame_name.values, strict=True)
     return [", ".join(filter(None, (f"t = {time:.6g} s", name))) for time, name in named]
 
 
 def first_frame(stress: xr.Dataset) -> int:
-    """Index of the peak, or of the highest stress among the chosen times where that is not one of them."""
+    """Return the index of the peak or, if the chosen times lack it, of the highest stress among them."""
     peaks = [k for k, title in enumerate(frame_titles(stress)) if "peak" in title.split(", ")]
     return peaks[0] if peaks else int(stress.frame_von_mises.max(("shoe", "node")).values.argmax())
 
 
 def stress_picture(scene: Scene, now: History, time: int, force_scale: float) -> Figure:
-    """Flexible shoes of a stress scene at the time of an index: each from two sides, and all in place.
+    """Draw the flexible shoes of a stress scene at a time index: each from two sides, and all in place.
 
-    `now` is that instant, see `track.instants`; the sum on a shoe is drawn `force_scale` m long for 1 N.
+    `now` is that instant, see `track.instants`. 1 N of the resultant on a shoe is `force_scale` m long.
     """
     bent = [solid for solid in scene.solids if solid.colourings]
     tall = HEAD + ROW * len(bent) + STRIP + FOOT
@@ -156,7 +155,7 @@ def stress_picture(scene: Scene, now: History, time: int, force_scale: float) ->
 
 
 def _draw_shoe(ax: mpl.axes.Axes, shoe: Solid, forces: Arrows, seen_from: View, time: int) -> None:
-    """Draw a shoe in its own axes with the forces on it and its highest place, if that is seen."""
+    """Draw a shoe in its own axes with the forces on it, and a circle at its highest stress if visible."""
     solid = shoe.at(time)
     view = seen_from.on(Placement(shoe.origin[time, 0], shoe.turn[time, 0]))
     seen = view.project(solid.points)
@@ -173,25 +172,25 @@ def _draw_shoe(ax: mpl.axes.Axes, shoe: Solid, forces: Arrows, seen_from: View, 
 
 
 def picture_name(frame: float) -> str:
-    """File name of the stress picture at a time (s); names sort as times do."""
+    """Return the file name of the stress picture at a time (s); names sort by time."""
     return f"stress_{frame:08.4f}s.png"
 
 
 def picture_time(path: Path) -> float:
-    """Time (s) that a stress picture's file name says."""
+    """Return the time (s) in the file name of a stress picture."""
     return float(path.stem.removeprefix("stress_").removesuffix("s"))
 
 
 def write_stress_pictures(
     stress: xr.Dataset, history: History, folder: Path, overwrite: bool = False
 ) -> list[Path]:
-    """Write a picture of every chosen time into a folder; paths in order of time; raises as `save_figure`."""
+    """Write a picture of every chosen time into a folder; return paths by time; raises as `save_figure`."""
     scene = stress_scene(stress, history)
     force_scale = shoe_force_scale(history)
     written = []
     for time, frame in enumerate(stress.frame.values.tolist()):
         figure = stress_picture(scene, track.instants(history, [frame]), time, force_scale)
         written.append(style.save_figure(figure, folder / picture_name(frame), overwrite))
-        # it refers to itself in circles, with its surfaces and images
+        # reference cycles keep the surfaces and images of a figure alive
         figure.clear()
     return written

@@ -1,4 +1,4 @@
-"""A machine as it will start: where its case assembles it, without a system, its rest or a run."""
+"""Machine at its start: the assembled bodies of a case, without a system, equilibrium or run."""
 
 from dataclasses import replace
 
@@ -11,14 +11,14 @@ from exudyn_crawler.views.scenes import gear, pictures, track
 from exudyn_crawler.views.scenes.scene import Solid
 
 MARGIN = (2.0, 0.6)
-"""M of ground that is drawn beyond the track and beside it."""
+"""Ground (m) drawn beyond the track and beside it."""
 SECTION = "ground, cut"
 
 
 def start_solids(case: Case) -> list[Solid]:
-    """Ground and its section, shoes, wheels and frames of a machine where it starts, the right track's first.
+    """Return ground, its section, shoes, wheels and frames of a machine at its start, the right track first.
 
-    Shoes have not sunk in, and a chain hangs by the estimate that its assembly starts from.
+    Shoes have no sinkage, and a chain hangs as estimated for its assembly.
     """
     whole = with_ground(start_of(case))
     section = replace(pictures.ground_section(whole, at_rest=True), name=SECTION)
@@ -33,7 +33,7 @@ def start_solids(case: Case) -> list[Solid]:
 
 
 def start_of(case: Case) -> History:
-    """History of the start alone, with the motion of the bodies and none of the forces."""
+    """Return a history of the start alone, with the motion of the bodies but no forces."""
     shoes = case.shoe_reference
     values: dict[str, np.ndarray] = {"position": shoes[None, :, :3], "angles": shoes[None, :, 3:]}
     if case.frame_parts:
@@ -58,7 +58,7 @@ def start_of(case: Case) -> History:
 
 
 def with_ground(start: History) -> History:
-    """Same with heights of ground of cells about the track, without ruts."""
+    """Return a start with the heights of ground of cells around the track, without ruts."""
     terrain = start.case.terrain
     if not isinstance(terrain, CellTerrain):
         return start
@@ -70,7 +70,7 @@ def with_ground(start: History) -> History:
 
 
 def _surface(start: History) -> Solid:
-    """Surface of the ground about the track."""
+    """Return the surface of the ground around the track."""
     terrain = start.case.terrain
     if isinstance(terrain, CellTerrain):
         return track.cell_surface(start.dataset)

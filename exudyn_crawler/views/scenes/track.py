@@ -1,8 +1,8 @@
-"""A whole track in instants of a history: where its parts are, what presses on them, and their solids.
+"""Whole track at instants of a history: poses of its parts, forces on shoes, and solids.
 
-Shoes are boxes, units of the ground boxes or faces, cells a surface of heights, lowered where shoes have
-been; what carries and drives the track is in `gear`. `history` holds some instants, see `instants`,
-`dataset` is theirs, and `now` that of one without the dimension time.
+Shoes are boxes, units of the ground boxes or faces. Cells are a surface of heights, lowered below former
+positions of shoes. Side frame, wheels and tumbler are in `gear`. `history` holds some instants, see
+`instants`; `dataset` is that of `history`, and `now` that of one instant without the dimension time.
 """
 
 from dataclasses import replace
@@ -20,15 +20,15 @@ from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear
 from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Colouring, Placement, Scene, Solid, box, upward
 
-BESIDE = (0.6, 0.4)  # m beyond the track and beside it of which ground of cells is drawn
+BESIDE = (0.6, 0.4)  # m of cells drawn beyond the track and beside it
 SPACING, MOST_POINTS = 0.25, 4000
-"""m between the points of a surface of cells; of larger ones there are so many."""
+"""Least distance (m) between points of a surface of cells; greatest number of points."""
 
 
 def instants(history: History, times: np.typing.ArrayLike) -> History:
-    """History at its stored times nearest to some (s), each once.
+    """Return a history at its stored times nearest to given ones (s), each once.
 
-    With them are the ground's height and how deep it is pressed, m, where it is of cells.
+    On ground of cells it also has the ground's height and its depth below that height, m.
     """
     rows = np.unique(history.dataset.get_index("time").get_indexer(np.asarray(times), method="nearest"))
     now = history.dataset.isel(time=rows).load()
@@ -44,16 +44,16 @@ def instants(history: History, times: np.typing.ArrayLike) -> History:
 
 
 def shoe_pose(now: xr.Dataset, shoe: int) -> Placement:
-    """Place of one shoe."""
+    """Return the pose of one shoe."""
     chosen = now.sel(shoe=shoe)
     return Placement(chosen.position.values, rotation_matrices(chosen.angles.values))
 
 
 def single_forces(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """All that presses on shoes, by kind: the ground's contacts, treads, a closed track's wheels and teeth.
+    """Return all forces on shoes by kind: contacts with the ground, treads, wheels and teeth.
 
-    Of each kind places (times, n, 3), m, and forces there, N, global, zero where nothing presses, and the
-    numbers of the shoes (n,) or (times, n).
+    Each kind has points (times, n, 3), m, forces there, N, global, zero without contact, and the numbers of
+    the shoes (n,) or (times, n).
     """
 
     def values(name: str) -> np.ndarray:
@@ -76,7 +76,7 @@ def single_forces(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, np.ndarray
 
 
 def forces_on(dataset: xr.Dataset, shoe: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places (times, n, 3), m, and forces, N, of all that ever presses on a shoe; else not a number."""
+    """Return points (times, n, 3), m, and forces, N, that ever act on a shoe; NaN while they do not."""
     parts = []
     for places, forces, shoes in single_forces(dataset).values():
         acts = (shoes == shoe) & forces.any(axis=-1)
@@ -86,13 +86,13 @@ def forces_on(dataset: xr.Dataset, shoe: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def shoe_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Centres of pressure (times, shoes, 3), m, not a number without contact, and forces on the shoes, N."""
+    """Return centres of pressure (times, shoes, 3), m, NaN without contact, and forces on the shoes, N."""
     points, forces, shoes = single_forces(dataset)["contacts"]
     return _resultants(points, forces, forces[..., 2], dataset.shoe.values[:, None] == shoes)
 
 
 def roller_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Same of the rollers (times, rollers, 3): centres of what each presses on, and its force there."""
+    """Return centres (times, rollers, 3), m, of each roller's forces on shoes, and their resultants, N."""
     points, forces, _ = single_forces(dataset)["treads"]
     rollers = np.arange(dataset.sizes["roller"])
     mask = rollers[:, None] == np.repeat(rollers, points.shape[1] // len(rollers))
@@ -102,7 +102,10 @@ def roller_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 def _resultants(
     points: np.ndarray, forces: np.ndarray, weights: np.ndarray, members: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Weighted centres of points (times, n, 3), sums of forces (times, groups, 3); `members` (groups, n)."""
+    """Return weighted centres of points (times, n, 3), sums of forces (times, groups, 3).
+
+    `members` (groups, n) is True for the points of a group.
+    """
     moments = np.einsum("gn,tn,tna->tga", members, weights, points, optimize=True)
     total = np.einsum("gn,tn->tg", members, weights)[..., None]
     centers = np.divide(moments, total, out=np.full(moments.shape, np.nan), where=total > 0.0)
@@ -110,21 +113,21 @@ def _resultants(
 
 
 def greatest_shoe_force(history: History) -> float:
-    """Greatest force of the ground on a shoe over the run, in a closed track also of wheels or teeth, N."""
+    """Return the greatest force (N) of ground, wheels or teeth on a shoe over the run."""
     names = [name for name in ("contact_force", "wheel_load", "tooth_force") if history.has(name)]
     values = (force for part, _ in history.parts() for force in part.over_time(names).values())
     return max(float(np.sqrt((force**2).sum("axis")).max()) for force in values)
 
 
 def unloaded_level(case: Case) -> float:
-    """Heave of units that carry nothing but themselves, m; cells stay where they are."""
+    """Return the heave (m) of units under their own weight alone; 0 for cells."""
     if isinstance(case.terrain, CellTerrain):
         return 0.0
     return case.unit_terrain().unit_mass * case.gravity_vector()[2] / case.unit_terrain().heave_stiffness
 
 
 def track_scene(history: History, force_scale: float, units: np.ndarray | None = None) -> Scene:
-    """Shoes, ground (units of some indices, or all), gear, and forces, `force_scale` m long for 1 N."""
+    """Return shoes, ground (`units` by index, or all), gear and forces; 1 N is `force_scale` m long."""
     case = history.case
     dataset = history.dataset
     tall = case.shoe.load_point[2] - case.shoe.footprint[4]
@@ -141,7 +144,7 @@ def track_scene(history: History, force_scale: float, units: np.ndarray | None =
 
 
 def shoe_boxes(history: History) -> list[Solid]:
-    """Rigid shoes and flexible shoes, as far as there are any, as boxes."""
+    """Return rigid shoes and flexible shoes as boxes, each kind if there is any."""
     case = history.case
     numbers = history.shoe.values
     x0, x1, y0, y1, z0 = case.shoe.footprint
@@ -158,7 +161,7 @@ def shoe_boxes(history: History) -> list[Solid]:
 
 
 def ground_units(history: History) -> Solid:
-    """Units of the ground as boxes."""
+    """Return the units of the ground as boxes."""
     terrain = history.case.unit_terrain()
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, terrain.unit_height])
     lift = history.unit_heave.transpose("time", "unit").values
@@ -167,7 +170,7 @@ def ground_units(history: History) -> Solid:
 
 
 def ground_faces(history: History, units: np.ndarray | None = None) -> Solid:
-    """Top faces of units, coloured by their heave in mm, without what they tilt in a run; or of cells."""
+    """Return top faces of units, coloured by heave in mm, without their tilt in the run; or cells."""
     terrain = history.case.terrain
     if isinstance(terrain, CellTerrain):
         return cell_surface(history.dataset)
@@ -185,7 +188,7 @@ def ground_faces(history: History, units: np.ndarray | None = None) -> Solid:
 
 
 def unit_turns(terrain: Terrain, unit_tilt: xr.DataArray | None = None) -> np.ndarray:
-    """Turns of the units, (times, units, 3, 3), with some further tilts (rad) or with free springs."""
+    """Return the axes of the units, (times, units, 3, 3), with further tilts (rad) or with free springs."""
     tilt = terrain.tilts[None]
     if unit_tilt is not None:
         tilt = tilt + unit_tilt.transpose("time", "unit").values
@@ -194,7 +197,7 @@ def unit_turns(terrain: Terrain, unit_tilt: xr.DataArray | None = None) -> np.nd
 
 @lru_cache(maxsize=4)
 def cell_grid(terrain: CellTerrain, x: tuple[float, float], y: tuple[float, float]) -> tuple[np.ndarray, ...]:
-    """Evenly spaced x and y (m) of the field between bounds, and heights (x, y); unmeasured are least."""
+    """Return evenly spaced x and y (m) within bounds, and heights (x, y); unmeasured ones are the least."""
     ends = [(max(a, low), min(b, high)) for (a, b), (low, high) in zip((x, y), terrain.bounds, strict=True)]
     spacing = max(SPACING, float(np.sqrt(np.prod(np.diff(ends)) / MOST_POINTS)))
     places = [np.linspace(a, b, max(2, int(np.ceil((b - a) / spacing)) + 1)) for a, b in ends]
@@ -203,7 +206,7 @@ def cell_grid(terrain: CellTerrain, x: tuple[float, float], y: tuple[float, floa
 
 
 def cell_surface(dataset: xr.Dataset) -> Solid:
-    """Ground of cells, coloured by its height in mm."""
+    """Return the ground of cells as a surface, coloured by its height in mm."""
     x, y = dataset.ground_x.values, dataset.ground_y.values
     height = dataset.ground_height.transpose("ground_x", "ground_y").values
     depth = dataset.ground_depth.transpose("time", "ground_x", "ground_y").values
@@ -220,7 +223,7 @@ def cell_surface(dataset: xr.Dataset) -> Solid:
 
 
 def cell_section(dataset: xr.Dataset, y: float, deep: float, at_rest: bool = False) -> Solid:
-    """Ground of one instant, or before any shoe came, cut along a y (m), to `deep` m below its points."""
+    """Return the ground cut at one y (m), at an instant or before any shoe, down to `deep` (m)."""
     line = dataset.isel(time=0).sel(ground_y=y, method="nearest")
     x = line.ground_x.values
     top = line.ground_height.values - (0.0 if at_rest else line.ground_depth.values)
@@ -233,7 +236,7 @@ def cell_section(dataset: xr.Dataset, y: float, deep: float, at_rest: bool = Fal
 
 
 def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, float]]:
-    """Least and greatest x, y and z of what a run is shown in, with a margin: beyond, beside, below; m."""
+    """Return least and greatest x, y and z (m) of a run's view; margins (m) beyond, beside and below."""
     shoe = history.case.shoe
     terrain = history.case.terrain
     length, beside = around(history, margin)
@@ -243,7 +246,7 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
         near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
         tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
-    # of a closed track the upper run
+    # the upper run of a closed track
     top = max(top, float(history.position.sel(axis="z").max()) - shoe.footprint[4])
     if history.has("side_frame_position"):
         top = max(top, float(gear.frame_poses(history)[0][..., 2].max()) + gear.beam_ends(history.case)[1])
@@ -251,7 +254,7 @@ def shown_box(history: History, margin: tuple[float, ...]) -> list[tuple[float, 
 
 
 def around(history: History, margin: tuple[float, ...]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Least and greatest x and y of all shoes in a run, with m beyond both ends and beside them, m."""
+    """Return least and greatest x and y (m) of all shoes in a run, with margins (m) beyond and beside."""
     shoe = history.case.shoe
     (x, y) = (history.position.sel(axis=axis) for axis in "xy")
     low, high = shoe.footprint[:2]
