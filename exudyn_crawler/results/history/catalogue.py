@@ -1,8 +1,8 @@
-"""Catalogue of quantities: what results are called and measure, where they are and what they need.
+"""Catalogue of quantities: name, meaning, file and needs of every result, and functions that derive results.
 
-`quantities` holds them, a row each, stored and derived ones alike. A new quantity is a row there and what
-computes it: a variable of `states`, or a function in `DERIVED`. That takes the case, the dataset of a history
-or of a part of it, and one that begins as the history does; it gives values with the quantity's dimensions.
+`quantities` has a row for each stored or derived quantity. A new quantity needs a row there, and a variable
+of `states` or a function in `DERIVED`. Such a function takes the case, the dataset of a history or a part of
+it, and a dataset that begins as the history. It returns values with the quantity's dimensions.
 """
 
 from collections.abc import Callable, Iterable
@@ -15,18 +15,18 @@ from exudyn_crawler.files import blocks
 from exudyn_crawler.results.history.quantities import QUANTITIES, Quantity
 
 Variable = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
-"""Dimensions, values and attributes, as xarray takes a variable."""
+"""Variable as xarray takes it: dimensions, values and attributes."""
 
 CONTACT_KEYS = ("contact_shoe", "contact_unit", "contact_finger")
-"""Coordinates along the contacts: numbers of shoe and unit, and of a finger, 0 for a whole underside."""
+"""Coordinates of contacts: numbers of shoe, unit and finger; finger 0 is a whole underside."""
 LINKS = (
     "link of shoes i and i + 1",
     "link of shoes i and i + 1, the last one of the last shoe and the first",
     "link of shoes i and i + 1, the last one of each of two tracks of its last shoe and its first",
 )
-"""What the dimension of the links says of itself, by the number of closed tracks."""
+"""Long name of the dimension of links, by the number of closed tracks."""
 TRACK = "track"
-"""Dimension after time of what a machine on two tracks has twice, and a case of one track once."""
+"""Dimension after time of quantities that each of two tracks has; with one track it is absent."""
 GEAR = "the case has another gear.kind"
 NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
     "flexible": (lambda case: case.flexible is not None, "flexible shoes, the case has none"),
@@ -36,12 +36,12 @@ NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
     "closed": (lambda case: "closed" in case.gear.quantities, f"a closed track, {GEAR}"),
     "units": (lambda case: case.terrain.model == "units", "a terrain of units, the case has one of cells"),
     "cells": (lambda case: case.terrain.model == "cells", "a terrain of cells, the case has one of units"),
-    # by the run, of which a case says nothing
+    # the run decides, and a case knows nothing of it
     "chosen": (lambda _case: True, "outputs.ground_times, the run had none"),
 }
-"""What a quantity may need: whether a case has it, and why one does not do.
+"""Needs of quantities by word: a test of the case, and the reason to show when it fails.
 
-Other words are paths of values that a case must have, such as those of an optional part.
+Any other word is the path of a value that the case must have, such as that of an optional part.
 """
 READ_IN = {
     "N": ("kN", 1e-3),
@@ -52,19 +52,19 @@ READ_IN = {
     "rad/s": ("deg/s", float(np.degrees(1.0))),
     "rad/s2": ("deg/s²", float(np.degrees(1.0))),
 }
-"""Units in which quantities are read, and factors to them, by those of the catalogue; others stay."""
+"""Units for reading and the factors to them, by the unit of the catalogue; other units stay."""
 OF_GROUND = {"ground_pressure": ("kPa", 1e-3), "mean_ground_pressure": ("kPa", 1e-3)}
-"""Same of quantities, by their names."""
-LOADED = 0.1  # of the force on the most loaded shoe, from which on another one counts as loaded
+"""Units for reading and the factors to them, by the name of the quantity."""
+LOADED = 0.1  # least force on a loaded shoe, fraction of that on the most loaded one
 
 
 def lacking(quantity: Quantity, case: Case) -> str:
-    """Return what a quantity needs and a case does not have; empty if it needs nothing more."""
+    """Return the needs of a quantity that a case does not meet, as text; empty if it meets all."""
     return " and ".join(filter(None, (_lacking(need, case) for need in quantity.needs)))
 
 
 def _lacking(need: str, case: Case) -> str:
-    """Say what a word of a quantity's needs asks for and a case does not have; empty if it has it."""
+    """Return the text of one need that a case does not meet; empty if the case meets it."""
     if need in NEEDS:
         has, why = NEEDS[need]
         return "" if has(case) else why
@@ -75,9 +75,10 @@ def _lacking(need: str, case: Case) -> str:
 
 
 def select(**columns: str | bool | tuple[str, ...]) -> dict[str, Quantity]:
-    """Return quantities, in their order, whose columns are equal to, or contain, the values given.
+    """Return the quantities whose columns equal or contain the given values, in the order of the table.
 
-    ``select(per="pair", files="history")``; True and False ask whether a column has a value.
+    An example is ``select(per="pair", files="history")``. True selects columns with a value, False those
+    without.
     """
 
     def fits(value: object, wanted: str | bool | tuple[str, ...]) -> bool:
@@ -93,9 +94,9 @@ def select(**columns: str | bool | tuple[str, ...]) -> dict[str, Quantity]:
 
 
 def variable(name: str, values: np.ndarray, without: tuple[str, ...] = ()) -> Variable:
-    """Variable of a dataset with its quantity's dimensions, but for those it goes `without`.
+    """Return a variable with the dimensions of its quantity, except those in `without`.
 
-    Values with one more axis, their second, are of two tracks.
+    If values have one more axis, their second axis is that of two tracks.
     """
     quantity = QUANTITIES[name]
     dims = [dim for dim in quantity.dimensions if dim not in without]
@@ -105,14 +106,14 @@ def variable(name: str, values: np.ndarray, without: tuple[str, ...] = ()) -> Va
 
 
 def link_name(links: xr.DataArray, link: int) -> str:
-    """Name of one of the links of a coordinate, by the shoes that it joins."""
+    """Return the name of a link of a coordinate, by the two shoes that it joins."""
     loops = LINKS.index(links.attrs.get("long_name", LINKS[0]))
     count = int(links.max()) // loops if loops else link + 1
     return f"link {link}-{link + 1 if link % count else link + 1 - count}"
 
 
 def check_dimensions(dataset: xr.Dataset) -> None:
-    """Refuse a dataset of which a variable does not have its quantity's dimensions, by a ValueError."""
+    """Raise ValueError if a variable of a dataset does not have the dimensions of its quantity."""
     for name, array in dataset.data_vars.items():
         quantity = QUANTITIES.get(str(name))
         if quantity is not None and {*array.dims} - {TRACK} != {*quantity.dimensions}:
@@ -120,43 +121,43 @@ def check_dimensions(dataset: xr.Dataset) -> None:
 
 
 def rotation_matrices(angles: np.ndarray) -> np.ndarray:
-    """As of `ground.rotations`, for which who asks for names alone does not wait until it is compiled."""
+    """Return the rotation matrices of `ground.rotations`, imported late since its compilation takes time."""
     from exudyn_crawler.ground import rotations
 
     return rotations.rotation_matrices(angles)
 
 
 def axes(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
-    """Rotation matrices of the shoes: (time, shoe, axis, body_axis), for each body axis its direction."""
+    """Return the rotation matrices of the shoes, (time, shoe, axis, body_axis); columns are the body axes."""
     angles = dataset.angles.transpose("time", "shoe", "axis")
     names = {name: dataset[name].values for name in angles.dims} | {"body_axis": dataset.axis.values}
     return xr.DataArray(rotation_matrices(angles.values), names, list(names))
 
 
 def terrain_deformation(case: Case, dataset: xr.Dataset, begin: xr.Dataset) -> xr.DataArray:
-    """Sum of the springs' deformations since the start, upward, (time,), m; those by tilts cancel out."""
-    # of a history that does not fit into memory, the motion of all units does not either
+    """Return the sum of the springs' upward deformations since the start, (time,), m; tilts cancel out."""
+    # in blocks: the motion of all units may not fit into memory
     parts = [part.unit_heave.sum("unit") for part in blocks(dataset[["unit_heave"]])]
     springs = case.unit_terrain().springs_per_unit
     return springs * xr.concat(parts, "time") - springs * begin.unit_heave.isel(time=0).sum("unit")
 
 
 def rail_force(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
-    """Sum of the rollers' forces on both rails of every shoe: dimensions (time, shoe, axis), N, global."""
+    """Return the sum of the rollers' forces on both rails of every shoe, (time, shoe, axis), N, global."""
     summed = dataset.tread_force.sum(("rail", "strip"))
     force = summed.transpose("time", "roller", "neighbour", "axis").values
     # a tread presses on the shoe behind its roller's axis and on the one ahead of that
     shoe = dataset.roller_shoe.transpose("time", "roller").values[..., None] - 1 + np.arange(force.shape[2])
     total = np.zeros((len(force), dataset.sizes["shoe"], 3))
     row = np.arange(len(force))[:, None, None]
-    # ahead of the last shoe is none, and no force
+    # no shoe is ahead of the last one, and the force there is zero
     np.add.at(total, (row, np.minimum(shoe, total.shape[1] - 1)), force)
     dims = QUANTITIES["rail_force"].dimensions
     return xr.DataArray(total, {name: dataset[name] for name in dims}, dims)
 
 
 def link_tension(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
-    """Force of every link without its part along the rear shoe's pins: (time, joint), N."""
+    """Return the force of every link without its component along the rear shoe's pins, (time, joint), N."""
     force = dataset.joint_force.transpose("time", "joint", "axis").values
     angles = dataset.angles.transpose("time", "shoe", "axis").values[:, : force.shape[1]]
     across = rotation_matrices(angles)[..., 1]
@@ -166,7 +167,7 @@ def link_tension(_case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.Dat
 
 
 def ground_pressure(case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
-    """Normal force on every shoe over the area of its underside: (time, shoe), Pa."""
+    """Return the normal force on every shoe over the area of its underside, (time, shoe), Pa."""
     force = dataset.normal_force.transpose("contact", "time", "axis").values
     on_shoes = np.zeros((dataset.sizes["shoe"], *force.shape[1:]))
     row = {shoe: k for k, shoe in enumerate(dataset.shoe.values.tolist())}
@@ -177,17 +178,17 @@ def ground_pressure(case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.D
 
 
 def mean_ground_pressure(case: Case, dataset: xr.Dataset, begin: xr.Dataset) -> xr.DataArray:
-    """Mean ground pressure below the loaded shoes: (time,), Pa."""
+    """Return the mean ground pressure below the loaded shoes, (time,), Pa."""
     pressure = ground_pressure(case, dataset, begin)
     is_loaded = (pressure > 0.0) & (pressure >= LOADED * pressure.max("shoe"))
-    # of a track that is in the air no shoe is loaded
+    # no shoe of a track in the air is loaded
     return pressure.where(is_loaded, 0.0).sum("shoe") / np.maximum(is_loaded.sum("shoe"), 1)
 
 
 def pretension(case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataArray:
-    """Half of the push of every chain on its idler, backwards along the side frame: (time,), N.
+    """Return half of each chain's push on its idler, backward along the side frame, N.
 
-    Of two tracks (time, track).
+    The array is (time,) for one track, (time, track) for two.
     """
     ahead = rotation_matrices(dataset.side_frame_angles.transpose("time", "axis").values)[..., 0]
     idlers = [label.words for label in case.gear.wheel_labels if label.kind == "idler"]
@@ -212,28 +213,28 @@ DERIVED: dict[str, Callable[[Case, xr.Dataset, xr.Dataset], xr.DataArray]] = {
     "mean_ground_pressure": mean_ground_pressure,
     "pretension": pretension,
 }
-"""What computes each derived quantity of the catalogue."""
+"""Function that computes each derived quantity of the catalogue."""
 
 
 def with_meaning(name: str, values: xr.DataArray) -> xr.DataArray:
-    """Values with the name, unit and meaning of their quantity."""
+    """Return values with the name, unit and meaning of their quantity."""
     return values.rename(name).assign_attrs(QUANTITIES[name].attributes)
 
 
 def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
-    """Quantities of contacts by shoe as the catalogue says, and as in `History.contacts_by_shoe`."""
+    """Return quantities of contacts by shoe, by the catalogue's rule; see `History.contacts_by_shoe`."""
     wanted = list(names)
     derived = [name for name in wanted if QUANTITIES[name].derived_from]
     stored = dict.fromkeys([source for name in wanted for source in QUANTITIES[name].derived_from or (name,)])
     shoes = dataset.shoe.values
     contacts = [_slice_of(np.flatnonzero(dataset.contact_shoe.values == shoe)) for shoe in shoes]
     depth = dataset.penetration.transpose("time", "contact").values
-    # shoes that never touch the ground, as those above in a closed track, have nothing to choose of
+    # shoes that never touch the ground, such as those of an upper run, have no contact to choose
     deepest = [depth[:, chosen].argmax(axis=1) if depth[:, chosen].size else None for chosen in contacts]
 
     columns = {}
     for name in stored:
-        # of a history that stays in its file a variable is read once, not once a shoe
+        # a history that stays in its file reads a variable once, not once a shoe
         whole = dataset[name].compute().transpose("time", "contact", ...)
         coordinates = {key: of for key, of in whole.coords.items() if "contact" not in of.dims}
         parts = []
@@ -253,7 +254,7 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
 
 
 def _slice_of(numbers: np.ndarray) -> slice | np.ndarray:
-    """Slice of ascending numbers where they are successive: what it takes of an array is no copy."""
+    """Return ascending numbers, as a slice if they have no gaps: indexing by a slice makes no copy."""
     if len(numbers) and numbers[-1] - numbers[0] == len(numbers) - 1:
         return slice(int(numbers[0]), int(numbers[-1]) + 1)
     return numbers
@@ -263,12 +264,12 @@ BY_SHOE = tuple(select(by_shoe=True))  # quantities of contacts that can be take
 
 
 def reading_unit(name: str, unit: str) -> tuple[str, float]:
-    """Unit in which a quantity is read, and the factor to it."""
+    """Return the unit for reading a quantity, and the factor to it."""
     return OF_GROUND.get(name) or READ_IN.get(unit, (unit, 1.0))
 
 
 def for_reading(values: xr.DataArray) -> xr.DataArray:
-    """Values of a quantity in the unit for reading, which stands among their attributes."""
+    """Return the values of a quantity in the unit for reading, with this unit among their attributes."""
     unit = values.attrs.get("units", "")
     drawn, factor = reading_unit(str(values.name), unit)
     return values if drawn == unit else (factor * values).assign_attrs(values.attrs | {"units": drawn})

@@ -1,8 +1,8 @@
-"""Histories as files hold them, whole or in chunks along time, with their case.
+"""Files of histories, whole or in chunks along time, with their case.
 
-A file has the coordinates of a terrain and their shapes in place of the motion of hundreds of units, which
-its reader computes to the same bits. Contacts are in single precision, rounded to 6e-8 of their values, far
-below what the solver leaves out of balance. A run leaves a chunk a stage, joined in memory or in one file.
+A file has the coordinates of a terrain and their shapes instead of the motion of hundreds of units; the
+reader computes this motion to the same bits. Contacts are in single precision: rounding is 6e-8 of a value,
+far below the solver's residual. A run writes one chunk a stage; they are joined in memory or in one file.
 """
 
 import json
@@ -27,16 +27,16 @@ from fem.files.hdf5 import check_heaps
 from fem.interrupts import interrupts_wait
 
 CASE = "case"  # attribute of a file
-LAYOUT_VERSION = "layout_version"  # attribute of the version of the states that a history was made of
+LAYOUT_VERSION = "layout_version"  # attribute of a file: version of the layout of the history's states
 TERRAIN = "terrain_motion"
 TERRAIN_COORDINATES = tuple(select(per="terrain coordinate"))
-"""Coordinates of a history's dataset: what the units' motion is made of."""
+"""Coordinates of a history's dataset from which the units' motion is computed."""
 UNIT_MOTION = tuple(select(per="unit"))
 
 
 @contextmanager
 def reading_history(path: Path) -> Iterator[None]:
-    """Say of whatever goes wrong in the block that the file does not hold a history, by a ValueError.
+    """Turn any error of the block into a ValueError that the file does not hold a history.
 
     FileNotFoundError if there is no such file.
     """
@@ -56,7 +56,7 @@ def reading_history(path: Path) -> Iterator[None]:
 
 @interrupts_wait()
 def case_in_file(path: Path) -> Case:
-    """Case of a history's file; raises as `reading_history`, also for states laid out in another version."""
+    """Return the case of a history's file; raise as `reading_history`, also for another layout version."""
     with reading_history(path), h5py.File(path, "r") as file:
         version = np.asarray(file.attrs.get(LAYOUT_VERSION, 0)).item()
         if version != VERSION:
@@ -70,24 +70,24 @@ def case_in_file(path: Path) -> Case:
 
 
 def unit_motion(shape: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    """Motion (times, units) by a shape (units, modes) and coordinates (times, modes).
+    """Return the motion (times, units) of a shape (units, modes) under coordinates (times, modes).
 
-    Each number is the same whatever else is asked for, which a product of matrices does not promise.
+    Each number has the same bits in any selection of times and units; a matrix product would not ensure that.
     """
     return np.einsum("uk,tk->tu", shape, coordinates)
 
 
 def packed(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset of a history as a file holds it."""
+    """Return the dataset of a history in the form of a file."""
     if TERRAIN in dataset.variables:
         dataset = dataset.drop_vars(UNIT_MOTION, errors="ignore")
     return dataset.assign({name: dataset[name].astype(QUANTITIES[name].dtype) for name in _single(dataset)})
 
 
 def unpacked(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset of a history from that of a file; what a file does not hold is computed when it is asked for.
+    """Return the dataset of a history from that of a file, with the units' motion computed on demand.
 
-    Units are hundreds, of which few are looked at.
+    There are hundreds of units, and a reader looks at few of them.
     """
     stored = {name: dataset.variables[name] for name in _single(dataset)}
     computed = {
@@ -99,9 +99,9 @@ def unpacked(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def with_motion_of_units(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset of a history with the motion of its units, computed when it is asked for.
+    """Return the dataset of a history with the motion of its units, computed on demand.
 
-    It is there already if the terrain has no independent coordinates.
+    The dataset already has this motion if the terrain has no independent coordinates.
     """
     if TERRAIN not in dataset.variables:
         return dataset
@@ -118,7 +118,7 @@ def with_motion_of_units(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _single(dataset: xr.Dataset) -> list[str]:
-    """Variables that files hold in single precision."""
+    """Return the names of the variables that files hold in single precision."""
     return [name for name in select(numbers="single") if name in dataset.data_vars]
 
 
@@ -139,7 +139,7 @@ def _lazy(name: str, shape: tuple[int, ...], part: Callable[[tuple], np.ndarray]
 
 
 class _Computed(xr.backends.BackendArray):
-    """Array whose parts are computed: `part` takes a number, a slice or numbers (n,) for each dimension."""
+    """Array computed by parts; `part` takes a number, a slice or numbers (n,) for each dimension."""
 
     def __init__(self, shape: tuple[int, ...], part: Callable[[tuple], np.ndarray]) -> None:
         self.shape, self.dtype, self._part = shape, np.dtype(float), part
@@ -151,20 +151,20 @@ class _Computed(xr.backends.BackendArray):
 
 @dataclass(frozen=True)
 class Chunk:
-    """Part of a history along time, read when it is needed."""
+    """Part of a history along time, read on demand."""
 
-    times: int  # number of its stored times
-    pairs: np.ndarray  # (contacts, 3), shoe, unit and finger of each of its contacts
+    times: int  # number of stored times
+    pairs: np.ndarray  # (contacts, 3), shoe, unit and finger of each contact
     read: Callable[[], xr.Dataset]
 
     @classmethod
     def of(cls, dataset: xr.Dataset, read: Callable[[], xr.Dataset] | None = None) -> Self:
-        """A dataset of a history, which memory holds unless `read` gives it again."""
+        """Return the chunk of a dataset; memory holds the dataset unless `read` returns it again."""
         return cls(dataset.sizes["time"], _pairs(dataset), read or (lambda: dataset))
 
     @classmethod
     def of_file(cls, path: Path, end: float) -> Self:
-        """Part of a saved history up to a time, s."""
+        """Return the chunk of a saved history up to the time `end`, s."""
 
         @interrupts_wait()
         def read() -> xr.Dataset:
@@ -176,7 +176,7 @@ class Chunk:
 
 
 def contact_coordinates(pairs: np.ndarray) -> dict[str, tuple[str, np.ndarray]]:
-    """Coordinates of contacts of which shoe, unit and finger are given (contacts, 3)."""
+    """Return the coordinates of contacts from their shoe, unit and finger (contacts, 3)."""
     return {name: ("contact", column) for name, column in zip(CONTACT_KEYS, pairs.T, strict=True)}
 
 
@@ -187,9 +187,9 @@ def _pairs(dataset: xr.Dataset) -> np.ndarray:
 def save_joined(
     case: Case, chunks: Sequence[Chunk], path: Path, overwrite: bool = False, end: xr.Dataset | None = None
 ) -> Path:
-    """Write the history of a case that the chunks make, a part of it at a time; raises as `whole_file`.
+    """Write the history of a case from its chunks, a part at a time; raise as `whole_file`.
 
-    `end` are cells of the ground as of the history's end, in place of those that chunks have.
+    `end` holds the cells of the ground at the history's end; they replace those of the chunks.
     """
     # ASCII, so that the text has a checksum
     text = json.dumps(case.model_dump(mode="json"))
@@ -206,7 +206,7 @@ def save_joined(
 
 
 def _with_contacts(dataset: xr.Dataset, pairs: np.ndarray) -> xr.Dataset:
-    """Dataset with a contact for each of the sorted pairs (contacts, 3), among them those that it has."""
+    """Return a dataset with a contact for each of the sorted pairs (contacts, 3), which include its own."""
     met = _pairs(dataset)
     if np.array_equal(met, pairs):
         return dataset

@@ -1,7 +1,7 @@
-"""Map of ground of cells: what its memory holds as a run ends and at chosen times, and how deep shoes were.
+"""Map of a ground of cells: its memory at the end of a run and at chosen times, and depths of undersides.
 
-The memory is the ground's own and exact. At times that were not chosen before the run the map is that of the
-shoes' motion: how deep their undersides have been, as stiff ones, at stored states.
+The memory is the ground's own and exact. At times not chosen before the run the map follows the shoes'
+motion: the depths that their undersides, taken as rigid, have reached at stored states.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,26 +16,26 @@ from exudyn_crawler.ground.compiled import kernel
 from exudyn_crawler.results.history import History, catalogue
 
 MOST_STATES = 4000
-"""Stored states whose undersides are looked at, evenly spread."""
+"""Greatest number of stored states whose undersides count, evenly spread."""
 THEN = 5
-"""Numbers of a cell then: the time (s), column, row, greatest sinkage (m), pressure there (Pa)."""
+"""Number of columns of a cell's record: time (s), column, row, greatest sinkage (m), pressure there (Pa)."""
 
 
 def memory_now(memory: Mapping[str, np.ndarray], time: float) -> np.ndarray:
-    """Cells that a ground's memory, see `CellGround.state`, holds at a time (s): array (cells, THEN)."""
+    """Return the cells in a ground's memory (`CellGround.state`) at a time (s): array (cells, THEN)."""
     count = len(memory["cells"])
     return np.column_stack((np.full(count, time), memory["cells"], memory["memory"][:, :2]))
 
 
 def end_memory(memory: Mapping[str, np.ndarray], then: np.ndarray) -> xr.Dataset:
-    """Cells that remember something, by column and row, as a history has them; nothing of other ground.
+    """Return the cells with memory by column and row, as variables of a history; empty for other ground.
 
-    Of a ground's memory, with what cells remembered at chosen times, `then` (cells of all times, THEN).
+    `memory` is that at the end; `then` (cells of all times, THEN) holds the records at chosen times.
     """
     if not memory:
         return xr.Dataset()
     times, when = np.unique(then[:, 0], return_inverse=True)
-    # cells are stored in the order in which their tiles were made, another one in a run that went on
+    # cells are stored in the order in which their tiles were made, which differs in a continued run
     every = np.concatenate((memory["cells"], then[:, 1:3].astype(int)))
     cells, which = np.unique(every, axis=0, return_inverse=True)
     which = which.ravel()
@@ -52,13 +52,14 @@ def end_memory(memory: Mapping[str, np.ndarray], then: np.ndarray) -> xr.Dataset
 
 
 def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
-    """Map of the ground as a run on cells ends, over the rectangle that its shoes have touched.
+    """Return the map of the ground at the end of a run on cells, over the rectangle that its shoes touched.
 
-    Dimensions x and y (m, global, middles of cells): height before any shoe came, greatest sinkage along the
-    normal of a cell, and the rut, what stays of that where nothing presses; m. With `times` (s) also `depth`
-    (time, x, y), m, vertical, see `pressed_depths` at the nearest stored times, and `sinkage_then` and
-    `rut_then` as of the end, NaN at times at which the run has not kept what cells remembered
-    (`ground_times`). ValueError if the case has no ground of cells.
+    Dimensions are x and y (m, global, middles of cells). Variables in m: `height` before any shoe came,
+    greatest `sinkage` along the normal of a cell, and `rut`, the sinkage that remains without load. With
+    `times` (s) there are three more variables (time, x, y) at the nearest stored times. `depth` is vertical,
+    see `pressed_depths`; `sinkage_then` and `rut_then` are the sinkage and rut at that time. These two are
+    NaN at times without stored memory of the cells (`ground_times`). ValueError if the case
+    has no ground of cells.
     """
     case = history.case
     terrain = case.cell_terrain()
@@ -115,12 +116,12 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
 
 
 def _metres(dims: str | tuple[str, ...], values: np.ndarray, meaning: str) -> tuple[Any, ...]:
-    """Variable in m."""
+    """Return a variable in m."""
     return dims, values, {"units": "m", "long_name": meaning}
 
 
 def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:
-    """Rest of greatest sinkages (m), under pressures (Pa), that stays where nothing presses: array, m."""
+    """Return the sinkages (m) that remain after unloading from greatest sinkages (m) at pressures (Pa)."""
     law: Any = case.cell_contact().law
     if law.kernel.forgets:
         return np.zeros_like(sinkage)
@@ -134,9 +135,9 @@ def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:
 def pressed_depths(
     history: History, rows: np.ndarray, x: np.ndarray, y: np.ndarray, height: np.ndarray
 ) -> np.ndarray:
-    """How deep undersides have been below the ground at some stored times: array (rows, nx, ny), m, vertical.
+    """Return the greatest vertical depth of undersides below ground until stored times: (rows, nx, ny), m.
 
-    The numbers of the times, `rows` (n,), increase; `x` (nx,) and `y` (ny,) are places, m, evenly spaced, and
+    The indices of the times, `rows` (n,), increase. `x` (nx,) and `y` (ny,) are evenly spaced coordinates, m;
     `height` (nx, ny) is that of the ground there, m.
     """
     step = -(-int(rows[-1] + 1) // MOST_STATES)
@@ -165,7 +166,7 @@ def _press_in(
     height: rotations.FloatArray,
     depth: rotations.FloatArray,
 ) -> None:
-    """Deepen what undersides have pressed in, at places of which the first two along x and y are given."""
+    """Update the greatest depth of undersides; `grid` has the first two coordinates along x and along y."""
     x0 = grid[0]
     dx = grid[1] - grid[0]
     y0 = grid[2]

@@ -1,4 +1,4 @@
-"""Results of a run: named arrays over time that know their units and where they come from, and its phases."""
+"""Results of a run: named arrays over time with units and meaning, the case, and phases of the run."""
 
 import difflib
 from collections.abc import Iterable, Iterator
@@ -15,26 +15,26 @@ from exudyn_crawler.case import SIDES, Case, LoadCycle, MachineCycle
 from exudyn_crawler.results.history import catalogue, files
 from fem.interrupts import interrupts_wait
 
-TIMES_IN_PART = 2**13  # of a long run, of which all quantities that are drawn are in memory: 0.2 GB
-MOST_IN_MEMORY = 25 * 10**7  # bytes of a history that are read at once: 70 s of 13 rigid shoes, every 2 ms
-MOST_PHASES = 30  # of a cycle that tables and pictures tell apart
+TIMES_IN_PART = 2**13  # stored times of a part of a long run; all its drawn quantities take 0.2 GB of memory
+MOST_IN_MEMORY = 25 * 10**7  # size of a history that is read at once, bytes: 70 s of 13 rigid shoes at 2 ms
+MOST_PHASES = 30  # greatest number of a cycle's phases that tables and pictures distinguish
 
 
 @dataclass(frozen=True)
 class History:
     """Results of a run.
 
-    Every variable of the dataset is an attribute too: ``history.position.sel(shoe=13, axis="x")``.
+    Every variable of the dataset is also an attribute: ``history.position.sel(shoe=13, axis="x")``.
     `exudyn_crawler.results.history.catalogue` lists the variables; each has unit and meaning as attributes.
 
     Attributes
     ----------
     case : Case
-        What was run.
+        Case of the run.
     dataset : xarray.Dataset
         Dimensions time (s), shoe, joint, unit, contact and axis (x, y, z of the global frame).
     begin : xarray.Dataset, optional
-        Of a later part of a run: the run's first instant, from which displacements count.
+        First instant of the run, the origin of displacements; given for a later part of a run.
     """
 
     case: Case
@@ -42,8 +42,8 @@ class History:
     begin: xr.Dataset | None = None
 
     def __getattr__(self, name: str) -> xr.DataArray:
-        """Variable or coordinate of the dataset, or a quantity that derives from them."""
-        # what copies a history or sends it to another process asks before there is a dataset
+        """Return a variable or coordinate of the dataset, or a quantity derived from them."""
+        # copying and pickling ask for attributes before there is a dataset
         variables = self.dataset.variables if "dataset" in vars(self) else {}
         if name in variables and not name.startswith("_"):
             return self.dataset[name]
@@ -52,12 +52,12 @@ class History:
         raise AttributeError(f"a history has no {name!r}; it has {sorted(map(str, variables))}")
 
     def __dir__(self) -> list[str]:
-        """Attributes, for completion: those of every object and the variables."""
+        """Return the names of attributes for completion: those of every object and the variables."""
         derived = [name for name in catalogue.DERIVED if self.has(name)]
         return [*super().__dir__(), *map(str, self.dataset.variables), *derived]
 
     def _repr_html_(self) -> str:
-        """Case in a line and the dataset, for notebooks."""
+        """Return the case in a line and the dataset, as HTML for notebooks."""
         shown = f"<p>History of the case {escape(repr(self.case.name))} over {self.duration:g} s</p>"
         return shown + self.dataset._repr_html_()
 
@@ -68,11 +68,11 @@ class History:
 
     @property
     def in_memory(self) -> bool:
-        """True unless variables are read from a file whenever they are asked for."""
+        """True unless variables are read from a file at each access."""
         return "source" not in self.dataset.encoding
 
     def has(self, name: str, stress: xr.Dataset | None = None) -> bool:
-        """True if `quantity` gives a quantity of the catalogue."""
+        """Return True if `quantity` can return a quantity of the catalogue."""
         quantity = catalogue.QUANTITIES[name]
         if catalogue.lacking(quantity, self.case):
             return False
@@ -80,9 +80,10 @@ class History:
         return derives or name in self.dataset or (stress is not None and name in stress)
 
     def quantity(self, name: str, stress: xr.Dataset | None = None) -> xr.DataArray:
-        """Quantity of the catalogue, stored or derived; `stress` of `StressResults` for what stresses have.
+        """Return a quantity of the catalogue, stored or derived; those of stress come from `stress`.
 
-        ValueError for a name that the catalogue does not have, or what the case or its stresses do not have.
+        `stress` is the dataset of `StressResults`. ValueError for a name that the catalogue does not have, or
+        a quantity that the case or its stresses do not have.
         """
         if name not in catalogue.QUANTITIES:
             near = difflib.get_close_matches(name, catalogue.QUANTITIES, n=1, cutoff=0.0)
@@ -99,14 +100,14 @@ class History:
         return self.dataset[name] if stress is None or name not in stress else stress[name]
 
     def over_time(self, names: Iterable[str], stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
-        """Quantities of the catalogue by name as `quantity` gives them; those of contacts by shoe."""
+        """Return quantities of the catalogue by name, see `quantity`; those of contacts are by shoe."""
         chosen = list(names)
         of_pairs = [name for name in chosen if name in catalogue.BY_SHOE]
         contacts = catalogue.by_shoe(self.case, self.dataset, of_pairs) if of_pairs else {}
         return {name: contacts[name] if name in contacts else self.quantity(name, stress) for name in chosen}
 
     def contacts_by_shoe(self) -> xr.Dataset:
-        """Contact of every shoe over all units that it stands on: dimensions time, shoe, axis.
+        """Return the contact of every shoe with all units below it: dimensions time, shoe, axis.
 
         normal_force, friction_force, contact_force (N), friction_torque (N m) and area (m2) are summed over
         the shoe's contacts. penetration (m), penetration_rate and slip_velocity (m/s) are those of the
@@ -115,10 +116,10 @@ class History:
         return catalogue.by_shoe(self.case, self.dataset, catalogue.BY_SHOE)
 
     def of_track(self, side: str) -> "History":
-        """One of two tracks of a machine, "right" or "left", as the history of a closed track.
+        """Return the history of one of two tracks of a machine, "right" or "left", as that of a closed track.
 
-        Its shoes, links and contacts alone, numbered from 1; its side frame is the machine's place in the
-        middle of the track.
+        It has this track's shoes, links and contacts alone, numbered from 1. The position of its side frame
+        is that of the machine's point in the middle of the track.
         """
         case = self.case.of_track(side)
         data = self.dataset.sel(track=side, drop=True)
@@ -144,20 +145,20 @@ class History:
         return History(case, data.assign(side_frame_position=place.copy(data=place.values + arm)))
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
-        """Write everything to one NetCDF file, see `results.history.files`: contacts in single precision.
+        """Write the history to one NetCDF file, contacts in single precision; see `results.history.files`.
 
         FileExistsError if the file exists and `overwrite` is false.
         """
         return files.save_joined(self.case, [files.Chunk.of(self.dataset)], Path(path), overwrite)
 
     def every(self, step: int) -> Self:
-        """Every so many-th of the stored times, from the first on, in memory; itself for 1."""
+        """Return the history of every `step`-th stored time from the first, in memory; itself for step 1."""
         if step == 1:
             return self
         return type(self)(self.case, self.dataset.isel(time=slice(None, None, step)).load().drop_encoding())
 
     def parts(self, stress: xr.Dataset | None = None) -> Iterator[tuple[Self, xr.Dataset | None]]:
-        """Consecutive parts with their `stress`: all quantities of one fit into memory together."""
+        """Yield consecutive parts with their `stress`; memory holds all quantities of one part together."""
         begin = self.dataset.isel(time=[0]) if self.begin is None else self.begin
         for start in range(0, self.time.size, TIMES_IN_PART):
             part = self.dataset.isel(time=slice(start, start + TIMES_IN_PART))
@@ -169,9 +170,9 @@ class History:
     def load(cls, path: str | Path) -> Self:
         """Read a file that `save` wrote.
 
-        Of one too large for memory (`MOST_IN_MEMORY`) a variable is read each time that it is asked for.
-        FileNotFoundError if there is no such file; ValueError if the file does not hold a history, or one of
-        states laid out in another version.
+        A file larger than `MOST_IN_MEMORY` stays on disk: a variable is read at each access.
+        FileNotFoundError if there is no such file; ValueError if the file does not hold a history, or has
+        another layout version.
         """
         path = Path(path)
         # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
@@ -187,7 +188,7 @@ class History:
 
 
 def _names_on(side: str, dataset: xr.Dataset) -> dict[str, list[str]]:
-    """Names of what stands on one of two tracks, such as wheels, without its side, by their dimension."""
+    """Return the names of one track's items, such as wheels, by dimension and without the track's side."""
     names = {}
     for dim in map(str, dataset.dims):
         texts = dataset[dim].values.astype(str).tolist() if dim in dataset.coords else []
@@ -197,12 +198,12 @@ def _names_on(side: str, dataset: xr.Dataset) -> dict[str, list[str]]:
 
 
 def as_history(run: History | str | Path) -> History:
-    """A history as it is, or that of a file; raises as `History.load`."""
+    """Return a history as it is, or read it from a file; raise as `History.load`."""
     return run if isinstance(run, History) else History.load(run)
 
 
 def _check(case: Case, dataset: xr.Dataset) -> None:
-    """Refuse a dataset whose variables are not those of a history of the case."""
+    """Raise ValueError if the variables of a dataset are not those of a history of the case."""
     catalogue.check_dimensions(dataset)
     stored = catalogue.select(files="history").items()
     always = {name for name, quantity in stored if {*quantity.needs} <= {case.terrain.model}}
@@ -226,17 +227,17 @@ class RunPhase(NamedTuple):
     end: float
 
     def rows(self, time: np.ndarray) -> np.ndarray:
-        """True for each time (s) in it: array of bool (times,); its begin belongs to the phase before."""
+        """Return True for each time (s) in the phase: (times,); its begin belongs to the phase before."""
         after = time >= 0.0 if self.begin == 0.0 else time > self.begin * (1.0 + 1e-9)
         return after & (time <= self.end * (1.0 + 1e-9))
 
 
 def phases(cycle: LoadCycle | MachineCycle, duration: float) -> list[RunPhase]:
-    """Phases that a run of some duration (s) reaches.
+    """Return the phases that a run of some `duration` (s) reaches.
 
-    The first begins with the run; the last of the cycle, whose loads stay, ends with it. A phase that ends
-    as the run begins is no part of it, unless it is the only one. A cycle with more than `MOST_PHASES`,
-    such as the rows of a measurement, is one phase.
+    The first phase begins with the run. The last phase of the cycle, whose loads stay, ends with the run. A
+    phase that ends as the run begins is left out unless it is the only one. A cycle of more than
+    `MOST_PHASES`, such as the rows of a measurement, is one phase.
     """
     if len(cycle.phases) > MOST_PHASES:
         return [RunPhase("loads", 0.0, duration)]
@@ -247,9 +248,9 @@ def phases(cycle: LoadCycle | MachineCycle, duration: float) -> list[RunPhase]:
 
 
 def common_phases(*histories: History) -> list[RunPhase]:
-    """Phases of the machine's load, or the shoes', that runs go through together, to the end of the longest.
+    """Return the phases that runs have in common, by the longest run; empty if those of two runs differ.
 
-    There are none where those of two differ.
+    They are phases of the machine's load if there is a machine, else of the shoes' loads.
     """
     duration = max(history.duration for history in histories)
     cycles = (history.case.machine or history.case.loads for history in histories)

@@ -1,4 +1,4 @@
-"""Answers on a machine on closed tracks, in words of undercarriages: tension, rollers, torque, pressure."""
+"""Answers on a machine on closed tracks: chain tension, roller loads, drive torque and ground pressure."""
 
 from collections.abc import Iterator
 
@@ -9,18 +9,18 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.history.summary import tension_along_chain
 
-SETTLED = 0.5  # of a run: from then on means and peaks count, which a start would hide
+SETTLED = 0.5  # begin of the evaluated part, fraction of a run; the start would distort means and peaks
 SAME = 0.01
-"""Difference of both sides of a machine, over the greater value, that is not worth a row."""
+"""Relative difference of both sides of a machine below which they share a row."""
 KILO = 1e3
 Row = tuple[str, float, str, str]
 
 
 def machine_answers(history: History) -> pd.DataFrame:
-    """Table of a run's second half, the static tension aside; a ValueError if no track is closed.
+    """Return a table of a run's second half; the static tension alone is of the start.
 
-    Columns result, value, unit and of. The slack run is the place of the chain with the least mean tension,
-    the taut run that with the greatest.
+    Columns are result, value, unit and of. The slack run is the point of the loop with the least mean
+    tension, the taut run the one with the greatest. ValueError if no track is closed.
     """
     history.case.closed_gear()
     late = History(history.case, history.dataset.isel(time=history.time >= SETTLED * history.duration))
@@ -34,7 +34,7 @@ def machine_answers(history: History) -> pd.DataFrame:
 
 
 def together(table: pd.DataFrame) -> pd.DataFrame:
-    """Return answers with one row where both sides of the machine have the same value, within `SAME`."""
+    """Return answers with one row for both sides of the machine if their values agree within `SAME`."""
     rows: list[Row] = []
     for (result, unit), group in table.groupby(["result", "unit"], sort=False):
         values = group["value"]
@@ -47,7 +47,7 @@ def together(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _tensions(whole: History, late: History, of: str) -> Iterator[Row]:
-    """Tension of a chain at rest and while it travels, and the greatest force of a link."""
+    """Yield the tension of a chain at rest and in travel, and the greatest force of a link."""
     static = whole.quantity("link_tension").isel(time=0)
     yield "static tension, mean", float(static.mean()) / KILO, "kN", of
     along = tension_along_chain(late)
@@ -58,7 +58,7 @@ def _tensions(whole: History, late: History, of: str) -> Iterator[Row]:
 
 
 def _rollers(late: History) -> Iterator[Row]:
-    """Loads of the lower rollers."""
+    """Yield the loads of the lower rollers: mean, greatest, and their ratio."""
     lower = [label.words for label in late.case.gear.wheel_labels if label.kind == "roller"]
     force = late.dataset.wheel_force.sel(wheel=lower).transpose("time", "wheel", "axis").values
     size = np.linalg.norm(force, axis=-1)
@@ -70,7 +70,7 @@ def _rollers(late: History) -> Iterator[Row]:
 
 
 def _drives(late: History) -> Iterator[Row]:
-    """Mean torque and power of every drive."""
+    """Yield the mean torque and power of every drive."""
     data = late.dataset
     torque = data.drive_moment.transpose("time", ...).values.reshape(late.time.size, -1)
     speed = data.tumbler_speed.transpose("time", ...).values.reshape(late.time.size, -1)
@@ -80,7 +80,7 @@ def _drives(late: History) -> Iterator[Row]:
 
 
 def _pressure(late: History) -> Iterator[Row]:
-    """Pressure below the shoes, and sinkage."""
+    """Yield the pressure below the shoes, and the greatest sinkage."""
     pressure = late.quantity("ground_pressure").transpose("time", "shoe").values
     mean = float(late.quantity("mean_ground_pressure").mean())
     yield "pressure below loaded shoes, mean", mean / KILO, "kPa", ""

@@ -1,4 +1,4 @@
-"""Quantities that results hold: the rows of `quantities.csv`, each value of the type of its column."""
+"""Quantities of results: the rows of `quantities.csv`, with values in the types of their columns."""
 
 import csv
 from collections.abc import Iterator
@@ -9,14 +9,14 @@ from typing import Any, Literal, get_type_hints
 import numpy as np
 
 TABLE = Path(__file__).with_name("quantities.csv")
-"""Columns as the fields of `Quantity`; several words in one have spaces between them."""
+"""Table with a column for each field of `Quantity`; spaces separate several words in a cell."""
 DTYPES = {"double": "f8", "single": "f4"}
-"""Types of real numbers in files."""
+"""NumPy types of real numbers in files."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of results.
+    """Quantity of results.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class Quantity:
         SI; empty for numbers without one.
     dimensions : tuple of str
     per : str
-        Item that has one of it: shoe, link, pin, pair (of a shoe and a unit that met), unit, node, run ...
+        Item with one value: shoe, link, pin, pair (of a shoe and a unit in contact), unit, node, run ...
     label : str
         Label of axes and curves, without the unit.
     meaning : str
@@ -36,25 +36,25 @@ class Quantity:
     files : tuple of str
         Files of a run's folder (history.nc, stress.nc ...) that hold it; empty for derived ones.
     derived_from : tuple of str
-        Quantities that `catalogue.DERIVED` computes it from; empty for stored ones.
+        Quantities from which `catalogue.DERIVED` computes it; empty for stored ones.
     by_shoe : str
-        Rule by which the pairs of a shoe become one: their sum, or the value of the deepest contact.
+        Rule that combines the pairs of a shoe: their sum, or the value of the deepest contact.
     needs : tuple of str
         Conditions on the case: words of `catalogue.NEEDS`, or paths of values.
     numbers : str
         Type in files.
     curves : str
-        Group of the curves over time that show it; empty for none.
+        Group of curves over time that show it; empty for none.
     curve_axes : tuple of str
-        Components that are drawn; all if empty.
+        Drawn components; all if empty.
     compared : bool
-        True if it stands in the table of `compare`.
+        True if it is in the table of `compare`.
     figure : int, optional
-        Its place among the figures of `compare`.
+        Position among the figures of `compare`.
     key_place : int, optional
-        Place of its greatest value among the first results of a run.
+        Position of its greatest value among the key results of a run.
     key_result : str
-        Name of its greatest value there.
+        Name of its greatest value among the key results.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Quantity:
 
     @property
     def dtype(self) -> np.dtype:
-        """Type of its numbers in files; in memory all real numbers of a history are double."""
+        """Type of the numbers in files; in memory all real numbers of a history are double."""
         return np.dtype(DTYPES[self.numbers])
 
 

@@ -1,4 +1,4 @@
-"""From the states of the multibody system to a history's named variables; nothing here solves anything."""
+"""Conversion of stored states of the multibody system to the named variables of a history."""
 
 from collections.abc import Callable, Iterable
 from importlib.metadata import version
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 AXES = ["x", "y", "z"]
 
-CONTACTS = catalogue.select(per="pair", files="history")  # variables of every contact
+CONTACTS = catalogue.select(per="pair", files="history")  # variables of each contact
 
 VERSIONS = {f"{name.replace('-', '_')}_version": version(name) for name in ("exudyn", "exudyn-crawler")}
 
 NEIGHBOURS = ("behind", "ahead")
-"""Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
+"""Shoes that may carry a roller at once: the last one whose COM its axis has passed, and the next."""
 
 COORDINATES = ("coordinates", "coordinates rate")
 
@@ -43,12 +43,12 @@ class _States(NamedTuple):
         return self.system.layout.part(self.rows, name)
 
     def parts(self, names: Iterable[str]) -> np.ndarray:
-        """Parts of one shape side by side: (times, names, ...)."""
+        """Return parts of the same shape side by side: (times, names, ...)."""
         return np.stack([self.part(name) for name in names], axis=1)
 
 
 def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
-    """History of states (times, layout.size) of a system."""
+    """Return the history of states (times, layout.size) of a system."""
     case = system.case
     states = _States(system, rows)
     time = states.part("time")
@@ -79,9 +79,10 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
 
 
 def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -> Arrays:
-    """Motion of the bodies of a part of the states, whose coordinates count from where they start.
+    """Return the motion of bodies whose coordinates in the states count from their start.
 
-    `start` (..., 3) are positions (m), or with the angles there (rad) (..., 6).
+    `bodies` names the part of the states. `start` has the positions (m) at the start, (..., 3), or the
+    positions and angles (rad), (..., 6).
     """
     u, v, a = (states.part(f"{bodies}{rate}") for rate in RATES)
     angles = u[..., 3:]
@@ -100,14 +101,15 @@ def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -
 
 
 def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Force and torque of every joint on its rear shoe: arrays (times, links, sides, 3), zero for no joint.
+    """Return force and torque of every joint on its rear shoe, and the mask of existing joints.
 
-    The last one says where there is a joint, (links, sides).
+    Force (N) and torque (N m) are arrays (times, links, sides, 3), zero without a joint; the mask is
+    (links, sides).
 
-    A joint's equations are ``p_front - p_rear = 0`` and, with the axes of the rear shoe marked 0 and of
-    the front one 1, ``y0 . x1 = 0`` and ``y0 . z1 = 0``: the multipliers of the first are the force on
-    the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``. In a closed track the first
-    three are along the axes of the chain's plane (`model.joints.pin`).
+    Axes of the rear shoe have the index 0, those of the front shoe the index 1. A joint's equations are
+    ``p_front - p_rear = 0``, ``y0 . x1 = 0`` and ``y0 . z1 = 0``. The multipliers of the first are the force
+    on the rear shoe. Those of the others are moments along ``x1 x y0`` and ``z1 x y0``. In a closed track the
+    first three are components along the axes of the chain's plane (`model.joints.pin`).
     """
     layout = states.system.layout
     case = states.system.case
@@ -119,7 +121,7 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     has = np.array([[layout.has(name) for name in row] for row in names])
     present = np.array(names)[has]
     first = np.array([layout.first_multiplier(name) for name in present])
-    # of all joints there are: (times, joints, equations of one), each of a link
+    # existing joints alone: (times, joints, equations of a joint), each of a link
     columns = first[:, None] + np.arange(dict(layout.multipliers)[present[0]])
     reaction = states.part("multipliers")[:, columns]
     link = np.nonzero(has)[0]
@@ -137,7 +139,7 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
 
 
 def _reactions(states: _States, motion: Arrays) -> Arrays:
-    """Forces and torques of links; of a track with flexible shoes those of each pin, too."""
+    """Return forces and torques of links, and those of each pin in a track with flexible shoes."""
     layout = states.system.layout
     force, torque, has = _pins(states, motion["angles"])
     named = {
@@ -145,7 +147,7 @@ def _reactions(states: _States, motion: Arrays) -> Arrays:
         "joint_torque": torque[:, :, 0] + torque[:, :, 1],
     }
     if layout.flexible_shoes:
-        # a rigid link has one joint, whose reaction is no pin's
+        # a rigid link has one joint, and its reaction is not that of one pin
         rigid = np.repeat(~has.all(axis=1), has.shape[1] * 3)
         for pins in force, torque:
             np.copyto(pins.reshape(len(pins), -1), np.nan, where=rigid)
@@ -159,7 +161,7 @@ def _reactions(states: _States, motion: Arrays) -> Arrays:
 
 
 def _terrain(states: _States) -> Arrays:
-    """Coordinates of the terrain and their shapes, or the motion of units that are bodies."""
+    """Return coordinates of the terrain and their shapes, or the motion of units that are bodies."""
     coordinates = states.system.contact.coordinates
     named = Arrays()
     if not len(states.system.case.terrain.units):
@@ -178,12 +180,12 @@ def _terrain(states: _States) -> Arrays:
 
 
 def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
-    """Contacts over time, a column for each volume of a pair that ever met; zero while there is none."""
+    """Return contacts over time, a column for each pair (or finger) that ever touched; zero when apart."""
     more = ("contact",) if states.system.layout.contact else ()
     rows, counts = states.system.contact.results(*map(states.part, (*COORDINATES, *more)))
     keys = rows[:, [RESULT[name] for name in ("shoe", "unit", "finger")]].astype(int)
     keys[:, :2] += 1  # shoes and units count from 1
-    # one number a pair, in the order of the columns, is sorted far sooner than rows
+    # sorting one number a pair, in the order of the columns, is far faster than sorting rows
     shape = tuple(keys.max(axis=0, initial=0) + 1)
     numbers, column = np.unique(np.ravel_multi_index(tuple(keys.T), shape), return_inverse=True)
     pairs = np.column_stack(np.unravel_index(numbers, shape))
@@ -204,7 +206,7 @@ def _contacts(states: _States) -> tuple[Arrays, np.ndarray]:
 
 
 def _dragged(states: _States, motion: Arrays) -> Arrays:
-    """Force, place and torque of the drive on the front shoe."""
+    """Return force, point and torque of the drive on the front shoe."""
     layout = states.system.layout
     point = states.system.point
     angles = motion["angles"]
@@ -218,14 +220,14 @@ def _dragged(states: _States, motion: Arrays) -> Arrays:
 
 
 def _side_frame(states: _States) -> tuple[Arrays, "GearForces"]:
-    """Motion of the side frame, and forces of its wheels."""
+    """Return the motion of the side frame, and the forces of its wheels."""
     gear_forces = states.system.gear_forces(states.part("time"), *map(states.part, COORDINATES))
     motion = _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_")
     return motion | _swinging(states, motion), gear_forces
 
 
 def _swinging(states: _States, of_frame: Arrays) -> Arrays:
-    """Angles of bogies and arms about the frame's y, if there are any."""
+    """Return the angles of bogies and arms about the frame's y; empty without any."""
     case = states.system.case
     gear = case.running_gear()
     frame = rotations.rotation_matrices(of_frame["side_frame_angles"])
@@ -240,7 +242,7 @@ def _swinging(states: _States, of_frame: Arrays) -> Arrays:
 
 
 def _rolled(states: _States, motion: Arrays) -> Arrays:
-    """Motion of a side frame over an open track, forces of its rollers and pull of its drive."""
+    """Return motion of a side frame over an open track, forces of its rollers and pull of its drive."""
     case = states.system.case
     frame = case.rolled_gear()
     of_frame, gear_forces = _side_frame(states)
@@ -251,7 +253,7 @@ def _rolled(states: _States, motion: Arrays) -> Arrays:
     rollers = np.arange(axes.shape[1])
     when = np.arange(len(axes))[:, None, None]
     shoes = behind[..., None] + np.arange(len(NEIGHBOURS))
-    # of either slot of a shoe, where it has the roller: (times, rollers, neighbours, strips, 3)
+    # mask of the slots of a shoe that hold the roller, to broadcast over (strips, 3)
     has = (gear_forces.strip_wheel[when, shoes] == rollers[:, None, None])[..., None, None]
     split = (*axes.shape, len(NEIGHBOURS), len(SIDES), frame.strips, 3)
     force, foot = (
@@ -268,7 +270,7 @@ def _rolled(states: _States, motion: Arrays) -> Arrays:
 
 
 def _closed(states: _States, motion: Arrays) -> Arrays:
-    """Motion of side frame and tumblers of closed tracks, drive, wheels and teeth."""
+    """Return motion of side frame and tumblers of closed tracks, and forces of drive, wheels and teeth."""
     case = states.system.case
     of_frame, gear_forces = _side_frame(states)
     names = case.gear.tumblers
@@ -319,7 +321,7 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
 
 
 def _take_up(states: _States) -> np.ndarray:
-    """Take-up of the idlers of closed tracks, which shims keep: array (times, tracks), m."""
+    """Return the take-up of the idlers of closed tracks, (times, tracks), m; constant unless idlers slide."""
     case = states.system.case
     take_up = np.full((len(states.rows), case.tracks), case.assembled.take_up)
     if not case.gear.sliding_idlers:
@@ -334,7 +336,7 @@ def _take_up(states: _States) -> np.ndarray:
 
 
 def _coordinates(system: "TrackSystem") -> dict[str, object]:
-    """Coordinates of the dimensions of flexible shoes, and of two tracks."""
+    """Return the coordinates of the dimensions of flexible shoes, and of two tracks."""
     named = dict[str, object]()
     if system.frequencies is not None:
         named["flexible_shoe"] = list(system.layout.flexible_shoes)
@@ -348,7 +350,7 @@ def _coordinates(system: "TrackSystem") -> dict[str, object]:
 
 
 def _tread_coordinates(system: "TrackSystem") -> dict[str, object]:
-    """Coordinates of the dimensions of treads."""
+    """Return the coordinates of the dimensions of treads."""
     strips = np.arange(1, system.case.running_gear().strips + 1)
     return {
         "rail": list(SIDES),
@@ -357,14 +359,14 @@ def _tread_coordinates(system: "TrackSystem") -> dict[str, object]:
 
 
 def _swinging_coordinates(system: "TrackSystem") -> dict[str, object]:
-    """Names of bogies and arms, if there are any."""
+    """Return the names of bogies and arms; empty without any."""
     gear = system.case.running_gear()
     named = {"bogie": gear.bogie_names, "arm": gear.arm_names}
     return {dimension: list(names) for dimension, names in named.items() if names}
 
 
 def _roller_coordinates(system: "TrackSystem") -> dict[str, object]:
-    """Coordinates of the dimensions of rollers and their treads."""
+    """Return the coordinates of the dimensions of rollers and their treads."""
     rollers = np.arange(1, len(system.case.running_gear().rollers) + 1)
     under = "shoe under a roller's axis, or the next"
     return (
@@ -378,15 +380,15 @@ def _roller_coordinates(system: "TrackSystem") -> dict[str, object]:
 
 
 def _wheel_coordinates(system: "TrackSystem") -> dict[str, object]:
-    """Coordinates of the dimensions of wheels, and of their treads, which flexible shoes alone have."""
+    """Return the coordinates of the dimensions of wheels; with flexible shoes also of their treads."""
     named = {"wheel": system.case.gear.wheel_names} | _swinging_coordinates(system)
     return named if system.frequencies is None else named | _tread_coordinates(system)
 
 
 class _OfGear(NamedTuple):
-    """Part of a history that its gear makes."""
+    """Part of a history that depends on the kind of gear."""
 
-    values: Callable[[_States, Arrays], Arrays]  # of the states and the motion of the shoes
+    values: Callable[[_States, Arrays], Arrays]  # takes the states and the motion of the shoes
     coordinates: Callable[["TrackSystem"], dict[str, object]]
 
 
@@ -397,4 +399,4 @@ OF_GEAR = {
     "closed": _CLOSED,
     "machine": _CLOSED,
 }
-"""Part of a history by the kind of its gear."""
+"""Gear's part of a history by the kind of gear."""

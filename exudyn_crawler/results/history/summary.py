@@ -1,4 +1,4 @@
-"""Tables that sum up a run: key results, extremes, loads, and differences from another run."""
+"""Tables of a run: key results, extremes, loads, and differences from another run."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from operator import attrgetter
@@ -13,35 +13,35 @@ from exudyn_crawler.files import blocks
 from exudyn_crawler.results.history import History, catalogue, phases, tension
 
 KEY_UNITS = catalogue.READ_IN | {"m": ("mm", 1e3)}
-"""Units in which key results are read, which are small in m."""
+"""Units of key results for reading, and factors to them; lengths are small and read in mm."""
 WHEELS = {"roller": "a roller", "idler": "the idler", "carrier": "a carrier", "slide": "a line of a slide"}
-"""Kinds of wheels of closed tracks, and what a result calls one of them."""
+"""Kinds of wheels of closed tracks, and their words in names of results."""
 HELD = "stress beside a rigid pin, not to be used"
-"""Result of nodes that rigid spiders hold, where it is higher than that which may be used."""
+"""Name of the highest stress of nodes in rigid spiders, shown if it exceeds the highest usable one."""
 AT_LIMIT = 0.95
-"""Of the greatest torque of a drive, at which it has it: the chain lags three times `torque_speed`."""
-MOST_CHANGE = 1000.0  # in %, beyond which a change of a greatest value says nothing
+"""Torque of a drive at its limit, fraction of the limit; the chain then lags by 3 times `torque_speed`."""
+MOST_CHANGE = 1000.0  # greatest shown change of a greatest value, %; a larger one has no meaning
 
 
 class Extreme(NamedTuple):
-    """Extreme value of a series, the first of several."""
+    """Extreme value of a series, the first of equal ones."""
 
     value: float
-    of: str  # what has it: shoe, link, roller
+    of: str  # item with this value: shoe, link, roller
     time: float  # s
 
 
 _value = attrgetter("value")
 ResultRow = tuple[str, float, str, str, float]
-"""Result, value, unit, of and at: a row of the key results."""
+"""Row of the key results: result, value, unit, of and at."""
 
 
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
-    """Greatest stress, forces, sinkage and speed of a run, how far it went and how far from rest it began.
+    """Return greatest stress, forces, sinkage and speed of a run, its distance and its residual at the start.
 
-    The stress is the highest that may be used; a higher one that a rigid pin holds is named behind it.
-    Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by their
-    length, forces by their magnitude.
+    The stress is the highest usable one; a higher one beside a rigid pin follows it. Columns are result,
+    value, unit, of (shoe, link or roller, if any) and at (s). Vectors count by their length, forces by their
+    magnitude.
     """
     ranked = sorted(
         catalogue.select(key_result=True).values(),
@@ -64,7 +64,7 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
         if name == "highest_von_mises" and stress is not None:
             rows += _held(stress, extreme.value, factor, unit)
     rows += [*driven.rows(), *_hanging(history)]
-    # of the front shoe, or of the side frame that rolls over the shoes
+    # motion of the front shoe, or of the side frame that rolls over the shoes
     framed = history.has("side_frame_displacement")
     moved = part.side_frame_displacement if framed else part.displacement.isel(shoe=-1)
     of = "side frame" if framed else f"shoe {int(history.shoe[-1])}"
@@ -75,9 +75,9 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
 
 
 def greatest_over_time(history: History, names: Iterable[str]) -> dict[str, xr.DataArray]:
-    """Greatest magnitude over the machine at every time of those quantities that a run has, by key result.
+    """Return the greatest magnitude over the machine at every time, by key result, of quantities the run has.
 
-    Each is (time,), in the unit in which key results are read (`units`).
+    Each array is (time,), in the unit of key results, which its attribute `units` names.
     """
     greatest = {}
     for name, values in history.over_time(name for name in names if history.has(name)).items():
@@ -91,7 +91,7 @@ def greatest_over_time(history: History, names: Iterable[str]) -> dict[str, xr.D
 
 
 def _held(stress: xr.Dataset, usable: float, factor: float, unit: str) -> Iterator[ResultRow]:
-    """Row of the highest stress that rigid spiders hold, if it is higher than the `usable` one, Pa."""
+    """Yield the row of the highest stress in rigid spiders if it exceeds the `usable` one, Pa."""
     peaks = stress.peak_von_mises.where(stress.in_spider)
     if not float(peaks.max()) > usable:
         return
@@ -102,7 +102,7 @@ def _held(stress: xr.Dataset, usable: float, factor: float, unit: str) -> Iterat
 
 
 def _apart(case: Case, name: str, values: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
-    """Key results of a quantity by their names: forces on rollers, idler and carriers apart."""
+    """Yield names and values of a quantity's key results; rollers, idler and carriers have separate ones."""
     result = catalogue.QUANTITIES[name].key_result
     if "wheel" not in values.dims:
         yield result, values
@@ -114,14 +114,14 @@ def _apart(case: Case, name: str, values: xr.DataArray) -> Iterator[tuple[str, x
 
 
 class _Driven:
-    """How long drives that have a limit of their torque are at it."""
+    """Time that drives with a torque limit spend at this limit."""
 
     def __init__(self) -> None:
         self._since: dict[str, float] = {}
         self._seconds: dict[str, float] = {}
 
     def add(self, part: History) -> None:
-        """Count a part of a run."""
+        """Add a part of a run."""
         if not part.case.gear.loops or (limit := part.case.closed_gear().torque_limit) is None:
             return
         time = part.time.values
@@ -133,7 +133,7 @@ class _Driven:
                 self._seconds[name] = self._seconds.get(name, 0.0) + float(np.trapezoid(at_limit, time))
 
     def rows(self) -> list[ResultRow]:
-        """Rows of the key results: none where no drive came to its limit."""
+        """Return rows of the key results; none if no drive reached its limit."""
         return [
             (_of_side("time at the torque limit of the drive", name), seconds, "s", name, self._since[name])
             for name, seconds in self._seconds.items()
@@ -141,7 +141,7 @@ class _Driven:
 
 
 def _hanging(history: History) -> list[ResultRow]:
-    """Rows of the tension of closed chains as the run starts, and of how far they sag."""
+    """Return rows of pretension and sag of closed chains at the start of the run."""
     if not history.case.gear.loops:
         return []
     start = history.dataset.isel(time=0)
@@ -157,13 +157,16 @@ def _hanging(history: History) -> list[ResultRow]:
 
 
 def _of_side(result: str, name: str) -> str:
-    """Result of one of two tracks by a name that begins with its side: no two rows have one name."""
+    """Return the name of a result with the side at the begin of `name`, so that names of rows differ."""
     side = name.partition(" ")[0].partition("_")[0]
     return f"{result}, {side}" if side in SIDES else result
 
 
 def unbalanced(history: History) -> tuple[str, float]:
-    """Shoe or side frame farthest from rest as a run starts, and its mass times its acceleration then, N."""
+    """Return the shoe or side frame with the greatest residual force at the start of a run, and the force, N.
+
+    The residual force is mass times acceleration.
+    """
     case = history.case
     start = history.dataset.isel(time=0)
     shoes = case.shoe.mass * _size(start.acceleration).values
@@ -175,14 +178,14 @@ def unbalanced(history: History) -> tuple[str, float]:
 
 
 def _size(values: xr.DataArray) -> xr.DataArray:
-    """Length of vectors, magnitude of forces, and all else as it is."""
+    """Return the length of vectors, the magnitude of forces, and other values as they are."""
     if "axis" in values.dims:
         return ((values**2).sum("axis")) ** 0.5
     return abs(values) if values.attrs.get("units") == "N" else values
 
 
 def _extreme(values: xr.DataArray, which: Literal["greatest", "largest"] = "greatest") -> Extreme:
-    """Greatest value of a series, or that of largest magnitude."""
+    """Return the greatest value of a series, or that of largest magnitude."""
     ranked = abs(values) if which == "largest" else values
     indices = {str(dim): int(index) for dim, index in ranked.argmax(...).items()}
     of = ", ".join(_item(values, dim, index) for dim, index in indices.items() if dim != "time")
@@ -190,7 +193,7 @@ def _extreme(values: xr.DataArray, which: Literal["greatest", "largest"] = "grea
 
 
 def _item(values: xr.DataArray, dim: str, index: int) -> str:
-    """Name of one of the things along a dimension; a contact is named after its shoe, and its unit if any."""
+    """Return the name of an item of a dimension; a contact's name has its shoe, and its unit if any."""
     if dim == "contact":
         unit = int(values.contact_unit[index])
         return f"shoe {int(values.contact_shoe[index])}" + (f" on unit {unit}" if unit else "")
@@ -201,7 +204,7 @@ def _item(values: xr.DataArray, dim: str, index: int) -> str:
 
 
 def extremes(history: History) -> pd.DataFrame:
-    """Least and greatest value of every variable with numbers, axis by axis, of what and when (s)."""
+    """Return the least and greatest value of every numeric variable by axis, with its item and time (s)."""
     series: dict[tuple[str, str, str], tuple[_Bound, _Bound]] = {}
     first = 0
     # a variable of a long run may be larger than memory
@@ -224,9 +227,9 @@ def extremes(history: History) -> pd.DataFrame:
 
 
 class _Bound:
-    """Least or greatest number of a series that comes in parts along time, the first of several.
+    """Least or greatest number of a series that comes in parts along time, the first of equal ones.
 
-    `choose` is `numpy.fmin` or `numpy.fmax`: what is not a number does not count.
+    `choose` is `numpy.fmin` or `numpy.fmax`, which ignore NaN.
     """
 
     def __init__(self, choose: np.ufunc) -> None:
@@ -235,7 +238,7 @@ class _Bound:
         self.place: tuple[int, ...] = ()  # row in time, then index along each other dimension
 
     def add(self, numbers: np.ndarray, first: int) -> None:
-        """Take the next part (times, ...), whose first row is `first` of the whole."""
+        """Add the next part (times, ...); `first` is the row of its first time in the whole series."""
         if not numbers.size:
             return
         value = float(self._choose.reduce(self._choose.reduce(numbers, axis=0), axis=None))
@@ -246,14 +249,14 @@ class _Bound:
         self.place = (first + int(row), *map(int, others))
 
     def of(self, values: xr.DataArray) -> Extreme:
-        """Extreme of the values that the parts were of."""
+        """Return the extreme, with item and time, from the whole `values`."""
         dims = [str(dim) for dim in values.dims if dim not in ("time", "axis")]
         items = (_item(values, dim, index) for dim, index in zip(dims, self.place[1:], strict=True))
         return Extreme(self._value, ", ".join(items), float(values.time[self.place[0]]))
 
 
 def _numbers_by_axis(values: xr.DataArray) -> list[tuple[str, np.ndarray]]:
-    """Components (times, ...) of a vector with the names of their axes; all else whole, with none."""
+    """Return components (times, ...) of a vector with the names of their axes; a scalar has an empty name."""
     if "axis" not in values.dims:
         return [("", values.transpose("time", ...).values)]
     numbers = values.transpose("time", ..., "axis").values
@@ -261,14 +264,14 @@ def _numbers_by_axis(values: xr.DataArray) -> list[tuple[str, np.ndarray]]:
 
 
 def _by_axis(values: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
-    """Components of a vector with the names of their axes; all else whole, with none."""
+    """Return the components of a vector with the names of their axes; a scalar has an empty name."""
     if "axis" not in values.dims:
         return [("", values)]
     return [(str(axis), values.sel(axis=axis)) for axis in values.axis.values]
 
 
 def load_table(history: History) -> pd.DataFrame:
-    """Loads on the shoes and their sum, N, at the run's begin and the end of every phase, a column each."""
+    """Return the loads on the shoes and their sum, N, at the begin and each end of a phase, a column each."""
     loads = history.case.loads
     columns: dict[str, object] = {"shoe": [*map(str, range(1, loads.shoe_count + 1)), "sum"]}
     instants = [("begin", 0.0)] + [(phase.name, phase.end) for phase in phases(loads, history.duration)]
@@ -279,11 +282,12 @@ def load_table(history: History) -> pd.DataFrame:
 
 
 def tension_along_chain(history: History) -> xr.Dataset:
-    """Tension of a closed chain by its links, and by the places on the loop that they come through.
+    """Return the tension of a closed chain by link, and by fixed point of the loop.
 
-    Place k is where the front pin of shoe k was at t = 0; a link is at the place that it is nearest to by how
-    far the tumbler has turned. Gives `least`, `mean` and `greatest` (N) with the dimension joint, the same of
-    places with names that end so: `least_at`; of places also x and z in the side frame (m) and `part`.
+    Point k of the loop is the position of the front pin of shoe k at t = 0. A link counts for the nearest
+    point by the rotation of the tumbler. `least`, `mean` and `greatest` (N) have the dimension joint;
+    `least_at`, `mean_at` and `greatest_at` are those of the points, with the dimension place. Points also
+    have x and z in the side frame (m), and `part`, the part of the loop.
     """
     case = history.case
     closed = case.closed_gear()
@@ -322,25 +326,25 @@ def tension_along_chain(history: History) -> xr.Dataset:
 COLUMNS = ["quantity", "axis", "unit", "greatest in A", "greatest in B", "change in %"]
 COLUMNS += ["rms difference", "greatest difference", "of", "at in s"]
 STILL = 1e-7
-"""Part of the greatest on all axes below which nothing moves along one: what the solver leaves out of balance
-(0.2 N) over the forces."""
+"""Least component that counts, fraction of the greatest on all axes: the solver's residual (0.2 N) over the
+forces."""
 ROUNDING = 1e-12
-"""Of the greatest value of a quantity over all its axes, below which differences are rounding."""
+"""Greatest difference by rounding, fraction of a quantity's greatest value over all its axes."""
 
 
 def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
-    """Quantities over time of a run to compare with another's; contacts by shoe, in units for reading."""
+    """Return a run's quantities to compare with another run's; contacts by shoe, units for reading."""
     named = [name for name in catalogue.select(compared=True) if history.has(name, stress)]
     return {name: catalogue.for_reading(values) for name, values in history.over_time(named, stress).items()}
 
 
 def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:
-    """Differences of two runs' quantities, A and B as in `compared`, axis by axis; columns as in `COLUMNS`.
+    """Return the differences of two runs' quantities, A and B of `compared`, by axis; see `COLUMNS`.
 
-    Shoes, links and units that both have are compared, over the time that both have; the second is read
-    between its stored times, linearly, where the first has others. Only what differs beyond rounding has a
-    row: greatest magnitude in each over that time and its change, root mean square and greatest magnitude of
-    B less A, and what that is of and when. A change of more than tenfold is left out: both values say it.
+    The table compares the shoes, links and units of both runs over their common time. B is interpolated
+    linearly at the stored times of A. A row stands only for differences beyond rounding. It has the greatest
+    magnitude of each run and its change. Then follow root mean square and greatest magnitude of B less A,
+    with item and time. A change of more than tenfold is left out, since both values show it.
     """
     rows = []
     for name in [name for name in first if name in second]:

@@ -1,4 +1,4 @@
-"""Tension of closed chains where they stand: their push on the idlers, and how far they sag before these."""
+"""Tension of closed chains at rest: push on the idlers, and sag between idler and carrier."""
 
 from typing import NamedTuple
 
@@ -12,22 +12,22 @@ IDLER = "idler"
 
 
 class Hanging(NamedTuple):
-    """A closed chain in one state."""
+    """Closed chain in one state."""
 
-    side: str  # of two tracks right or left; empty for one
-    push: float  # of the chain on the idler, backwards along the side frame, N
-    sag: float  # of the pins between idler and carrier below a straight edge on them, m
-    span: float  # from the axis of the idler to that of the carrier, or of the tumbler, along the frame, m
-    carrier: str  # name of the latter
+    side: str  # side of the track, right or left; empty for a case of one track
+    push: float  # push of the chain on the idler, backward along the side frame, N
+    sag: float  # depth of the pins between idler and carrier below a straight edge on them, m
+    span: float  # distance along the frame from the idler's axis to that of the carrier or tumbler, m
+    carrier: str  # name of this carrier, or tumbler
 
     @property
     def pretension(self) -> float:
-        """Half of its push on the idler, on which both runs pull, N."""
+        """Half of the push on the idler, since both runs pull on it, N."""
         return 0.5 * self.push
 
 
 def hanging_chains(case: Case, state: xr.Dataset) -> list[Hanging]:
-    """Chains of all tracks in one state of a history: a dataset without times."""
+    """Return the chains of all tracks in one state of a history: a dataset without times."""
     frame = state.side_frame_position.values
     turn = catalogue.rotation_matrices(state.side_frame_angles.values)
     pins = _pins(case, state).reshape(case.tracks, -1, 3)
@@ -42,14 +42,14 @@ def hanging_chains(case: Case, state: xr.Dataset) -> list[Hanging]:
 
 
 def roller_clearances(case: Case, state: xr.Dataset) -> np.ndarray:
-    """Return how far rails of the upper run are above the lower rollers in one state: (tracks, rollers), m.
+    """Return clearances of the upper run's rails above the lower rollers in a state: (tracks, rollers), m.
 
-    By the distance of straight lines from pin to pin from the axes of the rollers. A run that lies on a
-    roller presses it, so that its clearance is a little below zero.
+    It follows from the distance between the rollers' axes and straight lines from pin to pin. A run that lies
+    on a roller presses it, so that its clearance is slightly negative.
     """
     closed = case.closed_gear()
     rails = case.shoe.rails
-    assert rails is not None  # of a closed track
+    assert rails is not None  # a closed track has rails
     frame = state.side_frame_position.values
     turn = catalogue.rotation_matrices(state.side_frame_angles.values)
     pins = ((_pins(case, state) - frame) @ turn)[:, [0, 2]].reshape(case.tracks, -1, 2)
@@ -66,7 +66,7 @@ def roller_clearances(case: Case, state: xr.Dataset) -> np.ndarray:
 
 
 def _from_upper(pins: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """Return distances (m) of axes (n, 2) from what of a closed chain of pins (m, 2) is above them."""
+    """Return distances (m) of axes (n, 2) from the part above them of a closed chain of pins (m, 2)."""
     ahead = np.roll(pins, 1, axis=0) - pins
     from_pins = axes[:, None] - pins
     share = np.clip(np.sum(from_pins * ahead, axis=2) / np.sum(ahead**2, axis=1), 0.0, 1.0)
@@ -76,14 +76,14 @@ def _from_upper(pins: np.ndarray, axes: np.ndarray) -> np.ndarray:
 
 
 def _pins(case: Case, state: xr.Dataset) -> np.ndarray:
-    """Front pins of all shoes in the chain's plane: array (shoes, 3), m, global."""
+    """Return the front pins of all shoes in the chain's plane: array (shoes, 3), m, global."""
     turn = catalogue.rotation_matrices(state.angles.transpose("shoe", "axis").values)
     arm = [case.track.pin_ahead, 0.0, case.track.pin_height]
     return state.position.transpose("shoe", "axis").values + turn @ arm
 
 
 def _hanging(case: Case, side: str, push: float, pins: np.ndarray, take_up: float) -> Hanging:
-    """Chain of pins (n, 2) at x and z in the frame."""
+    """Return the chain of pins (n, 2), given by x and z in the frame, m."""
     closed = case.closed_gear()
     place, height = closed.idler.place
     carriers = {label.words: place for label, place in closed.upper.items()}
@@ -96,7 +96,7 @@ def _hanging(case: Case, side: str, push: float, pins: np.ndarray, take_up: floa
 
 
 def depth_below_edge(points: np.ndarray) -> float:
-    """Greatest depth (m) of points (n, 2), x and z, below straight edges laid on them."""
+    """Return the greatest depth (m) of points (n, 2), x and z, below straight edges laid on them."""
     ordered = points[np.argsort(points[:, 0])]
     edge = list[np.ndarray]()
     for point in ordered:
@@ -110,7 +110,7 @@ def depth_below_edge(points: np.ndarray) -> float:
 
 
 def _turns_up(first: np.ndarray, second: np.ndarray, third: np.ndarray) -> bool:
-    """True where the second of three points lies on or below the line of the others."""
+    """Return True if the second of three points lies on or below the line of the others."""
     (x0, z0) = second - first
     (x1, z1) = third - second
     return bool(x0 * z1 - z0 * x1 >= 0.0)
