@@ -1,1 +1,1 @@
-"""Actions on a shoe, and the coordinates that they load."""
+"""Actions on a shoe, and coordinates of its unit loads."""

@@ -1,7 +1,7 @@
-"""Actions on the shoes and the side frame of a history, as data: a record for each action, over all times.
+"""Actions on the shoes and the side frame of a history: a record for each action, over all times.
 
-Balances of momentum and energy and the modal loads of a flexible shoe sum over these records; a new kind of
-load is one force element in `model` and one record here. All vectors are global, all units SI.
+Balances of momentum and energy and the modal loads of a flexible shoe are sums over these records. A new kind
+of load needs a force element in `model` and a record here. All vectors are global, all units SI.
 """
 
 from collections.abc import Iterator
@@ -31,33 +31,33 @@ from exudyn_crawler.results.loads.places import (
 
 
 class AtInterface(NamedTuple):
-    """Enters a flexible shoe at the centre of one of its interfaces, through the rigid spider there."""
+    """Entry into a flexible shoe at the centre of an interface, through the rigid spider there."""
 
     name: str
 
 
 class OverSurface(NamedTuple):
-    """Enters a flexible shoe spread over the surface that the machine's load presses on."""
+    """Entry into a flexible shoe spread over the surface that carries the machine's load."""
 
     shift: np.ndarray | None = None  # (times,), m left of the surface's middle; None if its pressure is even
 
 
 class OverRectangle(NamedTuple):
-    """Enters a flexible shoe spread evenly over a rectangle of its underside."""
+    """Entry into a flexible shoe spread evenly over a rectangle of its underside."""
 
     low: np.ndarray  # (times, 2), least x and y in the shoe's frame, m
     high: np.ndarray
-    pressed: np.ndarray  # (times,), whether there is one at all
+    pressed: np.ndarray  # (times,), True while there is contact
 
 
 class AtGridNode(NamedTuple):
-    """Enters a flexible shoe about a node, from 0, of the coarse grid of its underside, spread by hats."""
+    """Entry into a flexible shoe about a node (from 0) of its underside's coarse grid, spread by hats."""
 
     node: int
 
 
 class OnRail(NamedTuple):
-    """Enters a flexible shoe at x (times,) in its frame, m, along one of its rails."""
+    """Entry into a flexible shoe at x (times,) in its frame, m, along one of its rails."""
 
     line: int  # strip of the treads, counted from 0 over both rails
     x: np.ndarray
@@ -65,11 +65,11 @@ class OnRail(NamedTuple):
 
 
 class AtDriveNode(NamedTuple):
-    """Enters a flexible shoe at the node that the drive moves, if there is one, else its frame."""
+    """Entry into a flexible shoe at the node that the drive moves; without such a node, at its frame."""
 
 
 class AtPins(NamedTuple):
-    """Enters a flexible shoe at the centres of some of its interfaces, in equal parts."""
+    """Entry into a flexible shoe at the centres of several interfaces, in equal parts."""
 
     names: tuple[str, ...]
 
@@ -86,43 +86,43 @@ ON_RAILS: dict[WheelKind, Kind] = {
 
 @dataclass(frozen=True)
 class Action:
-    """One thing that acts on one body.
+    """Force and moment of one source on one body.
 
-    Kinds on shoes are joint, weight, load, contact and drive, under a side frame also roller and chain (pull
-    of the drive, tension of the ends), in a closed track wheel and tooth, each with its flanges, on its
-    flexible shoes roller, idler, carrier, slide and tooth without, and guide of all flanges; on the frame
-    weight, machine, roller and pull.
+    Kinds on all shoes are joint, weight, load, contact and drive. Under a side frame there are also roller
+    and chain (pull of the drive, tension of the ends). A rigid shoe of a closed track has wheel and tooth,
+    each with its flanges. A flexible one has roller, idler, carrier, slide and tooth without flanges, and
+    guide for all flanges. Kinds on the side frame are weight, machine, roller and pull.
     """
 
     kind: Kind
     shoe: int  # its number; 0 is the side frame
     place: Place
-    point: np.ndarray  # (times, 3), m, where the force acts; on a flexible shoe a point of the unbent one
+    point: np.ndarray  # (times, 3), m, point of action; on a flexible shoe a point of the undeformed one
     force: np.ndarray  # (times, 3), N, on the body
-    moment: np.ndarray  # (times, 3), N m, beside that of the force
-    entry: Entry | None = None  # into a flexible shoe; None by its frame or as its mass: no mode is loaded
+    moment: np.ndarray  # (times, 3), N m, in addition to that of the force
+    entry: Entry | None = None  # into a flexible shoe; None if it loads no mode: at the frame, or as its mass
 
     @property
     def where(self) -> str:
-        """Place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on)."""
+        """Place in words, such as "front right" (a pin) or "unit 12" (of the ground)."""
         return words(self.place)
 
     def moment_about(self, center: np.ndarray) -> np.ndarray:
-        """Moment about a point (times, 3) or (3,), m: array (times, 3), N m."""
+        """Return the moment about a point (times, 3) or (3,), m: array (times, 3), N m."""
         return np.cross(self.point - center, self.force) + self.moment
 
 
 class ShoeMass(NamedTuple):
-    """Mass of a shoe and points of its frame (3,), m."""
+    """Mass of a shoe, and points in its frame (3,), m."""
 
     mass: float  # kg
     center: np.ndarray
-    load_point: np.ndarray  # under the machine's load
-    beside: np.ndarray  # how far that moves for each metre of a load's shift to the left
+    load_point: np.ndarray  # centre of the machine's load
+    beside: np.ndarray  # displacement of this centre by each metre of a load's shift to the left
 
 
 def shoe_mass(case: Case, shoe: int) -> ShoeMass:
-    """Mass of a shoe of a case; a flexible one has that of its mesh."""
+    """Return the mass of a shoe of a case; a flexible one has that of its mesh."""
     flexible = case.flexible
     if flexible is None or shoe not in flexible.shoes:
         left = np.array([0.0, 1.0, 0.0])
@@ -135,13 +135,13 @@ def shoe_mass(case: Case, shoe: int) -> ShoeMass:
 
 
 def shoe_frames(history: History, shoe: int) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (times, 3), m, of a shoe's frame, and its axes (times, 3, 3), a column each."""
+    """Return the positions (times, 3), m, of a shoe's frame, and its axes (times, 3, 3), a column each."""
     position, angles = (history.dataset[name].sel(shoe=shoe).values for name in ("position", "angles"))
     return position, rotation_matrices(angles)
 
 
 def actions(history: History, shoe: int | None = None) -> list[Action]:
-    """All that acts on the shoes of a history, or on one of them; see `Action` for the kinds."""
+    """Return all actions on the shoes of a history, or on one of them; see `Action` for the kinds."""
     shoes = history.case.track.shoes.tolist() if shoe is None else [shoe]
     return [action for number in shoes for action in _on_shoe(history, number)]
 
@@ -160,11 +160,11 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
 
 
 def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Joints of both links; a link of two rigid shoes has one, at its right pin, in a closed track midway."""
+    """Yield joints of both links; a link of rigid shoes has one, at its right pin, or midway if closed."""
     track = history.case.track
     gear = history.case.gear
     ends = dict(zip(history.case.links[:, 1].tolist(), history.case.joints.tolist(), strict=True))
-    # the link ahead acts on its rear shoe as stored, the link behind with the opposite
+    # stored forces act on a link's rear shoe: those of the link behind act here with the opposite sign
     for end, joint, sign in zip(ENDS, (shoe, ends.get(shoe, 0)), (1.0, -1.0), strict=True):
         if joint not in history.case.joints:
             continue
@@ -187,7 +187,7 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
 
 
 def _center(track: Track, pin: Pin) -> np.ndarray:
-    """Joint centre (3,) of a pin in the shoe's frame, m."""
+    """Return the joint centre (3,) of a pin in the shoe's frame, m."""
     if pin.side == MIDWAY:
         return np.mean([track.joint_centers[words(Pin(pin.end, side))] for side in SIDES], axis=0)
     return np.array(track.joint_centers[words(pin)])
@@ -209,7 +209,7 @@ def _weight_and_load(
 
 
 def _grid(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Forces of the cells at the nodes of a flexible shoe's grid."""
+    """Yield the forces of the cells at the nodes of a flexible shoe's grid."""
     forces = history.node_force.sel(flexible_shoe=shoe).values
     x0, x1, y0, y1, z = history.case.shoe.footprint
     zero = np.zeros_like(position)
@@ -221,9 +221,9 @@ def _grid(history: History, shoe: int, position: np.ndarray, frames: np.ndarray)
 
 
 def _contacts(history: History, shoe: int, bends: bool) -> Iterator[Action]:
-    """Contact with every unit that the shoe ever met, or with the cells."""
+    """Yield the contact with each unit that the shoe ever touched, or with the cells."""
     columns = np.flatnonzero(history.contact_shoe.values == shoe)
-    # read once, for histories larger than memory
+    # read once, since a history larger than memory reads its file at each access
     area, point, normal, friction, torque = (
         history.dataset[name].isel(contact=columns).values
         for name in ("area", "point", "normal_force", "friction_force", "friction_torque")
@@ -241,7 +241,7 @@ def _contacts(history: History, shoe: int, bends: bool) -> Iterator[Action]:
 def _on_dragged(
     history: History, shoe: int, position: np.ndarray, frames: np.ndarray, bends: bool
 ) -> Iterator[Action]:
-    """Drive of the front shoe along x at its point, and the turn about its own z axis, on its frame."""
+    """Yield the drive of the front shoe along x at its point, and the turn about its z axis at its frame."""
     if shoe != history.case.track.shoe_count:
         return
     zero = np.zeros_like(position)
@@ -259,7 +259,7 @@ def _on_dragged(
 def _on_rolled(
     history: History, shoe: int, position: np.ndarray, frames: np.ndarray, bends: bool
 ) -> Iterator[Action]:
-    """Treads of rollers, pull of the drive and tension of the chain's ends."""
+    """Yield treads of rollers, pull of the drive and tension of the chain's ends."""
     yield from treads_on(history, shoe, position, frames)
     yield from _chain(history, shoe, position, frames)
 
@@ -267,7 +267,7 @@ def _on_rolled(
 def _on_closed(
     history: History, shoe: int, position: np.ndarray, frames: np.ndarray, bends: bool
 ) -> Iterator[Action]:
-    """Wheels and teeth on a rigid shoe, every tread and lug of a flexible one."""
+    """Yield wheels and teeth on a rigid shoe, or every tread and lug of a flexible one."""
     if bends:
         yield from treads_on(history, shoe, position, frames)
         yield from _lugs(history, shoe, position, frames)
@@ -276,11 +276,11 @@ def _on_closed(
 
 
 OF_GEAR = {"dragged": _on_dragged, "rolled": _on_rolled, "closed": _on_closed, "machine": _on_closed}
-"""Actions of a gear on a shoe, by the gear's kind; `bends` says that the shoe is flexible."""
+"""Actions of a gear on a shoe, by the gear's kind; `bends` is True for a flexible shoe."""
 
 
 def wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Iterator[Action]:
-    """Wrenches about the COM of all wheels of a closed track on the shoe, and of its tumbler."""
+    """Yield the wrenches of a closed track's wheels and of its tumbler on a shoe, about the shoe's COM."""
     acting = history.dataset.sel(shoe=shoe)
     wheels = acting.wheel_load.values, acting.wheel_moment.values
     teeth = acting.tooth_force.values, acting.tooth_moment.values
@@ -289,7 +289,7 @@ def wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Itera
 
 
 def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Teeth on the lugs of a flexible shoe, which the bores next to them hold, and their flange."""
+    """Yield teeth on the lugs of a flexible shoe, which act at the adjacent bores, and their flange."""
     acting = history.dataset.sel(flexible_shoe=shoe)
     track = history.case.track
     guide = acting.lug_guide.values
@@ -304,18 +304,18 @@ def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray)
 
 
 class Treads(NamedTuple):
-    """Strips of treads on shoes: a slot for each wheel that may be on a shoe."""
+    """Strips of treads on shoes, with a slot for each wheel that may be on a shoe."""
 
-    shoe: np.ndarray  # (times, slots), its number
+    shoe: np.ndarray  # (times, slots), number of the shoe
     wheel: np.ndarray  # (times, slots), number from 0, -1 for none
-    force: np.ndarray  # (times, slots, rails, strips, 3), N, on the shoe, with that of the flange
-    foot: np.ndarray  # same, m, where it acts
-    guide: np.ndarray  # same, N, of the flange alone
+    force: np.ndarray  # (times, slots, rails, strips, 3), N, on the shoe, flange included
+    foot: np.ndarray  # (times, slots, rails, strips, 3), m, point of action
+    guide: np.ndarray  # (times, slots, rails, strips, 3), N, force of the flange alone
 
 
 def treads(dataset: xr.Dataset) -> Treads:
-    """Treads of a rolled history's dataset, or of a closed one's with flexible shoes."""
-    # read once: a history larger than memory reads a variable from its file whenever it is asked for
+    """Return the treads in the dataset of a rolled track, or of a closed one with flexible shoes."""
+    # read once: a history larger than memory reads its file at each access
     if "tread_force" in dataset:
         dims = ("time", "roller", "neighbour", "rail", "strip", "axis")
         force, foot = (dataset[f"tread_{name}"].transpose(*dims).values for name in ("force", "foot"))
@@ -333,9 +333,12 @@ def treads(dataset: xr.Dataset) -> Treads:
 
 
 def treads_on(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Every strip of a tread that was ever on the shoe, and its flange; a flexible one in a closed track."""
+    """Yield each strip of a tread that was ever on the shoe, and its flange.
+
+    In a closed track the shoe must be flexible.
+    """
     labels = history.case.gear.wheel_labels
-    stored = "strip_force" in history.dataset  # of flexible shoes alone
+    stored = "strip_force" in history.dataset  # holds flexible shoes alone
     strips = treads(history.dataset.sel(flexible_shoe=[shoe]) if stored else history.dataset)
     wheels = np.where(strips.shoe == shoe, strips.wheel, -1)
     for wheel, rail, strip in np.ndindex(len(labels), *strips.force.shape[2:4]):
@@ -363,7 +366,7 @@ def treads_on(history: History, shoe: int, position: np.ndarray, frames: np.ndar
 
 
 def _chain(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Pull of the drive at the shoe's front pins, and the tension of the chain at the outermost ones."""
+    """Yield the pull of the drive at the shoe's front pins, and the chain's tension at the outermost pins."""
     track = history.case.track
     zero = np.zeros_like(position)
     tension = history.case.rolled_gear().end_tension
@@ -382,7 +385,7 @@ def _chain(history: History, shoe: int, position: np.ndarray, frames: np.ndarray
 
 
 def drive_pulls(history: History) -> np.ndarray:
-    """Pull of the drive at each shoe's front pins, backward, N: array (times, shoes)."""
+    """Return the backward pull of the drive at each shoe's front pins: array (times, shoes), N."""
     track = history.case.track
     frame = history.case.rolled_gear()
     first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead

@@ -1,4 +1,4 @@
-"""Actions on a shoe in its axes: all of them at one instant, for other programs, and its pins over time."""
+"""Actions on a shoe in its axes: all of them at an instant, for other programs, and its pins over time."""
 
 import itertools
 from dataclasses import dataclass, replace
@@ -24,13 +24,13 @@ class ShoeLoads:
     time: float  # s, stored instant
     shoe: int
     body: ElasticBody  # mesh and material
-    interfaces: list[Interface]  # joints, whose centres hold the nodes of their bores rigidly
+    interfaces: list[Interface]  # joints; their centres hold the nodes of the bores rigidly
     nodal: np.ndarray  # (n, 3), N: machine load, contacts, drive, weight and inertia
     centers: np.ndarray  # (i, 6), forces (N) and moments (N m) on the joint centres
     table: pd.DataFrame  # of `action_table`
 
     def write(self, path: str | Path, program: Program = "calculix", overwrite: bool = False) -> Path:
-        """Write mesh, joints and loads as a static step for CalculiX or Abaqus; raises as `whole_file`."""
+        """Write mesh, joints and loads as a static step for CalculiX or Abaqus; raise as `whole_file`."""
         path = Path(path)
         remarks = [
             f"shoe {self.shoe} at t = {self.time:.6g} s; N, m, Pa; axes of the shoe, from its nominal COM",
@@ -45,13 +45,13 @@ class ShoeLoads:
 
     @property
     def residual(self) -> np.ndarray:
-        """Sum of all forces (N) and of their moments about the centre of mass (N m): array (6,), zero."""
+        """Sum of all forces (N) and moments about the centre of mass (N m): array (6,), zero in balance."""
         at_centers = interfaces.rigid_motion_of_centers(self.interfaces, self.body.center_of_mass)
         return self.body.rigid_modes.T @ self.nodal.ravel() + at_centers.T @ self.centers.ravel()
 
 
 def at_instant(history: History, time: float) -> History:
-    """Stored instant nearest to `time` (s), as a history of one; ValueError if it is not within the run."""
+    """Return the history of the stored instant nearest to `time` (s); ValueError outside of the run."""
     if not -1e-9 <= time <= history.duration * (1.0 + 1e-9):
         raise ValueError(f"time must be in 0..{history.duration:g} s, got {time:g} s")
     row = int(np.abs(history.time.values - time).argmin())
@@ -59,12 +59,12 @@ def at_instant(history: History, time: float) -> History:
 
 
 def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
-    """Resultants of all that acts on a shoe, rigid or flexible, at a stored instant, in its axes.
+    """Return the resultants of all actions on a shoe, rigid or flexible, at a stored instant, in its axes.
 
-    A row an action, one for the inertia, and the sums, which are zero: columns kind, where, place in the
-    shoe's frame in m, force in N and moment about that place in N m (of the sums about the frame's origin).
-    Inertia stands at the mass centre and balances the actions. ValueError if the time is not within the run
-    or the track has no such shoe.
+    There is a row for each action, one for the inertia, and one for the sums, which are zero. Columns are
+    kind, where, place in the shoe's frame in m, force in N and moment about that place in N m. The sums'
+    moment is about the frame's origin. Inertia acts at the mass centre and balances the actions. ValueError
+    if the time is not within the run or the track has no such shoe.
     """
     history.case.track.check_shoe(shoe)
     now = at_instant(history, time)
@@ -88,7 +88,7 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
 
 
 def _sums(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Force and moment about the origin of rows (k, 9) of places, forces and moments."""
+    """Return force and moment about the origin of rows (k, 9) of places, forces and moments."""
     place = rows[:, :3]
     force = rows[:, 3:6]
     moment = rows[:, 6:]
@@ -96,13 +96,13 @@ def _sums(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
-    """Loads on the nodes of a flexible shoe at the stored instant nearest to a time (s), in balance.
+    """Return balanced loads on the nodes of a flexible shoe at the stored instant nearest to a time (s).
 
-    Machine load, contacts, drive and joints enter where the run lets them enter. Weight, inertia of the
-    rigid motion and what acts on the floating frame alone are spread as the mass, so that all is in balance
-    (inertia relief). Inertia and damping of the integrated modes are nodal forces, too, so that a static
-    solution with these loads has the stress of the moving shoe. ValueError if the shoe is not a flexible one
-    of the history or the time is not within the run.
+    Machine load, contacts, drive and joints enter as in the run. Weight, inertia of the rigid motion and
+    actions on the floating frame alone are distributed as the mass, so that the loads balance (inertia
+    relief). Inertia and damping of the integrated modes are also nodal forces. A static solution with these
+    loads thus has the stress of the moving shoe. ValueError if the shoe is not a flexible one of the history
+    or the time is not within the run.
     """
     load_map.check_flexible(history.case, shoe)
     now = at_instant(history, time)
@@ -119,13 +119,15 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
 
 
 def roller_loads(history: History, shoe: int) -> xr.Dataset:
-    """Forces of the rollers on the rails of a shoe, in its axes.
+    """Return the forces of the rollers on the rails of a shoe, in its axes.
 
-    Both strips of a tread together: their forces have the same direction and act on a line across the rail.
-    `force` (time, roller, rail, axis), N; `place` (time, roller, rail, axis), m: where it acts, x along and y
-    across the shoe, z up; NaN while a roller is not on the rail. Of a closed track all wheels, with their
-    flanges, are in place of rollers. ValueError if the history's case is neither rolled nor closed, if its
-    track has no such shoe, or if the shoe of a closed track is rigid: where wheels are is not stored of it.
+    Both strips of a tread are summed: their forces have the same direction and act on a line across the rail.
+    `force` is (time, roller, rail, axis), N. `place` is the point of action, (time, roller, rail, axis), m: x
+    along and y across the shoe, z up; NaN while a roller is not on the rail. A closed track has all its
+    wheels, flanges included, instead of rollers.
+
+    ValueError if the history's case is neither rolled nor closed, or if its track has no such shoe.
+    ValueError also for a rigid shoe of a closed track, since a history does not store where wheels are on it.
     """
     frame = history.case.running_gear()
     wheel = "wheel" if "wheel" in history.dataset.dims else "roller"
@@ -153,11 +155,12 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
 
 
 def pin_forces(history: History, shoe: int) -> xr.Dataset:
-    """Forces and moments of the pins on a shoe, in its axes.
+    """Return the forces and moments of the pins on a shoe, in its axes.
 
-    `force` (N) and `moment` about the joint centre (N m), both (time, pin, axis); pins are "front right",
-    "front left", "rear right" and "rear left". NaN where a shoe has no neighbour, and for a link of two rigid
-    shoes: its one joint does not say how its pins share the load. ValueError if the track has no such shoe.
+    `force` (N) and `moment` about the joint centre (N m) are (time, pin, axis); pins are "front right",
+    "front left", "rear right" and "rear left". Values are NaN where a shoe has no neighbour, and for a link
+    of two rigid shoes: its single joint does not determine the forces of its two pins. ValueError if the
+    track has no such shoe.
     """
     track = history.case.track
     track.check_shoe(shoe)
@@ -185,7 +188,7 @@ def pin_forces(history: History, shoe: int) -> xr.Dataset:
 
 
 def pin_table(history: History, shoe: int) -> pd.DataFrame:
-    """Same as a table: a row a stored time, columns named with pin, axis and unit.
+    """Return the forces of `pin_forces` as a table: a row a stored time, columns by pin, axis and unit.
 
     ValueError if the track has no such shoe, or none of its pins has a force of its own.
     """

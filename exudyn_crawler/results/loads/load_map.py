@@ -1,25 +1,26 @@
-"""All that acts on a flexible shoe as coordinates of its unit loads, and what follows from these.
+"""Map from the actions on a flexible shoe to the coordinates of its unit loads.
 
-Modal loads, coordinates of static fields and nodal forces are products with these coordinates; an action that
-enters in a new way is a case of `shares_of`.
+Modal loads, coordinates of static fields and nodal forces are products with these coordinates. A new entry of
+an action needs a case in `shares_of`.
 
 Coordinates of each family:
 
 - joints: (joint, 6): force and moment on each joint centre
 - machine: (2, 3): force spread evenly over the loaded surface; force times its shift to the left, N m
 - ground: (point, 3): tractions over the rectangles from a corner of the underside to the points of a grid
-- rails: (station, 3): forces at stations along each strip of the treads; under wheels
-- drive: (3,): force on the pulled node; lacking where none is
-- inertia: (mode,): momentum of the modes that are integrated
+- rails: (station, 3): forces at stations along each strip of the treads; present under wheels
+- drive: (3,): force on the pulled node; absent without such a node
+- inertia: (mode,): momentum of the integrated modes
 
-The ground's grid and the rails' cubics are those of the equations of motion: an even traction over any
-rectangle is the sum of 16 rectangles from the corner, a force between stations is shared by four of a cubic.
-On cells the points are the nodes of a coarse grid of the underside, and tractions spread about each by hats.
+The ground's grid and the rails' cubics are those of the equations of motion. A uniform traction over any
+rectangle is the sum of 16 rectangles from the corner; a cubic distributes a force to the four nearest
+stations. On cells the points are the nodes of a coarse grid of the underside, with tractions about each node
+by hat functions.
 
-The run integrates the constraint modes and the lowest fixed-interface modes; the others lie far above what
-the track excites and follow their loads without inertia. Craig-Bampton bases nest, so that the
-mode-acceleration method (R. R. Craig, Structural Dynamics, 1981, ch. 15) gives the whole: its elastic forces
-are the loads less the inertia and damping of what was integrated.
+The run integrates the constraint modes and the lowest fixed-interface modes. The other modes lie far above
+the frequencies that the track excites and follow their loads statically. Craig-Bampton bases nest, so that
+the mode-acceleration method (R. R. Craig, Structural Dynamics, 1981, ch. 15) covers the whole basis: its
+elastic forces are the loads less the inertia and damping of the integrated modes.
 """
 
 from collections.abc import Mapping
@@ -46,26 +47,26 @@ RAILS = "rails"
 DRIVE = "drive"
 INERTIA = "inertia"
 
-THIRDS = 3  # pieces between two stations of the equations' rails: a cubic has four values there
+THIRDS = 3  # number of pieces between two stations of the equations' rails, since a cubic has four values
 STRIP_STATIONS = THIRDS * (shoe_mesh.STATIONS - 1) + 1  # stations along the line of a strip
 
 
 class NodalShares(NamedTuple):
-    """Family of p unit loads along x, y and z each that k nodes share: weights (p, k), nodes (k,)."""
+    """Family of p unit loads along each of x, y, z, shared by k nodes: weights (p, k), nodes (k,)."""
 
     nodes: np.ndarray
     weights: np.ndarray
 
 
 class StripStations(NamedTuple):
-    """Stations of the strips' lines."""
+    """Stations along the lines of the strips."""
 
-    rear: float  # m, x of the first
+    rear: float  # m, x of the first station
     spacing: float  # m, between neighbours
-    lines: int  # on a rail
+    lines: int  # number of lines on a rail
 
     def shares(self, line: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers (times, 4) of stations and their shares in a force at x (times,) on a strip's line."""
+        """Return numbers (times, 4) of stations and their shares of a force at x (times,) on a line."""
         t = np.clip((x - self.rear) / self.spacing, 0.0, STRIP_STATIONS - 1.0)
         first = THIRDS * np.minimum((t / THIRDS).astype(int), shoe_mesh.STATIONS - 2)
         u = t - first
@@ -80,18 +81,18 @@ class StripStations(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ShoeUnitLoads:
-    """Unit loads of a flexible shoe, k of all families one after the other."""
+    """Unit loads of a flexible shoe: k in all, family by family."""
 
     body: ElasticBody
-    whole: ReducedBody  # all M modes that the stress is made of
-    integrated: Nested  # the m of them that a run integrates
+    whole: ReducedBody  # basis of the stress with all M modes
+    integrated: Nested  # basis of the m modes that a run integrates
     underside: rectangle_motion.Underside | None  # grid of the family "ground"; None on cells
-    strips: StripStations | None  # stations of "rails"; None where no rollers run
-    spread: Mapping[str, NodalShares]  # families whose forces nodes share
+    strips: StripStations | None  # stations of "rails"; None without wheels on rails
+    spread: Mapping[str, NodalShares]  # families with forces shared by nodes
 
     @cached_property
     def families(self) -> dict[str, slice]:
-        """Where the coordinates of each family stand."""
+        """Slice of the coordinates of each family."""
         counts = {JOINTS: 6 * len(self.whole.interfaces)}
         counts |= {name: 3 * len(family.weights) for name, family in self.spread.items()}
         counts[INERTIA] = len(self.integrated.body.frequencies)
@@ -105,7 +106,7 @@ class ShoeUnitLoads:
 
     @cached_property
     def work(self) -> np.ndarray:
-        """Work (k, M) of the unit loads on all modes: their modal loads."""
+        """Work (k, M) of the unit loads on all modes, their modal loads."""
         modes = self.whole.modes
         count = len(self.whole.frequencies)
         spread = [
@@ -120,7 +121,7 @@ class ShoeUnitLoads:
         return self.work / (2.0 * np.pi * self.whole.frequencies) ** 2
 
     def forces(self, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Forces on nodes (n, 3), N, and forces and moments on joint centres (i, 6) of coordinates (k,)."""
+        """Return nodal forces (n, 3), N, and loads on joint centres (i, 6), N, N m, of coordinates (k,)."""
         nodal = np.zeros_like(self.body.mesh.nodes)
         for name, family in self.spread.items():
             nodal[family.nodes] += family.weights.T @ loads[self.families[name]].reshape(-1, 3)
@@ -130,7 +131,7 @@ class ShoeUnitLoads:
 
 
 def unit_loads(case: Case) -> ShoeUnitLoads:
-    """Unit loads of a case's flexible shoes, remembered; ValueError if there are none, or no mesh fits."""
+    """Return the unit loads of a case's flexible shoes, cached; ValueError without any or a fitting mesh."""
     flexible = case.flexible_shoes()
     body, _ = flexible_shoes.shoe_model(flexible, case.track)
     node = shoe_mesh.pulled_node(case, body.mesh)
@@ -154,11 +155,11 @@ def _unit_loads(
     mesh = body.mesh
     strips = None
     under = mesh.nodes_of("underside")
-    # of each node its own integrals: products with modes are those of the equations
+    # integrals for each node: products with modes are then those of the equations of motion
     each = np.eye(len(under))[:, None]
     underside = rectangle_motion.integrate_underside(mesh.nodes[under, :2], each, shoe.footprint)
     ground = rectangle_motion.hat_grid(underside, COARSE)[1] if cells else underside.integral
-    # forces by a unit over the loaded surface, and what a metre of shift adds
+    # forces by a unit over the loaded surface, and their change by a metre of shift
     even = whole.weights(flexible.load_surface)
     machine = np.column_stack((even, flexible_shoes.weights_a_metre(even, whole.nodes)))
     loaded = np.flatnonzero(machine.any(axis=1))
@@ -179,7 +180,7 @@ def _unit_loads(
 
 
 def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, np.ndarray, np.ndarray] | None:
-    """Family, numbers and shares (times or 1, j) of the unit loads of an action; None if nothing bends."""
+    """Return family, numbers and shares (times or 1, j) of an action's unit loads; None without any."""
     joints = [interface.name for interface in units.whole.interfaces]
     match action.entry:
         case actions.AtInterface(name):
@@ -205,7 +206,7 @@ def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, np.nda
 
 
 def coordinates(units: ShoeUnitLoads, action: actions.Action, frames: np.ndarray) -> csr_array:
-    """Coordinates (times, k) of the unit loads that make an action on a shoe of axes (times, 3, 3)."""
+    """Return an action's coordinates (times, k) of unit loads on a shoe of axes `frames` (times, 3, 3)."""
     shared = shares_of(units, action)
     if shared is None:
         return csr_array((len(frames), units.size))
@@ -223,12 +224,13 @@ def coordinates(units: ShoeUnitLoads, action: actions.Action, frames: np.ndarray
 
 
 def loads_by_kind(history: History, shoe: int) -> dict[Kind, csr_array]:
-    """Coordinates (times, k) of the unit loads of a flexible shoe by kind of action.
+    """Return the coordinates (times, k) of the unit loads of a flexible shoe by kind of action.
 
-    Inertia is the momentum of the integrated modes with their damping, ``k q - P^T f``: with the loads f of
-    all modes, stiffness k and coordinates q of the integrated ones and their columns P in the whole basis.
-    The elastic forces of all modes are then ``f - P P^T f + P k q``: what P cannot move answers its loads at
-    once, what it can has the elastic forces that were integrated. ValueError if the shoe is not flexible.
+    Inertia is the momentum of the integrated modes with their damping, ``k q - P^T f``. Here f are the loads
+    of all modes. k and q are stiffness and coordinates of the integrated modes, P their columns in the whole
+    basis. The elastic forces of all modes are then ``f - P P^T f + P k q``. Motion outside of the space of P
+    follows its loads statically; motion within it has the elastic forces of the integration. ValueError if
+    the shoe is not flexible.
     """
     check_flexible(history.case, shoe)
     units = unit_loads(history.case)
@@ -247,7 +249,7 @@ def loads_by_kind(history: History, shoe: int) -> dict[Kind, csr_array]:
 
 
 def check_flexible(case: Case, shoe: int) -> None:
-    """Refuse a shoe that is not a flexible one of a history's case, by a ValueError."""
+    """Raise ValueError if a shoe is not a flexible one of a history's case."""
     there = [] if case.flexible is None else list(case.flexible.shoes)
     if shoe not in there:
         raise ValueError(f"shoe must be a flexible one of the history, of {there or 'none'}, got {shoe}")

@@ -1,4 +1,4 @@
-"""Places at which something acts on a shoe or a side frame, as data, and the words of tables for them."""
+"""Places of actions on a shoe or a side frame, as data, and their words in tables."""
 
 from enum import StrEnum
 from typing import Literal, NamedTuple
@@ -11,7 +11,7 @@ ENDS: tuple[End, End] = ("front", "rear")
 
 
 class Point(StrEnum):
-    """Point of a body, or the ground as a whole, by its words."""
+    """Point of a body, or the ground as a whole, by its words in tables."""
 
     CENTER = "COM"
     ORIGIN = "origin"
@@ -26,11 +26,11 @@ class Pin(NamedTuple):
     """Pin of a shoe, or the middle of both pins of an end."""
 
     end: End
-    side: str  # of `SIDES`, or `MIDWAY`
+    side: str  # a word of `SIDES`, or `MIDWAY`
 
 
 class GroundUnit(NamedTuple):
-    """Unit of the ground that a shoe stands on."""
+    """Unit of the ground below a shoe."""
 
     number: int
 
@@ -44,7 +44,7 @@ class OnTread(NamedTuple):
 
 
 class PinsOfShoe(NamedTuple):
-    """Front pins of a shoe, for what acts on the side frame there."""
+    """Front pins of a shoe, as the place of an action on the side frame."""
 
     shoe: int
 
@@ -53,7 +53,7 @@ Place = Point | Pin | GroundUnit | OnTread | PinsOfShoe
 
 
 def words(place: Place) -> str:
-    """Words of tables for a place, such as "front right", "unit 12" or "flange of roller 3 left"."""
+    """Return the words of a place in tables, such as "front right" or "flange of roller 3 left"."""
     match place:
         case Point():
             return place.value
