@@ -210,7 +210,8 @@ def _counted(stage: life.LifeResults, nodes: np.ndarray) -> CountedStage:
     rows = []
     ends = []
     for part, run in enumerate(stage.runs):
-        counting = run.counting(stage.duty.material.curve(stage.duty.miner), (0.999,), 1e-3 / life.BEYOND)
+        negligible = 1e-3 / life.BEYOND / run.times_an_hour
+        counting = run.counting(stage.duty.material.curve(stage.duty.miner), (0.999,), negligible)
         at_places = []
         for shoe in run.basis.coordinates:
             signals = duty_runs.node_signals(stage.duty.criterion, run.basis, shoe, nodes)

@@ -42,8 +42,8 @@ class UsedRun:
         return of_run if isinstance(self.run, DutyRun) else [self.run.name]
 
     def counting(self, curve: SNCurve, survivals: tuple[float, ...], negligible: float) -> Counting:
-        """How its cycles are counted; what is left out does a negligible damage an hour at most."""
-        return Counting(curve, survivals, self.phase.codes, negligible / self.times_an_hour)
+        """How its cycles are counted; what is left out does a negligible damage a pass at most."""
+        return Counting(curve, survivals, self.phase.codes, negligible)
 
 
 def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:

@@ -322,8 +322,9 @@ def _of_group(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Same of some nodes of the surface, which have the same S-N curve."""
     parts, ends, peaks = [], [], []  # (survivals, phases, nodes); of the passes; (phases, nodes)
+    negligible = negligible_damage(runs)
     for run in runs:
-        counting = run.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
+        counting = run.counting(curve, duty.survivals, negligible)
         modes = run.basis.shapes.stress_modes
         q = run.basis.coordinates[shoe]
         recovery = recover_damage(modes, q, duty.criterion, counting, surface)
@@ -343,6 +344,11 @@ def _of_group(
     return damage, np.concatenate([each[-1] for each in parts]), amplitude, np.concatenate(peaks)
 
 
+def negligible_damage(runs: Sequence[UsedRun]) -> float:
+    """Return the damage a pass that may be left out: in all one over `BEYOND` an hour, however runs are cut."""
+    return 1.0 / BEYOND / sum(run.times_an_hour for run in runs)
+
+
 def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
     """Values (..., k) at some nodes as those (..., count) of all, not a number elsewhere."""
     spread = np.full((*values.shape[:-1], count), np.nan)
@@ -354,6 +360,7 @@ def _on_critical_planes(
     duty: Duty, runs: Sequence[UsedRun], groups: Mapping[SNCurve, np.ndarray], nodes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
+    negligible = negligible_damage(runs)
     mesh = runs[0].basis.shapes.mesh
     normals = critical_plane.surface_normals(mesh)
 
@@ -361,7 +368,7 @@ def _on_critical_planes(
         damage = np.zeros((*angles.shape, len(duty.survivals)))
         for run, (curve, there) in itertools.product(runs, groups.items()):
             rows = np.flatnonzero(np.isin(nodes, there))
-            counting = run.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
+            counting = run.counting(curve, duty.survivals, negligible)
             modes = run.basis.shapes.stress_modes
             coordinates = run.basis.coordinates
             for q in coordinates.values() if len(rows) else ():
