@@ -345,7 +345,7 @@ def _of_group(
 
 
 def negligible_damage(runs: Sequence[UsedRun]) -> float:
-    """Return the damage a pass that may be left out: in all one over `BEYOND` an hour, however runs are cut."""
+    """Return the damage a pass that may be left out: all passes of an hour leave out one over `BEYOND`."""
     return 1.0 / BEYOND / sum(run.times_an_hour for run in runs)
 
 
