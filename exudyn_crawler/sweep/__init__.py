@@ -1,1 +1,1 @@
-"""Many runs of a case with some of its values varied: planned, run on Dask, gathered in a table."""
+"""Sweeps: many runs of a case with varied values, planned, run on Dask and collected in a table."""

@@ -1,4 +1,4 @@
-"""Answers of a sweep: what of every run stands in its table, a class each, checked before anything runs."""
+"""Answers of a sweep: numbers of each run in its table, one class for each kind, checked before any run."""
 
 import difflib
 from typing import Annotated, Any, ClassVar, Literal
@@ -28,8 +28,8 @@ ANSWERABLE = {
     and "body_axis" not in entry.dimensions
     and (entry.by_shoe or entry.per not in ("pair", "terrain coordinate", "tread"))
 }
-"""Quantities over time of which statistics are: real numbers and vectors of what all runs have."""
-DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")  # of what an answer is of
+"""Quantities over time with statistics: real numbers and vectors of bodies that all runs have."""
+DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")  # of the items of an answer
 
 DRAWBAR_RESULTS = {
     "greatest_pull": ("N", "greatest drawbar pull"),
@@ -37,7 +37,7 @@ DRAWBAR_RESULTS = {
     "motion_resistance": ("N", "motion resistance without a pull"),
     "efficiency": ("1", "best work of the drawbar pull over that of the drive"),
 }
-"""Unit and meaning of a drawbar test's numbers beside the pull at a slip."""
+"""Unit and meaning of the numbers of a drawbar test other than the pull at a slip."""
 
 STATISTICS: dict[str, Any] = {
     "greatest": xr.DataArray.max,
@@ -53,9 +53,9 @@ STATISTICS: dict[str, Any] = {
 class AnyAnswer(Parameters):
     """Parameters that all answers have.
 
-    A kind of answer adds a field `model` with its name, `_column`: name, unit and meaning of its column,
-    ``_case_errors(case_file)``, what of it runs of a case cannot give, and ``of_run(run)``, its number, NaN
-    where a run has none.
+    A kind of answer adds a field `model` with its name; `_column`: name, unit and meaning of its column;
+    ``_case_errors(case_file)``: errors for a case whose runs cannot give the answer; and ``of_run(run)``: its
+    number, NaN if a run has none.
     """
 
     name: Name | None = option("column of the table; made of the rest, if not given", None)
@@ -80,16 +80,16 @@ class AnyAnswer(Parameters):
         return self._column[2]
 
     def check(self, case_file: CaseFile) -> None:
-        """Refuse, by a `ValueError` that names the answer, what runs of a case cannot give."""
+        """Raise `ValueError`, with the name of the answer, if runs of a case cannot give it."""
         for error in self._case_errors(case_file):
             raise ValueError(f"{self.label}: {error}")
 
 
 class Answer(AnyAnswer):
-    """A quantity of the catalogue over a time, made one number by a statistic.
+    """Quantity of the catalogue over a time, reduced to one number by a statistic.
 
-    Vectors count by their length, or by one axis. Of several shoes, links or units, contacts by shoe, the
-    statistic is that of all of them together.
+    A vector counts by its length or by one axis. With several shoes, links or units the statistic is that of
+    all of them; contacts count by shoe.
     """
 
     model: Literal["quantity"] = "quantity"
@@ -141,7 +141,7 @@ class Answer(AnyAnswer):
             yield f"of must be {what}s of {fields.shown(numbers)}, got {wrong}"
 
     def of_run(self, run: CaseRun) -> float:
-        """Number of a run."""
+        """Return the number of a run."""
         stress = run.recovered().dataset if "stress" in QUANTITIES[self.quantity].files else None
         window = slice(self.start - SAME_TIME, None if self.end is None else self.end + SAME_TIME)
         values = run.history.over_time([self.quantity], stress)[self.quantity].sel(time=window)
@@ -157,7 +157,7 @@ class Answer(AnyAnswer):
 
 
 class HotSpot(AnyAnswer):
-    """Von Mises stress of a hot spot of a flexible shoe over the run."""
+    """Von Mises stress at a hot spot of a flexible shoe over the run."""
 
     model: Literal["hot_spot"] = "hot_spot"
     shoe: int = option("number of the shoe")
@@ -175,13 +175,13 @@ class HotSpot(AnyAnswer):
             yield f"shoe must be a flexible one ({there}), got {self.shoe}"
 
     def of_run(self, run: CaseRun) -> float:
-        """Stress in a run."""
+        """Return the stress in a run (Pa)."""
         by_rank = run.recovered().hot_spots[self.shoe].set_index("rank")["value"]
         return float(by_rank.get(self.rank, float("nan")))
 
 
 class Life(AnyAnswer, DamageOptions, Often):
-    """Shortest life of the flexible shoes where all machine hours are like the run, or as a share of them."""
+    """Shortest life of the flexible shoes if all machine hours, or a share of them, are like the run."""
 
     model: Literal["life"] = "life"
     better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "more")
@@ -199,7 +199,10 @@ class Life(AnyAnswer, DamageOptions, Often):
         return name, "h", f"machine hours to a crack{where}, {100 * self.survival:g} % survive"
 
     def duty(self) -> Duty:
-        """Duty that is made of the run alone; raises `ParameterError` as that does."""
+        """Return the duty of the run alone.
+
+        Raises `ParameterError` if the duty is not allowed.
+        """
         repeated = {name: getattr(self, name) for name in Often.model_fields}
         if self.an_hour is None and self.share is None:
             repeated["share"] = 1.0
@@ -213,7 +216,7 @@ class Life(AnyAnswer, DamageOptions, Often):
         yield from _beyond(case_file, begin=self.begin, end=self.end)
 
     def of_run(self, run: CaseRun) -> float:
-        """Shortest life of a run, h; 1e9 stands for all beyond."""
+        """Return the shortest life of a run (h); 1e9 stands for all longer lives."""
         result = life_of(self.duty(), [run.history])
         lives = result.dataset.life.isel(survival=0)
         if self.region is not None:
@@ -222,7 +225,7 @@ class Life(AnyAnswer, DamageOptions, Often):
 
 
 class Drawbar(AnyAnswer):
-    """Number of a drawbar test: of a case whose drive holds slips, as the command `drawbar` makes it."""
+    """Number of a drawbar test: of a case whose drive holds slips, made by the command `drawbar`."""
 
     model: Literal["drawbar"] = "drawbar"
     better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "more")
@@ -247,7 +250,7 @@ class Drawbar(AnyAnswer):
             yield f"slip must be among those that are held, up to {max(slip.values):g}, got {self.slip:g}"
 
     def of_run(self, run: CaseRun) -> float:
-        """Number of a run."""
+        """Return the number of a run."""
         result = drawbar_result(run.history, self.slip)
         return {
             "pull": result.pull_at_slip,
@@ -259,21 +262,24 @@ class Drawbar(AnyAnswer):
 
 
 Answers = Annotated[Answer | HotSpot | Life | Drawbar, Field(discriminator="model")]
-"""Every kind of answer; another one is a class like these, and stands here."""
+"""All kinds of answers; a new kind is a class like these and stands here."""
 
 ANSWERS: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
-"""Reads and writes answers as JSON."""
+"""Reader and writer of answers as JSON."""
 
 
 def _beyond(case_file: CaseFile, **times: float | None) -> Errors:
-    """Times that lie beyond a run."""
+    """Yield an error for each of `times` after the end of the run."""
     for name, time in times.items():
         if time is not None and time > case_file.duration:
             yield f"{name} must lie within the run of {case_file.duration:g} s, got {time:g} s"
 
 
 def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
-    """Items of a quantity, and their numbers; contacts count by shoe: pairs differ from run to run."""
+    """Return the kind of a quantity's items and their numbers.
+
+    Contacts count by shoe, since pairs differ from run to run.
+    """
     flexible = [] if case.flexible is None else [*case.flexible.shoes]
     links = case.joints.tolist()
     counted = {

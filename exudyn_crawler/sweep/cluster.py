@@ -1,4 +1,4 @@
-"""Dask for sweeps: a cluster of this machine's, or a scheduler elsewhere, and tasks run by its workers."""
+"""Dask for sweeps: a cluster on this machine or a remote scheduler, and tasks on its workers."""
 
 import asyncio
 import json
@@ -35,28 +35,29 @@ from exudyn_crawler.sweep.worker import (
 
 CONNECT_WAIT = 20.0  # s to wait for a scheduler
 START_WAIT = 300.0  # s to wait for the first process on this machine
-LOOK = 1.0  # s between looks at how many workers there are
+LOOK = 1.0  # s between counts of the workers
 LEAST_AHEAD, AHEAD = 64, 4
-"""Tasks that the scheduler holds: at least, and for each worker. It never has all of a sweep."""
+"""Number of tasks on the scheduler: at least, and for each worker. The scheduler never has all of a sweep."""
 
 Scheduler: TypeAlias = str | os.PathLike[str] | distributed.Client | distributed.deploy.Cluster
-"""Where a sweep runs: an address, a scheduler file, or an object of Dask."""
+"""Place where a sweep runs: address, scheduler file, or object of Dask."""
 
 _one_run = Lock()
-"""Held by the run of this process: two would write into each other's logs."""
+"""Lock of the run of this process: two runs would write into each other's logs."""
 
 
 @contextmanager
 def connected(
     scheduler: Scheduler | None, workers: int | None, runs: Path, report: Callable[[str], None]
 ) -> Iterator[distributed.Client]:
-    """Client of a cluster whose workers, as far as they are there, can do what a sweep asks for.
+    """Yield the client of a cluster, with its present workers checked.
 
-    Arguments are those of `run_sweep`; all workers have to see the folder of its runs. The scheduler does not
-    become that of the process: one that never answered would stay it, and whoever saves a dataset afterwards
-    would be sent to it. Raises `ValueError` if no scheduler answers, or its workers are not fit.
+    Arguments are those of `run_sweep`; all workers must see the folder of its runs. The scheduler does not
+    become the default of the process: a scheduler without answer would otherwise remain the default, and
+    later saving of datasets would use it. Raises `ValueError` if no scheduler answers, or its workers are not
+    fit.
     """
-    # a scheduler that is lost is said in a line, other versions by check_versions in one of what matters
+    # the sweep reports a lost scheduler in one line, and check_versions other versions
     with distributed.utils.silence_logging_cmgr(logging.CRITICAL), warnings.catch_warnings():
         warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
         with _local(workers) if scheduler is None else _remote(scheduler) as client:
@@ -72,9 +73,9 @@ def _local(workers: int | None) -> Iterator[distributed.Client]:
     count = workers or os.cpu_count() or 1
     environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
     with (
-        # Dask puts the environment of its workers into this process, too, which would go on with one thread
+        # Dask also sets the environment of its workers in this process, which would then have one thread
         patch.dict(os.environ),
-        # workers need nothing of the script that calls: one without a guard would sweep in each of them
+        # workers need nothing of the calling script: without a main guard, it would start a sweep in each
         patch.object(spawn, "get_preparation_data", _without_script(spawn.get_preparation_data)),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
         _scheduler() as cluster,
@@ -90,11 +91,11 @@ def _local(workers: int | None) -> Iterator[distributed.Client]:
 
 @contextmanager
 def _scheduler() -> Iterator[distributed.LocalCluster]:
-    """Scheduler on this machine, still without workers; an interrupt waits until it can be closed."""
+    """Yield a scheduler on this machine without workers; an interrupt waits until it can be closed."""
     started: Future[distributed.LocalCluster] = Future()
 
     def start() -> None:
-        # a process a run: two in one would wait for each other
+        # one process for each run: two runs in one would wait for each other
         how: dict[str, Any] = {"n_workers": 0, "threads_per_worker": 1, "processes": True}
         how |= {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
         try:
@@ -113,7 +114,7 @@ def _scheduler() -> Iterator[distributed.LocalCluster]:
 
 
 def _without_script(data_of: Callable[[str], dict[str, Any]]) -> Callable[[str], dict[str, Any]]:
-    """Preparation of a spawned process that does not import the main module."""
+    """Return the preparation of a spawned process without the import of the main module."""
 
     def data(name: str) -> dict[str, Any]:
         return {key: value for key, value in data_of(name).items() if not key.startswith("init_main")}
@@ -133,7 +134,7 @@ def _remote(scheduler: Scheduler) -> Iterator[distributed.Client]:
 
 
 def _client(scheduler: Scheduler) -> distributed.Client:
-    """Client of a cluster, or of a scheduler by its address or file."""
+    """Return the client of a cluster, or of a scheduler by its address or file."""
     how: dict[str, Any] = {"timeout": CONNECT_WAIT, "set_as_default": False}
     try:
         if not isinstance(scheduler, str | os.PathLike):
@@ -168,7 +169,7 @@ def _check_answers(address: str) -> None:
 
     def ask() -> None:
         try:
-            # the dashboard's server takes the connection and never says a word that Dask knows
+            # the dashboard's server accepts the connection but never answers in Dask's protocol
             asyncio.run(asyncio.wait_for(connect(), CONNECT_WAIT))
         except TimeoutError as error:
             answered.set_exception(OSError(str(error) or f"no scheduler there within {CONNECT_WAIT:g} s"))
@@ -177,13 +178,13 @@ def _check_answers(address: str) -> None:
         else:
             answered.set_result(None)
 
-    # the caller's thread may have a loop at work, as a notebook's has
+    # the caller's thread may run an event loop, as a notebook does
     Thread(target=ask, daemon=True).start()
     answered.result()
 
 
 def _check_workers(client: distributed.Client, runs: Path) -> None:
-    """Refuse workers that are there and could not do what a sweep asks for; others come only by and by."""
+    """Raise ValueError if a present worker cannot do the tasks of a sweep; later workers check themselves."""
     # by name: a worker without the package fails on the import
     answers = client.run(check_worker, own_versions(), str(runs), client.id, on_error="return")
     for where, answer in answers.items():
@@ -196,7 +197,7 @@ def _check_workers(client: distributed.Client, runs: Path) -> None:
 def check_worker(
     versions: dict[str, str], runs: str, token: str | None, dask_worker: distributed.Worker
 ) -> None:
-    """Refuse, by a ValueError, a worker of other versions, of several threads, or that sees no token."""
+    """Raise ValueError for a worker with other versions, several threads, or no view of the token."""
     where = dask_worker.address
     check_versions(versions, own_versions(), where)
     threads = dask_worker.state.nthreads
@@ -210,9 +211,9 @@ def check_worker(
 
 
 def run_alone(task: Task) -> Outcome:
-    """Do a task as `run_task`, on a worker of a cluster; raises as `check_worker`."""
+    """Run a task with `run_task` on a worker of a cluster; raises as `check_worker`."""
     check_worker(task.versions, task.runs, task.token, distributed.get_worker())
-    # xarray would take locks of the cluster for files that a run has for itself
+    # xarray would otherwise lock the files of a run on the whole cluster
     with _one_run, dask.config.set(scheduler="synchronous"):
         return run_task(task)
 
@@ -224,7 +225,7 @@ def outcomes(
     wait: float | None = None,
     report: Callable[[str], None] = lambda _text: None,
 ) -> Generator[Outcome, None, None]:
-    """Outcomes of tasks as they come.
+    """Yield the outcomes of tasks as they finish.
 
     Tasks are submitted before there is a worker: adaptive clusters start one only then. Raises as
     `check_worker`, TimeoutError if there is no worker for `wait` s, ConnectionError if the scheduler is lost.
@@ -248,7 +249,7 @@ def outcomes(
 
 
 class _Submitted:
-    """Tasks that a scheduler holds; all of a sweep would be too many."""
+    """Tasks on a scheduler: a part of the sweep, since all would be too many."""
 
     def __init__(
         self, client: distributed.Client, tasks: Iterator[Task], run: Callable[[Task], Outcome]
@@ -260,7 +261,7 @@ class _Submitted:
         self.finished: SimpleQueue[str] = SimpleQueue()
 
     def fill(self) -> int:
-        """Submit tasks for all workers there are, and return the number of these."""
+        """Submit tasks for all present workers, and return the number of workers."""
         try:
             workers = len(self.client.nthreads())
         except OSError as error:
@@ -276,9 +277,9 @@ class _Submitted:
             future.add_done_callback(lambda done: self.finished.put(done.key))
 
     def next(self, timeout: float) -> Outcome | None:
-        """Outcome of a task that has finished, in whose place another one is submitted.
+        """Return the outcome of a finished task, and submit another one in its place.
 
-        None if no task finishes within a time (s); raises what the task raised.
+        Returns None if no task finishes within `timeout` (s); raises the error of the task.
         """
         try:
             future, task = self.held.pop(self.finished.get(timeout=timeout))
@@ -298,13 +299,13 @@ class _Submitted:
         return outcome
 
     def cancel(self) -> None:
-        """Let the scheduler forget the tasks that are left: it may go on without this sweep."""
+        """Cancel the remaining tasks: the scheduler may continue without this sweep."""
         if self.held and self.client.status == "running":
             self.client.cancel([future for future, _ in self.held.values()])
 
 
 class _Awaited:
-    """Workers that a batch system starts as its queue lets it."""
+    """Workers that a batch system starts from its queue."""
 
     def __init__(self, address: str, wait: float | None, report: Callable[[str], None]) -> None:
         self.address = address
@@ -314,7 +315,7 @@ class _Awaited:
         self.is_told = False
 
     def look(self, workers: int) -> None:
-        """Say once that there is none; TimeoutError if there has been none for too long."""
+        """Report once that there is no worker; raise TimeoutError if there has been none for `wait` s."""
         if workers:
             self.seen = time.monotonic()
             self.is_told = False

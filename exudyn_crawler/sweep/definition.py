@@ -1,4 +1,4 @@
-"""Definition of a sweep: a case, what of it varies, by which design, and answers; its file."""
+"""Definition of a sweep: a case, its varied values, their design, and answers; reader of its file."""
 
 import hashlib
 import itertools
@@ -30,31 +30,31 @@ SAMPLED = ("latin_hypercube", "sobol", "saltelli")  # designs that draw points b
 Row = tuple[Any, ...]  # values of a run, one of every `Vary`
 Made = TypeVar("Made")
 MOST_RUNS = 1_000_000
-SHOWN_WARNINGS = 6  # implausible values that are warned of
+SHOWN_WARNINGS = 6  # greatest number of warnings of implausible values
 FOLDER_DIGITS = 16  # of a digest, in the name of a run's folder
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
-"""Columns of a sweep's table beside those of what varies and of the answers."""
-ASSUMED = "assumed"  # key of a sweep's file: all that is assumed of a datasheet's machine is drawn
+"""Columns of a sweep's table other than varied values and answers."""
+ASSUMED = "assumed"  # key of a sweep's file: all assumed values of a datasheet's machine are drawn
 TYPICAL = f"{datasheets.KEY}.typical"
-"""Begin of the paths of a datasheet's assumed values."""
+"""Prefix of the paths of a datasheet's assumed values."""
 MESH = "flexible.mesh"
-MEASURED = ("low", "high", "values")  # of what varies, in the unit of the case
+MEASURED = ("low", "high", "values")  # keys of `Vary` in the unit of the case
 LIVES = (*DamageOptions.model_fields, *Often.model_fields, "survival")
-"""What of an answer of life may vary; it is that of all of them."""
+"""Parameters of an answer of life that may vary; all such answers share them."""
 
 
 class PlannedRun(NamedTuple):
-    """A run of a sweep; runs of the same case, duration, outputs, versions and drawn lives are the same."""
+    """Run of a sweep; runs with the same case, duration, outputs, versions and drawn lives are one run."""
 
     number: int  # from 1
     values: Row
     digest: str  # SHA-256, names its folder
     asked: tuple[Answers, ...]
-    obstacle: str = ""  # why the machine of drawn typical values cannot be built; then there is no digest
+    obstacle: str = ""  # why the machine of drawn values cannot be built; such a run has no digest
 
 
 class Fleet(Parameters):
-    """Shoes whose hours a scatter is counted over."""
+    """Shoes whose machine hours a scatter counts."""
 
     shoes: int = quantity("1", "shoes of all machines", ge=1, le=10_000_000, default=78)
     hours_a_year: float = quantity(
@@ -74,7 +74,7 @@ class Variation(Parameters):
     seed: int = option("of the random numbers", 1, ge=0, le=2**32 - 1)
     fleet: Fleet = option("shoes that a scatter of lives is counted for", Fleet())
 
-    # what each kind has, beside its answers
+    # members of each kind, beside its answers
     named: ClassVar[Any]
     planned: ClassVar[Any]
     _varied: ClassVar[Any]
@@ -84,7 +84,7 @@ class Variation(Parameters):
         def answers(self) -> tuple[Answers, ...]: ...  # noqa: D102
 
     def _odd_fleet(self) -> list[str]:
-        """Lines about a fleet that there is none of."""
+        """Return lines about implausible values of the fleet."""
         return [f"fleet.{line}" for line in checks.out_of_range(self.fleet)]
 
     def _errors(self) -> Errors:
@@ -106,12 +106,12 @@ class Variation(Parameters):
 
     @property
     def is_sampled(self) -> bool:
-        """True if its design draws points, whose answers scatter as what varies does."""
+        """True if the design draws points; then the answers scatter as the varied values do."""
         return self.design in SAMPLED
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of what varies."""
+        """Names of the varied values."""
         return tuple(variable.label for variable in self.vary)
 
     @cached_property
@@ -120,12 +120,12 @@ class Variation(Parameters):
         return design_rows(self.design, self.vary, self.runs, self.seed)
 
     def units(self) -> dict[str, str]:
-        """Units of the columns of what varies and of the answers, empty for what has none."""
+        """Return the units of the columns of varied values and answers, empty for those without a unit."""
         varied = {variable.label: variable.unit_in(self._varied) for variable in self.vary}
         return varied | {answer.label: answer.unit for answer in self.answers}
 
     def meanings(self) -> dict[str, str]:
-        """Meanings of those columns."""
+        """Return the meanings of the columns of varied values and answers."""
         varied = {
             variable.label: ("factor of " if variable.factor else "") + ", ".join(variable.keys)
             for variable in self.vary
@@ -137,7 +137,7 @@ class Variation(Parameters):
         return self._varied.model_dump(mode="json")
 
     def _changed(self, values: Row) -> Any:
-        """Copy of what is varied, with the values of a run."""
+        """Return a copy of the varied subject with the values of a run."""
         content = self._content
         for variable, value in zip(self.vary, values, strict=True):
             content = variable.applied(content, value)
@@ -146,7 +146,7 @@ class Variation(Parameters):
         return checked_case(content, type(self._varied))
 
     def _of_all(self, make: Callable[[int, Row], Made]) -> list[Made]:
-        """Results of a function for all runs by number and values; an error names the run and its values."""
+        """Return the results of a function of number and values for all runs; an error names its run."""
         made = []
         for number, values in enumerate(self.rows, 1):
             try:
@@ -159,13 +159,13 @@ class Variation(Parameters):
         return made
 
     def table(self) -> pd.DataFrame:
-        """All runs: columns run, folder and those of what varies; raises and warns as `planned`."""
+        """Return all runs: columns run, folder and varied values; raises and warns as `planned`."""
         rows = [(run.number, run.digest[:FOLDER_DIGITS], *run.values) for run in self.planned]
         return pd.DataFrame(rows, columns=["run", "folder", *self.columns])
 
 
 class Sweep(Variation):
-    """A case, what of it varies, by which design, and answers; what runs cannot give is refused at once."""
+    """Case, varied values, design and answers; answers that the runs cannot give are refused at once."""
 
     case: CaseFile
     answers: tuple[Answers, ...] = option("what is wanted of every run", min_length=1)
@@ -178,12 +178,12 @@ class Sweep(Variation):
 
     @property
     def named(self) -> str:
-        """Name of its case and duration, for reading."""
+        """Name of the case and duration, for reading."""
         return f"{self.case.case.name}, {self.case.duration:g} s"
 
     @cached_property
     def _varied(self) -> Varied:
-        """Subject that varies: a case file and, where paths ask for it, the first answer of life, for all."""
+        """Varied subject: a case file and, if paths lead to it, the first answer of life, for all."""
         life = None
         if any(path.startswith("life.") for varied in self.vary for path in varied.keys):
             life = next((answer for answer in self.answers if isinstance(answer, Life)), None)
@@ -192,7 +192,7 @@ class Sweep(Variation):
         return Varied(**dict(self.case) | {"outputs": self.outputs}, life=life)
 
     def case_of(self, values: Row) -> tuple[CaseFile, str, tuple[Answers, ...]]:
-        """Case, duration and outputs of a run; a digest, with which the case's name ends; and its answers."""
+        """Return case file, digest and answers of a run; the name of the case ends with the digest."""
         varied = self._changed(values)
         answers = self.answers
         lives = None
@@ -202,7 +202,7 @@ class Sweep(Variation):
                 answer.with_(**drawn) if isinstance(answer, Life) else answer for answer in answers
             )
             lives = ANSWERS.dump_python(answers, mode="json")
-        # it was checked as it is
+        # already checked
         case_file = CaseFile.model_construct(
             **{name: getattr(varied, name) for name in CaseFile.model_fields}
         )
@@ -213,7 +213,7 @@ class Sweep(Variation):
 
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
-        """All runs, checked; warns of what is implausible, with the number of the first run that has it."""
+        """All runs, checked; warns of implausible values, with the number of the first run that has each."""
         odd: dict[str, int] = {}
         draws_typical = self.is_sampled and any(
             path.startswith(TYPICAL) for variable in self.vary for path in variable.keys
@@ -223,7 +223,7 @@ class Sweep(Variation):
             try:
                 case_file, digest, asked = self.case_of(values)
             except ValueError as error:
-                # each typical value is one that machines have; some do not go together
+                # typical values are those of real machines, but some do not fit each other
                 if not draws_typical:
                     raise
                 return PlannedRun(number, values, "", (), str(error))
@@ -251,9 +251,10 @@ class Sweep(Variation):
 
 
 def run_digest(case_file: CaseFile, life: Any = None) -> str:
-    """SHA-256 of what a run depends on: its case but for the name, duration, outputs, mesh and versions.
+    """Return the SHA-256 of a run's inputs: case less its name, duration, outputs, mesh and versions.
 
-    `life` are its answers where these vary: runs of one case have them in folders of their own.
+    `life` are the answers of a run if they vary; runs of one case with different answers then have different
+    folders.
     """
     content = case_file.model_dump(mode="json")
     del content["case"]["name"]
@@ -268,7 +269,7 @@ def run_digest(case_file: CaseFile, life: Any = None) -> str:
 
 @cache
 def _file_digest(path: Path, _changed_at: int) -> str:
-    """SHA-256 of a file, which many runs of a sweep share."""
+    """Return the SHA-256 of a file, cached for the many runs of a sweep."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
@@ -278,10 +279,11 @@ def _versions() -> list[str]:
 
 
 def design_rows(design: Design, varied: tuple[Vary, ...], runs: int | None, seed: int) -> list[Row]:
-    """Values of all runs; raises `ValueError` if their number does not fit the design.
+    """Return the values of all runs.
 
-    Samples draw `runs` points: by `scipy.stats.qmc`, or (saltelli) those of SALib by which Sobol indices are
-    estimated best (Saltelli 2002), as many again for every `Vary` and once more.
+    Samples draw `runs` points: by `scipy.stats.qmc`, or (saltelli) by SALib the points for the best estimate
+    of Sobol indices (Saltelli 2002); these add `runs` points for each `Vary`, and once more. Raises
+    `ValueError` if the number of runs does not fit the design.
     """
     if design not in SAMPLED:
         if runs is not None:
@@ -299,7 +301,7 @@ def design_rows(design: Design, varied: tuple[Vary, ...], runs: int | None, seed
     if design != "latin_hypercube" and runs & (runs - 1):
         raise ValueError(f"runs must be a power of 2 with design {design!r}, got {runs}")
     if design == "saltelli":
-        from SALib.sample.sobol import sample  # not everybody who plans a sweep has it
+        from SALib.sample.sobol import sample  # optional dependency
 
         points = sample(salib_problem(len(varied)), runs, calc_second_order=False, seed=seed)
     else:
@@ -311,13 +313,13 @@ def design_rows(design: Design, varied: tuple[Vary, ...], runs: int | None, seed
 
 
 def salib_problem(dimensions: int) -> dict[str, Any]:
-    """Problem of the varied parameters as SALib takes it, in the unit cube."""
+    """Return the problem of the varied parameters for SALib, in the unit cube."""
     names = [str(k) for k in range(dimensions)]
     return {"num_vars": dimensions, "names": names, "bounds": [[0.0, 1.0]] * dimensions}
 
 
 def read_sweep(path: str | Path) -> Sweep:
-    """Read a sweep file; paths of cases and meshes count from its folder.
+    """Read a sweep file; relative paths of cases and meshes start from its folder.
 
     `case` is a case file, the name of a case such as "translation", or a table with the content of a case
     file; the other keys are those of `Sweep`, tables ``[[vary]]`` and ``[[answers]]`` among them. Raises as
@@ -339,14 +341,14 @@ def read_sweep(path: str | Path) -> Sweep:
 
 
 def _assumed(case_file: CaseFile) -> list[reading.Content]:
-    """Variables where a file draws all that is assumed of a datasheet's machine, each over its range."""
+    """Return variables for all assumed values of a datasheet's machine, each over its range."""
     if case_file.datasheet is None:
         raise ValueError(f"{ASSUMED} needs a case with a datasheet, of which values are assumed")
     return datasheets.assumed_ranges(case_file.datasheet)
 
 
 def _of_file(varied: reading.Content, folder: Path, case_file: CaseFile) -> reading.Content:
-    """Variations with whole paths of meshes, and numbers of the case's unit for texts with units."""
+    """Return a variation with absolute paths of meshes, and texts with units as numbers in the unit there."""
     keys = varied.get("key")
     if MESH in str(keys):
         meshes = {
@@ -364,7 +366,7 @@ def _of_file(varied: reading.Content, folder: Path, case_file: CaseFile) -> read
     names = [*bounds, *(f"values[{k}]" for k in range(len(many)))]
     units.refuse_mixed([*bounds.values(), *many], unit, names)
     numbers = {name: units.number_of(varied[name], unit) for name in MEASURED if name in varied}
-    # a unit in words says that the numbers are meant
+    # a written unit shows that the numbers are meant
     has_units = any(number != varied[name] for name, number in numbers.items())
     return varied | numbers | ({"unit": varied.get("unit", unit)} if has_units else {})
 
@@ -372,7 +374,7 @@ def _of_file(varied: reading.Content, folder: Path, case_file: CaseFile) -> read
 def _in_units(settings: Any, units_of_paths: list[str]) -> Any:
     """Return rows of values in the units of their paths, numbers for texts with units."""
     if not isinstance(settings, list) or not all(isinstance(row, list) for row in settings):
-        return settings  # refused with all else
+        return settings  # refused later with all other errors
     for k, unit in enumerate(units_of_paths):
         values = {n: row[k] for n, row in enumerate(settings) if k < len(row)}
         units.refuse_mixed([*values.values()], unit, [f"settings[{n}][{k}]" for n in values])
@@ -386,8 +388,8 @@ def _in_units(settings: Any, units_of_paths: list[str]) -> Any:
 
 
 def _unit_at(case_file: CaseFile, path: str) -> str:
-    """Return the unit of the value at a path; empty for one without, and for a path that leads nowhere."""
-    # which is refused with all else
+    """Return the unit of the value at a path; empty for a value without a unit and for a wrong path."""
+    # a wrong path is refused later with all other errors
     with suppress(ValueError):
         entry = fields.entry_at(case_file, fields.parse_path(path))
         return "" if entry is None else entry.unit
@@ -395,7 +397,7 @@ def _unit_at(case_file: CaseFile, path: str) -> str:
 
 
 def _whole_paths(value: Any, folder: Path) -> Any:
-    """Value, or values, with whole paths in place of names of files in a folder."""
+    """Return a value, or values, with absolute paths in place of names of files in a folder."""
     if isinstance(value, list):
         return [_whole_paths(element, folder) for element in value]
     is_file = isinstance(value, str) and os.path.isfile(folder / value)

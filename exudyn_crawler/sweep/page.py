@@ -1,6 +1,6 @@
-"""Page of a sweep: response curves, effects, indices, best and worst runs.
+"""Page of a sweep: response curves, main effects, Sobol indices, best and worst runs.
 
-Tables are in units for reading (`results.for_reading`), `links` has the address of a run by its folder.
+Tables are in units for reading (`results.for_reading`); `links` has the address of a run by its folder.
 """
 
 import os
@@ -21,7 +21,7 @@ from exudyn_crawler.views.pages import page, report
 from exudyn_crawler.views.tables import cell_text, write_table
 
 LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
-"""Runs in the table, runs that are drawn, and levels of what is not on the axis that have a curve each."""
+"""Greatest number of rows in the table, of drawn runs, and of levels off the axis with a curve each."""
 HEIGHT, ACROSS = 420, 6  # pixels of a row of panels, and panels in it at most
 FEW_TICKS = {"nticks": 4, "tickangle": 0}
 SCATTER = {
@@ -36,7 +36,7 @@ SCATTER = {
 def write_page(
     sweep: AnySweep, table: pd.DataFrame, folder: Path, runs: Path | None, say: Callable[[str], None]
 ) -> None:
-    """Write the page and the scatter of a sweep into its folder, and reports of its best and worst `runs`."""
+    """Write page and scatter of a sweep into its folder, and reports of the best and worst of its `runs`."""
     for name, scatter_table in results.scatter_tables(sweep, table).items():
         write_table(scatter_table, folder / f"{name}.csv", overwrite=True)
     links = {}
@@ -48,7 +48,7 @@ def write_page(
 
 
 def sweep_page(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> str:
-    """HTML of the page of a table of `results_table`; it needs no other file but the runs it links to."""
+    """Return the HTML of the page of a `results_table`; it needs no other file except linked runs."""
     read = results.for_reading(table)
     sections = [
         page.Section("best", "Best and worst runs", _best(sweep, read, links)),
@@ -64,18 +64,18 @@ def sweep_page(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -
 
 
 def _label(table: pd.DataFrame, name: str) -> str:
-    """Column with its unit."""
+    """Return a column's name with its unit."""
     unit = table.attrs["units"].get(name, "")
     return f"{name} in {unit}" if unit else name
 
 
 def _is_life(table: pd.DataFrame, name: str) -> bool:
-    """True for a column of hours, which span decades."""
+    """Return True for a column in hours; lives span decades."""
     return table.attrs["units"].get(name) == "h"
 
 
 def _drawn(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Runs that have all answers; of very many, some that lie evenly among them."""
+    """Select runs with all answers, thinned evenly if there are many."""
     done = table.dropna(subset=[answer.label for answer in sweep.answers])
     return done.iloc[:: -(-len(done) // MOST_DRAWN) or 1]
 
@@ -101,7 +101,7 @@ def _scatter(sweep: AnySweep, table: pd.DataFrame) -> Markup:
     ranks = tables["sensitivities"].pivot(index="varied", columns="answer", values="rank correlation")
     order = ranks.abs().max(axis=1).sort_values(ascending=False).index
     answers = [answer.label for answer in sweep.answers if answer.label in ranks]
-    # without -0
+    # adding 0.0 turns -0.0 to 0.0
     tables["sensitivities"] = (ranks.loc[order, answers].round(2) + 0.0).reset_index()
     parts = [] if tables["quantiles"].empty else [distribution_figure(sweep, table, tables["quantiles"])]
     shown = [(said, tables[name]) for name, said in SCATTER.items() if not tables[name].empty]
@@ -146,7 +146,7 @@ def _runs(sweep: AnySweep, table: pd.DataFrame, links: Mapping[str, str]) -> Mar
 
 
 def distribution_figure(sweep: AnySweep, table: pd.DataFrame, quantiles: pd.DataFrame) -> go.Figure:
-    """Portion of the runs below each value of an answer, a panel each, with bounds of its quantiles."""
+    """Draw the distribution of each answer over the runs, one panel each, with bounds of its quantiles."""
     done = _drawn(sweep, table)
     by_answer = quantiles.groupby("answer", sort=False)
     figure = make_subplots(cols=len(by_answer), shared_yaxes=True)
@@ -165,13 +165,13 @@ def distribution_figure(sweep: AnySweep, table: pd.DataFrame, quantiles: pd.Data
 
 
 def _bars(value: pd.Series, least: pd.Series, most: pd.Series) -> dict[str, object]:
-    """Bars about values from the least to the most."""
+    """Return error bars around values from the least to the most."""
     ends = {"array": most - value, "arrayminus": value - least}
     return {"type": "data", "symmetric": False, "thickness": 1} | ends
 
 
 def response_curves(sweep: AnySweep, table: pd.DataFrame, answer: str) -> go.Figure:
-    """An answer over all that varies: on a grid with a curve a level of what varies next, else points."""
+    """Draw an answer over each varied value: on a grid a curve a level of the next one, else points."""
     done = _drawn(sweep, table)
     panels = []
     for k, name in enumerate(sweep.columns):
@@ -193,7 +193,7 @@ def response_curves(sweep: AnySweep, table: pd.DataFrame, answer: str) -> go.Fig
 
 
 def effect_figure(sweep: AnySweep, table: pd.DataFrame, effects: pd.DataFrame, answer: str) -> go.Figure:
-    """Main effects on an answer, a panel for everything that varies: means, and extremes as bars."""
+    """Draw main effects on an answer, one panel for each varied value: means, with extremes as bars."""
     panels = []
     for name in sweep.columns:
         rows = effects[(effects["answer"] == answer) & (effects["varied"] == name)]
@@ -204,7 +204,7 @@ def effect_figure(sweep: AnySweep, table: pd.DataFrame, effects: pd.DataFrame, a
 
 
 def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list[go.Scatter]]) -> go.Figure:
-    """Traces in rows of panels, one for everything that varies; lives on logarithmic axes."""
+    """Return traces in rows of panels, one for each varied value; lives on logarithmic axes."""
     rows = -(-len(panels) // ACROSS)
     across = min(len(panels), ACROSS)
     figure = make_subplots(rows, across, shared_yaxes="all", vertical_spacing=0.3 / rows)
@@ -224,7 +224,7 @@ def _panels(sweep: AnySweep, table: pd.DataFrame, answer: str, panels: list[list
 
 
 def _report_of(run: Path, say: Callable[[str], None]) -> None:
-    """Write the report of a run, unless it is there and as new as the run."""
+    """Write the report of a run unless there is one as new as the run."""
     path = run / report.REPORT
     outcome = run / worker.OUTCOME
     if path.is_file() and outcome.is_file() and path.stat().st_mtime >= outcome.stat().st_mtime:
@@ -232,12 +232,12 @@ def _report_of(run: Path, say: Callable[[str], None]) -> None:
         return
     try:
         note_file(report.write_report(run, overwrite=True))
-    # altered bytes make the readers raise all kinds of errors
+    # readers raise all kinds of errors for damaged files
     except Exception as error:
         say(f"no report of {run}: {' '.join(str(error).split())}")
 
 
 def _link(folder: Path, run: Path) -> str:
-    """Address of a run's report from the page, or of its folder where it has none."""
+    """Return the address of a run's report from the page, or of its folder if it has no report."""
     there = run / report.REPORT if (run / report.REPORT).is_file() else run
     return Path(os.path.relpath(there, folder.resolve())).as_posix()

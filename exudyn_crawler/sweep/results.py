@@ -1,4 +1,4 @@
-"""Results of a sweep: a row a run, answers over the grid, what they depend on and scatter by."""
+"""Results of a sweep: one row for each run, answers over the grid, sensitivities and scatter."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,23 +20,23 @@ MISSING = "missing"  # status of a run without an outcome
 NOT_BUILT = "not built"
 """Status of a draw whose machine cannot be built."""
 TABLE = "results.csv"
-"""File of the table of a sweep, in its folder."""
-BINS = 8  # of what varies continuously, for main effects
-LEAST_RUNS = 64  # finished runs of a sample from which first-order indices are estimated
-LEAST_SCATTERED = 10  # finished runs from which answers of a sample have a scatter
+"""File name of the table of a sweep, in its folder."""
+BINS = 8  # of a continuous variable, for main effects
+LEAST_RUNS = 64  # least finished runs of a sample for an estimate of first-order indices
+LEAST_SCATTERED = 10  # least finished runs of a sample for tables of scatter
 PORTIONS = (0.01, 0.05, 0.1, 0.5, 0.9, 0.95, 0.99)
 CONFIDENCE = 0.95
 PARTS = (4, 2, 1)  # convergence shows quantiles of the first quarter, the first half and all of the runs
-SMALL = 1e-12  # of an answer's size: spread below which it does not vary
+SMALL = 1e-12  # fraction of an answer's magnitude: spread below which it does not vary
 EFFECTS = ("answer", "varied", "level", "mean", "least", "greatest", "runs")
-SALIB = {"first": "S1", "first_conf": "S1_conf", "total": "ST", "total_conf": "ST_conf"}  # its own names
+SALIB = {"first": "S1", "first_conf": "S1_conf", "total": "ST", "total_conf": "ST_conf"}  # its names of these
 INDICES = ("answer", "varied", *SALIB)
 METHODS = {"grid": "variance of the grid's points", "saltelli": "Saltelli's estimators"}
 
 
 @dataclass(frozen=True)
 class SweepRun:
-    """A sweep that was run into a folder: its runs, and its answers over a grid or over the runs."""
+    """Sweep that was run into a folder: table of its runs, and answers over the grid or over the runs."""
 
     sweep: AnySweep
     table: pd.DataFrame
@@ -44,9 +44,9 @@ class SweepRun:
     folder: Path
 
     def check_answers(self) -> str:
-        """Return how many runs have no answer, and why; empty if all have one.
+        """Return the number of runs without an answer and the reason; empty if all runs have one.
 
-        Raise `NoAnswerError` if none has one.
+        Raises `NoAnswerError` if no run has an answer.
         """
         labels = [answer.label for answer in self.sweep.answers]
         without = self.table[self.table[labels].isna().all(axis="columns")]
@@ -62,7 +62,7 @@ class SweepRun:
 
 
 def results_table(sweep: AnySweep, outcomes: dict[str, worker.Outcome]) -> pd.DataFrame:
-    """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
+    """Return one row for each run; `attrs` has "units" and "meanings" by column; missing answers are NaN."""
     table = sweep.table()
     records: list[worker.Outcome] = [
         {"status": NOT_BUILT, "reason": run.obstacle} if run.obstacle else outcomes.get(run.digest, {})
@@ -81,17 +81,17 @@ def results_table(sweep: AnySweep, outcomes: dict[str, worker.Outcome]) -> pd.Da
 
 
 def finished(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows of the finished runs."""
+    """Return the rows of the finished runs."""
     return table[table["status"] == worker.DONE]
 
 
 def _cell(value: Any) -> Any:
-    """Value of the case in a table: a number or a text."""
+    """Return a value of the case for a table: a number or a text."""
     return value if isinstance(value, bool | int | float | str) else value_text(value)
 
 
 def for_reading(table: pd.DataFrame) -> pd.DataFrame:
-    """Same with forces in kN, stresses in MPa and angles in degrees, all else by prefixes: MN/m."""
+    """Return a table with forces in kN, stresses in MPa, angles in degrees, others with prefixes: MN/m."""
     made = table.copy()
     units = {}
     for name, unit in table.attrs["units"].items():
@@ -104,14 +104,14 @@ def for_reading(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _attributes(table: pd.DataFrame, name: str) -> dict[str, str]:
-    """Unit and meaning of a column, as files have them."""
+    """Return unit and meaning of a column for NetCDF files."""
     units = table.attrs["units"] | {"wall_time_s": "s"}
     meanings = table.attrs["meanings"]
     return {"units": units.get(name, ""), "long_name": meanings.get(name, "")}
 
 
 def results_dataset(sweep: AnySweep, table: pd.DataFrame) -> xr.Dataset:
-    """Answers of a table over what varies if the design is a grid, else over the runs; with units."""
+    """Return the answers of a table, with units, over the varied values of a grid, else over the runs."""
     names = [answer.label for answer in sweep.answers]
     if sweep.design == "grid":
         coordinates: dict[str, Any] = {
@@ -133,11 +133,11 @@ def results_dataset(sweep: AnySweep, table: pd.DataFrame) -> xr.Dataset:
 
 
 def scatter_tables(sweep: AnySweep, table: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Tables of a sample's scatter by the names of their files; none of other designs and of a few runs.
+    """Return the tables of a sample's scatter by file name; none for other designs and for few runs.
 
     The bounds of quantiles are order statistics, those of portions Clopper and Pearson's: both hold for any
-    distribution of independent draws. A Latin hypercube or a Sobol sequence covers the values that are drawn
-    more evenly, so that its error is less as a rule and the bounds are on the safe side.
+    distribution of independent draws. A Latin hypercube or a Sobol sequence covers the drawn values more
+    evenly. Its error is therefore less as a rule, and the bounds are on the safe side.
     """
     if not sweep.is_sampled or len(finished(table)) < LEAST_SCATTERED:
         return {}
@@ -146,10 +146,10 @@ def scatter_tables(sweep: AnySweep, table: pd.DataFrame) -> dict[str, pd.DataFra
 
 
 def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Quantiles of every answer over the finished runs, with their bounds and those of fewer runs.
+    """Return the quantiles of every answer over the finished runs, with bounds and those of fewer runs.
 
-    Columns answer, unit, runs, portion below, value, least and most (of `CONFIDENCE`; NaN where so few runs
-    have none), and the value of the first quarter and half of the runs.
+    Columns are answer, unit, runs, portion below, value, least and most (of `CONFIDENCE`; NaN if there are
+    too few runs), and the value of the first quarter and of the first half of the runs.
     """
     done = finished(table)
     units = table.attrs["units"]
@@ -167,7 +167,7 @@ def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def sensitivities(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Spearman's rank correlation of all answers with all drawn numbers; p: how often chance makes it."""
+    """Return Spearman's rank correlation of each answer with each drawn number, and its p value."""
     done = finished(table)
     rows = []
     numeric = [name for name in sweep.columns if pd.api.types.is_numeric_dtype(done[name])]
@@ -182,10 +182,10 @@ def sensitivities(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def failures(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Shoes of a fleet that crack before a rebuild, by every answer of life, with bounds of `CONFIDENCE`.
+    """Return shoes of a fleet that crack before a rebuild, by answer of life, with bounds of `CONFIDENCE`.
 
-    A run stands for a shoe. Columns answer, hours, cracked (runs of all), portion with least and most, and
-    shoes a year with theirs, the mean over the years until then; a cracked shoe counts once.
+    A run stands for a shoe. Columns are answer, hours, cracked (runs of all), portion with least and most,
+    and shoes a year with least and most: the mean over the years until then. A cracked shoe counts once.
     """
     done = finished(table)
     fleet = sweep.fleet
@@ -205,13 +205,13 @@ def failures(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def write_units_csv(table: pd.DataFrame, path: Path) -> None:
-    """Write a table as CSV with the units in its head: ``spring_stiffness in N/m``."""
+    """Write a table as CSV with units in its head: ``spring_stiffness in N/m``."""
     named = {name: f"{name} in {unit}" for name, unit in table.attrs["units"].items() if unit}
     write_table(table.rename(columns=named), path, overwrite=True)
 
 
 def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
-    """A column of what varies as numbers: as it is, or the numbers of its texts, and these."""
+    """Return a column of a varied value as numbers: itself, or the codes of its texts and these texts."""
     values = table[name]
     if pd.api.types.is_numeric_dtype(values) and not pd.api.types.is_bool_dtype(values):
         return values.to_numpy(dtype=float), []
@@ -220,7 +220,7 @@ def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
 
 
 def main_effects(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Mean and extremes of answers over all else, `EFFECTS`, at levels of what varies, or in bins of many."""
+    """Return mean and extremes of answers (`EFFECTS`) at levels of each varied value, or in bins if many."""
     done = finished(table)
     frames = [pd.DataFrame(columns=list(EFFECTS))]
     for name in sweep.columns if len(done) else ():
@@ -238,12 +238,12 @@ def main_effects(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def sobol_indices(sweep: AnySweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]:
-    """Shares of every answer's variance that what varies makes, alone (first) and in all (total): `INDICES`.
+    """Return fractions of each answer's variance by each value alone and in total, `INDICES`; and how.
 
-    On a whole grid they are those of its points, exactly: the variance of the means over all else, and what
-    is left when one is averaged over. Saltelli's points give estimates with their 95 % confidence (SALib,
-    Saltelli 2010), other samples first-order ones by RBD-FAST (Tarantola 2006). With them comes how they were
-    computed, or why there are none.
+    On a whole grid the indices are exact for its points. First: variance of the means over all other values.
+    Total: remainder after averaging over one value. Saltelli's points give estimates with their 95 %
+    confidence (SALib, Saltelli 2010), other samples first-order ones by RBD-FAST (Tarantola 2006). The second
+    result is the method or, without indices, the reason.
     """
     none = pd.DataFrame(columns=list(INDICES))
     done = finished(table)
@@ -266,7 +266,7 @@ def sobol_indices(sweep: AnySweep, table: pd.DataFrame) -> tuple[pd.DataFrame, s
 
 
 def _indices(sweep: AnySweep, done: pd.DataFrame, answer: str) -> dict[str, Any]:
-    """Indices of an answer by their columns, in the order of what varies."""
+    """Return the indices of an answer by column, in the order of the varied values."""
     values = done[answer].to_numpy()
     if sweep.design == "grid":
         values = values.reshape([len(variable.levels()) for variable in sweep.vary])
@@ -286,7 +286,7 @@ def _indices(sweep: AnySweep, done: pd.DataFrame, answer: str) -> dict[str, Any]
 
 
 def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Best and worst finished run of every answer: columns answer, which, run, value, unit and folder."""
+    """Return the best and worst finished run of every answer: answer, which, run, value, unit, folder."""
     done = finished(table)
     units = table.attrs["units"]
     rows = []

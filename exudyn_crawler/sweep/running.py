@@ -1,4 +1,4 @@
-"""A sweep into its folder: what has finished is taken, what is missing run, and all of it gathered."""
+"""Run of a sweep into its folder: finished runs are reused, missing ones run, and all are collected."""
 
 import json
 import os
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.sweep.cluster import Scheduler
 
 SETTINGS = "sweep.json"
-"""File of the settings of a sweep, in its folder."""
+"""File name of the settings of a sweep, in its folder."""
 
 
 def run_sweep(
@@ -37,22 +37,22 @@ def run_sweep(
     progress: bool | None = None,
     say: Callable[[str], None] = record.quiet,
 ) -> results.SweepRun:
-    """Run all runs of a sweep that have not finished, on Dask, and gather the answers.
+    """Run all unfinished runs of a sweep on Dask, and collect the answers.
 
-    A sweep that was stopped goes on when it is run into the same folder; one with more values or other
-    answers takes what is there. Runs that fail do not stop the others. Draws from a duty are no runs: their
-    lives are evaluated in this process, with errors of `life`.
+    A stopped sweep continues when it is run into the same folder; one with more values or other answers
+    reuses the finished runs. Failed runs do not stop the others. Draws from a duty are no runs: their lives
+    are evaluated in this process, with errors of `life`.
 
-    Every run has a folder in `runs` of `out`, which all workers have to share.
-    `scheduler` is a Dask cluster: its address or scheduler file, a cluster object or a client; without, one
-    of this machine's has `workers` processes, one a core if None. Runs are submitted before a worker is
-    there; `wait` limits the time (s) without one. `retry` repeats runs that have failed,
-    `overwrite` replaces tables and page of another sweep; see `run_case` for the other arguments.
+    Every run has a folder in `runs` of `out`, which all workers must share. `scheduler` is a Dask cluster:
+    its address or scheduler file, a cluster object or a client. Without it, a cluster on this machine has
+    `workers` processes, one for each core if None. Runs are submitted before there is a worker; `wait` limits
+    the time (s) without one. `retry` repeats failed runs; `overwrite` replaces tables and page of another
+    sweep; see `run_case` for the other arguments.
 
-    A ValueError before anything runs if values do not fit each other, no scheduler answers, a worker has
-    other versions, several threads, or does not see the folder, and later if one joins that does; a
-    TimeoutError beyond `wait`; an OSError if another sweep works in the folder, or it cannot be written to,
-    or has results of runs that this sweep does not have.
+    Raises ValueError before any run if values do not fit each other, no scheduler answers, or a worker has
+    other versions, several threads, or does not see the folder; later if such a worker joins. Raises
+    TimeoutError after `wait`; OSError if another sweep works in the folder, or the folder cannot be written
+    to, or has results of other runs than this sweep's.
     """
     sweep.planned  # noqa: B018 - refuses runs before a folder is made
     folder = writable_folder(Path(out))
@@ -65,7 +65,7 @@ def run_sweep(
 
 
 def refuse_other_results(sweep: scatter.AnySweep, folder: Path) -> None:
-    """Raise FileExistsError if results of a folder have runs, or draws, that a sweep does not have."""
+    """Raise FileExistsError if the results in a folder have runs or draws that are not in a sweep."""
     path = folder / results.TABLE
     if not path.is_file():
         return
@@ -94,7 +94,7 @@ def _run_into(
     retry: bool,
     progress: bool | None,
 ) -> results.SweepRun:
-    """Run what a sweep lacks in its folder, and gather; arguments: see `run_sweep`."""
+    """Run the missing runs of a sweep in its folder, and collect; arguments: see `run_sweep`."""
     folder = work.path
     assert folder is not None
     if isinstance(sweep, scatter.DutyScatter):
@@ -107,7 +107,7 @@ def _run_into(
     stored, missing, line = _state(sweep, runs, retry)
     work.say(line)
     if missing:
-        # planning a sweep and looking at its results do without Dask
+        # Dask is not needed to plan a sweep or to see its results
         from exudyn_crawler.sweep.cluster import connected, outcomes
 
         shared = None if scheduler is None else folder / "reductions"
@@ -133,7 +133,7 @@ def _gathered(
     runs: Path | None,
     work: record.RunFolder,
 ) -> results.SweepRun:
-    """Tables and page of a sweep's outcomes; runs, if they have them, are in folders of `runs`."""
+    """Write tables and page of a sweep's outcomes; `runs` is the folder of its runs, if any."""
     record.write_json(folder / SETTINGS, sweep.model_dump(mode="json"))
     with work.timed("tables and page"):
         table = results.results_table(sweep, stored)
@@ -145,14 +145,14 @@ def _gathered(
 
 
 def folder_state(sweep: Sweep, out: Path, *, workers: int | None, retry: bool) -> str:
-    """State of a sweep in a folder, and how long the rest takes; arguments: see `run_sweep`."""
+    """Describe the state of a sweep in a folder, and the time of the rest; arguments: see `run_sweep`."""
     stored, missing, line = _state(sweep, out.resolve() / "runs", retry)
     rest = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, stored.values())
     return f"{line}\n{rest}"
 
 
 def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], list[PlannedRun], str]:
-    """Outcomes there are, by digest, runs that have to be done (again), each once, and both in a line."""
+    """Return present outcomes by digest, runs to do (again), each once, and a line on both."""
     different = {case.digest: case for case in sweep.planned if not case.obstacle}
     read = {digest: read_outcome(runs, digest) for digest in different}
     stored = {digest: outcome for digest, outcome in read.items() if outcome is not None}
@@ -182,7 +182,7 @@ def tasks_of(
     reductions: Path | None = None,
     retry: bool = False,
 ) -> Iterator[Task]:
-    """Tasks of planned runs, each made when it is asked for: all cases take too much memory."""
+    """Yield tasks of planned runs on demand: all cases together take too much memory."""
     shared = None if reductions is None else str(reductions.resolve())
     for planned in missing:
         case = sweep.case_of(planned.values)[0].model_dump_json()
@@ -191,13 +191,13 @@ def tasks_of(
 
 
 def run_time(case_file: CaseFile) -> float:
-    """Processor time of a run by a rule of thumb, s, without what is done once and what is written of it."""
+    """Return the processor time of a run (s) by a rule of thumb, without preparation and outputs."""
     times = parts.rule_of_thumb(case_file)
     return sum(times[part] for part in (parts.SIMULATE, parts.RECOVER) if part in times)
 
 
 def estimate(case_file: CaseFile, missing: int, workers: int | None, stored: Iterable[Outcome]) -> str:
-    """Time of the missing runs in a line; finished runs show how long one takes."""
+    """Describe the time of the missing runs; finished runs show the time of one."""
     times = [float(outcome["wall_time_s"]) for outcome in stored if outcome.get("status") == DONE]
     each = sum(times) / len(times) if times else run_time(case_file)
     whence = f"as {len(times)} finished ones took" if times else "of processor time, by a rule of thumb"

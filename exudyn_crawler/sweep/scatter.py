@@ -1,4 +1,4 @@
-"""Scatter of lives over a duty: values are drawn, and cycles that were counted once get another weight."""
+"""Scatter of lives over a duty: values are drawn, and cycles, counted once, get other weights."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -21,14 +21,14 @@ from fem.fatigue.changes import EndsTracker, PassEnds, changes
 from fem.fatigue.defects import CycleStage
 
 WORST = 5
-"""Nodes of a region that any part of a duty, or all together, damages most: at these draws are counted."""
-DEFECTS = 10  # worst nodes of a region at which its defect is looked at
+"""Nodes of a region with the most damage by any part of a duty, or by all together: draws count there."""
+DEFECTS = 10  # worst nodes of a region at which its defect is evaluated
 DRAWN = ("material", "miner", "survivals", "an_hour", "share", "load", "case", "after", "hours")
-"""What of a duty may be drawn, by the first or the last name of its path."""
+"""Parameters of a duty that may be drawn, by the first or the last name of their path."""
 
 
 class DutyScatter(definition.Variation):
-    """Lives over a duty of which values are drawn: every draw is a shoe."""
+    """Lives over a duty with drawn values: every draw is a shoe."""
 
     duty: Duty
     design: definition.Design = parameters.option("as in a sweep", "latin_hypercube")
@@ -42,7 +42,7 @@ class DutyScatter(definition.Variation):
 
     @property
     def named(self) -> str:
-        """Name of its duty, for reading."""
+        """Name of the duty, for reading."""
         return f"duty {self.duty.name}"
 
     @property
@@ -51,7 +51,7 @@ class DutyScatter(definition.Variation):
 
     @cached_property
     def answers(self) -> tuple[answers.Life, ...]:
-        """Life of the shoe, its bores left out, and of each of its regions."""
+        """Life of the shoe without its bores, and of each of its other regions."""
         damage = {name: getattr(self.duty, name) for name in DamageOptions.model_fields}
         regions = [None, *(region for region in REGIONS if region != BORES)]
         return tuple(
@@ -60,7 +60,7 @@ class DutyScatter(definition.Variation):
 
     @cached_property
     def duties(self) -> list[Duty]:
-        """Duty of every draw, checked; warns of a fleet that there is none of."""
+        """Duty of every draw, checked; warns of an implausible fleet."""
         checks.warn_of(self._odd_fleet())
         return self._of_all(lambda _number, values: self._changed(values))
 
@@ -71,7 +71,7 @@ class DutyScatter(definition.Variation):
         return tuple(definition.PlannedRun(k, values, str(k), ()) for k, values in enumerate(self.rows, 1))
 
     def lives(self, say: Callable[[str], None] = lambda _text: None) -> list[dict[str, float]]:
-        """Lives in h of every draw by names of answers; raises as `life`."""
+        """Return the lives (h) of every draw by name of answer; raises as `life`."""
         counted = CountedDuty.of(stage_lives(_with_all_cases(self.duties), say), self.duty)
         say(f"{len(self.duties)} draws at {len(counted.regions)} nodes")
         long = dict.fromkeys((answer.label for answer in self.answers), life.BEYOND)
@@ -82,7 +82,7 @@ AnySweep = definition.Sweep | DutyScatter
 
 
 def _with_all_cases(duties: Sequence[Duty]) -> Duty:
-    """First of some duties with the check cases of all of them."""
+    """Return the first of some duties with the check cases of all of them."""
     cases = {_key(case): case for duty in duties for case in duty.cases}
     named = (case.with_(name=key, load=1.0) for key, case in cases.items())
     return duties[0].with_(cases=tuple(named))
@@ -93,9 +93,9 @@ def _key(case: DutyCase) -> str:
 
 
 class CountedStage(NamedTuple):
-    """Cycles at the nodes of a duty's draws in a stage: their part, node and stresses (Pa), each (n,).
+    """Cycles at nodes in a stage of a duty: part, node and stresses (Pa), each (n,).
 
-    `ends` (parts, places, nodes) are those of the passes of the parts.
+    `ends` (parts, places, nodes) are the least and greatest stresses of the passes of the parts.
     """
 
     runs: Sequence[duty_runs.UsedRun]
@@ -106,7 +106,7 @@ class CountedStage(NamedTuple):
     ends: PassEnds
 
     def weighed(self, duty: Duty) -> "WeighedCycles":
-        """Cycles of a drawn duty."""
+        """Return the cycles with the weights of a drawn duty."""
         drawn = {run.name: run for run in duty.runs} | {_key(case): case for case in duty.cases}
         often = np.zeros(len(self.runs))
         load = np.ones(len(self.runs))
@@ -135,7 +135,7 @@ class CountedStage(NamedTuple):
 class WeighedCycles(NamedTuple):
     """Cycles of a drawn duty in a stage: node, both stresses (Pa) and number an hour, each (n,).
 
-    Cycles that are replaced have negative numbers. `peak` (nodes,) is the greatest magnitude of stress, Pa.
+    Replaced cycles have negative numbers. `peak` (nodes,) is the greatest magnitude of stress, Pa.
     """
 
     node: np.ndarray
@@ -145,7 +145,7 @@ class WeighedCycles(NamedTuple):
     peak: np.ndarray
 
     def of(self, node: int, lasts: float) -> CycleStage:
-        """Cycles of a node that last so long, those that are replaced taken off."""
+        """Return the cycles of a node over `lasts` (h), less the replaced ones."""
         here = self.node == node
         ends = np.sort(np.stack((self.begin[here], self.end[here]), axis=1), axis=1)
         different, each = np.unique(ends, axis=0, return_inverse=True)
@@ -155,14 +155,14 @@ class WeighedCycles(NamedTuple):
 
 @dataclass(frozen=True)
 class CountedDuty:
-    """Cycles over a duty at the nodes that may crack first, whose damage any draw gives another weight."""
+    """Cycles over a duty at nodes that may crack first; a draw changes only the weights of their damage."""
 
     regions: np.ndarray  # (nodes,) of str
     stages: tuple[CountedStage, ...]
 
     @classmethod
     def of(cls, stages: Sequence[life.LifeResults], duty: Duty) -> "CountedDuty":
-        """Cycles in the stages of a duty at nodes of the last one's mesh."""
+        """Return the cycles in the stages of a duty, at nodes of the last stage's mesh."""
         last = stages[-1]
         near = [life.nearest_nodes(stage, stages[-1]) for stage in stages]
         surface = last.whole.mesh.surface_nodes
@@ -177,7 +177,7 @@ class CountedDuty:
         return cls(last.regions[nodes], tuple(counted))
 
     def lives(self, duty: Duty) -> dict[str, float]:
-        """Life in h of the shoe and of each of its regions over a drawn duty, by names of answers."""
+        """Return the life (h) of the shoe and of each region over a drawn duty, by name of answer."""
         material = duty.material
         survival = duty.survivals[-1:]
         curve = replace(material.curve(duty.miner), residual_stress=0.0)
@@ -206,7 +206,7 @@ class CountedDuty:
 
 
 def _counted(stage: life.LifeResults, nodes: np.ndarray) -> CountedStage:
-    """Cycles in a stage at some nodes, without those that no draw notices."""
+    """Return the cycles in a stage at some nodes, without those too small for any draw."""
     rows = []
     ends = []
     for part, run in enumerate(stage.runs):
@@ -228,7 +228,7 @@ def _counted(stage: life.LifeResults, nodes: np.ndarray) -> CountedStage:
 
 
 def read_scatter(path: str | Path) -> AnySweep:
-    """Read a sweep file, or one that names a duty file beside what is drawn of it; raises as `read_sweep`."""
+    """Read a sweep file, or one with a duty file and its drawn values; raises as `read_sweep`."""
     path = Path(path)
 
     def values(content: reading.Content) -> reading.Content:

@@ -15,20 +15,23 @@ from exudyn_crawler.settings.error_lines import error_lines
 from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option
 from exudyn_crawler.sweep.answers import Life
 
-WITHIN = 0.9  # of drawn values between low and high
+WITHIN = 0.9  # fraction of the drawn values between low and high
 Puts = tuple[Any, ...]  # values, one a path
 Base = TypeVar("Base", bound=CaseFile | Duty)
 Key = Annotated[str, Field(min_length=1, max_length=200)]
 
 
 class Varied(CaseFile):
-    """Values that paths of a sweep lead to: a case file, and under `life` what its answers of life have."""
+    """Subject of a sweep's paths: a case file and, under `life`, the parameters of its answers of life."""
 
     life: Life | None = None
 
 
 def checked_case(content: dict[str, Any], kind: type[Base]) -> Base:
-    """Case file, or duty, of a content; raises `ValueError` naming the first error by its path."""
+    """Return the case file or duty of a content.
+
+    Raises `ValueError` with the first error and its path.
+    """
     if (case := content.get("case")) is not None:
         content = content | {"case": with_equal_loads(case)}
     try:
@@ -38,7 +41,7 @@ def checked_case(content: dict[str, Any], kind: type[Base]) -> Base:
 
 
 class Vary(Parameters):
-    """A value of the case that varies from run to run, or several that change together."""
+    """Value of the case that varies from run to run, or several values that change together."""
 
     key: Key | tuple[Key, ...] = option(
         "path of the value, such as terrain.spring_stiffness, loads.phases[*].loads (of all phases), or "
@@ -120,7 +123,10 @@ class Vary(Parameters):
         return (self.low, self.high) if self.values is None else self.values
 
     def levels(self) -> tuple[Any, ...]:
-        """Values of a grid; raises `ValueError` if there are bounds without a count."""
+        """Return the values of a grid.
+
+        Raises `ValueError` for bounds without a count.
+        """
         if self.values is not None:
             return self.values
         if self.count is None:
@@ -128,7 +134,7 @@ class Vary(Parameters):
         return tuple(self.at(u) for u in np.linspace(0.0, 1.0, self.count))
 
     def at(self, portion: float) -> Any:
-        """Value at a portion, from 0 to 1, of the way from low to high, of a distribution or the values."""
+        """Return the value at a portion (0 to 1) of a distribution, between low and high, or of a list."""
         if self.values is not None:
             return self.values[min(int(portion * len(self.values)), len(self.values) - 1)]
         assert self.low is not None and self.high is not None  # noqa: PT018 - both or neither
@@ -141,7 +147,7 @@ class Vary(Parameters):
         return float(self.low + portion * (self.high - self.low))
 
     def _quantile(self, portion: float) -> float:
-        """Value that a portion of the drawn ones is below, by the two quantiles `low` and `high`.
+        """Return the quantile of the distribution given by its two quantiles `low` and `high`.
 
         A normal variable is linear in its standard score, the log of a Weibull one in ``log(-log(1 - p))``.
         """
@@ -156,14 +162,14 @@ class Vary(Parameters):
         return float(np.exp(value) if is_log else value)
 
     def unit_in(self, case_file: CaseFile | Duty) -> str:
-        """Unit of the column; empty for factors and for what has none."""
+        """Return the unit of the column; empty for factors and values without a unit."""
         if self.settings is not None:
             return self.unit or ""
         entry = fields.entry_at(case_file, fields.parse_path(self.keys[0]))
         return "" if self.factor or entry is None else entry.unit
 
     def applied(self, content: dict[str, Any], value: Any) -> dict[str, Any]:
-        """Content of a case with a value, or what it stands for, or with what is there times a factor."""
+        """Return the content of a case with a value, with the settings of that value, or multiplied by it."""
         puts: Puts = (value,) * len(self.keys)
         if self.settings is not None and self.values is not None:
             puts = self.settings[self.values.index(value)]
@@ -178,12 +184,12 @@ class Vary(Parameters):
     def _changed(self, put: Any, before: Any) -> Any:
         if self.factor:
             return _multiplied(before, put)
-        # a count between bounds is a whole number, too
+        # a count between bounds is rounded to a whole number
         is_count = fields.is_number(before) and isinstance(before, int) and self.values is None
         return round(put) if is_count else put
 
     def check(self, case_file: CaseFile | Duty) -> None:
-        """Refuse, naming the path, what does not fit a case: unknown paths, another unit, wrong values."""
+        """Raise `ValueError` for unknown paths, a wrong unit or wrong values; the message names the path."""
         for path in self.keys:
             entry = fields.entry_at(case_file, fields.parse_path(path))
             if entry is None:
@@ -192,7 +198,7 @@ class Vary(Parameters):
                 raise ValueError(f"{path} is a table; key must be the path of a value in it")
             if entry.place[-1] in fields.TAGS:
                 raise ValueError(f"{path} cannot vary: each has values of its own; make a sweep of each")
-            # settings are computed: their unit is that of what they stand for
+            # settings are computed: their unit is that of their values
             if self.settings is None:
                 self._check_unit(path, entry)
         content = case_file.model_dump(mode="json")
@@ -200,7 +206,7 @@ class Vary(Parameters):
             try:
                 checked_case(self.applied(content, value), type(case_file))
             except ValueError as error:
-                # whether values, each allowed, fit each other depends on what else varies
+                # values, each allowed, may fit each other only with other varied values
                 cause = error.__cause__
                 kinds = (
                     {error["type"] for error in cause.errors()} if isinstance(cause, ValidationError) else {}
@@ -211,7 +217,7 @@ class Vary(Parameters):
             raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
 
     def _check_unit(self, path: str, entry: fields.Item) -> None:
-        """Refuse another unit, and numbers that without a unit are likely in another."""
+        """Raise ValueError for another unit, and for numbers that, given no unit, are likely in another."""
         if self.unit is not None and self.unit != ("" if self.factor else entry.unit):
             meant = "none with a factor" if self.factor else repr(entry.unit)
             raise ValueError(f"{path}: unit must be {meant}, got {self.unit!r}: values are in SI units")
@@ -226,7 +232,7 @@ class Vary(Parameters):
 
 
 def _multiplied(before: Any, factor: Any) -> Any:
-    """Number, or numbers of a list, times a factor."""
+    """Return a number, or the numbers of a list, times a factor."""
     if isinstance(before, list):
         return [_multiplied(number, factor) for number in before]
     if not (fields.is_number(before) and fields.is_number(factor)):

@@ -1,4 +1,4 @@
-"""One run of a sweep in its folder, as a worker does it, and what became of it."""
+"""Run of a sweep on a worker, in its folder, and its outcome."""
 
 import json
 import os
@@ -22,19 +22,19 @@ from exudyn_crawler.run.folder.record import LOCK, note_file, timestamp, write_j
 from exudyn_crawler.sweep import answers, definition
 
 LOCK_WAIT = 600.0
-"""s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
+"""Time (s) that a run waits for another process on it, such as a worker that the scheduler took for dead."""
 DONE = "done"
 FAILED = "failed"
-OUTCOME = "outcome.json"  # what became of a run of a sweep, in its folder
-SEEN = ".seen"  # in the folder of the folders of runs, while a sweep goes on
+OUTCOME = "outcome.json"  # outcome of a run of a sweep, in its folder
+SEEN = ".seen"  # in the folder of all runs while a sweep is at work
 Outcome = dict[str, Any]
-"""Of a run: digest, status ("done" or "failed"), reason, answers by name, asked (definitions of the answers),
-wall_time_s, processor_time_s, host, process and finished."""
+"""Outcome of a run: digest, status ("done" or "failed"), reason, answers by name, asked (definitions of the
+answers), wall_time_s, processor_time_s, host, process and finished."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """Task of a worker: a run with all that it needs to know."""
+    """Task of a worker: a run with all its inputs."""
 
     digest: str
     case: str  # case file as JSON
@@ -42,20 +42,20 @@ class Task:
     runs: str  # folder of the folders of runs
     reductions: str | None  # folder of reductions of flexible shoes; None: that of the worker's machine
     versions: dict[str, str]  # of the client
-    again: bool = False  # also if it has failed
+    again: bool = False  # True: repeat a failed run
     token: str | None = None  # text of `SEEN` that the worker has to read in the folder; None: unchecked
 
 
 @cache
 def own_versions() -> dict[str, str]:
-    """Versions that have to be the same on client and workers, by name."""
+    """Return the versions, by name, that must be equal on client and workers."""
     names = ("exudyn-crawler", "exudyn", "numpy", "scipy", "distributed")
     python = {"Python": ".".join(platform.python_version_tuple()[:2])}
     return python | {name: version(name) for name in names} | {"sources": program_digest()[:12]}
 
 
 def check_versions(wanted: dict[str, str], there: dict[str, str], where: str) -> None:
-    """Refuse, by a ValueError, a worker whose versions are not the client's."""
+    """Raise ValueError for a worker with other versions than the client."""
     pairs = [(name, there.get(name, "missing"), here) for name, here in wanted.items()]
     differing = [f"{name} {other} there, {here} here" for name, other, here in pairs if other != here]
     if differing:
@@ -64,7 +64,7 @@ def check_versions(wanted: dict[str, str], there: dict[str, str], where: str) ->
 
 @contextmanager
 def token_in(runs: Path, token: str) -> Iterator[None]:
-    """Leave a text in the folder of a sweep's runs for a while, by which workers show that they see it."""
+    """Keep a token in the folder of a sweep's runs for a while; workers that read it see the folder."""
     path = runs / SEEN
     path.write_text(token, encoding="ascii")
     try:
@@ -74,7 +74,7 @@ def token_in(runs: Path, token: str) -> Iterator[None]:
 
 
 def sees(runs: str | Path, token: str) -> bool:
-    """True where this machine sees the folder that has a token."""
+    """Return True if this machine sees the folder with a token."""
     try:
         return (Path(runs) / SEEN).read_text(encoding="ascii") == token
     except (OSError, ValueError):
@@ -82,7 +82,7 @@ def sees(runs: str | Path, token: str) -> bool:
 
 
 def run_task(task: Task) -> Outcome:
-    """Run a case into its folder, or what is missing of it, and answer; raises as `check_versions` alone."""
+    """Run a case, or its missing parts, into its folder, and answer; raises only as `check_versions`."""
     check_versions(task.versions, own_versions(), platform.node())
     begun = time.perf_counter()
     computed = time.process_time()
@@ -101,12 +101,12 @@ def run_task(task: Task) -> Outcome:
 
 
 def folder_of(runs: str | Path, digest: str) -> Path:
-    """Folder of a run in that of all runs."""
+    """Return the folder of a run in that of all runs."""
     return Path(runs) / digest[: definition.FOLDER_DIGITS]
 
 
 def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
-    """Outcome of a run; None if it has none that can be read, or it is that of another one."""
+    """Return the outcome of a run; None if there is none, it cannot be read, or it is that of another run."""
     try:
         outcome = json.loads((folder_of(runs, digest) / OUTCOME).read_text(encoding="utf-8"))
         return outcome if outcome["digest"] == digest else None
@@ -117,7 +117,7 @@ def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
 def write_outcome(
     task: Task, error: BaseException | None, numbers: dict[str, float | None], **more: Any
 ) -> Outcome:
-    """Write the outcome of a run, which fails with an error, into its folder."""
+    """Write the outcome of a run into its folder; a run with an error has failed."""
     reason = "" if error is None else " ".join(str(error).split())
     if error is not None and not (isinstance(error, errors.CrawlerError | ValueError | OSError) and reason):
         reason = f"{type(error).__name__}: {reason}"
@@ -131,7 +131,7 @@ def write_outcome(
 
 
 def _answered(task: Task) -> dict[str, float | None]:
-    """Answers of a run by name; None where a run has none."""
+    """Run the case of a task and return its answers by name; None if a run has none."""
     case_file = CaseFile.model_validate_json(task.case)
     folder = folder_of(task.runs, task.digest)
     has_failed = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
