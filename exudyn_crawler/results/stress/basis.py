@@ -1,11 +1,11 @@
-"""Factors of the stress of a history: columns of displacement and stress, and coordinates.
+"""Factors of the stress of a history: columns of displacement and stress, and their coordinates.
 
-The columns are all modes and, where the case asks for them, static fields: what static answers to the loads
-of this history have beyond the modes. Their coordinates are products of those of the shoe's unit loads with
-what each makes of the columns. Static fields have fewer and smoother unit loads than the shoe, since each
-takes a static solution of the finite elements: a coarser grid of tractions that change evenly between its
-points, and stations of each rail with a pressure about them. `StaticLoads.shares` turns the shoe's into
-these, with the same forces.
+The columns are all modes and, if the case wants them, static fields: the part of the static responses to
+this history's loads that the modes lack. The coordinates are products of the coordinates of the shoe's unit
+loads with the columns' coordinates for each unit load. Static fields have fewer and smoother unit loads than
+the shoe, since each takes a static solution of the finite elements. The ground has a coarser grid, with
+tractions linear between its points; each rail has stations with a pressure about them. `StaticLoads.shares`
+maps the shoe's unit loads to these, with the same forces.
 """
 
 import tempfile
@@ -31,21 +31,21 @@ from fem.memory import give_back_memory
 from fem.stress import low_rank
 
 TOLERANCE = 1e4
-"""Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
-MOST_FIELDS = 0.4  # greatest number of fields over that of modes
+"""Greatest change of a stress by omitted fields, Pa, as far as `MOST_FIELDS` allows: 0.01 MPa."""
+MOST_FIELDS = 0.4  # greatest number of fields, fraction of the number of modes
 MOST_HELD = 1.5e8
-"""Bytes of static fields that stay in memory for what asks for them next; the study mesh's take 2.2e8."""
+"""Greatest size of static fields that stay in memory for their next use, bytes; study mesh: 2.2e8."""
 LONG, PART = low_rank.SEGMENT, 2**12
-"""Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms; and of a
-longer one, of whose contacts with units there are 30 kB a time."""
-GROUND_SPACING = 0.2  # m, at most, between points of the ground's grid: a fifth of a unit
+"""Stored times with loads and coordinates in memory together: `LONG` of a run, 33 s stored every 2 ms; `PART`
+of a longer run, since its contacts with units take 30 kB a time."""
+GROUND_SPACING = 0.2  # greatest distance of points of the ground's grid, m: a fifth of a unit
 RAIL_REACH = 0.1
-"""m, half the length over which a force on a rail is spread: about an element; a roller's line is shorter."""
-RAIL_SPACING = 0.0375  # m, about, between stations of a rail: `Stations` says what it leaves open
+"""Half the length of a rail that carries a force, m: about an element; a roller's line contact is shorter."""
+RAIL_SPACING = 0.0375  # approximate distance of stations on a rail, m; see `Stations` for its error
 
 
 def ground_grid(mesh: fem.Mesh) -> fem.PressureGrid:
-    """Grid of the static fields over the underside of a shoe; ValueError if that is no level rectangle."""
+    """Return the static fields' grid over the underside of a shoe; ValueError if it is no level rectangle."""
     under = mesh.nodes[mesh.nodes_of("underside"), :2]
     low = under.min(axis=0)
     high = under.max(axis=0)
@@ -54,7 +54,10 @@ def ground_grid(mesh: fem.Mesh) -> fem.PressureGrid:
 
 
 def rail_stations(mesh: fem.Mesh) -> list[fem.Stations]:
-    """Stations of the static fields on each rail of a shoe, from right to left; each a level rectangle."""
+    """Return the static fields' stations on each rail of a shoe, from right to left.
+
+    Each rail is a level rectangle.
+    """
     rails = fem.flat_parts(mesh, "rails")
     lengths = [rail.high[0] - rail.low[0] for rail in rails]
     return [
@@ -64,32 +67,32 @@ def rail_stations(mesh: fem.Mesh) -> list[fem.Stations]:
 
 
 class StaticLoads(NamedTuple):
-    """Static fields of a shoe's loads, and the shares (k, f) of their f unit loads in the shoe's k."""
+    """Static fields of a shoe's loads, and shares (k, f) of their f unit loads in the k of the shoe."""
 
     fields: fem.StaticFields
     shares: csr_array
-    path: Path  # file of the fields, unless the disk did not take it
+    path: Path  # file of the fields; absent if it could not be written
 
     @property
     def is_large(self) -> bool:
-        """True for fields that are not to be in memory while nothing needs them."""
+        """True for fields too large to stay in memory between uses."""
         return self.fields.displacements.nbytes > MOST_HELD
 
 
 def static_loads(case: Case) -> StaticLoads | None:
-    """Static fields beside all modes of a case's flexible shoes; cached on disk. None if not asked for."""
+    """Return the static fields of a case's flexible shoes, cached on disk; None if the case wants none."""
     if not case.flexible_shoes().static_fields:
         return None
     return _static_loads(load_map.unit_loads(case), flexible_shoes.whole_reduction(case))
 
 
 def forget_static_fields() -> None:
-    """Free static fields, a quarter of a GB of the study's mesh; those asked for again come from the disk."""
+    """Free the memory of static fields, 0.25 GB for the study mesh; later uses read them from disk."""
     _static_loads.cache_clear()
 
 
 def store_static_fields(case: Case) -> None:
-    """Leave large static fields of a case's flexible shoes on disk alone, unless that takes none."""
+    """Keep large static fields of a case's flexible shoes on disk only, unless they have no file."""
     static = static_loads(case)
     if static is not None and static.is_large and static.path.is_file():
         forget_static_fields()
@@ -105,7 +108,7 @@ def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> 
 
 
 def field_families(units: load_map.ShoeUnitLoads) -> dict[str, fem.UnitLoads]:
-    """Loads of the static fields by family, which take the place of a shoe's unit loads."""
+    """Return the static fields' unit loads by family; they replace those of the shoe."""
     mesh = units.body.mesh
     interfaces = units.whole.interfaces
     families = {load_map.JOINTS: fem.UnitLoads.at_centers(len(mesh.nodes), interfaces)}
@@ -124,7 +127,7 @@ def field_families(units: load_map.ShoeUnitLoads) -> dict[str, fem.UnitLoads]:
 
 @lru_cache(maxsize=2)
 def field_shares(units: load_map.ShoeUnitLoads) -> csr_array:
-    """Shares (k, f) of the f loads of static fields in the k unit loads of a shoe."""
+    """Return the shares (k, f) of the f loads of static fields in the k unit loads of a shoe."""
     mesh = units.body.mesh
     blocks = [eye_array(6 * len(units.whole.interfaces))]
     for name, family in units.spread.items():
@@ -140,7 +143,7 @@ def field_shares(units: load_map.ShoeUnitLoads) -> csr_array:
 
 
 def _ground_shares(underside: rectangle_motion.Underside, grid: fem.PressureGrid) -> np.ndarray:
-    """Tractions (p, points of a grid) nearest to a unit over each rectangle from the underside's corner."""
+    """Return tractions (p, points of a grid) nearest to 1 over each rectangle from the underside's corner."""
     numbers = np.indices(underside.integral.shape[:2]).reshape(2, -1)
     sides = numbers.T * underside.cell
     low = np.tile(underside.corner, (len(sides), 1))
@@ -149,7 +152,7 @@ def _ground_shares(underside: rectangle_motion.Underside, grid: fem.PressureGrid
 
 
 def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations]) -> csr_array:
-    """Forces at static fields' stations, in the middle of a rail, by one at each station of the strips."""
+    """Return forces at static fields' stations, in a rail's middle, by 1 at each station of the strips."""
     blocks = []
     along = strips.rear + strips.spacing * np.arange(load_map.STRIP_STATIONS)
     for rail in stations:
@@ -159,27 +162,27 @@ def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations
 
 
 def parts_of(times: int) -> list[slice]:
-    """Slices of successive stored times whose loads are in memory together."""
+    """Return slices of successive stored times; memory holds the loads of one slice together."""
     return [slice(start, min(start + PART, times)) for start in range(0, times, PART)]
 
 
 @dataclass(frozen=True)
 class StressBasis:
-    """Columns of displacement and stress with their coordinates."""
+    """Columns of displacement and stress, and their coordinates."""
 
     shapes: fem.Shapes  # modes, and static fields beside them
     loads: Mapping[int, Mapping[Kind, csr_array]] | None
-    """Coordinates (times, loads) by shoe, see `loads_by_kind`; None where they come from a history."""
-    answers: np.ndarray  # (loads, columns), coordinates of the columns that a unit of each load makes
-    coordinates: Mapping[int, np.ndarray]  # (times, columns), their products by shoe; in files of a long run
+    """Coordinates (times, loads) by shoe, see `loads_by_kind`; None if they come from a history."""
+    answers: np.ndarray  # (loads, columns), coordinates of the columns by a unit of each load
+    coordinates: Mapping[int, np.ndarray]  # (times, columns), products by shoe; in files for a long run
     bound: float | None
-    """Pa by which left-out fields change the stress of any node at most; None without fields: not known."""
-    history: History | None = None  # of which `by_load` makes the loads of the times that are asked for
+    """Greatest change of the stress of any node by omitted fields, Pa; None (not known) without fields."""
+    history: History | None = None  # source of the loads of `by_load`
 
     def by_load(self, shoe: int, rows: np.ndarray | slice = slice(None)) -> dict[str, np.ndarray]:
-        """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).
+        """Return the coordinates of a shoe at stored times by load: arrays (times, columns).
 
-        They add up to those of all; loads that make nothing are left out. The words are those of `Kind.load`;
+        Their sum is that of all loads; loads without effect are left out. The names are those of `Kind.load`;
         "inertia" is that of the integrated modes.
         """
         by_load: dict[str, np.ndarray] = {}
@@ -196,7 +199,7 @@ class StressBasis:
 
 
 def _in_memory(history: History, rows: np.ndarray | slice) -> History:
-    """Stored times of a history, all of it in memory but the motion of the units, which are hundreds."""
+    """Return stored times of a history, in memory except for the motion of the hundreds of units."""
     part = history.dataset.isel(time=rows)
     rest = part.drop_vars(files.UNIT_MOTION, errors="ignore").load()
     return History(history.case, part.assign(rest.data_vars))
@@ -204,7 +207,7 @@ def _in_memory(history: History, rows: np.ndarray | slice) -> History:
 
 @dataclass(frozen=True)
 class _Again:
-    """Iterable that calls a function for every iteration."""
+    """Iterable that calls a function for each iteration."""
 
     make: Callable[[], Iterator[Any]]
 
@@ -213,17 +216,17 @@ class _Again:
 
 
 def _loads(history: History, shoes: Sequence[int], is_long: bool) -> Iterator[tuple[int, csr_array]]:
-    """Loads of shoes over a history; of a long one of a part after the other."""
+    """Yield the loads of shoes over a history, part by part for a long one."""
     parts = (_in_memory(history, rows) for rows in parts_of(history.time.size)) if is_long else [history]
     for part in parts:
         yield from ((shoe, sum(load_map.loads_by_kind(part, shoe).values())) for shoe in shoes)
 
 
 def _in_files(parts: Iterable[tuple[int, np.ndarray]]) -> dict[int, np.ndarray]:
-    """Rows (times, columns) of shoes that come in parts, each in a file without a name that memory maps."""
+    """Return rows (times, columns) of shoes that come in parts, each in an unnamed memory-mapped file."""
     folder = writable_folder(reductions.reductions_folder())
     stored = dict[int, Any]()
-    # a map keeps its file when that is closed
+    # a memory map keeps its file after the file is closed
     with ExitStack() as opened:
         for shoe, rows in parts:
             if shoe not in stored:
@@ -235,7 +238,7 @@ def _in_files(parts: Iterable[tuple[int, np.ndarray]]) -> dict[int, np.ndarray]:
 
 @contextmanager
 def _on_disk(parts: Iterable[tuple[int, np.ndarray]]) -> Iterator[Iterable[tuple[int, np.ndarray]]]:
-    """Rows of shoes in a file without a name, of which an iteration has those of one shoe in memory."""
+    """Yield an iterable of the rows of shoes in an unnamed file; it holds one shoe in memory at a time."""
     with tempfile.TemporaryFile(dir=writable_folder(reductions.reductions_folder())) as file:
         shoes = []
         for shoe, rows in parts:
@@ -250,9 +253,9 @@ def _on_disk(parts: Iterable[tuple[int, np.ndarray]]) -> Iterator[Iterable[tuple
 
 
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
-    """Columns and coordinates of the stress of flexible shoes, by default of all; ValueError for others.
+    """Return columns and coordinates of the stress of flexible shoes, by default all; ValueError for others.
 
-    Of a run of more than `LONG` stored times memory holds a segment; its coordinates are in a file.
+    For a run of more than `LONG` stored times memory holds a segment, and a file has the coordinates.
     """
     chosen = list(history.case.flexible_shoes().shoes if shoes is None else shoes)
     units = load_map.unit_loads(history.case)
@@ -272,7 +275,7 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
         histories: Any = _Again(lambda: (rows for _, rows in acting))
         columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
         answers = np.hstack((static.fields.held(units.whole.frequencies), columns.turn))
-        # the few columns take their place
+        # the few columns replace the static fields
         is_large = static.is_large
         del static
         if is_large:
@@ -286,13 +289,16 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
 def _coordinates(
     loads: Iterable[tuple[int, Any]], answers: np.ndarray, is_long: bool
 ) -> dict[int, np.ndarray]:
-    """Coordinates (times, columns) by shoe of loads (times, k) with answers (k, columns) of their units."""
+    """Return coordinates (times, columns) by shoe of loads (times, k) with answers (k, columns) to units."""
     products = ((shoe, rows @ answers) for shoe, rows in loads)
     return _in_files(products) if is_long else dict(products)
 
 
 def unit_stress(case: Case, node: int) -> np.ndarray:
-    """Stress (loads, 6) in Pa at a node by a unit of each load of `unit_loads`, with all static fields."""
+    """Return the stress (loads, 6) in Pa at a node by a unit of each load, with all static fields.
+
+    The loads are those of `unit_loads`.
+    """
     units = load_map.unit_loads(case)
     static = static_loads(case)
     if static is None:

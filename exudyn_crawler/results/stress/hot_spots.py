@@ -1,4 +1,4 @@
-"""Hot spots of a shoe: the highest nodes, their regions, and the shares of single loads in their stress."""
+"""Hot spots of a shoe: nodes with the highest stress, their regions, and shares of loads in their stress."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -19,29 +19,29 @@ from fem.body.element_stress import von_mises
 from fem.fatigue import critical_plane, damage
 from fem.stress.trust import IN_SPIDER
 
-HOT_SPOTS = 5  # rows of the S-paper's hot-spot tables
+HOT_SPOTS = 5  # number of rows in the S-paper's hot-spot tables
 
 Region = Literal["roller path", "notches", "lugs", "bores", "web", "wings"]
 REGIONS: tuple[Region, ...] = get_args(Region)
-BORES: Region = "bores"  # nodes that a joint's rigid spider holds, whose stress is none to use
+BORES: Region = "bores"  # nodes in a joint's rigid spider; their stress is not used
 LUG_RADIUS, LUG_HALF_WIDTH = 0.24, 0.2
-"""m, from a pin's axis to behind the fillets at a lug's root, and to either side of its middle at least."""
-FLANGE, BESIDE_LUG = 0.05, (0.015, 0.1)  # m, below the top's level; from a bore's end, from and to
-WING_BESIDE = 0.5  # m, from the outer side of a rail
-EDGE = 0.01  # m, by which the roller path is wider than the rails above it, and a wide lug than its bore
-OF_PITCH = ph4100c.TRACK["pitch"]  # m, of the shoe with these lengths: those of others go with their pitch
+"""Radius about a pin's axis that includes the fillets at a lug's root, and least half width of a lug, m."""
+FLANGE, BESIDE_LUG = 0.05, (0.015, 0.1)  # m: depth below the top; least and greatest way from a bore's end
+WING_BESIDE = 0.5  # distance of wings from the outer side of a rail, m
+EDGE = 0.01  # margin of the roller path beside the rails above it, and of a wide lug beside its bore, m
+OF_PITCH = ph4100c.TRACK["pitch"]  # pitch of the shoe with these lengths, m; they scale with the pitch
 MEGA = 1e6
-SHARE = "contribution of "  # what the columns of loads begin with
+SHARE = "contribution of "  # prefix of the loads' columns
 
 
 def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
-    """Region of every node of a shoe: array (n,) of str, of `REGIONS`.
+    """Return the region of every node of a shoe: array (n,) of str, one of `REGIONS` each.
 
-    Bores are what joints hold, lugs what else is about the pins, with the lugs' roots. Notches are what the
-    flange, below the surface "top", has beside lugs. The roller path is what lies below the surface "rails",
-    from the height of the pins up; wings begin 0.5 m beside the rails. The web is the rest; without a surface
-    "rails" there is neither roller path nor wing, without "top" no notch. Lengths are those of the P&H
-    4100C's shoe, times the pitch over its pitch.
+    Bores are the nodes in joints' spiders. Lugs are the other nodes about the pins, with the lugs' roots.
+    Notches are the nodes beside lugs in the flange, below the surface "top". The roller path lies below the
+    surface "rails" and above the pins; wings begin 0.5 m beside the rails. The web is the rest. Without a
+    surface "rails" there is neither roller path nor wing, without "top" no notch. Lengths are those of the
+    P&H 4100C's shoe, in proportion to the pitch.
     """
     size = track.pitch / OF_PITCH
     nodes = whole.nodes
@@ -61,7 +61,7 @@ def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
         near = np.hypot(x - center[0], z - center[2]) < LUG_RADIUS * size
         beside = np.abs(y - center[1])
         has_bore = f"bore {name}" in mesh.surfaces
-        # a fork's cheeks, and a lug beside the joint, reach as far as their bores
+        # a fork's cheeks, and a lug beside the joint, extend as far as their bores
         end = np.abs(nodes[mesh.nodes_of(f"bore {name}"), 1] - center[1]).max() if has_bore else 0.0
         regions[near & (beside < max(LUG_HALF_WIDTH * size, end + EDGE * size))] = "lugs"
         if has_bore:
@@ -73,7 +73,7 @@ def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
 
 
 def near_pull(history: History, whole: Shapes, shoe: int) -> np.ndarray:
-    """True for each node of an element about the node that the drive pulls: array (nodes,)."""
+    """Return True for each node of the elements about the node that the drive pulls: array (nodes,)."""
     marked = np.zeros(len(whole.nodes), dtype=bool)
     elements = whole.mesh.elements
     node = pulled_node(history.case, whole.mesh)
@@ -83,7 +83,7 @@ def near_pull(history: History, whole: Shapes, shoe: int) -> np.ndarray:
 
 
 def mesh_dataset(whole: Shapes) -> xr.Dataset:
-    """Variables of the mesh in datasets of stress and life: nodes, flat triangles of the surface, spiders."""
+    """Return the mesh variables of datasets of stress and life: nodes, flat surface triangles, spiders."""
     named = {
         "node_position": whole.nodes,
         "triangle": flat_triangles(whole.mesh.boundary),
@@ -94,15 +94,16 @@ def mesh_dataset(whole: Shapes) -> xr.Dataset:
 
 
 def flat_triangles(faces: np.ndarray) -> np.ndarray:
-    """Flat triangles (4 k, 3) through all nodes of faces (k, 6): corners first, then middles of sides."""
+    """Return flat triangles (4 k, 3) through all nodes of faces (k, 6): corners, then midside nodes."""
     quarters = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
     return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
 
 
 def stress_directions(criterion: damage.SignedCriterion, stress: np.ndarray) -> np.ndarray:
-    """Rows (t, 6) whose products with stresses (t, 6) are a criterion's signal: its derivatives by them.
+    """Return rows (t, 6) whose products with stresses (t, 6) are a criterion's signal.
 
-    A criterion is of first order in the stress: the products with the stresses of loads add up to it (Euler).
+    The rows are the criterion's derivatives by the stress. A criterion is homogeneous of first order in the
+    stress, so that the products with the stresses of loads add up to it (Euler).
     """
     if criterion == "signed principal":
         values, vectors = np.linalg.eigh(stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]])
@@ -115,11 +116,12 @@ def stress_directions(criterion: damage.SignedCriterion, stress: np.ndarray) -> 
 
 
 def load_shares(basis: StressBasis, shoe: int, nodes: np.ndarray, rows: np.ndarray) -> pd.DataFrame:
-    """Share of each load in the von Mises stress of nodes (k,), each at a stored time (k,) of its own.
+    """Return each load's share in the von Mises stress of nodes (k,), each at its own stored time (k,).
 
-    A load's share is the projection of its stress, the static answer with the inertia of the free shoe, on
-    the deviator s of the whole, ``3/2 s : sigma_load / von Mises^2``. Shares add up to 1, those of loads that
-    relieve are negative. A row a node, a column "contribution of LOAD" a load; zero where there is no stress.
+    A load's stress is its static response with the inertia of the free shoe. Its share is the projection of
+    this stress on the deviator s of the whole, ``3/2 s : sigma_load / von Mises^2``. Shares add up to 1;
+    those of relieving loads are negative. The table has a row for each node and a column "contribution of
+    LOAD" for each load; shares are zero without stress.
     """
     modes = basis.shapes.stress_modes[nodes]
     parts = {load: np.einsum("kcm,km->kc", modes, q) for load, q in basis.by_load(shoe, rows).items()}
@@ -127,7 +129,7 @@ def load_shares(basis: StressBasis, shoe: int, nodes: np.ndarray, rows: np.ndarr
 
 
 def shares(parts: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Shares (k,) as in `load_shares` of the stresses (k, 6) of loads in their sum."""
+    """Return the shares (k,), see `load_shares`, of the stresses (k, 6) of loads in their sum."""
     stress = np.sum(list(parts.values()), axis=0)
     directions = stress_directions("signed von mises", stress)
     whole = (directions * stress).sum(axis=1)
@@ -147,11 +149,11 @@ def highest_nodes(
     nodes: np.ndarray,
     separation: OneOfEach | None = None,
 ) -> pd.DataFrame:
-    """Hot spots among some nodes with verdicts, regions and shares of loads; positions those at t = 0."""
+    """Return hot spots among some nodes with verdicts, regions, shares of loads and positions at t = 0."""
     whole = basis.shapes
     time = history.time.values
     start = history.case.shoe_reference[shoe - 1]
-    # of a long run those stored times alone that may be in the table
+    # only those stored times of a long run that may be in the table
     used, numbers = np.unique(peaks.time_indices, return_inverse=True)
     at_used = replace(peaks, time_indices=numbers)
     q = basis.coordinates[shoe][used]
@@ -168,10 +170,10 @@ def highest_nodes(
 def ranked_nodes(
     history: History, basis: StressBasis, shoe: int, peaks: Peaks, regions: np.ndarray, away: np.ndarray
 ) -> pd.DataFrame:
-    """Hot spots among the nodes that are `away` (n,) from single forces, see `highest_nodes`.
+    """Return hot spots among the nodes `away` (n,) from single nodal forces, see `highest_nodes`.
 
-    The highest nodes that may be used come first. Behind them stands the highest of those that a joint's
-    rigid spider holds, if it is higher: its stress is that beside a rigid ring, and not to be used.
+    The highest usable nodes come first. The highest node in a joint's rigid spider follows them if it is
+    higher: its stress is that beside a rigid ring and is not used.
     """
     is_held = regions == BORES
     usable = np.flatnonzero(away & ~is_held)
@@ -185,7 +187,7 @@ def ranked_nodes(
 
 
 def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
-    """Highest von Mises stress of every flexible shoe in every phase of the load cycle: when and where."""
+    """Return the highest von Mises stress of each flexible shoe and load phase, with time and place."""
     rows = []
     reached = phases(history.case.loads, history.duration)
     for shoe, phase in product(stress.shoe.values, reached):
@@ -202,15 +204,15 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
 
 
 def in_the_shoe(place: xr.DataArray) -> dict[str, np.ndarray]:
-    """Columns of a position in the shoe's frame, m, or of several."""
+    """Return the columns of one or several positions in the shoe's frame, m."""
     return {f"{axis} in the shoe in m": place.sel(axis=axis).values[()] for axis in "xyz"}
 
 
 def peak_spots(by_shoe: Mapping[int, pd.DataFrame]) -> dict[str, tuple[int, pd.DataFrame]]:
-    """Highest hot spot of all shoes that may be used, and behind it a higher one that a rigid pin holds.
+    """Return the highest usable hot spot of all shoes, and a higher one beside a rigid pin, if any.
 
-    A table of one row and its shoe's number, by the words for it. Where pins hold all of them, their highest
-    stands alone and says so.
+    The keys are the names of both; each value is the shoe's number and a table of one row. If no hot spot is
+    usable, the highest one beside a pin stands alone.
     """
     every = [(shoe, spots.iloc[[row]]) for shoe, spots in by_shoe.items() for row in range(len(spots))]
     held = [one for one in every if one[1]["flag"].iloc[0] == IN_SPIDER]
@@ -226,7 +228,7 @@ def peak_spots(by_shoe: Mapping[int, pd.DataFrame]) -> dict[str, tuple[int, pd.D
 
 
 def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
-    """Hot spots of a shoe: stresses in MPa with verdicts, errors and causes, then when and where they are."""
+    """Return a shoe's hot spots: stresses in MPa with verdicts, errors and causes, then time and place."""
     columns = {
         "rank": hot_spots["rank"],
         "region": hot_spots["region"],
@@ -243,7 +245,7 @@ def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
 
 
 def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> pd.DataFrame:
-    """Highest node of every region of all flexible shoes as in `hot_spot_table`, and of which shoe it is."""
+    """Return the highest node of every region and flexible shoe, with its shoe, see `hot_spot_table`."""
     tables = [hot_spot_table(table, stress).assign(shoe=shoe) for shoe, table in by_region.items()]
     whole = pd.concat(tables, ignore_index=True)
     shares = whole.filter(like=SHARE).fillna(0.0)

@@ -1,4 +1,4 @@
-"""Stresses of the flexible shoes over a run, of all nodes as one dataset or of one node."""
+"""Stresses of the flexible shoes over a run: of all nodes as a dataset, or of one node."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -26,20 +26,20 @@ COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 class StressResults:
     """Recovered stresses of a run.
 
-    `dataset` is what the catalogue of quantities has of stress: dimensions shoe (the flexible ones), time,
-    node, frame (chosen stored instants, s), axis, and face and corner of the surface's flat triangles, four a
-    face. `highest_von_mises` is that of nodes whose stress may be used: of none that a rigid spider holds,
-    and none `at_load`, where the stress that a force on one node makes grows without limit as the mesh is
-    refined. `frame_name` is "begin", "end of dig" or "peak".
+    `dataset` has the catalogue's quantities of stress. Dimensions are shoe (the flexible ones), time, node,
+    frame (chosen stored instants, s) and axis; face and corner of the surface's flat triangles, four a face.
+    `highest_von_mises` is that of usable nodes: not in a rigid spider, and not `at_load`, where the stress by
+    a force on one node grows without limit as the mesh is refined. `frame_name` is "begin", "end of dig" or
+    "peak".
     """
 
     dataset: xr.Dataset
-    hot_spots: Mapping[int, pd.DataFrame]  # of nodes not at_load by shoe, see `hot_spots.ranked_nodes`
-    by_region: Mapping[int, pd.DataFrame]  # same of the highest node of every region but the bores
-    whole: Shapes  # modes, and static fields, that the stresses are made of
+    hot_spots: Mapping[int, pd.DataFrame]  # nodes not at_load by shoe, see `hot_spots.ranked_nodes`
+    by_region: Mapping[int, pd.DataFrame]  # highest node of every region but the bores, by shoe
+    whole: Shapes  # modes and static fields as the basis of the stresses
 
     def _repr_html_(self) -> str:
-        """Hot spots of every shoe and the dataset, for notebooks."""
+        """Return the hot spots of every shoe and the dataset, as HTML for notebooks."""
         of = "highest von Mises stresses (Pa; places in m at t = 0)"
         tables = [f"<p>Shoe {k}: {of}</p>{spots.to_html(index=False)}" for k, spots in self.hot_spots.items()]
         return "".join([*tables, self.dataset._repr_html_()])
@@ -50,8 +50,8 @@ def recover_stresses(
 ) -> StressResults:
     """Recover the stresses of all flexible shoes from a run, or from the file of its history.
 
-    Whole fields are of the stored instants nearest to `times` (s), as far as the run goes, by default begin
-    and ends of the load cycle's phases; with `peak` also of that of the highest stress of all shoes.
+    Whole fields are those of the stored instants nearest to `times` (s) within the run, by default begin and
+    ends of the load cycle's phases. With `peak` they include the instant of the highest stress of all shoes.
     ValueError if the run has no flexible shoes, or none of the times lies within it.
     """
     history = as_history(history)
@@ -85,7 +85,7 @@ def recover_stresses(
         datasets.append(_of_shoe(history, whole, q, reached[shoe], frames, pulled[shoe]))
         tables[shoe] = hot_spots.ranked_nodes(history, basis, shoe, peaks, regions, ~pulled[shoe])
         by_region[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, usable[shoe], each)
-    # what writes the results needs the mesh alone
+    # writing the results needs the mesh alone
     whole.forget_stress_modes()
     mesh = hot_spots.mesh_dataset(whole)
     dataset = xr.concat(datasets, dim=xr.Variable("shoe", list(coordinates)))
@@ -99,7 +99,7 @@ def recover_stresses(
 
 
 def _frames(history: History, times: Sequence[float] | None) -> dict[int, list[str]]:
-    """Rows of the stored instants nearest to times (s), or to the ends of phases, with their names."""
+    """Return rows of the stored instants nearest to times (s), or to the ends of phases, with their names."""
     duration = history.duration
     stored = history.time.values
     parts = phases(history.case.loads, duration)
@@ -121,7 +121,7 @@ def _of_shoe(
     frames: np.ndarray,
     at_load: np.ndarray,
 ) -> xr.Dataset:
-    """Stress of one shoe with coordinates q (times, columns)."""
+    """Return the stress of one shoe with coordinates q (times, columns)."""
     time = history.time.values
     displacements = whole.displacement(q[frames])
     errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
@@ -149,11 +149,11 @@ def _of_shoe(
 
 
 def verdicts(stress: xr.Dataset, more: np.typing.ArrayLike = 0.0) -> catalogue.Variable:
-    """Verdicts on the greatest stresses of a run with `more` (shoe, node), in Pa, open of them."""
+    """Return verdicts on a run's greatest stresses with a further uncertainty `more` (shoe, node), Pa."""
     ordered = stress.transpose("shoe", ...)
     size = np.maximum(ordered.peak_von_mises.values, np.finfo(float).tiny)
     mesh = ordered.peak_mesh_error.values
-    # not a number where no stress is known
+    # NaN where no stress is known
     part = mesh + (np.nan_to_num(float(stress.truncation)) + np.asarray(more)) / size
     part = np.where(ordered.at_load.values, np.nan, part)
     held = np.broadcast_to(stress.in_spider.values, part.shape)
@@ -162,7 +162,7 @@ def verdicts(stress: xr.Dataset, more: np.typing.ArrayLike = 0.0) -> catalogue.V
 
 
 def peak_time(history: History, shoe: int) -> float:
-    """Time (s) of the highest von Mises stress of a flexible shoe; ValueError if the history has no such."""
+    """Return the time (s) of the highest von Mises stress of a flexible shoe; ValueError for others."""
     basis = stress_basis(history, [shoe])
     extremes = recover_extremes(basis.shapes.stress_modes, basis.coordinates[shoe])
     return float(history.time[int(extremes.highest.argmax())])
@@ -171,21 +171,21 @@ def peak_time(history: History, shoe: int) -> float:
 def node_stress(
     history: History | str | Path, shoe: int, near: np.typing.ArrayLike | None = None, node: int | None = None
 ) -> xr.Dataset:
-    """Stress over time at the node of a flexible shoe that is nearest to a point, or at a node by its number.
+    """Return the stress over time at a node of a flexible shoe, nearest to a point or given by its number.
 
-    The history may be the file of one. `near` is a point in the shoe's frame, m: x along the track, z up,
-    from the nominal COM of the undeformed shoe; `node` a number as in tables of hot spots, from 0.
+    The history may be the path of its file. `near` is a point in the shoe's frame, m: x along the track, z
+    up, from the nominal COM of the undeformed shoe. `node` is a number as in tables of hot spots, from 0.
 
-    `stress` (time, component), Pa, in the shoe's axes; `principal` (time, order), Pa, from the greatest down;
-    `von_mises` (time), Pa; `place` (axis), m, of the node in the shoe's frame. Attributes: shoe, node,
-    `distance_m` of the node from `near`, and `in_spider`, whether a joint's rigid spider holds it, so that it
-    shows the stress beside a rigid ring.
+    `stress` is (time, component), Pa, in the shoe's axes; `principal` (time, order), Pa, in falling order;
+    `von_mises` (time), Pa; `place` (axis), m, of the node in the shoe's frame. Attributes are shoe, node,
+    `distance_m` of the node from `near`, and `in_spider`: True for a node in a joint's rigid spider, with the
+    stress beside a rigid ring.
 
-    FileNotFoundError or ValueError if there is no such file, or it holds no history; ValueError if the shoe
-    is not a flexible one, the point is not three finite numbers or far from the shoe, there is no such node,
-    or neither or both are given.
+    FileNotFoundError if there is no such file; ValueError if it holds no history. ValueError also if the shoe
+    is not a flexible one, or there is no such node. ValueError if the point is not three finite numbers, or
+    far from the shoe. ValueError if both or neither of `near` and `node` are given.
     """
-    # what cannot be is reported before a long history is read
+    # bad input is refused before a long history is read
     case = history.case if isinstance(history, History) else files.case_in_file(Path(history))
     check_flexible(case, shoe)
     whole = whole_reduction(case).body
@@ -207,7 +207,7 @@ def node_stress(
 
 
 def node_table(dataset: xr.Dataset) -> pd.DataFrame:
-    """Dataset of `node_stress` as a table: a row a stored time, stresses in MPa."""
+    """Return the dataset of `node_stress` as a table: a row a stored time, stresses in MPa."""
     names = [*COMPONENTS, *(f"principal {k}" for k in dataset.order.values), "von Mises"]
     stress = np.column_stack((dataset.stress, dataset.principal, dataset.von_mises)) / hot_spots.MEGA
     table = pd.DataFrame(stress, columns=[f"{name} in MPa" for name in names])
@@ -216,7 +216,7 @@ def node_table(dataset: xr.Dataset) -> pd.DataFrame:
 
 
 def _chosen(whole: Shapes, near: np.typing.ArrayLike | None, node: int | None) -> tuple[int, float]:
-    """Number of the node that is asked for, and its distance in m from the point that is."""
+    """Return the number of the chosen node, and its distance in m from the given point (0 without one)."""
     if (near is None) == (node is None):
         raise ValueError("near or node must be given, got neither or both")
     if node is not None:
