@@ -175,7 +175,7 @@ def _named_by(function: FunctionType) -> list[tuple[str, Any]]:
 def _add_stamp(file: Any, stamp: str) -> None:
     """Make a file of numba's cache valid for the stamped sources only, whenever they were written.
 
-    numba compares the version before it reads the rest of the file, where types may be named that are gone.
+    numba compares the version before it reads the rest of the file, which may name types that are gone.
     """
     file._version = f"{file._version} {stamp}"
     file._source_stamp = None

@@ -171,7 +171,7 @@ def row(run: CaseRun) -> dict[str, float]:
 def power_cases(duration: float | None = None, out: Path | None = None) -> dict[str, CaseFile]:
     """Return the cases of `power_study` with rigid shoes, each over its own duration (s), at most `duration`.
 
-    One is the machine of `study_cases` for as long, without its flexible shoe. Its second pass is in the ruts
+    The first is the machine of `study_cases` without its flexible shoe. Its second pass is in the ruts
     that the first left in the folder. The others are trials over 24 shoes. With the longest K slip is nearly
     elastic.
     """

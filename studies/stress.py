@@ -120,7 +120,7 @@ def highest_in_propel_and_loading(history: History, stresses: StressResults) -> 
 
 RUN = "cycle"  # folder of the run in the folder of the study
 PICTURE_TIMES = (0.0, 5.0, 10.0, 15.0, 22.5, 30.0, 33.5, 40.0)
-"""Instants at which the S-paper shows the stressed shoes, s."""
+"""Instants of the S-paper's pictures of the stressed shoes, s."""
 
 
 def study(

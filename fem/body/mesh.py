@@ -1,9 +1,8 @@
 """Tetrahedral meshes with named surfaces, and checks of them.
 
-Node order within an element is meshio's (`tetra`, `tetra10`), which is also VTK's and that of the
-C3D10 of Abaqus and CalculiX: the four corners, then the mid-points of the edges
-01, 12, 02, 03, 13, 23. A face of the boundary has its corners in outward sense, then the
-mid-points of its edges 01, 12, 20.
+Node order within an element is that of meshio (`tetra`, `tetra10`), VTK, and the C3D10 of Abaqus and
+CalculiX: the four corners, then the mid-points of the edges 01, 12, 02, 03, 13, 23. A face of the boundary
+has its corners in outward sense, then the mid-points of its edges 01, 12, 20.
 """
 
 import hashlib
@@ -28,7 +27,7 @@ TETRA_FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 
 
 
 class MeshError(ValueError):
-    """Error for a mesh that cannot be used; the message says what is wrong and where."""
+    """Error for a mesh that cannot be used; the message names the fault and its location."""
 
 
 class MeshWarning(UserWarning):
@@ -40,7 +39,7 @@ CUBIC_POINTS = np.vstack([np.full(4, 0.25), np.full((4, 4), 1.0 / 6.0) + np.eye(
 CUBIC_WEIGHTS = np.array([-0.8, 0.45, 0.45, 0.45, 0.45]) / 6.0
 """Weights of the five-point rule; their sum is the volume of the unit tetrahedron."""
 STIFFNESS_POINTS = np.full((4, 4), (5.0 - 5.0**0.5) / 20.0) + np.eye(4) / 5.0**0.5
-"""Barycentric points at which programs integrate the stiffness of a tetrahedron of 10 nodes."""
+"""Barycentric quadrature points of the stiffness of a 10-node tetrahedron in other programs."""
 
 
 def jacobian_determinants(nodes: Floats, elements: Integers, points: Floats | None = None) -> Floats:

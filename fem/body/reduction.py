@@ -42,7 +42,7 @@ class Partition:
     interfaces : sequence of Interface
         Their nodes must not overlap.
     backend : str, optional
-        Of `solver.factorized`.
+        See `solver.factorized`.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def craig_bampton(
         Nodal forces (n, 3) in N by name. The static mode of each load joins the basis, so that truncation
         does not lose its stress.
     backend : str, optional
-        Of `solver.factorized`.
+        See `solver.factorized`.
     partition : Partition, optional
         The body with the same interfaces, if it has been factorized already.
 

@@ -159,7 +159,7 @@ class OneSidedBed:
             step = np.linalg.solve(tangent, rest)
             size = 1.0
             before = energy(q)
-            slack = 1e-12 * abs(before)  # of rounding
+            slack = 1e-12 * abs(before)  # due to rounding
             while size > 1e-6 and energy(q + size * step) > before - 1e-4 * size * (rest @ step) + slack:
                 size *= 0.5
             q = q + size * step

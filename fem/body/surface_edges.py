@@ -140,7 +140,7 @@ def _is_flat(boundary: BoundaryFaces) -> np.ndarray:
 def _is_on_bore(boundary: BoundaryFaces, faces: Integers, axis: Floats) -> np.ndarray:
     """Return True for faces (k,) of the boundary on the cylinder through the nodes of given faces.
 
-    They deviate from it about as little as the given faces, which are chords of few facets or lie at cross
+    They deviate from it about as little as the given faces: chords of few facets, or faces beside cross
     holes. They belong to a region that is mostly on the cylinder.
     """
     across = np.linalg.svd(axis[None])[2][1:].T

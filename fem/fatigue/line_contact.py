@@ -12,7 +12,7 @@ import numpy as np
 from fem.body.mesh import Floats
 
 DEPTHS = np.linspace(0.0, 2.0, 41)
-"""Depths at which stresses are evaluated, multiples of the contact's half width."""
+"""Depths of the evaluated stresses, multiples of the contact's half width."""
 PLACES = np.linspace(-2.6, 2.6, 61)
 """Positions along the rolling direction, multiples of the half width; they hold the middle and the greatest
 shear along the surface."""
