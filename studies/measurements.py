@@ -125,26 +125,26 @@ def evenness(history: History) -> float:
 
 def tension_trend(say: Callable[[str], None]) -> Trend:
     """Compare the evenness of pressure below a standing track by its tension."""
-    found = []
+    ratios = []
     for tension in TENSIONS:
         case = _closed(Drive(speed=StepProfile.constant(0.0)), tension)
-        found.append(evenness(simulate(case, 0.01, progress=False)))
-        say(f"pretension {tension:.3g} N: greatest over mean pressure {found[-1]:.3f}")
-    numbers = ", ".join(f"{value:.2f}" for value in found)
+        ratios.append(evenness(simulate(case, 0.01, progress=False)))
+        say(f"pretension {tension:.3g} N: greatest over mean pressure {ratios[-1]:.3f}")
+    numbers = ", ".join(f"{value:.2f}" for value in ratios)
     tensions = ", ".join(f"{1e-3 * value:g}" for value in TENSIONS)
     return Trend(
         "ground pressure of a crawler harvester by track tension",
         "with weak tension the pressure is no longer even along the track",
         f"greatest over mean pressure {numbers} at {tensions} kN",
-        found == sorted(found, reverse=True),
+        ratios == sorted(ratios, reverse=True),
     )
 
 
 def adjustment_trend(say: Callable[[str], None]) -> Trend:
     """Compare the clearances of the library's M113 between upper run and road wheels."""
-    found = standing(read_case(machines()["m113"]).case, progress=False)
-    assert found is not None  # it has a machine
-    gaps = 1e3 * roller_clearances(found.case, found.history.dataset.isel(time=0))
+    machine = standing(read_case(machines()["m113"]).case, progress=False)
+    assert machine is not None  # it has a machine
+    gaps = 1e3 * roller_clearances(machine.case, machine.history.dataset.isel(time=0))
     numbers = ["; ".join(f"{gap:.1f}" for gap in track) for track in gaps]
     say(f"M113: gaps of the upper run to its road wheels, from the sprocket: {numbers} mm")
     least, greatest = SECOND_WHEEL

@@ -200,14 +200,14 @@ class ElasticBody:
 
     def determinate_of(self, nodes: Integers) -> Integers:
         """Select six degrees of freedom (3 node + axis) of nodes that hold the body without stress."""
-        places = self.mesh.nodes[nodes]
-        first = int(np.argmin(places @ np.ones(3)))
-        arm = places - places[first]
+        positions = self.mesh.nodes[nodes]
+        first = int(np.argmin(positions @ np.ones(3)))
+        arm = positions - positions[first]
         second = int(np.argmax(np.linalg.norm(arm, axis=1)))
         axis = arm[second] / np.linalg.norm(arm[second])
         third = int(np.argmax(np.linalg.norm(np.cross(arm, axis), axis=1)))
         candidates = np.concatenate([3 * nodes[k] + np.arange(3) for k in (first, second, third)])
         rows = self.rigid_modes[candidates]
-        scale = np.array([1, 1, 1, *([1 / np.ptp(places, axis=0).max()] * 3)])
+        scale = np.array([1, 1, 1, *([1 / np.ptp(positions, axis=0).max()] * 3)])
         *_, order = scipy.linalg.qr((rows * scale).T, mode="economic", pivoting=True)
         return np.sort(candidates[order[:6]])

@@ -200,11 +200,11 @@ def spider_transformation(mesh: Mesh, interfaces: Sequence[Interface]) -> tuple[
     ]
     tr = csr_array(identity(size, format="csr"))[:, np.flatnonzero(free)]
     number = np.cumsum(free) - 1
-    for rows_, kept_, block in parts:
+    for dependent, independent, block in parts:
         tr = tr + coo_array(
             (
                 block.ravel(),
-                (np.repeat(rows_, len(kept_)), np.tile(number[kept_], len(rows_))),
+                (np.repeat(dependent, len(independent)), np.tile(number[independent], len(dependent))),
             ),
             shape=tr.shape,
         )

@@ -124,10 +124,10 @@ def _of_segment(
     scaled: ScaledShapes,
 ) -> Extremes:
     """Find the extremes over rows (t, m) of a history, by a search if its bounds leave few cells open."""
-    found = find_candidates(scaled, checked(rows, stress_modes), ranked, tolerance)
+    candidates = find_candidates(scaled, checked(rows, stress_modes), ranked, tolerance)
     give_back_memory()
-    if found.open_part < MOST:
-        return _recovered(stress_modes, rows, found, ranked)
+    if candidates.open_part < MOST:
+        return _recovered(stress_modes, rows, candidates, ranked)
     return fold_stresses(stress_modes, rows, VonMisesExtremes(ranked))
 
 
@@ -253,7 +253,9 @@ def _search_nodes(stress_modes, q, cells, rows, ranked, best, at, first):
                     at[row] = first + node
 
 
-def _recovered(stress_modes: Columns, q: Floats, found: Candidates, ranked: NDArray[np.bool_]) -> Extremes:
+def _recovered(
+    stress_modes: Columns, q: Floats, candidates: Candidates, ranked: NDArray[np.bool_]
+) -> Extremes:
     """Recover the extremes at full rank from all candidate nodes and times."""
     n = len(stress_modes)
     t = len(q)
@@ -267,14 +269,14 @@ def _recovered(stress_modes: Columns, q: Floats, found: Candidates, ranked: NDAr
         shapes = np.ascontiguousarray(stress_modes[of])
         inside = np.arange(len(shapes))
         places_of_least = np.zeros_like(inside)
-        open_greatest = found.upper[of] >= found.lower[of, None]
+        open_greatest = candidates.upper[of] >= candidates.lower[of, None]
         _search_times(shapes, rows, *np.nonzero(open_greatest), 1.0, greatest[of], instants[of])
-        lowest = found.least_lower[of].argmin(axis=1)
+        lowest = candidates.least_lower[of].argmin(axis=1)
         _search_times(shapes, rows, inside, lowest, -1.0, least[of], places_of_least)
-        open_least = found.least_lower[of] <= np.sqrt(-least[of])[:, None]
+        open_least = candidates.least_lower[of] <= np.sqrt(-least[of])[:, None]
         open_least[inside, lowest] = False
         _search_times(shapes, rows, *np.nonzero(open_least), -1.0, least[of], places_of_least)
         groups = slice(of.start // CELL, -(-of.stop // CELL))
-        open_nodes = found.node_upper[groups] >= found.node_lower
+        open_nodes = candidates.node_upper[groups] >= candidates.node_lower
         _search_nodes(shapes, rows, *np.nonzero(open_nodes), ranked[of], highest, places, of.start)
-    return Extremes(np.sqrt(greatest), instants, np.sqrt(-least), np.sqrt(highest), places, found.bound)
+    return Extremes(np.sqrt(greatest), instants, np.sqrt(-least), np.sqrt(highest), places, candidates.bound)

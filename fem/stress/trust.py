@@ -108,12 +108,12 @@ def resolution_at(body: Shapes, q: Floats, nodes: Integers) -> Resolution:
     Resolution
         Resolution at k nodes, equal to that of `resolution` up to rounding.
     """
-    places = [_resolution_at_node(body, row, node) for row, node in zip(q, nodes.tolist(), strict=True)]
+    resolutions = [_resolution_at_node(body, row, node) for row, node in zip(q, nodes.tolist(), strict=True)]
     return Resolution(
-        np.array([place.off for place in places]),
-        np.array([place.stress for place in places]),
-        np.array([place.jump for place in places]),
-        np.array([place.size for place in places]),
+        np.array([each.off for each in resolutions]),
+        np.array([each.stress for each in resolutions]),
+        np.array([each.jump for each in resolutions]),
+        np.array([each.size for each in resolutions]),
     )
 
 
