@@ -26,7 +26,7 @@ ITEMS_OF_A_CASE = (
     *(machine_items.pressure_items, machine_items.tipping_items, machine_items.pull_items),
     *(part_items.chain_items, part_items.pin_items, part_items.roller_items, machine_items.across_items),
 )
-"""Functions that give the items of a load case."""
+"""Functions that yield the items of a load case."""
 
 
 @dataclass(frozen=True)
@@ -37,23 +37,23 @@ class Assessment:
     settings: AssessmentSettings
     numbers: AssessmentNumbers
     ledger: Ledger
-    """Inputs, with where each comes from."""
+    """Inputs with their provenance."""
     load_cases: LoadCases
     loads: list[CaseLoads]
     found: list[AssessedItem]
     left_out: list[str]
-    """What the assessment could not look at, a line each."""
+    """Parts that the assessment left out, a line each."""
     compared: pd.DataFrame | None
-    """Formulas beside the forces of runs."""
+    """Formulas compared with the forces of runs."""
 
     @cached_property
     def governing(self) -> list[AssessedItem]:
-        """Items, the greatest utilisation first, each in the load case that governs it."""
+        """Items by falling utilisation, each in its governing load case."""
         return governing(self.found)
 
     @property
     def items(self) -> pd.DataFrame:
-        """Table of these items."""
+        """Table of the governing items."""
         rows = [
             {
                 "item": item.item,
@@ -77,12 +77,12 @@ class Assessment:
 
     @property
     def inputs(self) -> pd.DataFrame:
-        """Table of the inputs, with where each comes from."""
+        """Table of the inputs with their provenance."""
         return pd.DataFrame([row._asdict() | {"value": _text(row.value)} for row in self.ledger])
 
     @property
     def cases(self) -> pd.DataFrame:
-        """Table of the load cases with what each gives."""
+        """Table of the load cases and their results."""
         rows = [
             {
                 "load case": row.name,
@@ -109,12 +109,12 @@ class Assessment:
 
     @cached_property
     def over_slew(self) -> pd.DataFrame:
-        """Pressure and stability by angle of slewing: level, at rest, with the payload and without."""
+        """Pressure and stability by slewing angle: level, at rest, with and without payload."""
         return slewing.over_slew(self.numbers, self.settings.rated_part)
 
     @cached_property
     def tipping(self) -> pd.DataFrame:
-        """Moments about each edge by angle of slewing, with slope, wind and payload."""
+        """Moments about each edge by slewing angle, with slope, wind and payload."""
         return slewing.tipping_over_slew(self.numbers)
 
     @property
@@ -124,13 +124,13 @@ class Assessment:
 
     @property
     def clauses(self) -> pd.DataFrame:
-        """Which clauses are followed, and which are left out."""
+        """Clauses of standards that are followed or left out."""
         text = files("exudyn_crawler.assessment").joinpath("clauses.toml").read_text(encoding="utf-8")
         return pd.DataFrame(tomllib.loads(text)["clauses"]).rename(columns={"leaves_out": "leaves out"})
 
     @property
     def lines(self) -> list[str]:
-        """Lines that say what governs, what exceeds its limit, and what the numbers stand on."""
+        """Summary lines: governing item, exceeded limits and basis of the numbers."""
         first = self.governing[0]
         over = [item for item in self.governing if item.utilisation > 1.0]
         assumed = self.ledger.counts.get(Origin.ASSUMED, 0)
@@ -152,7 +152,7 @@ class Assessment:
 
 
 def _text(value: object) -> str:
-    """Value of an input for reading."""
+    """Return the value of an input as text."""
     if isinstance(value, tuple | list):
         return ", ".join(_text(part) for part in value)
     return f"{value:.6g}" if isinstance(value, float) else str(value)
@@ -168,10 +168,10 @@ def assessment_of(
     runs: Sequence[tuple[str | None, run_forces.RunForces]] = (),
     say: Callable[[str], None] = lambda _text: None,
 ) -> Assessment:
-    """Assessment of the machine of a case; a ValueError if it does not stand on two closed tracks.
+    """Assess the machine of a case; raise `ValueError` unless it stands on two closed tracks.
 
-    `given` and `origins`: see `inputs_ledger`. Each of the `runs` gives its forces to the load case of the
-    name beside it, or to that which it is of if the name is none.
+    `given` and `origins`: see `inputs_ledger`. The forces of each run replace those of the load case beside
+    it. Without a name they replace those of the load case that fits the run.
     """
     settings = settings or AssessmentSettings(name=case.name)
     numbers = numbers_of(case, settings)

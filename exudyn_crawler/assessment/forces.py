@@ -1,7 +1,7 @@
-"""Forces on a machine whose upper structure slews, and where their resultant meets the ground.
+"""Forces on a machine with a slewing upper structure, and the point where their resultant meets the ground.
 
-Axes: x ahead, y to the left, z up from the ground, normal to it; the origin is the middle of the rectangle on
-which both tracks stand. Angles of slewing count from straight ahead to the left.
+Axes: x ahead, y to the left, z up from the ground, normal to it. The origin is the middle of the rectangle
+below both tracks. Slewing angles count from straight ahead to the left.
 """
 
 from typing import NamedTuple
@@ -16,16 +16,16 @@ PARTS = ("lower", "upper", "payload", "digging", "wind", "slewing")
 
 
 class MachineWeights(NamedTuple):
-    """Masses of a machine and where they are; the upper structure as it is straight ahead."""
+    """Masses of a machine and their centres; the upper structure points straight ahead."""
 
     lower_mass: float
-    """Of all that does not slew, tracks included, kg."""
+    """Mass of the parts that do not slew, tracks included, kg."""
     lower_com: tuple[float, float, float]
-    """Its centre of mass, m."""
+    """Centre of mass of these parts, m."""
     upper_mass: float
-    """Of all that slews, without payload, kg."""
+    """Mass of the parts that slew, without payload, kg."""
     upper_com: tuple[float, float, float]
-    """Its centre of mass ahead of the swing axis, to its left, and above the ground, m."""
+    """Centre of mass of these parts: ahead of the swing axis, to its left, above the ground, m."""
     swing_axis: float = 0.0
     """X of the swing axis, m."""
 
@@ -36,23 +36,23 @@ class Work(NamedTuple):
     payload: float = 0.0
     """Mass in the dipper or on the hook, kg."""
     reach: float = 0.0
-    """Of the payload ahead of the swing axis, m."""
+    """Distance of the payload ahead of the swing axis, m."""
     height: float = 0.0
-    """Of the payload above the ground, m."""
+    """Height of the payload above the ground, m."""
     digging: tuple[float, float] = (0.0, 0.0)
-    """Force of the bank on the dipper away from the machine and up, N, at reach and height."""
+    """Force of the bank on the dipper, N: away from the machine and up, at reach and height."""
     wind: float = 0.0
-    """Force of the wind, N, from the direction that turns it towards `wind_towards`."""
+    """Wind force, N, towards `wind_towards`."""
     wind_height: float = 0.0
-    """Of the wind's force above the ground, m."""
+    """Height of the wind force above the ground, m."""
     wind_towards: float = 0.0
-    """Direction to which the wind blows, rad from ahead to the left."""
+    """Direction of the wind force, rad from ahead to the left."""
     slew_rate: float = 0.0
-    """Of the upper structure, rad/s."""
+    """Slewing rate of the upper structure, rad/s."""
 
 
 class MachineForces(NamedTuple):
-    """Forces in the order of `PARTS` at angles of slewing, N, and their places, m: arrays (angles, 6, 3)."""
+    """Forces in the order of `PARTS` at slewing angles, N, and their points, m: arrays (angles, 6, 3)."""
 
     force: Floats
     place: Floats
@@ -64,16 +64,16 @@ class Resultant(NamedTuple):
     weight: Floats
     """Component into the ground, N."""
     ahead: Floats
-    """X of the place where the resultant meets the ground, m."""
+    """X of the point where the resultant meets the ground, m."""
     aside: Floats
-    """Y of that place, m."""
+    """Y of this point, m."""
     push_ahead: Floats
     """Components along the ground, N."""
     push_left: Floats
 
 
 def gravity_on_slope(gravity: float, slope: float, downhill: float) -> Floats:
-    """Acceleration of gravity in the axes of a machine on a slope: array (3,), m/s2.
+    """Return the acceleration of gravity in the axes of a machine on a slope: array (3,), m/s2.
 
     Parameters
     ----------
@@ -82,21 +82,21 @@ def gravity_on_slope(gravity: float, slope: float, downhill: float) -> Floats:
     slope : float
         Inclination of the ground, rad.
     downhill : float
-        Direction of the fall line, rad from ahead to the left; 0 has the machine look downhill.
+        Direction of the fall line, rad from ahead to the left; at 0 the machine faces downhill.
     """
     along = np.sin(slope)
     return gravity * np.array([along * np.cos(downhill), along * np.sin(downhill), -np.cos(slope)])
 
 
 def forces_at(weights: MachineWeights, work: Work, slew: Floats, gravity: Floats) -> MachineForces:
-    """Forces on a machine at angles of slewing.
+    """Return the forces on a machine at slewing angles.
 
     Parameters
     ----------
     weights : MachineWeights
         Masses and places, kg and m.
     work : Work
-        Payload, force of the bank, wind and rate of slewing.
+        Payload, force of the bank, wind and slewing rate.
     slew : array (angles,)
         rad, from straight ahead to the left.
     gravity : array (3,)
@@ -104,8 +104,8 @@ def forces_at(weights: MachineWeights, work: Work, slew: Floats, gravity: Floats
 
     Notes
     -----
-    Slewing at a rate w pulls outward with m r w^2 at the COM of the upper structure and at the payload
-    (d'Alembert); both stand in one force at their common height. Derived; no source.
+    Slewing at a rate w adds the outward force m r w^2 at the COM of the upper structure and at the payload
+    (d'Alembert). One force at their common height replaces both. Derived; no source.
     """
     slew = np.atleast_1d(np.asarray(slew, dtype=float))
     outward = np.stack((np.cos(slew), np.sin(slew), np.zeros_like(slew)), axis=-1)
@@ -134,10 +134,10 @@ def forces_at(weights: MachineWeights, work: Work, slew: Floats, gravity: Floats
 
 
 def resultant(forces: MachineForces) -> Resultant:
-    """Resultant of forces, and where its line meets the ground.
+    """Return the resultant of forces and the point where its line meets the ground.
 
-    With R the sum of forces and M that of their moments about the origin, the line meets z = 0 at
-    x = M_y / V and y = -M_x / V, V = -R_z (statics). A ValueError where nothing presses on the ground.
+    R is the sum of forces, M the sum of their moments about the origin. The line meets z = 0 at x = M_y / V
+    and y = -M_x / V, V = -R_z (statics). Raise `ValueError` if no force presses on the ground.
     """
     whole = forces.force.sum(axis=1)
     moment = np.cross(forces.place, forces.force).sum(axis=1)

@@ -1,4 +1,4 @@
-"""Named grounds: what each bears and gives, from a file of data with sources."""
+"""Named grounds with bearing pressure, friction and rolling resistance, from a data file with sources."""
 
 import difflib
 import tomllib
@@ -8,31 +8,31 @@ from typing import NamedTuple
 
 
 class NamedGround(NamedTuple):
-    """Ground with what it bears; `mark` is S (seen in the source), R (remembered) or D (derived)."""
+    """Ground with its allowed pressure; `mark` is S (seen in the source), R (recalled) or D (derived)."""
 
     name: str
     allowed_pressure: float
-    """Pa, with the safety that its source has in it."""
+    """Allowed pressure, Pa, including the safety factor of its source."""
     friction: float
-    """Of steel tracks, traction over load."""
+    """Traction of steel tracks over their load."""
     rolling: float
-    """Resistance to straight travel over the load; sinkage is in it."""
+    """Resistance to straight travel over the load, sinkage included."""
     source: str
     mark: str
     cohesion: float = 0.0
-    """Pa, beside the friction; 0 where a coefficient of traction has it."""
+    """Cohesion beside the friction, Pa; 0 if a coefficient of traction includes it."""
 
 
 @cache
 def grounds() -> dict[str, NamedGround]:
-    """All named grounds by name, of `grounds.toml` beside this module."""
+    """Return all named grounds by name, from `grounds.toml` beside this module."""
     text = files("exudyn_crawler.assessment").joinpath("grounds.toml").read_text(encoding="utf-8")
     rows = [NamedGround(**row) for row in tomllib.loads(text)["grounds"]]
     return {row.name: row for row in rows}
 
 
 def ground(name: str) -> NamedGround:
-    """Ground of a name; a ValueError names those that there are."""
+    """Return the ground of a name; raise a `ValueError` that lists the known names."""
     known = grounds()
     if name not in known:
         near = difflib.get_close_matches(name, known, n=1)

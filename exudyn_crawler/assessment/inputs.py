@@ -1,7 +1,7 @@
 """Numbers of an assessment from a case and settings.
 
-Nothing else of the room reads a case. Places are in the axes of `assessment.forces`: from the middle of the
-rectangle on which both tracks stand.
+No other module of this package reads a case. Positions are in the axes of `assessment.forces`, whose origin
+is the middle of the rectangle below both tracks.
 """
 
 import math
@@ -21,43 +21,45 @@ from exudyn_crawler.origins import Ruled
 from meshes.geometry import PITCH, ShoeDimensions
 
 RISE = 5e-3
-"""m, by which the lowest pins of an end wheel may be above those under the rollers while it still stands."""
+"""Largest height, m, of the lowest pins of a grounded end wheel above those under the rollers."""
 HEAVIEST = 50.0
-"""Mean pressures of the machine up to which the sinkage of the case's ground is tabled."""
+"""Greatest pressure in the table of the ground's sinkage, in mean pressures of the machine."""
 HEAVY = 400e3
-"""kg, from which on a machine counts as a mining shovel, whose drives pull less of its weight."""
+"""Mass, kg, above which a machine counts as a mining shovel, with a smaller pull over its weight."""
 PULL_OF_SHOVEL, PULL_OF_OTHERS = 0.5, 0.8
-"""Of the weight, where no torque is given: 0.4 to 0.6 and 0.75 to 1 (remembered)."""
+"""Greatest pull of a machine without a given torque, fraction of its weight (shovels 0.4 to 0.6, others 0.75
+to 1; recalled, not sourced)."""
 PINS = {"diameter": 0.21, "inner": 0.50, "outer": 0.20, "gap": 0.005}
-"""Of the pitch: pins 0.20 to 0.22 (remembered); the others assumed, as no source has them."""
+"""Dimensions of the pins, fraction of the pitch: diameter 0.20 to 0.22 (recalled); the others assumed, since
+no source has them."""
 
 WORK_TO_STATE = ("payload", "reach", "digging", "wind_area")
-"""Work that no machine says by itself."""
+"""Work settings that do not follow from the machine."""
 
 
 class RollerNumbers(NamedTuple):
     """Lower rollers of a track."""
 
     places: np.ndarray
-    """X from the middle of the rectangle, (rollers,), m."""
+    """X of the rollers from the middle of the rectangle, (rollers,), m."""
     groups: tuple[tuple[int, ...], ...]
-    """Numbers, from 0, of rollers that share their load: two of a bogie, or one."""
+    """Roller numbers, from 0, that share their load: two of a bogie, or one alone."""
     tread: RollerTread
     above_ground: float
-    """Of their load at the ground, N: the shoes of one track that lie on it, which no roller carries."""
+    """Weight of one track's grounded shoes, N: part of the ground load that no roller carries."""
 
     @property
     def supports(self) -> np.ndarray:
-        """X at which the frame stands on its rollers and bogies, (groups,), m."""
+        """X of the supports of the frame (rollers and bogies), (groups,), m."""
         return np.array([self.places[list(group)].mean() for group in self.groups])
 
     @property
     def stiffness(self) -> np.ndarray:
-        """Of these supports over that of a roller, (groups,)."""
+        """Stiffness of these supports over that of a roller, (groups,)."""
         return np.array([len(group) for group in self.groups], dtype=float)
 
     def shared(self, loads: np.ndarray) -> np.ndarray:
-        """Return loads (..., rollers) of loads (..., groups), N: those of a bogie share theirs."""
+        """Return loads (..., rollers) from loads (..., groups), N; a bogie's rollers share its load."""
         rollers = np.zeros((*loads.shape[:-1], len(self.places)))
         for number, group in enumerate(self.groups):
             rollers[..., list(group)] = loads[..., [number]] / len(group)
@@ -72,15 +74,15 @@ class ChainNumbers(NamedTuple):
     pitch: float
     """m."""
     shoes: int
-    """Of one track."""
+    """Number of shoes of one track."""
     rest: float
     """Tension at rest, N."""
     breaking: float
     """N."""
     speed: float
-    """Greatest of the case, m/s."""
+    """Greatest speed of the case, m/s."""
     idler_drag: float
-    """Resistance of the idler on which both runs pull at rest, N."""
+    """Resistance of an idler that both runs pull at rest, N."""
     rises: tuple[float, float]
     """Rise over run of the chain from the outer roller to tumbler and to idler."""
 
@@ -90,7 +92,7 @@ class GroundNumbers(NamedTuple):
 
     name: str
     allowed: float
-    """Pa; NaN where it is not known."""
+    """Allowed pressure, Pa; NaN if unknown."""
     friction: float
     rolling: float
     cohesion: float
@@ -98,9 +100,9 @@ class GroundNumbers(NamedTuple):
     undrained: float | None
     """Undrained strength of clay, Pa."""
     compaction: travel.Compaction | None
-    """Of the case's ground, which a track compacts."""
+    """Compaction law of the case's ground, if the case has one."""
     law: Law | None
-    """Of a case with cells; None: linear."""
+    """Pressure law of a case with cells; None: linear."""
     law_name: str
 
 
@@ -110,23 +112,23 @@ class ShoeNumbers(NamedTuple):
     mass: float
     width: float
     rail: float
-    """Of the rails' middles beside the shoe's, m."""
+    """Distance of the rails' middles from the shoe's middle, m."""
     hinge: PinnedHinge
     hinges: int
     pin: PartStrength
     lug: PartStrength
     wear_pressure: float
     ready: bool
-    """True for the ready shoe, of which there are meshes."""
+    """True for the ready shoe, which has meshes."""
 
 
 class AssessmentNumbers(NamedTuple):
-    """All that the formulas take."""
+    """Inputs of all formulas."""
 
     gravity: float
     footprints: Footprints
     fewest: Footprints
-    """The same as whole shoes below the rollers are fewest."""
+    """Footprints with the least number of whole shoes below the rollers."""
     edges: Edges
     weights: MachineWeights
     work: Work
@@ -134,22 +136,22 @@ class AssessmentNumbers(NamedTuple):
     grade: float
     """rad."""
     slope: float
-    """rad, of the side slope."""
+    """Side slope, rad."""
     rollers: RollerNumbers
     chain: ChainNumbers
     shoe: ShoeNumbers
     ground: GroundNumbers
     drive: travel.TrackDrive
     power: float | None
-    """W, of both tracks."""
+    """Power of both tracks, W."""
     ruled: dict[str, Ruled]
-    """Numbers with their rules where the settings have none, by their keys, and those that no field has."""
+    """Derived numbers with their rules, by settings key or by a name without a setting."""
     not_stated: frozenset[str] = frozenset()
-    """Keys of the settings that have no value, where none follows from the machine."""
+    """Keys of settings without a value, stated or derived from the machine."""
 
     @property
     def weight(self) -> float:
-        """Of the machine without payload, N."""
+        """Weight of the machine without payload, N."""
         return self.gravity * (self.weights.lower_mass + self.weights.upper_mass)
 
     @property
@@ -169,7 +171,7 @@ class AssessmentNumbers(NamedTuple):
 def numbers_of(case: Case, settings: AssessmentSettings) -> AssessmentNumbers:
     """Return the numbers of a machine on two closed tracks.
 
-    `settings` are what the case does not say. A ValueError if the case is of no machine.
+    `settings` give what the case does not have. Raise `ValueError` if the case has no machine.
     """
     gear = case.gear
     if not isinstance(gear, Machine):
@@ -237,19 +239,19 @@ def _sizes(shoe: ShoeNumbers) -> list[tuple[str, float]]:
 
 
 class _Stand(NamedTuple):
-    """Length on which a track stands, in the machine's axes, m."""
+    """Length of a track on the ground, in the machine's axes, m."""
 
     rear: float
-    """X of the edges about which it tips."""
+    """X of the edges of tipping, rear and front."""
     front: float
     length: float
     least_length: float
     standing: str
-    """End wheels that stand, in words."""
+    """Names of the grounded end wheels."""
 
 
 def _stands(case: Case, gear: Machine) -> _Stand:
-    """Length on which a track stands: between end wheels that stand, or below the rollers."""
+    """Return the length of a track on the ground: between grounded end wheels, or below the rollers."""
     rails = case.shoe.rails
     assert rails is not None  # of a closed track
     rise = rails.height - case.track.pin_height
@@ -266,7 +268,7 @@ def _stands(case: Case, gear: Machine) -> _Stand:
     rear = min([gear.rollers[0], *(x for x, _ in standing)])
     front = max([gear.rollers[-1], *(x for x, _ in standing)])
     span = front - rear
-    # a shoe that a roller is about to leave bears on the whole of its length, one beyond end wheels does not
+    # a shoe bears on all of its length until its roller has left it; beyond an end wheel it does not bear
     beyond = pitch * (1.0 - 0.5 * len(standing))
     whole = pitch * (math.floor(span / pitch + 1e-9) + 1)
     names = " and ".join(name for _, name in standing) or "neither tumbler nor idler"
@@ -276,7 +278,7 @@ def _stands(case: Case, gear: Machine) -> _Stand:
 
 
 def _weights(case: Case, gear: Machine, middle: float) -> MachineWeights:
-    """Masses and places of what slews and what does not."""
+    """Return masses and centres of the slewing and the fixed parts."""
     start = case.frame_start
     shift = np.array([-middle, 0.0, start[2]])
     body = gear.car_body
@@ -303,7 +305,7 @@ def _weights(case: Case, gear: Machine, middle: float) -> MachineWeights:
 
 
 def _work(settings: AssessmentSettings) -> tuple[Work, float]:
-    """Work of the upper structure, and its least reach."""
+    """Return the work of the upper structure and its least reach."""
     asked = settings.work
     reach = asked.reach or 0.0
     wind = asked.wind_pressure * (asked.wind_area or 0.0)
@@ -330,7 +332,7 @@ def _rollers(case: Case, gear: Machine, middle: float, length: float, pitch: flo
 
 
 def _shoe(case: Case, settings: AssessmentSettings, pitch: float) -> ShoeNumbers:
-    """Shoe with its hinges: those of the ready shoe where it is that, else by the pitch."""
+    """Return the shoe with its hinges: those of the ready shoe, or sizes by the pitch for another shoe."""
     rails = case.shoe.rails
     assert rails is not None  # of a closed track
     ready = abs(case.track.pitch - PITCH) < 1e-6 and abs(case.shoe.width - ShoeDimensions.width) < 1e-6
@@ -353,7 +355,7 @@ def _shoe(case: Case, settings: AssessmentSettings, pitch: float) -> ShoeNumbers
 def _chain(
     case: Case, gear: Machine, settings: AssessmentSettings, shoe: ShoeNumbers, pitch: float
 ) -> tuple[ChainNumbers, dict[str, Ruled]]:
-    """Return the chain with its tension at rest, by sag or pretension, and what breaks it; their rules."""
+    """Return the chain with its rest tension (sag or pretension), its breaking tension, and their rules."""
     rails = case.shoe.rails
     assert rails is not None  # of a closed track
     weight = shoe.mass * case.gravity / pitch
@@ -390,7 +392,7 @@ def _chain(
 
 
 def _of_case(case: Case) -> tuple[str, dict[str, Ruled]]:
-    """Return the name of a case's ground, its friction while shoes slip, rolling resistance and cohesion."""
+    """Return name, sliding friction, rolling resistance and cohesion of a case's ground."""
     contact = case.contact
     cohesion = Ruled(0.0, "friction alone")
     name = "ground of the case"
@@ -418,7 +420,7 @@ def _ground(
     gravity: float,
     weights: MachineWeights,
 ) -> tuple[GroundNumbers, dict[str, Ruled]]:
-    """Return one ground, the named one or that of the case, with single values of the settings; its rules."""
+    """Return the named ground or that of the case, with single values of the settings, and its rules."""
     asked = settings.ground
     law: Law | None = None
     law_name = "linear"
@@ -442,7 +444,7 @@ def _ground(
             if isinstance(of_cells, BekkerSoil):
                 compaction = travel.Compaction(of_cells.k_c, of_cells.k_phi, of_cells.exponent)
     if asked.friction is not None:
-        # traction over load, as it is given, has the cohesion in it
+        # a given traction over load includes the cohesion
         values["cohesion"] = Ruled(0.0, "given friction")
     friction, rolling, cohesion = (
         values[key].value if (own := getattr(asked, key)) is None else own
@@ -465,7 +467,7 @@ def _ground(
 def _drive(
     gear: Machine, settings: AssessmentSettings, weight: float, case: Case
 ) -> tuple[travel.TrackDrive, Ruled]:
-    """Return the drive of one track, and its torque where the settings have none, with its rule."""
+    """Return the drive of one track, and the rule of its torque for settings without one."""
     radius = gear.travel_per_angle(case.track)
     asked = settings.drive
     if gear.torque_limit is not None:

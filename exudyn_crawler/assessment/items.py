@@ -1,4 +1,4 @@
-"""Items of an assessment: a number, its limit and utilisation each, with formula and source."""
+"""Items of an assessment: number, limit, utilisation, formula and source."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -13,7 +13,7 @@ NOT_KNOWN = "not known"
 
 
 class AssessedItem(NamedTuple):
-    """Number of an assessment beside its limit; NaN for a limit that there is none of."""
+    """Number of an assessment beside its limit; NaN for a missing limit."""
 
     item: str
     load_case: str
@@ -22,24 +22,24 @@ class AssessedItem(NamedTuple):
     limit: float
     unit: str
     factor: float
-    """On the load or the stress, of the group; 1 where the limit has it."""
+    """Factor of the group on the load or the stress; 1 if the limit includes it."""
     utilisation: float
     basis: str
-    """Formula, or the run whose forces it takes."""
+    """Formula, or the run that gives the forces."""
     formula: str
     source: str
     mark: str
-    """S seen, D derived, R remembered."""
+    """Mark of the source: S seen, D derived, R recalled."""
     factor_source: str = ""
-    """Source of the factor with its mark; nothing where the factor is 1."""
+    """Source of the factor with its mark; empty for a factor of 1."""
     needs: tuple[str, ...] = ()
-    """Keys of the settings that are not stated, without which the number or its limit is not known."""
+    """Settings keys without a value that the number or its limit needs."""
 
     @property
     def verdict(self) -> str:
-        """Return "yes" up to a utilisation of 1, "no" above it, and nothing without a limit.
+        """Verdict: "yes" up to a utilisation of 1, "no" above it, empty without a limit.
 
-        An item that lacks an input is "not known" unless it exceeds its limit without it.
+        An item that lacks an input is "not known" unless it exceeds its limit even without this input.
         """
         if self.utilisation > 1.0:
             return "no"
@@ -49,10 +49,10 @@ class AssessedItem(NamedTuple):
 
 
 def governing(items: Iterable[AssessedItem]) -> list[AssessedItem]:
-    """Return the item with the greatest utilisation of each name, the greatest first.
+    """Return the item with the greatest utilisation for each name, by falling utilisation.
 
-    Those without a limit come last, of each name the one with the greatest number. An item is not known if
-    one of its load cases is not.
+    Items without a limit come last; for each name the one with the greatest number is chosen. An item is not
+    known if one of its load cases is not.
     """
     worst: dict[str, AssessedItem] = {}
     needs: dict[str, dict[str, None]] = {}
@@ -66,14 +66,14 @@ def governing(items: Iterable[AssessedItem]) -> list[AssessedItem]:
 
 
 def _with_needs(item: AssessedItem, needs: tuple[str, ...]) -> AssessedItem:
-    """Return an item with what it needs; a utilisation of 0 for lack of an input is no number."""
+    """Return an item with its needs; a utilisation of 0 becomes NaN if an input is missing."""
     if needs and item.utilisation == 0.0:
         item = item._replace(number=np.nan, utilisation=np.nan)
     return item._replace(needs=needs)
 
 
 def _rank(item: AssessedItem) -> tuple[float, float]:
-    """Utilisation, -1 without a limit, and number."""
+    """Return utilisation (-1 without a limit) and number."""
     return float(np.nan_to_num(item.utilisation, nan=-1.0)), item.number
 
 
@@ -90,7 +90,7 @@ def case_item(
     factor: float = 1.0,
     needs: tuple[str, ...] = (),
 ) -> AssessedItem:
-    """Return the item of a load case, whose factor is on the number."""
+    """Return an item of a load case; the factor multiplies the number."""
     used = factor * number / limit if limit else np.inf
     return AssessedItem(
         name,
@@ -111,5 +111,5 @@ def case_item(
 
 
 def by_run(row: CaseLoads, formula: str, of_run: str) -> str:
-    """Words of a formula, or of what a run's number is where the case has a run's forces."""
+    """Describe where a number comes from: a formula, or forces of a run."""
     return formula if row.basis == FORMULA else of_run

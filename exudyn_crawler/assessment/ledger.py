@@ -1,4 +1,4 @@
-"""Ledger of an assessment's inputs: values of the case, of the settings, and of what follows from both."""
+"""Ledger of an assessment's inputs: values of the case, of the settings, and derived from both."""
 
 from collections.abc import Iterator
 from functools import cache
@@ -14,7 +14,7 @@ OF_CASE = (
     *("gravity", "gear.car_body.track_distance", "shoe.width", "shoe.mass", "track.pitch", "gear.rollers"),
     *("gear.roller_radius", "gear.tread_width", "gear.car_body.upper_mass", "gear.car_body.upper_com"),
 )
-"""Paths of the case's values that every assessment takes."""
+"""Paths of the case's values in every assessment."""
 OF_SETTINGS = ("work.", "ground.", "drive.", "pins.", "length", "side_edges", "rated_part")
 OF_MATERIAL = ("material.tensile_strength", "material.yield_strength")
 DEFAULT = "default of the settings"
@@ -22,7 +22,7 @@ DEFAULT = "default of the settings"
 
 @cache
 def rules() -> tuple[Rule, ...]:
-    """Return the rules of numbers of an assessment, in the order in which they are tried."""
+    """Return the rules for numbers of an assessment, in the order of trial."""
     return read_rules(Path(__file__).with_name("rules.csv"))
 
 
@@ -38,11 +38,11 @@ def inputs_ledger(
     Parameters
     ----------
     case, settings, numbers : Case, AssessmentSettings, AssessmentNumbers
-        Of the assessment.
+        Case, settings and numbers of the assessment.
     given : tuple of str
-        Paths of the settings that a file gave; others count as assumed.
+        Paths of settings given by a file; others count as assumed.
     origins : Ledger, optional
-        Ledger of the case; values that it does not have count as given.
+        Ledger of the case; missing values count as given.
     """
     of_case = _case_ledger(case, origins or Ledger(()))
     entries = [of_case[path] for path in OF_CASE]
@@ -67,7 +67,7 @@ def _case_ledger(case: Case, origins: Ledger) -> Ledger:
 def _of_settings(
     settings: AssessmentSettings, numbers: AssessmentNumbers, given: tuple[str, ...], of_case: Ledger
 ) -> Iterator[Entry]:
-    """Yield the entries of the settings, and of what stands in the place of those that are none."""
+    """Yield the entries of the settings; derived values replace those that are None."""
     material = any(path.partition(".")[0] == "material" for path in given)
     for item in fields.values_of(settings):
         path = item.path
@@ -93,6 +93,6 @@ def _of_settings(
 
 
 def _rule(path: str, ruled: Ruled | None) -> Rule | None:
-    """Return the rule of a number: the named one, or the one of all others."""
+    """Return the rule of a number: the named one, or the unnamed one."""
     name = "" if ruled is None else ruled.rule
     return next((rule for rule in rules() if rule.gives(path) and rule.name in ("", name)), None)

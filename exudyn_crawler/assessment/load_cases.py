@@ -1,4 +1,4 @@
-"""Load cases in groups, and the factors of the groups: from a file of data, the program's or the user's."""
+"""Load cases in groups and the factors of the groups, from the program's or the user's data file."""
 
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -24,7 +24,7 @@ class LoadGroup(Parameters):
 
 
 class LoadCase(Parameters):
-    """State of a machine for which loads are computed."""
+    """State of a machine with loads to compute."""
 
     name: Name = option("of the load case")
     group: Name = option("name of its group")
@@ -56,12 +56,12 @@ class LoadCases(Parameters):
             yield f"cases: names must differ, got {double} twice"
 
     def group_of(self, case: LoadCase) -> LoadGroup:
-        """Group of a load case."""
+        """Return the group of a load case."""
         return next(group for group in self.groups if group.name == case.group)
 
 
 def read_load_cases(path: str | Path | None = None) -> LoadCases:
-    """Load cases of a file (TOML), or the program's own; raises as `read_parameters`."""
+    """Return the load cases of a file (TOML), or the program's own; errors are those of `read_parameters`."""
     if path is not None:
         return read_parameters(path, LoadCases, "file of load cases", lambda content: content)
     with as_file(files("exudyn_crawler.assessment").joinpath("load_cases.toml")) as packaged:

@@ -1,4 +1,4 @@
-"""Items of a machine as a whole: pressure, tipping, travel, what it lifts and climbs."""
+"""Items of a machine as a whole: pressure, tipping, travel, rated load and grades."""
 
 from collections.abc import Callable, Iterator
 
@@ -13,15 +13,15 @@ from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.states import FORMULA, IN_LINE, SLEW, CaseLoads
 
 SLIGHT = 1e-6
-"""Friction that counts as none."""
+"""Friction coefficient that counts as zero."""
 SAFETY_OF_CLAY = 2.0
-"""Against failure of the ground, 2 to 3 (remembered)."""
+"""Safety factor against failure of the ground, 2 to 3 (recalled)."""
 
 
 def pressure_items(
     numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings
 ) -> Iterator[AssessedItem]:
-    """Pressure on even ground beside what the ground bears."""
+    """Yield the pressure on even ground against the allowed pressure."""
     if row.support != "even":
         return
     allowed = numbers.ground.allowed / KILO
@@ -59,7 +59,7 @@ def pressure_items(
 def tipping_items(
     numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings
 ) -> Iterator[AssessedItem]:
-    """Margin against tipping: what is asked for over what there is."""
+    """Yield the required margin against tipping over the margin of the load case."""
     if row.support != "even":
         return
     used = row.tipping / row.margin
@@ -82,7 +82,7 @@ def tipping_items(
 
 
 def pull_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:
-    """Pull that travel takes, of drive and ground."""
+    """Yield the pull needed for travel against the pull of drive and ground."""
     if row.drive not in ("straight", "turn"):
         return
     formula = f"R / 2, R = {numbers.resistance.formula}"
@@ -103,7 +103,7 @@ def pull_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings
 
 
 def across_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:
-    """Force across a shoe, which no source that could be read limits."""
+    """Yield the lateral force on a shoe; no limit found in any source."""
     if row.support != "even" or not row.side_force:
         return
     strength = (
@@ -130,7 +130,7 @@ def across_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettin
 
 
 def machine_items(numbers: AssessmentNumbers, settings: AssessmentSettings) -> Iterator[AssessedItem]:
-    """Items of no load case: rated load, grades that are possible, power, a turn, a blocked track."""
+    """Yield the items outside the load cases: rated load, grades, power, turn and blocked track."""
     yield from _rated_load(numbers, settings)
     yield from _grades(numbers)
     yield from _turn(numbers)
@@ -154,7 +154,7 @@ def machine_items(numbers: AssessmentNumbers, settings: AssessmentSettings) -> I
 
 
 def _rated_load(numbers: AssessmentNumbers, settings: AssessmentSettings) -> Iterator[AssessedItem]:
-    """Yield the payload over the load that is rated at its reach; nothing of a machine that lifts none."""
+    """Yield the payload over the rated load at its reach; no item if the machine lifts no payload."""
     needs = tuple(key for key in ("work.payload", "work.reach") if key in numbers.not_stated)
     if "work.payload" not in needs and not numbers.work.payload:
         return
@@ -190,7 +190,7 @@ def _rated_load(numbers: AssessmentNumbers, settings: AssessmentSettings) -> Ite
 
 
 def _grades(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
-    """Permitted grade over the grades at which the resistance to travel is what drive and ground give."""
+    """Yield the permitted grade over the grades that the drive can climb and the ground can bear."""
     ground = numbers.ground
     drive = 2.0 * numbers.drive.pull
     resistance = numbers.resistance
@@ -224,7 +224,7 @@ def _grades(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
 
 
 def _turn(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
-    """Yield the friction of the ground over that at which a turn on the spot stalls the drive."""
+    """Yield the ground friction over the friction at which a turn on the spot stalls the drive."""
     level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
     stands = forces.resultant(forces.forces_at(numbers.weights, numbers.empty, IN_LINE, level))
     place = int(np.argmin(np.abs(stands.ahead)))
@@ -241,7 +241,7 @@ def _turn(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
     try:
         turns = _stalling_friction(pull, max(spare, 0.0), cohesion)
     except ValueError:
-        return  # the lighter track slips whatever the friction is
+        return  # the lighter track slips at any friction
     yield AssessedItem(
         "friction over that at which a turn on the spot stalls",
         "turns on the spot",
@@ -259,9 +259,9 @@ def _turn(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
 
 
 def _stalling_friction(pull: Callable[[float], float], spare: float, cohesion: float) -> float:
-    """Return the friction at which the pull of a turn is a spare one (N), 0 if cohesion alone takes more.
+    """Return the friction at which a turn takes a spare pull (N); 0 if cohesion alone takes more.
 
-    The pull goes with the friction where there is no cohesion.
+    The pull is proportional to the friction without cohesion.
     """
     if not cohesion:
         return spare / pull(1.0)
@@ -274,7 +274,7 @@ def _stalling_friction(pull: Callable[[float], float], spare: float, cohesion: f
 
 
 def _information(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
-    """Numbers without a limit, and that of clay where its strength is given."""
+    """Yield numbers without a limit, and the bearing capacity of clay if its strength is given."""
     area = numbers.footprints
     ground = numbers.ground
     if ground.undrained is not None:

@@ -1,4 +1,4 @@
-"""Items of a machine's parts: chain, pin and bush, rollers on their rails, the shoe."""
+"""Items of a machine's parts: chain, pin and bush, rollers on their rails, shoe."""
 
 from collections.abc import Iterator
 
@@ -12,16 +12,16 @@ from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress
 from exudyn_crawler.assessment.states import CaseLoads
 
 SPECIFIC = 6e6
-"""Pa, specific pressure of crawler rollers of hardened steel, 4 to 6 cast manganese against alloy, 6 to 10
-hardened (remembered; the least of the latter)."""
+"""Specific pressure of hardened steel crawler rollers, Pa: the least of 6 to 10 MPa (recalled; 4 to 6 MPa for
+cast manganese against alloy steel)."""
 YOUNGS_MODULUS = 210e9
-"""Pa."""
+"""Young's modulus of steel, Pa."""
 EXTREME = 1.4
-"""Times the specific pressure that is allowed in the third group (remembered)."""
+"""Factor on the allowed specific pressure in the third group (recalled)."""
 
 
 def chain_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:
-    """Tension of the chain over its breaking tension."""
+    """Yield the tension of the chain over its breaking tension."""
     yield case_item(
         row,
         "chain tension",
@@ -37,7 +37,7 @@ def chain_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSetting
 
 
 def pin_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:
-    """Pin and bush of the more loaded hinge."""
+    """Yield the items of pin and bush of the more loaded hinge."""
     shoe = numbers.shoe
     force = row.tension / shoe.hinges * utilisation.SHARED
     stress = utilisation.pin_stress(force, shoe.hinge)
@@ -104,7 +104,7 @@ def pin_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings)
 def roller_items(
     numbers: AssessmentNumbers, row: CaseLoads, settings: AssessmentSettings
 ) -> Iterator[AssessedItem]:
-    """Tread of the most loaded roller on its rail."""
+    """Yield the items of the most loaded roller's tread on its rail."""
     force = 0.5 * row.roller
     tread = numbers.rollers.tread
     contact = utilisation.roller_contact(force, tread, settings.material.yield_strength)
@@ -142,7 +142,7 @@ def roller_items(
 def shoe_items(
     loads: list[CaseLoads], stresses: list[ShoeStress], settings: AssessmentSettings
 ) -> Iterator[AssessedItem]:
-    """Greatest stress of the shoe by check cases."""
+    """Yield the greatest stress of the shoe by check cases."""
     by_name = {row.name: row for row in loads}
     for stress in stresses:
         yield case_item(
@@ -162,7 +162,7 @@ def shoe_items(
 def fatigue_item(
     numbers: AssessmentNumbers, settings: AssessmentSettings, loads: list[CaseLoads], fatigue: ShoeFatigue
 ) -> AssessedItem:
-    """Passes of rollers in the hours in which the machine travels, over those that a shoe survives."""
+    """Return the roller passes in the travel hours of the machine over the fatigue life of a shoe."""
     row = next(case for case in loads if case.name == fatigue.load_case)
     rollers = len(numbers.rollers.places)
     way = numbers.chain.speed * 3600.0 * settings.travel_part * settings.hours

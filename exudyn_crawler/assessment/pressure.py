@@ -1,8 +1,8 @@
-"""Pressure on the ground of two tracks: by statics of two beams, and of one rigid plate on any ground.
+"""Ground pressure of two tracks: by statics of two beams, and of one rigid plate on any ground.
 
-Axes: see `assessment.forces`. Each track presses on a rectangle; tension between track and ground there is
-none. Beams: the statics that crane and rig guidance uses (triangle: eng-tips 185656); what BR 470 asks for
-beyond it, factors and platforms, is left out.
+Axes: see `assessment.forces`. Each track presses on a rectangle, without tension between track and ground.
+The beams follow the statics of crane and rig guidance (triangle: eng-tips 185656). Further requirements of BR
+470 (factors and platforms) are left out.
 """
 
 from collections.abc import Callable
@@ -13,56 +13,56 @@ import numpy as np
 from exudyn_crawler.assessment.forces import Floats, Numbers, Resultant
 
 ALONG, ACROSS = 240, 12
-"""Rectangles along and across each footprint over which a plate's pressure is summed."""
+"""Number of rectangles along and across each footprint in the sum of a plate's pressure."""
 ITERATIONS = 60
-"""Of Newton's method until a plate is at rest."""
+"""Greatest number of Newton iterations to the rest position of a plate."""
 CLOSE = 1e-10
-"""Part of the weight, and of weight times length or gauge, that may be out of balance."""
+"""Tolerance of the balance, fraction of the weight and of weight times length or gauge."""
 
 
 class Footprints(NamedTuple):
-    """Rectangles on which both tracks stand, m."""
+    """Rectangles of both tracks on the ground, m."""
 
     gauge: float
-    """Distance of the middles of the tracks."""
+    """Distance between the middles of the tracks."""
     length: float
-    """On the ground."""
+    """Length on the ground."""
     width: float
-    """Of the shoes."""
+    """Width of the shoes."""
 
     @property
     def area(self) -> float:
-        """Of both tracks, m2."""
+        """Area of both tracks, m2."""
         return 2.0 * self.length * self.width
 
 
 class TrackPressure(NamedTuple):
-    """Pressure under one track: arrays of the shape of its load; NaN and infinite where it tips."""
+    """Pressure under one track: arrays of the shape of its load; NaN and infinite if it tips."""
 
     greatest: Floats
-    """Pa."""
+    """Greatest pressure, Pa."""
     least: Floats
-    """Pa; 0 where a part of the length is free."""
+    """Least pressure, Pa; 0 if a part of the length is free."""
     mean: Floats
-    """Over the length that carries, Pa."""
+    """Mean pressure over the effective length, Pa."""
     length: Floats
-    """That carries, m."""
+    """Effective length, m."""
     even: Floats
     """Pressure of Meyerhof's even equivalent, ``load / (width (length - 2 |offset|))``, Pa."""
 
 
 def track_loads(weight: Numbers, aside: Numbers, gauge: float) -> tuple[Floats, Floats]:
-    """Loads of the left and of the right track, N; 0 and all of it where the machine tips over one.
+    """Return the loads of the left and the right track, N; one track bears all if the machine tips over it.
 
-    P = V (1/2 +- y / B) (statics of a beam on two supports), with the resultant at y (`aside`, m, to the
-    left) and B the `gauge`, m.
+    P = V (1/2 +- y / B) (statics of a beam on two supports). The resultant acts at y (`aside`, m, to the
+    left); B is the `gauge`, m.
     """
     share = np.clip(0.5 + np.asarray(aside) / gauge, 0.0, 1.0)
     return weight * share, weight * (1.0 - share)
 
 
 def track_pressure(load: Numbers, ahead: Numbers, length: float, width: float) -> TrackPressure:
-    """Pressure under a rigid track on linear ground without tension, its load off the middle.
+    """Return the pressure under a rigid track on linear ground without tension, for an eccentric load.
 
     Parameters
     ----------
@@ -71,13 +71,13 @@ def track_pressure(load: Numbers, ahead: Numbers, length: float, width: float) -
     ahead : array
         X of the load from the middle of the length, m.
     length, width : float
-        Of the rectangle, m.
+        Sides of the rectangle, m.
 
     Notes
     -----
-    Up to a sixth of the length it is a trapezoid, p = P / (b L) (1 +- 6 e / L), beyond a triangle over
-    ``L' = 3 (L / 2 - |e|)`` with p = 2 P / (b L') (Navier; no tension). Meyerhof's even pressure acts over
-    ``L - 2 |e|`` (Meyerhof 1953, cited in FHWA GEC-6).
+    Up to an eccentricity e of a sixth of the length L, the pressure is a trapezoid, p = P / (b L) (1 +- 6 e /
+    L). Beyond it is a triangle over ``L' = 3 (L / 2 - |e|)`` with p = 2 P / (b L') (Navier; no tension).
+    Meyerhof's even pressure acts over ``L - 2 |e|`` (Meyerhof 1953, cited in FHWA GEC-6).
     """
     bears, away = np.broadcast_arrays(np.asarray(load, dtype=float), np.abs(np.asarray(ahead, dtype=float)))
     inside = away < 0.5 * length
@@ -97,7 +97,7 @@ def track_pressure(load: Numbers, ahead: Numbers, length: float, width: float) -
 
 
 def pressure_of_tracks(stands: Resultant, footprint: Footprints) -> tuple[TrackPressure, TrackPressure]:
-    """Pressure under the left and the right track at every angle; both bear at the same x (rigid frame)."""
+    """Return the pressure under the left and the right track; both bear at one x (rigid frame)."""
     loads = track_loads(stands.weight, stands.aside, footprint.gauge)
     left, right = (track_pressure(load, stands.ahead, footprint.length, footprint.width) for load in loads)
     return left, right
@@ -107,14 +107,14 @@ class PlatePressure(NamedTuple):
     """Pressure under both tracks as one rigid plate."""
 
     greatest: float
-    """Pa."""
+    """Greatest pressure, Pa."""
     least: float
-    """Pa."""
+    """Least pressure, Pa."""
     x: Floats
-    """Places of the rectangles that it is summed over, (rectangles,), m."""
+    """X of the rectangles of the sum, (rectangles,), m."""
     y: Floats
     pressure: Floats
-    """On them, Pa."""
+    """Pressure on the rectangles, Pa."""
 
 
 Law = Callable[[Floats], tuple[Floats, Floats]]
@@ -122,7 +122,7 @@ Law = Callable[[Floats], tuple[Floats, Floats]]
 
 
 def linear_ground(stiffness: float) -> Law:
-    """Winkler's ground: pressure over depth is `stiffness`, N/m3, and no tension."""
+    """Return the law of Winkler ground: pressure over depth is `stiffness`, N/m3, without tension."""
 
     def law(depth: Floats) -> tuple[Floats, Floats]:
         pressed = depth > 0.0
@@ -132,9 +132,9 @@ def linear_ground(stiffness: float) -> Law:
 
 
 def law_of_sinkage(sinkage: Callable[[float], float], greatest: float, points: int = 400) -> Law:
-    """Law of ground that gives the sinkage (m) of a pressure (Pa), between 0 and a `greatest` pressure.
+    """Return the pressure law of a ground from its sinkage (m) under pressures (Pa) up to a `greatest` one.
 
-    The curve is straight between its points, and goes on as it ends.
+    The curve is straight between its points and beyond the last point.
     """
     pressures = greatest * np.linspace(0.0, 1.0, points + 1) ** 2
     depths = np.array([0.0, *(sinkage(float(pressure)) for pressure in pressures[1:])])
@@ -152,27 +152,27 @@ def law_of_sinkage(sinkage: Callable[[float], float], greatest: float, points: i
 def plate_pressure(
     weight: float, ahead: float, aside: float, footprint: Footprints, law: Law | None = None
 ) -> PlatePressure:
-    """Pressure of both tracks as one rigid plate on ground without tension.
+    """Return the pressure of both tracks as one rigid plate on ground without tension.
 
     Parameters
     ----------
     weight : float
         N, into the ground, at `ahead` and `aside` of the middle, m.
     footprint : Footprints
-        Of both tracks.
+        Footprints of both tracks.
     law : Law, optional
-        Of the ground; linear if none, whose stiffness then does not matter.
+        Pressure law of the ground. None: linear; its stiffness then has no effect.
 
     Raises
     ------
     ValueError
-        Where the weight is off the rectangle about both footprints, so that the machine tips.
+        If the weight acts outside the rectangle about both footprints, so that the machine tips.
 
     Notes
     -----
-    The depth is a plane d = d0 + d1 x + d2 y; Newton's method finds the one whose pressures carry weight and
-    moments. On linear ground, as long as all of it carries, it is P / A + M c / I of both rectangles, with
-    I_y = 2 b L^3 / 12 and I_x = 2 (b L B^2 / 4 + L b^3 / 12) (eng-tips 135414).
+    The depth is a plane d = d0 + d1 x + d2 y; Newton's method finds the plane with pressures that balance
+    weight and moments. On linear ground that carries everywhere, the pressure is P / A + M c / I of both
+    rectangles. Here I_y = 2 b L^3 / 12 and I_x = 2 (b L B^2 / 4 + L b^3 / 12) (eng-tips 135414).
     """
     gauge, length, width = footprint
     if abs(ahead) >= 0.5 * length or abs(aside) >= 0.5 * (gauge + width):
@@ -207,7 +207,7 @@ def plate_pressure(
 
 
 def _even_depth(law: Law, pressure: float) -> float:
-    """Depth (m) at which a ground has a pressure (Pa), by doubling and halving."""
+    """Return the depth (m) at which a ground has a pressure (Pa), by doubling and bisection."""
     high = 1e-6
     while law(np.array([high]))[0][0] < pressure:
         high *= 2.0
@@ -222,7 +222,7 @@ def _even_depth(law: Law, pressure: float) -> float:
 
 
 def _stepped(law: Law, plane: Floats, motion: Floats, step: Floats) -> Floats:
-    """Motion after as much of Newton's step as leaves enough ground below the plate to go on."""
+    """Return the motion after the largest part of Newton's step that keeps enough ground below the plate."""
     share = 1.0
     while np.count_nonzero(law(plane.T @ (motion + share * step))[0]) < plane.shape[1] // 50:
         share *= 0.5
@@ -230,10 +230,10 @@ def _stepped(law: Law, plane: Floats, motion: Floats, step: Floats) -> Floats:
 
 
 def bearing_capacity(undrained_strength: float, footprint: Footprints) -> float:
-    """Pressure (Pa) at which clay below one track fails: 5.14 c_u (1 + 0.2 b / L).
+    """Return the pressure (Pa) at which clay below one track fails: 5.14 c_u (1 + 0.2 b / L).
 
-    `undrained_strength` is c_u, Pa. Prandtl, with Skempton's factor of shape (remembered). Tests of crawler
-    cranes bore up to half more (Liu, Chan and Gerbrandt, Canadian Geotechnical Journal, abstract).
+    `undrained_strength` is c_u, Pa. Prandtl, with Skempton's shape factor (recalled). Crawler cranes in tests
+    reached up to 1.5 times this pressure (Liu, Chan and Gerbrandt, Canadian Geotechnical Journal, abstract).
     """
     short, long = sorted((footprint.width, footprint.length))
     return 5.14 * undrained_strength * (1.0 + 0.2 * short / long)
@@ -242,19 +242,19 @@ def bearing_capacity(undrained_strength: float, footprint: Footprints) -> float:
 def mean_maximum_pressure(
     weight: float, rollers: int, link_area: float, width: float, pitch: float, diameter: float
 ) -> float:
-    """Mean of the greatest pressures below the rollers of link tracks on soft ground, Pa.
+    """Return the mean of the greatest pressures below the rollers of link tracks on soft ground, Pa.
 
-    MMP = 1.26 W / (2 n A_l b sqrt(p D)) (Rowland 1972, remembered), in kN, m and kPa.
+    MMP = 1.26 W / (2 n A_l b sqrt(p D)) (Rowland 1972, recalled), in kN, m and kPa.
 
     Parameters
     ----------
     weight : float
-        Of the machine, N.
+        Weight of the machine, N.
     rollers : int
-        Of one track that stand on the ground.
+        Number of rollers of one track on the ground.
     link_area : float
         Area of a shoe over width times pitch.
     width, pitch, diameter : float
-        Of shoe, chain and roller, m.
+        Width of the shoe, pitch of the chain and diameter of a roller, m.
     """
     return 1.26 * weight / (2.0 * rollers * link_area * width * np.sqrt(pitch * diameter))

@@ -1,7 +1,7 @@
-"""Loads of the lower rollers of one track: on even ground, and where few of them bear.
+"""Loads of the lower rollers of one track on even ground and on uneven supports.
 
-Rollers stand at places x along the side frame and only push. What the uneven supports are is a convention of
-this assessment (assumed): no source that could be read has a rule for the rollers of large crawlers.
+Rollers have places x along the side frame and only push. The uneven supports are a convention of this
+assessment (assumed): no rule for the rollers of large crawlers was found in any source.
 """
 
 import numpy as np
@@ -9,15 +9,15 @@ import numpy as np
 from exudyn_crawler.assessment.forces import Floats, Numbers
 
 NEGLIGIBLE = 1e-12
-"""Part of the load that counts as none."""
+"""Fraction of the load that counts as zero."""
 
 
 def even_loads(load: Numbers, centre: Numbers, places: Floats, parts: Floats | None = None) -> Floats:
     """Return loads (..., rollers) on even ground, N: P w (1 / W + e (x - x_m) / sum(w (x - x_m)^2)).
 
-    `load` (N) at x = `centre` (m), one or several (...,), of supports at `places` (m), as stiff as `parts` w
-    say: 1 for a roller, 2 for a bogie of two, 1 each if none (rigid frame, derived). Those that would pull
-    bear nothing and the rest all of it; a ValueError if a load is not between the outer ones.
+    `load` (N) acts at x = `centre` (m), one or several (...,). Supports at `places` (m) have the stiffness
+    `parts` w: 1 for a roller, 2 for a bogie of two; None: 1 each (rigid frame, derived). Supports that would
+    pull bear nothing. Raise `ValueError` if a load is not between the outer supports.
     """
     places = np.asarray(places, dtype=float)
     stiff = np.ones(len(places)) if parts is None else np.asarray(parts, dtype=float)
@@ -44,10 +44,10 @@ def even_loads(load: Numbers, centre: Numbers, places: Floats, parts: Floats | N
 
 
 def two_loads(load: Numbers, centre: Numbers, places: Floats, pair: tuple[Numbers, Numbers]) -> Floats:
-    """Return loads (..., rollers) where two rollers, from 0, bear all, N: R_i = P (x_j - x_c) / (x_j - x_i).
+    """Return loads (..., rollers), N, if two rollers, from 0, bear all: R_i = P (x_j - x_c) / (x_j - x_i).
 
-    One load or several (...,), each with its pair (lever, derived). A ValueError if a load is not between
-    them.
+    The loads are one or several (...,), each with its pair of rollers (lever, derived). Raise `ValueError` if
+    a load is not between its rollers.
     """
     places = np.asarray(places, dtype=float)
     load, centre = np.asarray(load, dtype=float), np.asarray(centre, dtype=float)
@@ -65,33 +65,33 @@ def two_loads(load: Numbers, centre: Numbers, places: Floats, pair: tuple[Number
 
 
 def _nearest(centre: Numbers, places: Floats) -> np.ndarray:
-    """Return the number, from 0, of the roller that is nearest to each place (m): array (...,)."""
+    """Return the number, from 0, of the roller nearest to each place (m): array (...,)."""
     return np.abs(np.asarray(places) - np.asarray(centre)[..., None]).argmin(axis=-1)
 
 
 def neighbours(centre: Numbers, places: Floats) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers, from 0, of the rollers on both sides of the one that is nearest to a place (m)."""
+    """Return the numbers, from 0, of the rollers on both sides of the one nearest to a place (m)."""
     nearest = _nearest(centre, places)
     return np.maximum(nearest - 1, 0), np.minimum(nearest + 1, len(places) - 1)
 
 
 def one_load(load: Numbers, centre: Numbers, places: Floats) -> Floats:
-    """Return loads (..., rollers) where the roller nearest to the load bears all of it, N."""
+    """Return loads (..., rollers), N, if the roller nearest to the load bears all of it."""
     alone = _nearest(centre, places)[..., None] == np.arange(len(places))
     return np.asarray(load, dtype=float)[..., None] * alone
 
 
 def end_load(load: Numbers, centre: Numbers, places: Floats) -> Floats:
-    """Return loads (..., rollers) where an obstacle lifts one end, N: the outer rollers bear all."""
+    """Return loads (..., rollers), N, if an obstacle lifts one end: the outer rollers bear all."""
     return two_loads(load, centre, places, (0, len(places) - 1))
 
 
 def corner_load(weight: Numbers, ahead: Numbers, aside: Numbers, length: float, gauge: float) -> Numbers:
-    """Return the greatest load (N) of a corner that a stone lifts: V (1/2 + min(|x| / L, |y| / B)).
+    """Return the greatest load (N) of a corner on a stone: V (1/2 + min(|x| / L, |y| / B)).
 
-    The machine is rigid and stands on its corners at (+-L / 2, +-B / 2), which only push. The end and the
-    track of a corner bear V (1/2 + |x| / L) and V (1/2 + |y| / B) however the corners share it: the corner
-    bears the lesser of both where its neighbour there bears nothing (statics; derived).
+    The machine is rigid and stands on its corners at (+-L / 2, +-B / 2), which only push. The end of a corner
+    bears V (1/2 + |x| / L) and its track V (1/2 + |y| / B), for any shares of the corners. The corner bears
+    the lesser of both if its neighbour there bears nothing (statics; derived).
     """
     off = np.minimum(np.abs(ahead) / length, np.abs(aside) / gauge)
     return weight * (0.5 + np.minimum(off, 0.5))

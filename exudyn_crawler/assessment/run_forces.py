@@ -1,4 +1,4 @@
-"""Forces of a run in place of those of a formula, and both beside each other."""
+"""Forces of a run in place of those of a formula, and the comparison of both."""
 
 from typing import Any, NamedTuple
 
@@ -12,7 +12,7 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.results.history.catalogue import rotation_matrices
 
 LEAST_PART = 0.05
-"""Of the greatest force on a shoe, from which on it counts as standing on the ground."""
+"""Contact force above which a shoe counts as grounded, fraction of the largest one."""
 REASONS = {
     "greatest pressure": "a run has that of single shoes: shoes under rollers bear more than those between",
     "track load": "both are statics; pins beside the middle of their shoes shift some load to one track",
@@ -28,56 +28,56 @@ REASONS = {
     "track, on a slope the shoe's share by its load",
     "resultant inside of the nearest edge": "both are statics; greatest pressure and tipping follow from it",
 }
-"""Why a run and a formula may differ, by quantity."""
+"""Reasons for differences between run and formula, by quantity."""
 
 
 class RunForces(NamedTuple):
-    """Greatest forces of a run from a time on."""
+    """Greatest forces of a run after a start time."""
 
     name: str
     drive: str
-    """What the machine does: "none", "straight" or "turn"."""
+    """State of the drive: "none", "straight" or "turn"."""
     lies: str
-    """How the ground lies: "level", "grade" or "side slope"."""
+    """Slope of the ground: "level", "grade" or "side slope"."""
     uneven: bool
-    """True where the ground has ridges, stones or other heights."""
+    """True if the ground has ridges, stones or other relief."""
     loaded: bool
-    """True where the run has a payload or a force of the bank: the case's `machine`."""
+    """True if the run has a payload or a force of the bank (`machine` of the case)."""
     pressure: float
-    """Of the shoe with the greatest, over pitch times width, Pa."""
+    """Greatest force of a shoe over pitch times width, Pa."""
     mean_pressure: float
-    """Over the shoes that stand, Pa."""
+    """Mean pressure of the grounded shoes, Pa."""
     track_load: float
-    """Greatest of a track, N."""
+    """Greatest load of a track, N."""
     foot: np.ndarray
-    """X from the swing axis and y of the place of all forces of the ground, over time: (times, 2), m."""
+    """Foot of the ground's resultant over time: X from the swing axis, and y: (times, 2), m."""
     roller: float
-    """Greatest, N."""
+    """Greatest roller load, N."""
     roller_loads: np.ndarray
-    """Greatest of each roller of the track with the greatest one, (rollers,), N."""
+    """Greatest load of each roller, (rollers,), N, on the track with the greatest one."""
     mean_roller: float
-    """Mean over rollers and time, N."""
+    """Mean roller load over rollers and time, N."""
     tension: float
-    """Greatest of a link, N."""
+    """Greatest tension of a link, N."""
     taut: float
-    """Mean where the taut run meets its tumbler, N; greatest over the tracks."""
+    """Mean tension at the end of the taut run at its tumbler, N; greatest over the tracks."""
     torque: float
-    """Greatest over the tracks of the mean torque of a tumbler, N m."""
+    """Greatest over the tracks of the mean tumbler torque, N m."""
     side_force: float
     """Greatest friction across a shoe, N."""
 
 
 def forces_of_run(history: History, name: str, begin: float | None = None) -> RunForces:
-    """Forces of a run of a machine on two tracks.
+    """Return the forces of a run of a machine on two tracks.
 
     Parameters
     ----------
     history : History
-        A ValueError if it is of no machine.
+        History of a machine; any other raises `ValueError`.
     name : str
-        Of the run, as tables show it.
+        Name of the run in tables.
     begin : float, optional
-        s, from which on they count; that at which the drive has its last speed if none.
+        Start time of the evaluation, s. None: the time at which the drive reaches its last speed.
     """
     case = history.case
     if case.gear.kind != "machine":
@@ -124,16 +124,17 @@ def forces_of_run(history: History, name: str, begin: float | None = None) -> Ru
 
 
 def _lies(relief: Heights) -> str:
-    """Word for how the plane of the ground lies."""
+    """Return the word for the slope of the ground's plane."""
     if relief.slope_x:
         return "grade"
     return "side slope" if relief.slope_y else "level"
 
 
 def _foot(history: History, late: np.ndarray, on_shoes: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Place of the ground's forces from the swing axis in the machine's axes: array (times, 2), m.
+    """Return the foot of the ground forces from the swing axis in the machine's axes: array (times, 2), m.
 
-    Along the tracks by the shoes' places, across by the loads of both tracks in their middles.
+    Along the tracks it follows from the positions of the shoes. Across them it follows from the loads of both
+    tracks at their middles.
     """
     case = history.case
     gear: Any = case.gear
@@ -147,7 +148,7 @@ def _foot(history: History, late: np.ndarray, on_shoes: np.ndarray, turned: np.n
 
 
 def _at_tumblers(history: History, late: np.ndarray) -> np.ndarray:
-    """Mean tension of the link nearest to where a run meets a tumbler: array (tracks, 2), lower, upper; N."""
+    """Return the mean tension (N) of the links nearest to a tumbler's ends: (tracks, 2), lower and upper."""
     case = history.case
     gear: Any = case.gear
     tension = history.link_tension.transpose("time", "joint").values[late]
@@ -171,11 +172,11 @@ def _at_tumblers(history: History, late: np.ndarray) -> np.ndarray:
 def with_run(
     numbers: AssessmentNumbers, loads: list[CaseLoads], run: RunForces, wanted: str | None = None
 ) -> tuple[list[CaseLoads], str]:
-    """Load cases with a run's forces in place of the formula's where it is of that case, and which that is.
+    """Return the load cases with a run's forces in place of the formula's, and the name of the replaced case.
 
-    It stands for the load case of the name `wanted`, or else for the first with its drive, ground and load:
-    on even ground, or with one roller on a ridge where the run's ground has heights. A ValueError if there
-    is none, or if it has another run's forces.
+    The run replaces the load case named `wanted`, or else the first one with its drive, ground and load. A
+    run with relief replaces a case with one roller on a ridge, any other a case on even ground. Raise
+    `ValueError` if no load case fits, or if the case has the forces of another run.
     """
     number = _number_of(loads, run, wanted)
     row = loads[number]
@@ -200,7 +201,7 @@ def with_run(
 
 
 def _number_of(loads: list[CaseLoads], run: RunForces, wanted: str | None) -> int:
-    """Number of the load case that a run is of."""
+    """Return the number of the load case that a run replaces."""
     names = [row.name for row in loads]
     if wanted is not None:
         if wanted not in names:
@@ -223,7 +224,7 @@ def _number_of(loads: list[CaseLoads], run: RunForces, wanted: str | None) -> in
 
 
 def least_distance(numbers: AssessmentNumbers, run: RunForces) -> float:
-    """Least distance of the resultant's foot of a run from the edges, inside of them, m."""
+    """Return the least distance, m, of the resultant's foot of a run from the edges, positive inside."""
     ahead = run.foot[:, 0] + numbers.weights.swing_axis
     aside = run.foot[:, 1]
     edges = numbers.edges
@@ -234,7 +235,7 @@ def least_distance(numbers: AssessmentNumbers, run: RunForces) -> float:
 def comparison(
     numbers: AssessmentNumbers, loads: list[CaseLoads], run: RunForces, stands: str
 ) -> pd.DataFrame:
-    """Formula beside run with what makes the difference: a row for each quantity."""
+    """Compare formula and run: a row for each quantity, with reasons for the difference."""
     row = next(case for case in loads if case.name == stands)
     torque = row.needed * numbers.drive.radius / numbers.drive.efficiency
     pairs = {

@@ -1,4 +1,4 @@
-"""File of an assessment: its machine, and what a case does not say of work, ground, drive and pins."""
+"""File of an assessment: its machine, and data of work, ground, drive and pins that a case does not have."""
 
 from pathlib import Path
 from typing import Any, Literal
@@ -12,7 +12,7 @@ from exudyn_crawler.settings.fields import NONE
 from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option, quantity
 from exudyn_crawler.settings.reading import errors_named, from_content, stated, toml_content
 
-MACHINE = "machine"  # key of the case that an assessment is of
+MACHINE = "machine"  # key of the case of an assessment
 CLAY = "clay"  # end of the names of clays
 Part = float | None
 
@@ -62,7 +62,7 @@ class WorkSettings(Parameters):
 
 
 class GroundSettings(Parameters):
-    """Ground on which the machine stands: a named one, or that of the case, which gives what is none here."""
+    """Ground below the machine: a named one or that of the case, which also gives values that are none."""
 
     name: str | None = option("of a named ground; none: ground of the case, whose pressure is unknown", None)
     allowed_pressure: Part = quantity("Pa", "that it bears", (2e4, 1e7), gt=0, le=1e9, default=None)
@@ -96,7 +96,7 @@ class DriveSettings(Parameters):
 
 
 class PinSettings(Parameters):
-    """Hinge joints of the shoes; lengths that are none are those of the ready shoe, or by the pitch."""
+    """Hinge joints of the shoes; lengths that are none are those of the ready shoe or follow the pitch."""
 
     diameter: Part = quantity("m", "of a pin", (0.01, 0.3), gt=0, le=2, default=None)
     inner: Part = quantity(
@@ -115,7 +115,7 @@ class PinSettings(Parameters):
 
 
 class AssessmentSettings(Parameters):
-    """All that an assessment knows beside the case of its machine."""
+    """Settings of an assessment beside the case of its machine."""
 
     name: Name = option("of the assessment", "assessment")
     work: WorkSettings = WorkSettings()
@@ -146,7 +146,7 @@ class AssessmentSettings(Parameters):
 
 
 class AskedAssessment(Parameters):
-    """Machine with the settings of its assessment, and the keys that its files gave."""
+    """Machine and settings of an assessment, and the keys given by its files."""
 
     machine: CaseFile
     settings: AssessmentSettings
@@ -157,8 +157,8 @@ class AskedAssessment(Parameters):
 def read_assessment(path: str | Path) -> AskedAssessment:
     """Read an assessment: a file that names a `machine`, or the file of a machine itself.
 
-    A `machine` is a case file, the name of a case, or a table of one, from the file's folder. Raises
-    `FileNotFoundError`, or a `CaseFileError` that names each key at fault.
+    A `machine` is a case file, the name of a case, or a table of one; paths start at the file's folder. Raise
+    `FileNotFoundError`, or a `CaseFileError` that names each wrong key.
     """
     path = Path(path)
     with errors_named(path, AssessmentSettings):
@@ -179,7 +179,7 @@ def read_assessment(path: str | Path) -> AskedAssessment:
 
 
 def _stated(entry: object, path: Path) -> tuple[str, ...]:
-    """Return the paths of the values that a machine's file or table states; of a named case none."""
+    """Return the paths of the values stated in a machine's file or table; empty for a named case."""
     if isinstance(entry, str):
         named = path.parent / entry
         entry = toml_content(named, "case file") if named.is_file() else {}
@@ -187,6 +187,6 @@ def _stated(entry: object, path: Path) -> tuple[str, ...]:
 
 
 def _is_of_assessment(content: dict[str, Any]) -> bool:
-    """True where a file names a machine, and not a case what acts on its machine, or that nothing does."""
+    """Return True if a file names a machine; False if `machine` holds phases, as in a case, or none."""
     machine = content.get(MACHINE, NONE)
     return machine != NONE and not (isinstance(machine, dict) and "phases" in machine)

@@ -1,4 +1,4 @@
-"""Shoe of an assessment by check cases: stress under its rollers' loads and chain, static and fatigue."""
+"""Stress of the shoe by check cases under roller loads and chain pull, static and in fatigue."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from fem.body.element_stress import von_mises
 TURNED = "turn 70/30, side force at rails"
 DRIVEN = "drive push forward"
 FATIGUE = "even, sand"
-"""Check case that comes with each roller."""
+"""Check case that repeats with each roller."""
 
 
 class ShoeStress(NamedTuple):
@@ -27,25 +27,25 @@ class ShoeStress(NamedTuple):
     check_case: str
     region: str
     stress: float
-    """von Mises, without factor, Pa."""
+    """Stress of von Mises without factor, Pa."""
 
 
 class ShoeFatigue(NamedTuple):
-    """Region that cracks first under the passes of rollers."""
+    """Region of the first crack under the passes of rollers."""
 
     load_case: str
-    """Whose roller load passes."""
+    """Load case with the roller load of the passes."""
     region: str
     amplitude: float
-    """Pa."""
+    """Stress amplitude, Pa."""
     cycles: float
-    """That 97.5 % survive."""
+    """Number of cycles survived with 97.5 % probability."""
 
 
 def check_of(case: Case, settings: AssessmentSettings, ready_shoe: bool) -> ready.ShoeCheck | None:
-    """Check of a machine's shoe: of the ready one, or by the mesh of the case's flexible shoes.
+    """Return the check of a machine's shoe: of the ready one, or by the mesh of the case's flexible shoes.
 
-    None if the machine's shoe is another than the ready one and the case has no mesh of it.
+    Return None if the machine's shoe is not the ready one and the case has no mesh of it.
     """
     if not ready_shoe and case.flexible is None:
         return None
@@ -63,7 +63,7 @@ def check_of(case: Case, settings: AssessmentSettings, ready_shoe: bool) -> read
 
 
 def _below(beside: float) -> dict[str, tuple[str, ...]]:
-    """Check cases of the ground below a shoe by what the rollers stand on; `beside`: see `ShoeOutline`."""
+    """Return the check cases of the ground below a shoe by roller support; `beside`: see `ShoeOutline`."""
     ends = f"both ends {0.2 * beside:.3g} m"
     corners = f"diagonal corners {0.3 * beside:.3g} m"
     ridge = f"ridge {0.4 * beside:.3g} m"
@@ -79,12 +79,13 @@ def _below(beside: float) -> dict[str, tuple[str, ...]]:
 def shoe_stresses(
     loads: list[CaseLoads], check: ready.ShoeCheck, say: Callable[[str], None]
 ) -> tuple[list[ShoeStress], ShoeFatigue | None]:
-    """Greatest stress of a shoe in each load case, and its fatigue under the passes of normal travel.
+    """Return the greatest stress of a shoe in each load case, and its fatigue under passes of normal travel.
 
-    Passes have the greatest roller load of the first group's load cases that go straight, of all of the group
-    if none does. Check cases are solved once; ground without steps answers in proportion to forces, so that a
-    load case scales them (`docs/check-cases.md`). That of turns has the pull and the roller load of the turn
-    that needs the greatest pull. Bores are left out: pins hold them by spiders.
+    Passes have the greatest roller load of the first group's load cases in straight travel. If there are
+    none, all of the group's load cases count. Check cases are solved once: on ground without steps, stress is
+    proportional to force, so that a load case scales it (`docs/check-cases.md`). The check case of turns has
+    pull and roller load of the turn with the greatest needed pull. Bores are left out, since spiders hold
+    them at the pins.
     """
     normal = [row for row in loads if row.group == loads[0].group]
     travel = [row for row in normal if row.drive == "straight"] or normal

@@ -1,4 +1,4 @@
-"""Tables over the angle of slewing: ground pressure, and stability over each edge."""
+"""Tables over the slewing angle: ground pressure, and stability about each edge."""
 
 import numpy as np
 import pandas as pd
@@ -11,13 +11,13 @@ KILO = 1e3
 MEGA = 1e6
 WITHOUT, WITH = "without payload", "with payload"
 TOWARDS = dict(zip(stability.EDGES, np.radians([0.0, 180.0, 90.0, 270.0]), strict=True))
-"""Direction of each edge from the middle, rad from ahead to the left."""
+"""Direction from the middle to each edge, rad from ahead to the left."""
 CHECKED = (0.0, 30.0, 60.0, 90.0, 180.0)
-"""deg, angles at which beams stand beside a plate."""
+"""Slewing angles, deg, at which beams are compared with a plate."""
 
 
 def _payloads(numbers: AssessmentNumbers) -> dict[str, float]:
-    """Payloads (kg) by their words: none, and that of the work where it has one."""
+    """Return payloads (kg) by their names: none, and that of the work if it has one."""
     payloads = {WITHOUT: 0.0}
     if numbers.work.payload:
         payloads[WITH] = numbers.work.payload
@@ -25,9 +25,9 @@ def _payloads(numbers: AssessmentNumbers) -> dict[str, float]:
 
 
 def over_slew(numbers: AssessmentNumbers, rated_part: float) -> pd.DataFrame:
-    """Return pressure and stability by angle of slewing: level, at rest, with the payload and without.
+    """Return pressure and stability by slewing angle: level, at rest, with and without payload.
 
-    The load that is rated at the reach is a column where the reach is stated.
+    If the reach is stated, a column gives the rated load at the reach.
     """
     level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
     still = numbers.work._replace(digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
@@ -63,10 +63,10 @@ def over_slew(numbers: AssessmentNumbers, rated_part: float) -> pd.DataFrame:
 
 
 def tipping_over_slew(numbers: AssessmentNumbers) -> pd.DataFrame:
-    """Moments about each edge by angle of slewing: a row an angle, edge and state.
+    """Return the moments about each edge by slewing angle: a row for each angle, edge and state.
 
-    States are those with and without payload: level, on the permitted side slope that falls towards the edge,
-    and in the greatest wind that blows towards it.
+    States with and without payload are: level, the permitted side slope falling towards the edge, and the
+    greatest wind towards the edge.
     """
     still = numbers.work._replace(digging=(0.0, 0.0), wind=0.0, slew_rate=0.0)
     tables = []
@@ -99,15 +99,15 @@ def tipping_over_slew(numbers: AssessmentNumbers) -> pd.DataFrame:
 
 
 def least_over_slew(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows of `tipping_over_slew` at the angle at which the machine tips first, one a state and edge."""
+    """Return the rows of `tipping_over_slew` at the angle of first tipping, one for each state and edge."""
     first = table.groupby(["state", "edge"], sort=False)["tips further at in deg"].idxmin()
     return table.loc[first].reset_index(drop=True)
 
 
 def beams_and_plate(numbers: AssessmentNumbers, over: pd.DataFrame) -> pd.DataFrame:
-    """Greatest pressure of both tracks as one rigid plate on the case's ground, beside that of beams.
+    """Return the greatest pressure of both tracks as a rigid plate on the case's ground and as beams.
 
-    `over` is the table of `over_slew`, of whose last state it is.
+    `over` is the table of `over_slew`; its last state is used.
     """
     laws: dict[str, pressure.Law | None] = {"linear": None}
     if numbers.ground.law is not None:

@@ -1,7 +1,8 @@
-"""Stability against tipping over the four edges on which a machine on two tracks stands.
+"""Stability of a machine on two tracks against tipping over its four edges.
 
-Axes: see `assessment.forces`. Edges: front and rear (end wheels on hard ground, or outer rollers where those
-are lifted), left and right (middle of a track, or the outer edge of its shoes as ISO 10567 has it).
+Axes: see `assessment.forces`. Front and rear edges are the end wheels on hard ground, or the outer rollers if
+the end wheels are lifted. Left and right edges are the middle of a track, or the outer edge of its shoes (ISO
+10567).
 """
 
 from typing import NamedTuple
@@ -12,9 +13,9 @@ from exudyn_crawler.assessment.forces import PARTS, Floats, MachineForces
 
 EDGES = ("front", "rear", "left", "right")
 OUTWARD = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-"""Directions (4, 3) in which a machine tips over the edges."""
+"""Directions (4, 3) of tipping over the edges."""
 WEIGHTS = [PARTS.index(name) for name in ("lower", "upper", "payload")]
-"""Forces that keep the direction of gravity as the machine tilts; the others keep theirs in its axes."""
+"""Indices of the forces that keep the direction of gravity as the machine tilts; the others turn with it."""
 
 
 class Edges(NamedTuple):
@@ -27,20 +28,20 @@ class Edges(NamedTuple):
 
 
 class Tipping(NamedTuple):
-    """How far a machine is from tipping over each edge: arrays (angles, 4)."""
+    """Moments, distances and tilt angles about each edge: arrays (angles, 4)."""
 
     stabilising: Floats
-    """Sum of the moments about the edge that hold the machine, N m."""
+    """Sum of the stabilising moments about the edge, N m."""
     overturning: Floats
-    """Sum of those that tip it, N m."""
+    """Sum of the overturning moments about the edge, N m."""
     distance: Floats
-    """Of the resultant's foot inside of the edge, m."""
+    """Distance of the resultant's foot inside the edge, m."""
     angle: Floats
-    """By which the machine may be tilted further about the edge until it tips, rad; 0 where it tips."""
+    """Further tilt about the edge until the machine tips, rad; 0 if it tips already."""
 
     @property
     def margin(self) -> Floats:
-        """Stabilising over overturning moments; infinite where nothing tips."""
+        """Stabilising over overturning moments; infinite without overturning moments."""
         return np.divide(
             self.stabilising,
             self.overturning,
@@ -50,9 +51,9 @@ class Tipping(NamedTuple):
 
     @property
     def first_edge(self) -> np.ndarray:
-        """Number in `EDGES` of the edge of the least margin: (angles,).
+        """Number in `EDGES` of the edge with the least margin: (angles,).
 
-        Where no force overturns, so that all margins are infinite, the edge of the least angle.
+        Without overturning moments all margins are infinite; then it is the edge with the least angle.
         """
         margin = self.margin
         overturned = np.isfinite(margin).any(axis=1)
@@ -60,13 +61,13 @@ class Tipping(NamedTuple):
 
 
 def tipping(forces: MachineForces, edges: Edges) -> Tipping:
-    """Moments about each edge, and the angle until the machine tips.
+    """Return the moments about each edge, and the angle until the machine tips.
 
-    The moment of a force about the edge at the distance d, with the unit vector n outward and z up, is
-    (d - r.n) (-F_z) - r_z F.n; positive ones hold the machine, negative ones tip it. Tilted further by t, the
-    weights W at their common place d_w inside of the edge and h_w above it leave
-    W (d_w cos t - h_w sin t) + M = 0, with M of all else, so that
-    t = acos(-M / (W sqrt(d_w^2 + h_w^2))) - atan(h_w / d_w) (statics; derived).
+    The edge has the distance d and the outward unit vector n; z is up. The moment of a force about it is
+    (d - r.n) (-F_z) - r_z F.n; positive ones stabilise, negative ones overturn. The weights W have their
+    common centre d_w inside the edge and h_w above it. After a further tilt t, W (d_w cos t - h_w sin t) + M
+    = 0, with M the moment of all other forces. Hence t = acos(-M / (W sqrt(d_w^2 + h_w^2))) - atan(h_w / d_w)
+    (statics; derived).
     """
     reach = np.array(edges)
     inside = reach[None, :, None] - np.einsum("akx,ex->aek", forces.place, OUTWARD)
@@ -81,7 +82,7 @@ def tipping(forces: MachineForces, edges: Edges) -> Tipping:
 
 
 def _angle(forces: MachineForces, inside: Floats, outward: Floats, moments: Floats) -> Floats:
-    """Further tilt (rad) about each edge at which the machine tips: array (angles, 4)."""
+    """Return the further tilt (rad) about each edge at which the machine tips: array (angles, 4)."""
     others = np.delete(moments, WEIGHTS, axis=2).sum(axis=2)
     down = -forces.force[:, None, WEIGHTS, 2]
     along = outward[:, :, WEIGHTS]
@@ -97,11 +98,11 @@ def _angle(forces: MachineForces, inside: Floats, outward: Floats, moments: Floa
 def tipping_load(
     forces: MachineForces, edges: Edges, reach: float, swing_axis: float, slew: Floats
 ) -> Floats:
-    """Vertical load (N) at a reach at which the machine tips over the edge that comes first: (angles,).
+    """Return the vertical load (N) at a reach that tips the machine over the first edge: (angles,).
 
-    `forces` are those without payload on level ground; the load hangs at `reach` (m) ahead of the swing axis
-    at x = `swing_axis` (m). T = M / (r.n - d), M what holds the machine about the edge; infinite where a load
-    tips it over none. A load of which the allowed part is 75 % is what SAE J1097 and ISO 10567 rate.
+    `forces` exclude the payload, on level ground. The load hangs at `reach` (m) ahead of the swing axis at x
+    = `swing_axis` (m). T = M / (r.n - d), M the stabilising moment about the edge; infinite if a load tips
+    the machine over no edge. The rated load of SAE J1097 and ISO 10567 is at most 75 % of it.
     """
     slew = np.atleast_1d(slew)
     place = np.stack((swing_axis + reach * np.cos(slew), reach * np.sin(slew), np.zeros_like(slew)), axis=-1)

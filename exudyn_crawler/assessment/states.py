@@ -1,4 +1,4 @@
-"""Loads of each load case: pressure, margin, rollers, chain and shoes at the worst angle of slewing."""
+"""Loads of each load case: pressure, margin, rollers, chain and shoes at the worst slewing angle."""
 
 from itertools import product
 from typing import NamedTuple
@@ -11,84 +11,84 @@ from exudyn_crawler.assessment.inputs import AssessmentNumbers
 from exudyn_crawler.assessment.load_cases import LoadCase, LoadCases
 
 SLEW = np.radians(np.arange(0.0, 360.0, 5.0))
-"""Angles of slewing that are looked at, rad."""
+"""Slewing angles of the load cases, rad."""
 IN_LINE = np.array([0.0, np.pi])
 DOWNHILL = np.radians([0.0, 90.0, 180.0, 270.0])
 """Directions of the fall line and of the wind, rad."""
 BACK = np.pi
-"""Direction of the fall line of a machine that goes uphill, rad."""
+"""Direction of the fall line for a machine that climbs, rad."""
 FORMULA = "formula"
 
 
 class CaseLoads(NamedTuple):
-    """Loads that a machine bears in a load case; the worst of each over the angles of slewing."""
+    """Loads of a machine in a load case; the worst of each over the slewing angles."""
 
     name: str
     group: str
     strength: float
-    """Factor on loads of its group."""
+    """Factor of its group on loads."""
     tipping: float
-    """Margin against tipping that its group asks for."""
+    """Required margin of its group against tipping."""
     factors: str
-    """Source of both, with its mark."""
+    """Source of both factors, with its mark."""
     drive: str
     support: str
     lies: str
-    """How the ground lies: "level", "grade" or "side slope"."""
+    """Slope of the ground: "level", "grade" or "side slope"."""
     loaded: bool
     """True with a payload or a force of the bank."""
     basis: str
-    """Formula, or the run whose forces these are."""
+    """Formula, or the run that gives the forces."""
     greatest_pressure: float
-    """Pa; infinite where it tips."""
+    """Greatest pressure, Pa; infinite if the machine tips."""
     even_pressure: float
-    """Meyerhof's, of the more loaded track, Pa."""
+    """Meyerhof's even pressure of the more loaded track, Pa."""
     slew: float
     """Angle of the greatest pressure, rad."""
     carries: float
-    """Length of a track that carries at the greatest pressure, m."""
+    """Effective length of a track at the greatest pressure, m."""
     track_load: float
-    """Greatest of a track, N."""
+    """Greatest load of a track, N."""
     margin: float
     """Least stabilising over overturning moments."""
     edge: str
-    """About which that is; that of the least angle where no force overturns."""
+    """Edge of the least margin; edge of the least tilt if no force overturns."""
     tilt: float
-    """Least angle until it tips, rad."""
+    """Least further tilt until the machine tips, rad."""
     tilt_edge: str
-    """About which that is."""
+    """Edge of the least tilt."""
     roller: float
     """Greatest load of a roller, N."""
     roller_loads: Floats
-    """Of the track with the greatest one, (rollers,), N."""
+    """Roller loads of the track with the greatest one, (rollers,), N."""
     distance: float
-    """Least of the foot of all forces' resultant from the edges, inside of them, m."""
+    """Least distance of the resultant's foot from the edges, m, positive inside."""
     needed: float
-    """Pull of a track that the travel takes, N."""
+    """Pull of a track needed for the travel, N."""
     available: float
-    """Pull of the lesser of drive and ground, N."""
+    """Lesser of the pulls of drive and ground, N."""
     ends: str
     """"goes", "stalls" or "slips"; nothing where it stands."""
     tension: float
-    """Greatest of the chain, N."""
+    """Greatest tension of the chain, N."""
     side_force: float
-    """Greatest across a shoe on the ground, N."""
+    """Greatest lateral force on a grounded shoe, N."""
     missing: tuple[str, ...] = ()
-    """Keys of the settings that the load case asks for and that are not stated: its forces lack them."""
+    """Settings keys without a value that the load case needs; its forces lack them."""
 
     @property
     def missing_of_loads(self) -> tuple[str, ...]:
-        """Keys that forces on ground and rollers lack; a run has its own forces."""
+        """Keys that the forces on ground and rollers lack; empty for a run, which has its own forces."""
         return self.missing if self.basis == FORMULA else ()
 
     @property
     def missing_of_travel(self) -> tuple[str, ...]:
-        """Keys that pull and chain tension lack: those of a machine at rest depend on no load."""
+        """Keys that pull and chain tension lack; empty without travel, when neither depends on a load."""
         return self.missing_of_loads if self.drive in ("straight", "turn") else ()
 
 
 class _Envelope(NamedTuple):
-    """Everything at all angles, slopes and works of a load case: arrays (n,)."""
+    """Results at all angles, slopes and works of a load case: arrays (n,)."""
 
     slew: Floats
     stands: Resultant
@@ -104,12 +104,12 @@ class _Envelope(NamedTuple):
 
 
 def loads_of(numbers: AssessmentNumbers, cases: LoadCases) -> list[CaseLoads]:
-    """Loads of all load cases."""
+    """Return the loads of all load cases."""
     return [case_loads(numbers, cases, case) for case in cases.cases]
 
 
 def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> CaseLoads:
-    """Loads of one load case."""
+    """Return the loads of one load case."""
     group = cases.group_of(case)
     envelope = _envelope(numbers, case)
     worst = int(np.argmax(envelope.greatest))
@@ -153,7 +153,7 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
 
 
 def _missing(numbers: AssessmentNumbers, case: LoadCase) -> tuple[str, ...]:
-    """Return the keys of what a load case asks for and the settings do not state."""
+    """Return the settings keys without a value that a load case needs."""
     asked = {"work.payload": case.payload, "work.digging": case.digging, "work.wind_area": case.wind}
     missing = [key for key, wanted in asked.items() if wanted and key in numbers.not_stated]
     lifted = case.payload and ("work.payload" in missing or numbers.work.payload)
@@ -164,10 +164,10 @@ def _missing(numbers: AssessmentNumbers, case: LoadCase) -> tuple[str, ...]:
 
 
 def _side_force(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope) -> float:
-    """Greatest force across a shoe on the ground, N.
+    """Return the greatest lateral force on a grounded shoe, N.
 
-    In a turn the most loaded shoe has all of its shear strength across. Else what pushes the machine aside
-    (slope, wind, bank, slewing) is shared as the load is, as far as the strength holds it (a convention
+    In a turn the most loaded shoe has all of its shear strength across. In other cases the shoes share the
+    lateral push (slope, wind, bank, slewing) as they share the load, up to their strength (a convention
     here).
     """
     part = numbers.chain.pitch * numbers.footprints.width
@@ -180,7 +180,7 @@ def _side_force(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope)
 
 
 def _works(numbers: AssessmentNumbers, case: LoadCase) -> list[Work]:
-    """Works of a load case: with the payload far, near and without, by the wind's directions."""
+    """Return the works of a load case: payload far, near and none, for each wind direction."""
     bare = numbers.work._replace(digging=(0.0, 0.0), wind=0.0)
     bare = bare if case.slew == "all" else bare._replace(slew_rate=0.0)
     works = [bare._replace(payload=0.0)]
@@ -198,7 +198,7 @@ def _works(numbers: AssessmentNumbers, case: LoadCase) -> list[Work]:
 
 
 def _slopes(numbers: AssessmentNumbers, case: LoadCase) -> list[Floats]:
-    """Gravity (3,) of a load case by the directions of its slope, m/s2."""
+    """Return the gravity (3,) of a load case for each direction of its slope, m/s2."""
     if case.slope:
         return [forces.gravity_on_slope(numbers.gravity, numbers.slope, way) for way in DOWNHILL.tolist()]
     if case.grade:
@@ -207,7 +207,7 @@ def _slopes(numbers: AssessmentNumbers, case: LoadCase) -> list[Floats]:
 
 
 def _envelope(numbers: AssessmentNumbers, case: LoadCase) -> _Envelope:
-    """Resultants, pressures and margins at all angles, slopes and works of a load case."""
+    """Return resultants, pressures and margins at all angles, slopes and works of a load case."""
     slew = SLEW if case.slew == "all" else IN_LINE
     parts = []
     for work, gravity in product(_works(numbers, case), _slopes(numbers, case)):
@@ -243,8 +243,8 @@ def _envelope(numbers: AssessmentNumbers, case: LoadCase) -> _Envelope:
 def _rollers(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope, tension: float) -> Floats:
     """Return the loads (rollers,) of the track with the most loaded roller of the load case, N.
 
-    Shoes on the ground bear their own weight in the middle of their length, so that the load of the rollers
-    is further off the middle than that of the track.
+    Grounded shoes bear their own weight in the middle of their length. The load of the rollers is therefore
+    further from the middle than that of the track.
     """
     places = numbers.rollers.supports
     lying = numbers.rollers.above_ground
@@ -273,7 +273,7 @@ def _rollers(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope, te
 
 
 def _corner(numbers: AssessmentNumbers, weight: Floats, ahead: Floats, aside: Floats) -> Floats:
-    """Return the loads (states, supports) of a track with a corner on a stone, N: that of the corner."""
+    """Return the loads (states, supports) of a track with a corner on a stone, N: only the corner bears."""
     places = numbers.rollers.supports
     load = weight - 2.0 * numbers.rollers.above_ground
     away = weight / load
@@ -286,7 +286,7 @@ def _corner(numbers: AssessmentNumbers, weight: Floats, ahead: Floats, aside: Fl
 def _travel(
     numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope
 ) -> tuple[float, float, str, float]:
-    """Pull of a track that is needed, available, what it ends by, and the pull that its chain bears, N."""
+    """Return the pull of a track (needed, available), the end of the travel, and the pull of the chain, N."""
     if case.drive == "none":
         return 0.0, np.inf, "", 0.0
     stands = envelope.stands
@@ -316,5 +316,5 @@ def _travel(
         lines = travel.turn_of_lines(firm, *numbers.footprints[1::-1], ground.friction)
         return needed + lines.pull, given, "slips", given
     needed += turn.pull
-    # shoes slide in a turn: ground gives what they ask for, and the drive alone can be too weak
+    # shoes slide in a turn: the ground gives all of the needed pull, and only the drive can be too weak
     return needed, pull, travel.ends_by(needed, pull, np.inf), needed

@@ -1,7 +1,7 @@
-"""Travel on two tracks: what straight travel, a grade and a turn ask for, and what ground and drive give.
+"""Travel on two tracks: pull for straight travel, grades and turns, and the pull of ground and drive.
 
-Two tracks at the distance B, each on a rectangle of the length L and the shoes' width; the names of parts of
-the resistance are those of the Caterpillar Performance Handbook (rolling and grade resistance).
+Two tracks have the distance B and press on rectangles of the length L and the shoes' width. Parts of the
+resistance have the names of the Caterpillar Performance Handbook (rolling and grade resistance).
 """
 
 from collections.abc import Callable
@@ -14,11 +14,11 @@ from exudyn_crawler.assessment.forces import Floats, Numbers
 from exudyn_crawler.assessment.pressure import Footprints, track_loads, track_pressure
 
 ALONG, ACROSS = 160, 24
-"""Parts of a footprint along and across over which friction is summed."""
+"""Number of parts of a footprint along and across in the sum of friction."""
 LEAST_SLIP, GREATEST_SLIP = 1e-6, 1e3
-"""Of a track along itself over that across at its ends, between which the turn is looked for."""
+"""Search range of the turn: slip of a track along itself over its slip across at its ends."""
 BALANCED = 1e-6
-"""Part of the shear strength below the tracks by which forces of a turn may be out of balance."""
+"""Tolerance of the forces of a turn, fraction of the shear strength below the tracks."""
 
 
 class Compaction(NamedTuple):
@@ -32,10 +32,10 @@ class Compaction(NamedTuple):
 
 
 def sinkage_resistance(pressure: Numbers, law: Compaction, width: float) -> Numbers:
-    """Return the resistance (N) of both tracks by compaction: 2 b k z^(n+1) / (n + 1), k = k_c / b + k_phi.
+    """Return the compaction resistance (N) of both tracks: 2 b k z^(n+1) / (n + 1), k = k_c / b + k_phi.
 
-    `pressure` below the tracks, Pa; `width` b of the shoes, m. Bekker 1956 (remembered); sinkage z is that of
-    the mean pressure.
+    `pressure` below the tracks, Pa; `width` b of the shoes, m. Bekker 1956 (recalled); the sinkage z is that
+    of the mean pressure.
     """
     modulus = law.k_c / width + law.k_phi
     sinkage = (np.maximum(pressure, 0.0) / modulus) ** (1.0 / law.exponent)
@@ -43,19 +43,19 @@ def sinkage_resistance(pressure: Numbers, law: Compaction, width: float) -> Numb
 
 
 class TravelResistance(NamedTuple):
-    """Resistance of a machine to straight travel: the one that every item of an assessment takes."""
+    """Resistance of a machine to straight travel, common to all items of an assessment."""
 
     rolling: float
-    """f, of chain, rollers and ground over the force on the ground."""
+    """Rolling resistance f of chain, rollers and ground over the force on the ground."""
     idler: float
-    """Friction of one idler, on which both runs pull at rest, N."""
+    """Friction of an idler that both runs pull at rest, N."""
     footprints: Footprints
     compaction: Compaction | None = None
 
     def pull(self, load: Numbers, against: Numbers = 0.0) -> Numbers:
         """Return the pull (N) of both tracks.
 
-        `load` (N) normal to the ground; `against` (N) what pushes along the ground against the travel: weight
+        `load` (N) acts normal to the ground. `against` (N) acts along the ground against the travel: weight
         on a grade, wind, bank.
         """
         sinks: Numbers = 0.0
@@ -65,7 +65,7 @@ class TravelResistance(NamedTuple):
         return against + self.rolling * load + 2.0 * self.idler + sinks
 
     def on_grade(self, weight: float, slope: Numbers) -> Numbers:
-        """Return the pull (N) of both tracks of a weight (N) up a slope (rad)."""
+        """Return the pull (N) of both tracks for a weight (N) up a slope (rad)."""
         return self.pull(weight * np.cos(slope), weight * np.sin(slope))
 
     @property
@@ -76,7 +76,7 @@ class TravelResistance(NamedTuple):
 
 
 def traction(load: Numbers, friction: float, cohesion: float = 0.0, area: float = 0.0) -> Numbers:
-    """Greatest pull (N) of the ground on a track that presses with a load (N): c A + P mu.
+    """Return the greatest pull (N) of the ground on a track that presses with a load (N): c A + P mu.
 
     Mohr and Coulomb, mu = tan(phi) or a coefficient of traction; `cohesion` in Pa, `area` in m2.
     """
@@ -86,10 +86,10 @@ def traction(load: Numbers, friction: float, cohesion: float = 0.0, area: float 
 def greatest_slope(
     resistance: TravelResistance, weight: float, available: Callable[[float], Numbers]
 ) -> float:
-    """Return the greatest slope (rad) on which a pull is enough for travel.
+    """Return the greatest slope (rad) on which the available pull is enough for travel.
 
-    `available` gives the pull (N) of both tracks at a load (N) normal to the ground. The slope is pi / 2
-    where it lifts the machine, 0 where it does not even move it on the level.
+    `available` gives the pull (N) of both tracks at a load (N) normal to the ground. The slope is pi / 2 if
+    the pull lifts the machine, 0 if it does not move the machine on the level.
     """
 
     def missing(slope: float) -> float:
@@ -104,20 +104,20 @@ def greatest_slope(
 
 
 class Turn(NamedTuple):
-    """Turn at which drive and friction are in balance."""
+    """Turn with drive and friction in balance."""
 
     slip: float
-    """Of a track along itself over that across at the ends of its length, kappa."""
+    """Slip kappa: slip of a track along itself over its slip across at the ends of its length."""
     moment: float
-    """Of friction against the turn, N m."""
+    """Friction moment against the turn, N m."""
     pull: float
-    """Of the track that pulls forward, N; the other one pulls as hard back."""
+    """Forward pull of one track, N; the other track pulls backward with the same force."""
     pole: float = 0.0
-    """X about which the tracks turn, from the middle of their length, m."""
+    """X of the tracks' pole of rotation from the middle of their length, m."""
 
 
 def share_across(slip: float) -> float:
-    """Part of mu V L / 4 that friction has across a track which also slips along itself.
+    """Return the lateral friction of a track over mu V L / 4 when it also slips along itself.
 
     sqrt(1 + k^2) - k^2 arsinh(1 / k), even pressure on a line (derived; `docs/closed-track.md`).
     """
@@ -125,14 +125,14 @@ def share_across(slip: float) -> float:
 
 
 def share_along(slip: float) -> float:
-    """Part of mu V / 2 that a track pulls with as it slips: k arsinh(1 / k) (derived)."""
+    """Return the pull of a slipping track over mu V / 2: k arsinh(1 / k) (derived)."""
     return float(slip * np.arcsinh(1.0 / slip))
 
 
 def turn_of_lines(weight: float, length: float, gauge: float, friction: float) -> Turn:
-    """Turn on the spot of tracks as lines of even pressure: the slip follows from L / B alone.
+    """Return the turn on the spot of tracks as lines of even pressure; the slip depends on L / B alone.
 
-    F B = mu V L / 4 g(k) with F = mu V / 2 k arsinh(1 / k) (derived). The shoes' width is left out, see
+    F B = mu V L / 4 g(k) with F = mu V / 2 k arsinh(1 / k) (derived). The shoes' width is neglected; see
     `turn_of_footprints`.
     """
 
@@ -152,34 +152,34 @@ def turn_of_footprints(
     aside: float = 0.0,
     cohesion: float = 0.0,
 ) -> Turn:
-    """Turn of tracks as rectangles: with the moment of the shoes' width, and pressure that changes along.
+    """Return the turn of tracks as rectangles, with the moment of the shoes' width and varying pressure.
 
-    It is that of any radius, on the spot or about a track that is held: the friction of a rate of turning
-    asks for slips along the tracks and a pole across them, and chains and radius only add up to these.
+    The result holds for any radius, on the spot or about a track that is held. Friction at a turning rate
+    fixes the slips along the tracks and the pole across them; chain speeds and radius only add to these.
 
     Parameters
     ----------
     weight : float
         N.
     footprint : Footprints
-        Of both tracks.
+        Footprints of both tracks.
     friction : float
-        Of shoes on the ground, the same along and across.
+        Friction coefficient of shoes on the ground, the same along and across.
     ahead, aside : float
-        X and y of the weight from the middle, m: pressure is a trapezoid or a triangle along the tracks.
+        X and y of the weight from the middle, m; pressure is a trapezoid or a triangle along the tracks.
     cohesion : float
-        Of the ground, Pa: shear strength where shoes press, beside the friction.
+        Cohesion of the ground, Pa: shear strength below pressing shoes, beside the friction.
 
     Raises
     ------
     ValueError
-        Where the lighter track cannot pull as hard as the turn asks: it slips, and the machine stands.
+        If the lighter track cannot give the pull for the turn: it slips, and the machine stands.
 
     Notes
     -----
     A shoe at (x, y) of the machine, h beside its track's middle, slips with (u - h w, (x - x0) w) and bears
-    ``-(c + mu p) v / |v|``. Slips u of both tracks and the pole x0 follow from the sums of forces along and
-    across, and of moments, which are zero (derived; Merritt and Steeds have lines without width).
+    ``-(c + mu p) v / |v|``. The slips u of both tracks and the pole x0 make the sums of forces along and
+    across, and of moments, zero (derived; Merritt and Steeds have lines without width).
     """
     gauge, length, _ = footprint
     x, beside, press = _pressed(weight, footprint, ahead, aside)
@@ -187,7 +187,7 @@ def turn_of_footprints(
     y = beside + np.array([[-0.5 * gauge], [0.5 * gauge]])
 
     def forces(unknown: Floats) -> tuple[Floats, Floats]:
-        """Forces ahead and to the left (2, n) as the machine turns to the left, N."""
+        """Return the forces ahead and to the left (2, n), N, as the machine turns to the left."""
         # slips of a light track grow beyond all bounds: its pull is what the ground gives
         right, left = 0.5 * length * np.sinh(unknown[:2])
         pole = 0.5 * length * unknown[2]
@@ -215,14 +215,14 @@ def turn_of_footprints(
 def _pressed(
     weight: float, footprint: Footprints, ahead: float, aside: float
 ) -> tuple[Floats, Floats, Floats]:
-    """X and place beside the track's middle of the parts of a footprint (n,), and load on them (2, n), N."""
+    """Return x and lateral position of a footprint's parts (n,), m, and the load on them (2, n), N."""
     gauge, length, width = footprint
     along = length * ((np.arange(ALONG) + 0.5) / ALONG - 0.5)
     across = width * ((np.arange(ACROSS) + 0.5) / ACROSS - 0.5)
     x, beside = (place.ravel() for place in np.meshgrid(along, across, indexing="ij"))
     shape = track_pressure(1.0, ahead, length, 1.0)
     end = np.copysign(1.0, ahead) * 0.5 * length
-    # from the loaded end on, where the pressure is greatest
+    # distance from the loaded end, which has the greatest pressure
     away = np.abs(end - x)
     fall = (shape.greatest - shape.least) / shape.length
     line = np.maximum(shape.greatest - fall * away, 0.0)
@@ -234,11 +234,11 @@ class TrackDrive(NamedTuple):
     """Drive of one track."""
 
     torque: float
-    """Greatest of its tumbler or sprocket, N m."""
+    """Greatest torque of its tumbler or sprocket, N m."""
     radius: float
-    """Of the pins' circle by pitches, teeth times pitch over 2 pi, m."""
+    """Pitch radius, m: teeth times pitch over 2 pi."""
     efficiency: float = 1.0
-    """Of the chain, from the tumbler's torque to its pull."""
+    """Efficiency of the chain, from the tumbler's torque to its pull."""
 
     @property
     def pull(self) -> float:
@@ -247,31 +247,31 @@ class TrackDrive(NamedTuple):
 
 
 def ends_by(needed: float, drive: float, ground: float) -> str:
-    """Word for what a pull (N) of one track comes to: "goes", "stalls" (drive first) or "slips" (ground)."""
+    """Return the outcome for a needed pull (N) of one track: "goes", "stalls" (drive) or "slips" (ground)."""
     if needed <= min(drive, ground):
         return "goes"
     return "stalls" if drive <= ground else "slips"
 
 
 class Blocked(NamedTuple):
-    """One track that a stone or a shoe blocks while its drive pulls."""
+    """Loads of a track that a stone or a shoe blocks while its drive pulls."""
 
     tension: float
-    """Of its chain where it is blocked, N: what it has at rest, and all of the stalled drive's pull."""
+    """Chain tension at the blocked place, N: tension at rest plus the full pull of the stalled drive."""
     yaw_moment: float
-    """On the car body, N m, as far as the other track's ground bears it."""
+    """Yaw moment on the car body, N m, limited by the ground below the other track."""
     idler_push: float
-    """Of an idler on which both runs pull so, N."""
+    """Force on an idler that both runs pull with this tension, N."""
     ground_pull: float
-    """Along the ground, N: the lesser of the drive's pull and the ground's."""
+    """Force along the ground, N: the lesser of the pulls of drive and ground."""
 
 
 def blocked_track(stall_pull: float, rest_tension: float, ground_pull: float, gauge: float) -> Blocked:
-    """Loads of a track that is blocked: the stalled drive's pull, and none of it through the ground.
+    """Return the loads of a blocked track: the loop bears all of the stalled drive's pull.
 
-    Blocked between shoe and frame the loop bears the pull by itself; blocked by the ground it is at most what
-    ground and friction give, with the moment F B / 2 on the car body (derived; DIN 22261-2 has loads by what
-    responds to overload in 6.1, of which the contents alone were seen).
+    A block between shoe and frame leaves the ground without load. A block by the ground gives at most the
+    pull of ground and friction, with the moment F B / 2 on the car body (derived). DIN 22261-2 treats loads
+    by overload response in section 6.1; only its contents were seen.
     """
     through_ground = min(stall_pull, ground_pull)
     tension = rest_tension + stall_pull
