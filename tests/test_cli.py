@@ -329,7 +329,7 @@ def test_a_name_of_the_library_where_a_file_is_wanted_says_how_to_begin_from_it(
 
 
 def test_a_name_of_a_study_or_without_its_end_says_which_file_is_meant(refused, tmp_path):
-    assert "exudyn-crawler init my_demo --study demo" in refused("run", "demo.toml")
+    assert "exudyn-crawler init my_demo --study demo" in refused("run", "demo")
     assert "exudyn-crawler init my_scatter --study scatter" in refused("scatter", "scatter")
     assert "no study: begin from it with --machine pc300lc" in refused("init", "pc300lc")
     assert "demo is a study: --study demo" in refused("init", "mine", "--machine", "demo")

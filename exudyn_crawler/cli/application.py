@@ -131,10 +131,11 @@ def study_case(name: str) -> "crawler.CaseFile":
 
 def file_named(file: Path | None) -> Path | None:
     """Return a file as it is named; FileNotFoundError for a name to begin from, with the way to do it."""
-    if file is None or os.path.exists(file):
+    # with a suffix a file is meant, and whoever reads it says that it is missing
+    if file is None or file.suffix or os.path.exists(file):
         return file
-    name = str(file.with_suffix("") if file.suffix == ".toml" else file)
-    if file.suffix != ".toml" and os.path.exists(f"{name}.toml"):
+    name = str(file)
+    if os.path.exists(f"{name}.toml"):
         raise FileNotFoundError(f"there is no file {file}; did you mean {name}.toml?")
     from exudyn_crawler.machines.datasheet import library
 
