@@ -1,7 +1,7 @@
-"""Duty of a shovel: runs and check cases of its hours, how often each happens, and its shoes' strength.
+"""Duty of a shovel: runs and check cases of its hours, their frequency, and the strength of its shoes.
 
-The strength is by local stresses of the FKM guideline ("Analytical Strength Assessment of Components",
-Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
+The strength follows from local stresses by the FKM guideline ("Analytical Strength Assessment of Components",
+Forschungskuratorium Maschinenbau, 6th ed., 2012), with the formulas of pyLife.
 """
 
 import math
@@ -25,21 +25,21 @@ FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless st
 PYLIFE_CLASSES = dict(
     zip(get_args(FKMClass), ("Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "GS"), strict=True)
 )
-"""PyLife's names of them."""
+"""PyLife's names of the material classes."""
 CASTINGS: dict[str, Any] = {"fkm_class": "cast steel", "casting_factor": 1.25, "scatter": 1.4}
 MEGA = 1e6
 MICRO = 1e-6
 MILLI = 1e-3
-HARDNESS = 3.2  # tensile strength in MPa over Vickers hardness of steel
+HARDNESS = 3.2  # tensile strength of steel over its Vickers hardness, MPa
 
 
 class Casting(Parameters):
-    """Values of the casting that differ in a region of a shoe."""
+    """Properties of the casting in a region of a shoe."""
 
-    region: Literal["all"] | Region = option("of the shoe, or all that have no such table", default="all")
+    region: Literal["all"] | Region = option("region of the shoe; all: those without a table", default="all")
     residual_stress: float = quantity(
         "Pa",
-        "that adds to the mean of every cycle, tension positive",
+        "residual stress, added to the mean of every cycle; tension positive",
         (-6e8, 4e8),
         ge=-3e9,
         le=3e9,
@@ -51,15 +51,15 @@ class Casting(Parameters):
 
 
 class FatigueMaterial(Parameters):
-    """Material of the shoes against cyclic stress."""
+    """Cyclic strength of the shoes' material."""
 
-    name: Name = option("of the material")
-    source: str = option("where the values are from, what is assumed", "", max_length=1000)
+    name: Name = option("name of the material")
+    source: str = option("source of the values, and assumptions", "", max_length=1000)
     tensile_strength: float = quantity(
         "Pa", "R_m, of the standard or of a specimen", plausible=(2e8, 2.5e9), ge=1e7, le=1e10
     )
     yield_strength: float = quantity("Pa", "R_e or R_p0.2", plausible=(1e8, 2e9), ge=1e7, le=1e10)
-    fkm_class: FKMClass = option("material class of the FKM guideline, whose constants it takes")
+    fkm_class: FKMClass = option("material class of the FKM guideline, for its constants")
     size_factor: float = quantity(
         "1", "strength in the part over the specimen's (FKM: K_d K_A)", (0.6, 1.0), gt=0.1, le=1, default=1.0
     )
@@ -70,7 +70,12 @@ class FatigueMaterial(Parameters):
         "1/m", "related, at notches (FKM 4.3.1.3.1, Stieler); 0: none", (0.0, 2e3), ge=0, le=1e5, default=0.0
     )
     casting_factor: float = quantity(
-        "1", "casting defects' (FKM: tested castings 1.25, others 1.4)", (1.0, 2.0), ge=1, le=10, default=1.0
+        "1",
+        "factor of casting defects (FKM: tested castings 1.25, others 1.4)",
+        (1.0, 2.0),
+        ge=1,
+        le=10,
+        default=1.0,
     )
     slope: float = quantity(
         "1", "k of the S-N curve (FKM: 5 for normal stress)", (3.0, 15.0), ge=1, le=50, default=5.0
@@ -90,7 +95,7 @@ class FatigueMaterial(Parameters):
         "1", "Vickers, HV; none: R_m / 3.2 MPa (ISO 18265)", (100, 700), ge=50, le=2000, default=None
     )
     crack_size: float = quantity(
-        "m", "sqrt(area) to which a defect grows until it counts as a crack", gt=1e-3, le=0.5, default=0.06
+        "m", "sqrt(area) at which a growing defect counts as a crack", gt=1e-3, le=0.5, default=0.06
     )
     castings: tuple[Casting, ...] = option("defects and residual stress by region", default=())
 
@@ -110,7 +115,7 @@ class FatigueMaterial(Parameters):
 
     @classmethod
     def a36(cls) -> Self:
-        """Structural steel ASTM A36, which the papers' shoe is said to be of; rolled, not cast."""
+        """Return structural steel ASTM A36, given as the material of the papers' shoe; rolled, not cast."""
         return cls(
             name="A36",
             source="ASTM A36: least yield and tensile strength; scatter and rolling skin assumed",
@@ -121,7 +126,7 @@ class FatigueMaterial(Parameters):
 
     @classmethod
     def cast_nicrmo(cls) -> Self:
-        """Quenched and tempered NiCrMo cast steel, what shoes are made of; its hardened layer left out."""
+        """Return quenched and tempered NiCrMo cast steel, a usual shoe material, without hardened layer."""
         return cls(
             name="cast NiCrMo",
             source="yield as makers of shoes give it; tensile strength in the ratio of ASTM A148 120-95, "
@@ -133,7 +138,7 @@ class FatigueMaterial(Parameters):
 
     @classmethod
     def cast_manganese(cls) -> Self:
-        """Austenitic manganese steel (Hadfield), as quenched in water; its hardening in service left out."""
+        """Return austenitic manganese steel (Hadfield), water-quenched, without its hardening in service."""
         return cls(
             name="austenitic manganese",
             source="ASTM A128, typical strengths of thick castings assumed; FKM has no such class, that of "
@@ -144,7 +149,7 @@ class FatigueMaterial(Parameters):
         )
 
     def provenance(self) -> str:
-        """Source of the values; of a ready material that was changed, which values are not of that source."""
+        """Return the source of the values; for a changed ready material also names of the changed values."""
         ready = {
             material.source: material for material in (self.a36(), self.cast_nicrmo(), self.cast_manganese())
         }
@@ -153,21 +158,24 @@ class FatigueMaterial(Parameters):
         return f"{', '.join(changed)} as the duty gives; all else: {self.source}" if changed else self.source
 
     def factors(self) -> dict[str, float]:
-        """Factors of the strength: at the knee fatigue_strength (Pa) over design and casting_factor."""
+        """Return the factors of the strength.
+
+        The strength at the knee is fatigue_strength (Pa) over design and casting_factor.
+        """
         strength = self.size_factor * self.tensile_strength / MEGA
         settings = {name: getattr(self, name) for name in ("fatigue_strength", "mean_sensitivity")}
         factors = _fkm_factors(self.fkm_class, strength, self.roughness / MICRO, MILLI * self.stress_gradient)
         return factors | {name: value for name, value in settings.items() if value is not None}
 
     def casting(self, region: str) -> Casting:
-        """Casting of a region."""
+        """Return the casting of a region."""
         known: dict[str, Casting] = {casting.region: casting for casting in self.castings}
         return known.get(region, known.get("all", Casting()))
 
     def defect_life(
         self, region: str, miner: sn_curve.Miner, stages: Sequence[defects.CycleStage], survival: float
     ) -> float:
-        """Time to a crack from a region's defect by the cycles of stages; NaN without one."""
+        """Return the time to a crack from a region's defect under cycles of stages; NaN without one."""
         size = self.casting(region).defect_size
         if not size:
             return np.nan
@@ -177,7 +185,7 @@ class FatigueMaterial(Parameters):
         return defects.defect_life(defects.Defect(size, hardness, self.crack_size), sound, stages, survival)
 
     def curve(self, miner: sn_curve.Miner = "elementary", region: str = "") -> sn_curve.SNCurve:
-        """S-N curve of the part's surface by local stresses, in a region with its residual stress."""
+        """Return the S-N curve of the part's surface by local stresses, with the region's residual stress."""
         factors = self.factors()
         return sn_curve.SNCurve(
             strength=factors["fatigue_strength"] / factors["design"] / self.casting_factor,
@@ -193,7 +201,10 @@ class FatigueMaterial(Parameters):
 
 @lru_cache(maxsize=64)
 def _fkm_factors(kind: FKMClass, strength: float, roughness: float, gradient: float) -> dict[str, float]:
-    """Factors of `FatigueMaterial.factors` by the guideline, of strength (MPa), R_z (um), gradient (1/mm)."""
+    """Return the factors of `FatigueMaterial.factors` by the guideline.
+
+    Units are MPa of the strength, um of the roughness R_z, and 1/mm of the stress gradient.
+    """
     from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
 
     fkm = FkmLinearFunctions()
@@ -217,47 +228,47 @@ def _fkm_factors(kind: FKMClass, strength: float, roughness: float, gradient: fl
 
 HOUR = 3600.0  # s
 UNLOADED = "unloaded"
-"""Name of a shoe without loads, among those of check cases."""
+"""Name of the state without loads, among the names of check cases."""
 
 
 class Often(Parameters):
-    """Part of a run, and how often it happens: by its number in a machine hour, or by its share of all."""
+    """Part of a run and its frequency: repetitions in a machine hour, or a share of the machine hours."""
 
     begin: float = quantity("s", "time in the run at which the repeated part begins", ge=0, default=0.0)
     end: float | None = quantity("s", "time at which it ends; none: the run's end", gt=0, default=None)
     an_hour: float | None = quantity(
-        "1/h", "times a machine hour that it happens; or its share", gt=0, le=1e6, default=None
+        "1/h", "repetitions in a machine hour; or give its share", gt=0, le=1e6, default=None
     )
     share: float | None = quantity(
-        "1", "part of the machine hours that it takes; or how often an hour", gt=0, le=1, default=None
+        "1", "fraction of the machine hours; or give its repetitions an hour", gt=0, le=1, default=None
     )
 
 
 class DutyStage(Parameters):
-    """Hours in which the shoes are as a check file has them, such as worn by so much."""
+    """Stage of wear: hours in which the shoes are those of a check file."""
 
-    name: Name = option("of the stage")
-    hours: float = quantity("h", "machine hours that it lasts; the last goes on", (0.1, 1e6), gt=0, le=1e9)
+    name: Name = option("name of the stage")
+    hours: float = quantity("h", "machine hours of the stage; the last one goes on", (0.1, 1e6), gt=0, le=1e9)
     check: str | None = option("check file, or mesh, of its shoes; none: that of the duty", None)
 
 
 class DutyCase(Parameters):
-    """Check case that happens in a shovel's hours."""
+    """Check case that occurs in a shovel's hours."""
 
-    name: Name = option("of what happens")
+    name: Name = option("name of the event")
     case: Name = option("name of a check case of the shoes, such as 'even, sand, pass'")
     after: Name = option("check case from which the shoe comes and to which it returns", UNLOADED)
-    an_hour: float = quantity("1/h", "times a machine hour that a shoe has it", gt=0, le=1e6)
-    load: float = quantity("1", "factor of the stress in both", (0.2, 5.0), gt=0, le=100, default=1.0)
+    an_hour: float = quantity("1/h", "repetitions on a shoe in a machine hour", gt=0, le=1e6)
+    load: float = quantity("1", "factor of the stress in both cases", (0.2, 5.0), gt=0, le=100, default=1.0)
     stage: Name | None = option("stage in which it happens; none: in all", None)
 
 
 class DutyRun(Often):
-    """Run, or a part of one, that is repeated in a shovel's hours."""
+    """Run, or part of one, that repeats in a shovel's hours."""
 
-    name: Name = option("of what happens in it")
+    name: Name = option("name of the run in tables")
     stage: Name | None = option("stage in which it happens; none: in all", None)
-    folder: str = option("folder of the run; in a file it counts from that of the file", min_length=1)
+    folder: str = option("folder of the run; in a file relative to the file's folder", min_length=1)
 
     def _errors(self) -> Errors:
         if (self.an_hour is None) == (self.share is None):
@@ -266,48 +277,46 @@ class DutyRun(Often):
             yield f"end must be after begin = {self.begin:g} s, got {self.end:g} s"
 
     def times_an_hour(self, duration: float) -> float:
-        """How often a machine hour it happens, at a duration in s."""
+        """Return the number of repetitions in a machine hour, for a duration in s."""
         return self.an_hour if self.an_hour is not None else (self.share or 0.0) * HOUR / duration
 
 
 class DamageOptions(Parameters):
-    """Material of the shoes, and how the damage of its cycles is summed up."""
+    """Material of the shoes, and rules to sum the damage of its cycles."""
 
-    material: FatigueMaterial = option("of the shoes against cyclic stress")
+    material: FatigueMaterial = option("cyclic strength of the shoes' material")
     criterion: Literal["signed von mises", "signed principal"] = option(
-        "stress whose cycles are counted at all nodes: von Mises with the sign of the hydrostatic stress, or "
+        "stress for the count of cycles at all nodes: von Mises with the sign of the hydrostatic stress, or "
         "the principal stress of the greatest magnitude",
         "signed von mises",
     )
     miner: sn_curve.Miner = option(
-        "what cycles below the knee do: elementary as much as the slope says (the safest), haibach less "
+        "damage of cycles below the knee: elementary by the same slope (the safest), haibach less "
         "(slope 2 k - 1), original nothing",
         "elementary",
     )
 
 
 class Duty(DamageOptions):
-    """Mix of runs and check cases that a shovel's hours are made of, its shoes' material and their wear."""
+    """Mix of runs and check cases in a shovel's hours, with material and wear of its shoes."""
 
-    name: Name = option("of the duty", "duty")
-    runs: tuple[DutyRun, ...] = option("of flexible shoes", ())
+    name: Name = option("name of the duty", "duty")
+    runs: tuple[DutyRun, ...] = option("runs with flexible shoes", ())
     cases: tuple[DutyCase, ...] = option("static cases, each a cycle", ())
-    check: str = option("check file of the shoes, or a mesh, whose check cases these are", "study")
-    stages: tuple[DutyStage, ...] = option(
-        "of wear, one after the other from new shoes on; none: they stay as they are", ()
-    )
+    check: str = option("check file of the shoes, or a mesh, with these check cases", "study")
+    stages: tuple[DutyStage, ...] = option("stages of wear, in order from new shoes on; none: no wear", ())
     survivals: tuple[Survival, ...] = option(
-        "parts of the shoes that survive the lives asked for", (0.5, 0.9, 0.975), min_length=1
+        "fractions of the shoes that survive the shown lives", (0.5, 0.9, 0.975), min_length=1
     )
     plane_nodes: int = quantity(
-        "1", "worst nodes whose critical plane is sought as well", ge=0, le=100_000, default=100
+        "1", "number of worst nodes with a search for the critical plane", ge=0, le=100_000, default=100
     )
     nodes: tuple[int, ...] = option(
-        "surface nodes whose cycles are kept beside those of the worst of each region", ()
+        "surface nodes with stored cycles, beside the worst one of each region", ()
     )
     changes_an_hour: float | None = quantity(
         "1/h",
-        "how often an hour a shoe goes from one of the runs or cases to another and back, at most; none: as "
+        "greatest number of changes of a shoe from one run or case to another and back in an hour; none: as "
         "often as the rarer of both happens",
         ge=0,
         le=1e6,
@@ -331,7 +340,7 @@ class Duty(DamageOptions):
 
     @property
     def most_changes(self) -> float:
-        """Changes an hour from one of the runs or cases to another and back, at most."""
+        """Greatest number of changes an hour from one run or case to another and back."""
         return math.inf if self.changes_an_hour is None else self.changes_an_hour
 
     @property
@@ -340,7 +349,7 @@ class Duty(DamageOptions):
         return (*self.runs, *self.cases)
 
     def by_stage(self) -> "list[Duty]":
-        """Duty of each stage alone, which is named as the stage; ValueError if nothing happens in one."""
+        """Return the duty of each stage alone, named as the stage; ValueError for a stage without events."""
         duties = []
         for name, check in ((stage.name, stage.check or self.check) for stage in self.stages):
             parts = [part.with_(stage=None) for part in self.parts if part.stage in (None, name)]
@@ -349,7 +358,10 @@ class Duty(DamageOptions):
         return duties or [self]
 
     def times_an_hour(self, durations: list[float]) -> list[float]:
-        """How often an hour each run happens, at durations in s; ValueError if all take more than an hour."""
+        """Return the repetitions of each run in an hour, for durations in s.
+
+        ValueError if all runs together take more than an hour.
+        """
         times = {
             run.name: run.times_an_hour(duration) for run, duration in zip(self.runs, durations, strict=True)
         }
@@ -369,7 +381,7 @@ def _check_shares(shares: dict[str, float]) -> None:
 
 
 def read_duty(path: str | Path) -> Duty:
-    """Read a duty file (TOML); folders and check files count from its folder; raises as `read_case`."""
+    """Read a duty file (TOML); folders and check files are relative to its folder; raise as `read_case`."""
     path = Path(path)
     duty = read_parameters(path, Duty, "duty file", lambda content: {"name": path.stem} | content)
 

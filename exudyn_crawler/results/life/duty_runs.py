@@ -1,4 +1,4 @@
-"""Runs and check cases of a duty as damage is counted over them: repeated parts, cycles of single nodes."""
+"""Runs and check cases of a duty for the count of damage: repeated parts, and cycles of single nodes."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -19,38 +19,39 @@ from fem.fatigue import damage
 from fem.fatigue.changes import Changes, EndsTracker, PassEnds, changes
 from fem.fatigue.rainflow import repeated_cycles
 
-SAME_TIME = 1e-9  # relative, by which times may differ and be the same
-LEAST_TIMES = 3  # stored times that can hold a cycle
-BETWEEN = "between runs"  # cycles that no run or check case closes alone
-CLASSES = 32  # of a rainflow matrix, along either side
+SAME_TIME = 1e-9  # greatest relative difference of times that count as the same
+LEAST_TIMES = 3  # least number of stored times that can hold a cycle
+BETWEEN = "between runs"  # name of cycles that no run or check case closes alone
+CLASSES = 32  # number of classes of a rainflow matrix along each side
 
 
 @dataclass(frozen=True)
 class UsedRun:
-    """Part of a run that is repeated, or a check case: its state before, its own, and that before."""
+    """Repeated part of a run, or a check case as three states: before, loaded, before again."""
 
     run: DutyRun | DutyCase
     basis: StressBasis
     times_an_hour: float
-    phase: pd.Categorical  # (times,), names of the phases that it reaches, of a check case its own
+    phase: pd.Categorical  # (times,), names of the reached phases; for a check case its own name
     time: np.ndarray  # (times,), s
 
     @property
     def parts(self) -> list[str]:
-        """Names of its parts of the damage."""
+        """Names of the parts of the damage."""
         of_run = [f"{self.run.name}: {phase}" for phase in self.phase.categories]
         return of_run if isinstance(self.run, DutyRun) else [self.run.name]
 
     def counting(self, curve: SNCurve, survivals: tuple[float, ...], negligible: float) -> Counting:
-        """How its cycles are counted; what is left out does a negligible damage a pass at most."""
+        """Return the rules to count its cycles; omitted cycles do at most a `negligible` damage a pass."""
         return Counting(curve, survivals, self.phase.codes, negligible)
 
 
 def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
-    """Parts of the histories of a duty's runs, in its order.
+    """Return the repeated parts of the histories of a duty's runs, in the duty's order.
 
-    ValueError if a run has no flexible shoes, does not reach its part or holds no cycle in it; if shoes, mesh
-    or elastic constants are not the same in all of them; or if together they take more than an hour.
+    ValueError if a run has no flexible shoes, does not reach its part, or holds no cycle in it. ValueError
+    also if shoes, mesh or elastic constants differ among runs, or if the runs together take more than an
+    hour.
     """
     parts = [_part(run, history) for run, history in zip(duty.runs, histories, strict=True)]
     _check_shoes(duty.runs, parts)
@@ -62,7 +63,7 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
 
 
 def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[UsedRun]:
-    """Check cases of a duty, at all places of its runs, by the shapes of `check_cases_of`.
+    """Return the check cases of a duty at all places of its runs, by `shapes` for `check_cases_of`.
 
     ValueError if the runs' shoes have another mesh.
     """
@@ -86,13 +87,13 @@ def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[Used
 
 
 def check_cases_of(duty: Duty) -> list[str]:
-    """Names of the check cases that a duty needs, each once."""
+    """Return the names of the check cases that a duty needs, each once."""
     names = [name for case in duty.cases for name in (case.case, case.after)]
     return [name for name in dict.fromkeys(names) if name != UNLOADED]
 
 
 def _part(run: DutyRun, history: History) -> History:
-    """Part of a run's history that a duty repeats."""
+    """Return the part of a run's history that a duty repeats."""
     duration = history.duration
     if run.end is not None and run.end > duration * (1.0 + SAME_TIME):
         raise ValueError(
@@ -110,7 +111,7 @@ def _part(run: DutyRun, history: History) -> History:
 
 
 def _phases(whole: History, part: History) -> pd.Categorical:
-    """Names of the phase of each time of a part of a history."""
+    """Return the name of the phase at each time of a part of a history."""
     names = np.full(part.time.size, "", dtype=object)
     for phase in phases(whole.case.loads, whole.duration):
         names[phase.rows(part.time.values)] = phase.name
@@ -119,7 +120,7 @@ def _phases(whole: History, part: History) -> pd.Categorical:
 
 
 def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
-    """Refuse runs that are not of the same shoes."""
+    """Raise ValueError if runs do not have the same flexible shoes."""
     first: dict[str, object] = {}
     for run, case in ((run, part.case) for run, part in zip(runs, parts, strict=True)):
         if (shoes := case.flexible) is None:
@@ -140,12 +141,12 @@ def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
 class NodeLife:
     """Cycles of a node over a duty.
 
-    `cycles` has a row a cycle: run, shoe (place), phases, times (s) and stresses (Pa) of both ends, how often
-    an hour a shoe has it that takes all places, its damage an hour at the greatest survival; "contribution
-    of LOAD" for each load: its part of the range between the ends, 1 in all and negative where it relieves.
-    Cycles from run to run have the name `BETWEEN`, and those that they replace are as much rarer.
-    `by_criterion` is the damage an hour by each of `SIGNED_CRITERIA`, `peak` the greatest von Mises stress,
-    Pa.
+    `cycles` has a row a cycle: run, shoe (place), and phases, times (s) and stresses (Pa) of both ends.
+    Further columns are the rate (1/h) on a shoe that takes all places, and the damage an hour at the greatest
+    survival. "contribution of LOAD" is the load's fraction of the range between the ends; fractions add up to
+    1, and those of relieving loads are negative. Cycles from run to run have the name `BETWEEN`; the rate of
+    the cycles that they replace is reduced by theirs. `by_criterion` is the damage an hour by each of
+    `SIGNED_CRITERIA`, `peak` the greatest von Mises stress, Pa.
     """
 
     cycles: pd.DataFrame
@@ -154,7 +155,7 @@ class NodeLife:
 
     @property
     def load_shares(self) -> dict[str, float]:
-        """Part of each load in the damage: its part of the ranges, weighted by the cycles' damage."""
+        """Fraction of each load in the damage: its fraction of the ranges, weighted by the cycles' damage."""
         harm = self.cycles["damage an hour"]
         if not harm.any():
             return {}
@@ -162,7 +163,7 @@ class NodeLife:
         return {name.removeprefix(SHARE): float(share) for name, share in shares.items()}
 
     def rainflow_matrix(self) -> pd.DataFrame:
-        """Cycles an hour by the classes that they begin and end in (middles, MPa), of classes with any."""
+        """Return cycles an hour by classes of their begin and end (middles, MPa), without empty classes."""
         ends = self.cycles[["begin in Pa", "end in Pa"]].to_numpy() / 1e6
         low, high = (ends.min(), ends.max()) if len(ends) else (0.0, 0.0)
         edges = np.linspace(low, max(high, low + 1e-6), CLASSES + 1)
@@ -174,9 +175,9 @@ class NodeLife:
         return table.assign(**{"cycles an hour": counts[rows, columns]})
 
     def damage_history(self) -> pd.DataFrame:
-        """Damage an hour as it grows over each run at each place: half of a cycle's comes at either end.
+        """Return the damage an hour accumulated over each run at each place.
 
-        Cycles from run to run are in none.
+        Half of a cycle's damage counts at each of its ends. Cycles from run to run are left out.
         """
         by = ["run", "shoe", "time in s"]
         columns = [["run", "shoe", f"{end} time in s"] for end in ("begin", "end")]
@@ -189,7 +190,7 @@ class NodeLife:
 
 
 def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve]) -> dict[int, NodeLife]:
-    """Cycles and causes at some nodes with their S-N curves, with stresses at full rank."""
+    """Return cycles and causes at nodes with given S-N curves, from stresses at full rank."""
     tables: dict[int, list[pd.DataFrame]] = {node: [] for node in curves}
     by_criterion = {node: dict.fromkeys(map(str, damage.SIGNED_CRITERIA), 0.0) for node in curves}
     peaks = dict.fromkeys(curves, 0.0)
@@ -221,9 +222,9 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
 def _cycle_rows(
     duty: Duty, runs: Sequence[UsedRun], signals: Sequence[np.ndarray], places: int
 ) -> pd.DataFrame:
-    """Return the cycles of runs with signals (t,) that are mixed: stresses, rate, numbers of runs and rows.
+    """Return the cycles of mixed runs with signals (t,): stresses, rate, numbers of runs and rows.
 
-    Cycles from run to run replace cycles of runs, which are as much rarer.
+    Cycles from run to run replace cycles of runs and reduce the rate of these.
     """
     of_runs = []
     passes = []
@@ -252,12 +253,12 @@ def _cycle_rows(
         number = new[level].to_numpy()
         new = new.assign(**{f"{end} of": number % len(runs), f"{end} row": rows[level][number, 0]})
     cycles = pd.concat((*of_runs, new.drop(columns=["low", "high"])), ignore_index=True)
-    # what is replaced to the last bit of its rate
+    # leave out cycles that are wholly replaced, with a rate of zero but for rounding
     return cycles[cycles["times an hour"] > 1e-12 * cycles["times an hour"].max()].reset_index(drop=True)
 
 
 def mixed_cycles(duty: Duty, runs: Sequence[UsedRun], ends: PassEnds, places: int = 1) -> Changes:
-    """Return the cycles that come and go as runs are mixed, by the ends (runs, n) of their passes."""
+    """Return the cycles that the mixing of runs adds and removes, by the ends (runs, n) of their passes."""
     rates = np.array([run.times_an_hour for run in runs])
     return changes(ends, rates / places, duty.most_changes / places)
 
@@ -265,7 +266,7 @@ def mixed_cycles(duty: Duty, runs: Sequence[UsedRun], ends: PassEnds, places: in
 def node_signals(
     criterion: damage.SignedCriterion, basis: StressBasis, shoe: int, nodes: np.ndarray | list[int]
 ) -> np.ndarray:
-    """Signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
+    """Return the signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
     modes = basis.shapes.stress_modes[nodes]
     q = basis.coordinates[shoe]
     signals = []
@@ -276,7 +277,7 @@ def node_signals(
 
 
 def _named(runs: Sequence[UsedRun], shoe: int, cycles: pd.DataFrame) -> pd.DataFrame:
-    """Return cycles of a shoe with names, phases and times in place of numbers and rows."""
+    """Return cycles of a shoe with names, phases and times instead of numbers and rows."""
     is_own = (cycles["begin of"] == cycles["end of"]).to_numpy()
     names = np.array([run.run.name for run in runs], dtype=object)
     columns = {"run": np.where(is_own, names[cycles["begin of"]], BETWEEN), "shoe": shoe}
@@ -293,7 +294,7 @@ def _named(runs: Sequence[UsedRun], shoe: int, cycles: pd.DataFrame) -> pd.DataF
 def _load_shares(
     duty: Duty, runs: Sequence[UsedRun], shoe: int, cycles: Mapping[int, pd.DataFrame]
 ) -> dict[int, dict[str, np.ndarray]]:
-    """Return the part of each load in the range of cycles (n,), at nodes of a shoe, by columns of a table."""
+    """Return each load's fraction of the range of cycles (n,) at nodes of a shoe, by column of a table."""
     shares: dict[int, dict[str, np.ndarray]] = {node: {} for node in cycles}
     for k, run in enumerate(runs):
         for end, sense in (("begin", -1.0), ("end", 1.0)):
@@ -311,7 +312,7 @@ def _load_shares(
 def _load_parts(
     duty: Duty, basis: StressBasis, shoe: int, instants: Mapping[int, np.ndarray]
 ) -> dict[int, dict[str, np.ndarray]]:
-    """Return the part of each load in the duty's signal at nodes of a shoe at instants (n,), in Pa."""
+    """Return each load's part of the duty's signal at nodes of a shoe at instants (n,), Pa."""
     q = basis.coordinates[shoe]
     by_node: dict[int, dict[str, np.ndarray]] = {node: {} for node in instants}
     for rows in parts_of(len(q)):

@@ -1,8 +1,9 @@
 """Life of the shoes in machine hours, at every node of their surface, over the runs of a duty.
 
-A shoe takes every place in the track in turn: its damage is the mean over those of the flexible shoes. Each
-run repeats itself, each check case is a cycle; cycles from one to another replace those that they are made of
-(`fem.fatigue.changes`). Stages of wear add up by Miner's rule. Above the tensile strength there is no life.
+A shoe takes every place in the track in turn: its damage is the mean over the places of the flexible shoes.
+Each run repeats, and each check case is a cycle. Cycles from one run or case to another replace the cycles
+that they combine (`fem.fatigue.changes`). Stages of wear add up by Miner's rule. The life is zero above the
+tensile strength.
 """
 
 import itertools
@@ -34,45 +35,46 @@ from fem.fatigue.changes import PassEnds
 from fem.fatigue.damage import SIGNED_CRITERIA, damage_of_changes, recover_damage
 from fem.stress import low_rank, trust
 
-BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
-BROKEN = 0.0  # h, life where a stress exceeds the tensile strength
+BEYOND = 1e9  # greatest distinguished life, h; a damage below its reciprocal is left out
+BROKEN = 0.0  # life at a stress above the tensile strength, h
 MEGA = 1e6
 MILLI = 1e-3
-LIFE = "life in h"  # what the columns of lives begin with
+LIFE = "life in h"  # prefix of the columns of lives
 PEAK, EXCEEDS = "peak in MPa", "above"
 YIELD, TENSILE = "yield strength", "tensile strength"
-"""Columns of the greatest stress and of the strength that it exceeds, and names of these."""
+"""Columns of the greatest stress and of the strength that it exceeds, and names of the strengths."""
 
 
 @dataclass(frozen=True)
 class LifeResults:
     """Life of the shoes over a duty.
 
-    `dataset` is what the catalogue of quantities has of life: dimensions shoe (place in the track), survival,
-    part ("run: phase", each as if alone, and "between runs", what their mixing adds), node, axis, face and
-    corner of the surface's triangles. Not a number inside, and where the drive pulls at a single node.
-    `damage_an_hour` is the mean over the places of `place_damage`, `life` its reciprocal, or 0 where
-    `part_peak` exceeds the tensile strength; `plane_damage` is known at the worst nodes, without what goes
-    from run to run; `stress_error`, `verdict` and `life_factor` say how far to trust the life.
+    `dataset` has the catalogue's quantities of life. Its dimensions are shoe (place in the track), survival,
+    part, node, axis, and face and corner of the surface's triangles. A part is "run: phase", each as if
+    alone, or "between runs", the addition by their mixing. Values are NaN inside, and where the drive pulls
+    at a single node. `damage_an_hour` is the mean of `place_damage` over the places. `life` is its
+    reciprocal, or 0 where `part_peak` exceeds the tensile strength. `plane_damage` is known at the worst
+    nodes, without cycles from run to run. `stress_error`, `verdict` and `life_factor` tell the uncertainty of
+    the life.
     """
 
     duty: Duty
     dataset: xr.Dataset
-    table: pd.DataFrame  # of `shortest_lives`: the shortest life of every region; then the chosen nodes
+    table: pd.DataFrame  # result of `shortest_lives`: the worst node of every region; then the chosen nodes
     nodes: Mapping[int, NodeLife]  # cycles and causes at the nodes of the table, in the last stage
     runs: Sequence[UsedRun]  # runs and check cases, in the last stage
     regions: np.ndarray  # (nodes,) of str
 
     @property
     def whole(self) -> Shapes:
-        """Modes, and static fields, that the stresses are made of, in the last stage."""
+        """Modes and static fields as the basis of the stresses in the last stage."""
         return self.runs[0].basis.shapes
 
     def causes(self) -> pd.DataFrame:
-        """Shortest life in h of each region (columns) by each part of the damage alone; 1e9 for all beyond.
+        """Return the shortest life in h of each region (columns) by each part of the damage alone.
 
-        The shortest first; 0 where it breaks. With stages a part is that of all of them, by its damage until
-        the crack.
+        The shortest come first; 1e9 stands for all longer lives, 0 for a break. With stages a part sums over
+        them, by its damage until the crack.
         """
         names = list(self.dataset.part.values)
         for stage in self.duty.stages:
@@ -86,7 +88,7 @@ class LifeResults:
         return lives[lives.min(axis=0).sort_values(kind="stable").index].rename_axis(index="part")
 
     def _repr_html_(self) -> str:
-        """Shortest lives and the dataset, for notebooks."""
+        """Return the shortest lives and the dataset, as HTML for notebooks."""
         return self.table.to_html(index=False) + self.dataset._repr_html_()
 
 
@@ -97,11 +99,11 @@ def life_of(
     spreads: Sequence[xr.DataArray | None] = (),
     shapes: Shapes | None = None,
 ) -> LifeResults:
-    """Life over a duty without stages, whose runs have these histories, in its order.
+    """Return the life over a duty without stages, from the histories of its runs in the duty's order.
 
-    `say` gets a line on what is going on. `spreads` (shoe, node) of each run's peaks over themselves are
-    those of `relative_spread`, None where not known; `shapes` those of `check_cases_of` the duty. ValueError
-    as in `duty_runs.used_runs` and `used_cases`; or if a chosen node is not of the surface.
+    `say` gets lines on the progress. `spreads` are `relative_spread` (shoe, node) of each run, None if
+    unknown. `shapes` has the columns of the duty's `check_cases_of`. ValueError as in `duty_runs.used_runs`
+    and `used_cases`, or if a chosen node is not on the surface.
     """
     runs = used_runs(duty, histories) if duty.runs else []
     if shapes is not None:
@@ -153,13 +155,13 @@ def life_of(
 
 
 def _curves(duty: Duty, regions: np.ndarray, nodes: np.ndarray | list[int]) -> dict[int, SNCurve]:
-    """S-N curves of nodes by their regions."""
+    """Return the S-N curves of nodes, by their regions."""
     of_regions = {region: duty.material.curve(duty.miner, region) for region in set(regions[nodes])}
     return {node: of_regions[regions[node]] for node in nodes}
 
 
 def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> dict[SNCurve, np.ndarray]:
-    """Nodes of the surface by their S-N curve."""
+    """Return the nodes of the surface by their S-N curve."""
     nodes = pd.Series(_curves(duty, regions, surface))
     return {curve: group.index.to_numpy() for curve, group in nodes.groupby(nodes, sort=False)}
 
@@ -167,9 +169,9 @@ def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> dict[SNCurv
 def _with_castings(
     lives: LifeResults, stages: Sequence[LifeResults], nearest: Sequence[np.ndarray]
 ) -> LifeResults:
-    """Same with residual stress, defect and life with it in its table, if its material has castings.
+    """Return the lives with residual stress, defect and life with the defect in the table, for castings.
 
-    At the nodes of its table, and the `nearest` ones of earlier stages.
+    The cycles are those at the nodes of the table, and at their `nearest` nodes of earlier stages.
     """
     duty = lives.duty
     material = lives.duty.material
@@ -203,14 +205,15 @@ def _with_castings(
 
 
 def _worst_first(damage: np.ndarray) -> pd.Series:
-    """Known ones of damages (nodes,) by node, falling; those of nodes that break are infinite."""
+    """Return the known damages of (nodes,) by node, in falling order; those of broken nodes are infinite."""
     return pd.Series(damage).dropna().sort_values(ascending=False, kind="stable")
 
 
 def _shown(known: pd.Series, regions: np.ndarray, duty: Duty) -> list[int]:
-    """Worst node of every region, the worst first, and a duty's own, by falling damages.
+    """Return the worst node of every region, the worst first, then the duty's chosen nodes.
 
-    That of the bores, whose stress beside a rigid pin is not to be used, stands behind other regions'.
+    `known` has the damages in falling order. The worst node of the bores comes after those of other regions:
+    its stress beside a rigid pin is not used.
     """
     shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
     usable = [node for node in shortest if regions[node] != hot_spots.BORES]
@@ -218,12 +221,12 @@ def _shown(known: pd.Series, regions: np.ndarray, duty: Duty) -> list[int]:
 
 
 def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
-    """Life over stages of wear from the lives of each alone: damage adds up until a node's is 1.
+    """Return the life over stages of wear from the life of each alone: the damage of a node adds up to 1.
 
-    On the mesh of the last stage; a node of it stands for the nearest one of the same region before. Its
-    `damage_an_hour` is the mean until the crack, and so are the parts of it, which have the names of their
-    stages; planes, the stress's uncertainty, and cycles at nodes are those of the last stage. ValueError if
-    stages have other places in the track.
+    The result is on the mesh of the last stage; a node stands for the nearest one of the same region in
+    earlier stages. `damage_an_hour` and its parts are means until the crack; names of parts begin with their
+    stage. Planes, the uncertainty of the stress, and cycles at nodes are those of the last stage. ValueError
+    if stages have flexible shoes at different places in the track.
     """
     last = stages[-1]
     if any(stage.dataset.shoe.values.tolist() != last.dataset.shoe.values.tolist() for stage in stages):
@@ -235,7 +238,7 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     breaks = np.stack([data.part_peak.max("part").values > strength for data in each])[:, None]
     spent = hours_in_stages(np.where(breaks, np.inf, damage), [stage.hours for stage in duty.stages])
     hours = spent.sum(axis=0)
-    # of what breaks at once the first stage counts
+    # for nodes that break at once the first stage counts
     first = np.eye(len(damage))[0][:, None, None]
     shares = np.where(hours > 0.0, spent / np.maximum(hours, np.finfo(float).tiny), first)
     mean = (shares * damage).sum(axis=0)
@@ -272,9 +275,9 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
 
 
 def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
-    """Hours (stages, ...) that are spent in each stage until damages an hour (stages, ...) add up to 1.
+    """Return the hours (stages, ...) in each stage until damages an hour (stages, ...) add up to 1.
 
-    The last stage goes on, `BEYOND` at most. None are spent in a stage of infinite damage.
+    The last stage goes on, to `BEYOND` at most. A stage of infinite damage has zero hours.
     """
     rest = np.ones(damage.shape[1:])
     spent = np.zeros(damage.shape)
@@ -287,7 +290,7 @@ def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
 
 
 def nearest_nodes(stage: LifeResults, last: LifeResults) -> np.ndarray:
-    """Node of a stage's mesh nearest to each of the last stage's (nodes,), of the same region's surface."""
+    """Return for each node of the last stage the nearest surface node of a stage, same region: (nodes,)."""
     nodes = np.arange(len(last.whole.nodes))
     if stage.whole.mesh.digest == last.whole.mesh.digest:
         return nodes
@@ -303,9 +306,9 @@ def nearest_nodes(stage: LifeResults, last: LifeResults) -> np.ndarray:
 def _at_place(
     duty: Duty, runs: Sequence[UsedRun], groups: Mapping[SNCurve, np.ndarray], shoe: int
 ) -> list[np.ndarray]:
-    """Return the damage an hour of a shoe by survival and by part, amplitudes and by part peaks of stress.
+    """Return damage an hour of a shoe by survival and by part, amplitudes, and peaks of stress by part.
 
-    Arrays (survivals, nodes), (parts, nodes), (nodes,) and (parts, nodes); stresses in Pa.
+    The arrays are (survivals, nodes), (parts, nodes), (nodes,) and (parts, nodes); stresses are in Pa.
     """
     whole = runs[0].basis.shapes
     surface = np.concatenate([*groups.values()])
@@ -320,8 +323,8 @@ def _at_place(
 def _of_group(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, surface: np.ndarray, shoe: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Same of some nodes of the surface, which have the same S-N curve."""
-    parts, ends, peaks = [], [], []  # (survivals, phases, nodes); of the passes; (phases, nodes)
+    """Return the values of `_at_place` for nodes of the surface with the same S-N curve."""
+    parts, ends, peaks = [], [], []  # (survivals, phases, nodes); ends of passes; (phases, nodes)
     negligible = negligible_damage(runs)
     for run in runs:
         counting = run.counting(curve, duty.survivals, negligible)
@@ -338,19 +341,19 @@ def _of_group(
         parts.append(damage_of_changes(mixed, curve, duty.survivals, len(surface))[:, None])
         peaks.append(np.zeros((1, len(surface))))
     damage = sum((each.sum(axis=1) for each in parts), start=np.zeros((len(duty.survivals), len(surface))))
-    # cycles that are replaced may be so small that they have not been counted
+    # replaced cycles may be so small that they were not counted
     damage = np.maximum(damage, 0.0)
     amplitude = 0.5 * (passes.highest.max(axis=0) - passes.lowest.min(axis=0))
     return damage, np.concatenate([each[-1] for each in parts]), amplitude, np.concatenate(peaks)
 
 
 def negligible_damage(runs: Sequence[UsedRun]) -> float:
-    """Return the damage a pass that may be left out: all passes of an hour leave out one over `BEYOND`."""
+    """Return the greatest omitted damage a pass; all passes of an hour together omit one over `BEYOND`."""
     return 1.0 / BEYOND / sum(run.times_an_hour for run in runs)
 
 
 def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
-    """Values (..., k) at some nodes as those (..., count) of all, not a number elsewhere."""
+    """Return values (..., k) at some nodes as values (..., count) at all, NaN elsewhere."""
     spread = np.full((*values.shape[:-1], count), np.nan)
     spread[..., nodes] = values
     return spread
@@ -359,7 +362,7 @@ def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
 def _on_critical_planes(
     duty: Duty, runs: Sequence[UsedRun], groups: Mapping[SNCurve, np.ndarray], nodes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
+    """Return damage an hour (survivals, nodes) on critical planes of some nodes, and normals (nodes, 3)."""
     negligible = negligible_damage(runs)
     mesh = runs[0].basis.shapes.mesh
     normals = critical_plane.surface_normals(mesh)
@@ -384,7 +387,7 @@ def _on_critical_planes(
 
 
 def relative_spread(dataset: xr.Dataset) -> xr.DataArray:
-    """Spread of each node's greatest stress over itself, from starts and laws together: (shoe, node)."""
+    """Return the relative spread of each node's greatest stress by starts and laws together: (shoe, node)."""
     size = np.maximum(dataset.peak_von_mises, np.finfo(float).tiny)
     return ((dataset.peak_spread + dataset.peak_choice) / size).transpose("shoe", "node")
 
@@ -396,11 +399,11 @@ def _life_trust(
     amplitude: np.ndarray,
     spreads: Sequence[xr.DataArray | None],
 ) -> dict[str, np.ndarray]:
-    """Uncertainty of the lives by damage (1/h) and amplitude (Pa), both (places, nodes): named quantities.
+    """Return the uncertainty of lives from damage (1/h) and amplitude (Pa), (places, nodes), as quantities.
 
-    What the mesh leaves open is that of the stress less its mean over each run and place, in the mean square
-    over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
-    widest of the runs' counts, at the place that wears a node most.
+    The mesh error is the mean square over all runs and places, of the stress less its mean over each of them.
+    The error by omitted static fields is relative to the greatest amplitude. The widest spread of the runs
+    counts, at the place with a node's greatest damage.
     """
     resolved = [trust.resolution_over(run.basis.shapes, _changes(run.basis.coordinates)) for run in runs]
     resolution = sum(resolved[1:], start=resolved[0])
@@ -420,14 +423,14 @@ def _life_trust(
 
 
 def _changes(coordinates: Mapping[int, Any]) -> Iterator[np.ndarray]:
-    """Coordinates of a run's shoes less their means, in segments."""
+    """Yield the coordinates of a run's shoes less their means, in segments."""
     for q in coordinates.values():
         mean = sum(rows.sum(axis=0) for rows in low_rank.segments(q)) / len(q)
         yield from (rows - mean for rows in low_rank.segments(q))
 
 
 def life_hours(damage: np.ndarray | float) -> np.ndarray:
-    """Hours that damages an hour leave; `BEYOND` stands for all beyond."""
+    """Return the lives in h at damages an hour; `BEYOND` stands for all longer ones."""
     return np.where(damage * BEYOND <= 1.0, BEYOND, 1.0 / np.maximum(damage, 1.0 / BEYOND))
 
 
@@ -438,14 +441,18 @@ def shortest_lives(
     runs: Sequence[UsedRun],
     regions: np.ndarray,
 ) -> pd.DataFrame:
-    """Table of lives and what makes them, of some nodes such as the worst of every region.
+    """Return a table of lives and their causes at some nodes, such as the worst of every region.
 
-    A row a node: region, node and its place in the shoe (m); life (h, 1e9 for all beyond, 0 where it breaks)
-    at each survival, the range of the last given the uncertainty of the stress, and the verdict; the greatest
-    von Mises stress of all runs, and which strength it exceeds; the place in the track that wears it most and
-    the life of a shoe that stays there; run and phase, and load, with the greatest part of the damage, and
-    the parts of all loads; life by each criterion, that by the critical plane without what goes from run to
-    run; and whether a joint's rigid spider is near.
+    A row has these values of a node:
+
+    - region, number, and place in the shoe (m)
+    - life (h; 1e9 for all longer ones, 0 for a break) at each survival, its range at the last survival by the
+      uncertainty of the stress, and the verdict
+    - greatest von Mises stress of all runs, and the strength that it exceeds
+    - place in the track with the greatest damage, and life of a shoe that stays there
+    - run and phase, and load, with the greatest fraction of the damage, and the fractions of all loads
+    - life by each criterion; that by the critical plane is without cycles from run to run
+    - flag of a node in, or beside, a joint's rigid spider
     """
     whole = runs[0].basis.shapes
     data = dataset.sel(node=list(nodes))
@@ -494,13 +501,13 @@ def shortest_lives(
 
 
 def in_words(table: pd.DataFrame) -> pd.DataFrame:
-    """Same table with lives as they are read: of four digits, or words such as "beyond 1e9"."""
+    """Return the table with lives for reading: four digits, or words such as "beyond 1e9"."""
     lives = [name for name in table.columns if name.startswith(LIFE)]
     return table.assign(**{name: table[name].map(life_words) for name in lives})
 
 
 def life_words(hours: float) -> float | str:
-    """Life in h of four digits, or words where it is not known, none, or beyond all machines."""
+    """Return the life in h with four digits, or words for an unknown life, a break, or one beyond 1e9 h."""
     if np.isnan(hours):
         return "not known"
     if hours == BROKEN:
