@@ -1,4 +1,4 @@
-"""Check cases of a shoe: forces of treads, pressures and pins, one-sided ground, and the ready list of them.
+"""Check cases of a shoe: forces of treads, pressures and pins on one-sided ground, with a ready list.
 
 Places are in the shoe's frame: x along the travel, y to the left, z up, origin at its nominal centre of mass.
 """
@@ -22,19 +22,19 @@ from meshes.geometry import ShoeDimensions
 from meshes.rails import RailOutline, rail_outline
 
 SAND, ROCK, STONE = 1e8, 1e9, 10.0
-"""N/m3 of two grounds, and how many times as stiff a stone in it is: assumed, no source has them."""
+"""Stiffness of two grounds, N/m3, and ratio of a stone's stiffness to the ground's; assumed, no source."""
 PLAUSIBLE_GROUND = (0.0, 1e11)
-"""N/m3, from a hole to ten times a stone in rock."""
+"""Plausible stiffness of ground, N/m3, from a hole to ten times a stone in rock."""
 MEAN, PASS, DIGGING = 388e3, 574e3, 761e3
-"""N on a rail: mean and greatest of a straight pass, and greatest while digging, of the rollers study."""
+"""Forces on a rail, N: mean and greatest of a straight pass, and greatest in digging (rollers study)."""
 PULL, SIDE, STRIKE = 2.6e6, 0.26e6, 1e6
-"""N: pull of a chain that turns on the spot, what is left of it sideways on a shoe, and a unit strike."""
+"""Pull of a chain in a turn on the spot, its side force on a shoe, and a unit strike, N."""
 BLOW = 25e3
-"""J of a dipper of 50 t that falls on a shoe at 1 m/s: assumed, no source has mass and speed."""
+"""Energy of a blow, J: a dipper of 50 t at 1 m/s; mass and speed are assumed, no source."""
 WING = 0.07
-"""Of the width of a shoe, at its left end."""
-DIGITS = 9  # of a size over that of the papers' shoe: those behind are rounding of a mesh
-UNDER_A_SIDE = 0.05  # m, by which a box of a pressure reaches beyond the face that is meant
+"""Width of the wing at the left end, fraction of the shoe's width."""
+DIGITS = 9  # digits of a size over that of the papers' shoe; further ones are rounding of a mesh
+UNDER_A_SIDE = 0.05  # margin of a pressure's box beyond the loaded face, m
 
 Side = Literal["left", "right"]
 Facing = Literal["front", "rear", "left", "right", "up", "down"]
@@ -43,27 +43,27 @@ PINS: tuple[Pin, ...] = get_args(Pin)
 
 
 class TreadForce(Parameters):
-    """Force of a roller's tread, downward on one of the rails."""
+    """Downward force of a roller's tread on one of the rails."""
 
     side: Side = option("rail: left (+y) or right")
     force: float = quantity("N", "downward", (1e3, 5e6), gt=0.0, le=1e10)
     end: Literal["front", "rear"] | None = option("end of the rail that `x` counts from inward", default=None)
     x: Place = quantity("m", "ahead of the rail's middle, or inward of its end", (-1.0, 1.0), default=0.0)
     width: float | None = quantity(
-        "m", "of the contact across the rail; none: all", gt=0, le=10, default=None
+        "m", "width of the contact across the rail; none: all", gt=0, le=10, default=None
     )
     across: Place = quantity("m", "from the rail's middle line outward", (-0.5, 0.5), default=0.0)
-    length: float = quantity("m", "over which it presses, less at an end", gt=1e-3, le=10, default=0.1)
+    length: float = quantity("m", "length of the contact, less at an end", gt=1e-3, le=10, default=0.1)
 
 
 class Pressure(Parameters):
-    """Force spread evenly over what of the surface faces one way inside of a box."""
+    """Force spread evenly over the surface with one facing inside of a box."""
 
-    facing: Facing = option("which way the loaded faces look")
+    facing: Facing = option("direction of the loaded faces")
     low: base.Three = quantity("m", "least x, y, z of the box", (-5.0, 5.0))
     high: base.Three = quantity("m", "greatest x, y, z of the box", (-5.0, 5.0))
     round: bool = option("the disc, or ellipse, inside of the box's outline", default=False)
-    force: base.Vector = quantity("N", "in all", (-1e7, 1e7))
+    force: base.Vector = quantity("N", "total force", (-1e7, 1e7))
 
 
 class PinForce(Parameters):
@@ -74,7 +74,7 @@ class PinForce(Parameters):
 
 
 class GroundPart(Parameters):
-    """Rectangle, or disc, in which the ground differs; a later one covers an earlier one."""
+    """Rectangle or disc of different ground; a later one covers an earlier one."""
 
     low: Two = quantity("m", "least x and y", (-5.0, 5.0))
     high: Two = quantity("m", "greatest x and y", (-5.0, 5.0))
@@ -86,32 +86,32 @@ class GroundPart(Parameters):
 
 
 class OneSidedGround(Parameters):
-    """One-sided springs below the underside."""
+    """Ground of one-sided springs below the underside."""
 
     stiffness: float = quantity(
         "N/m3", "pressure over depth; 0: a hole", PLAUSIBLE_GROUND, ge=0, le=1e14, default=SAND
     )
-    parts: tuple[GroundPart, ...] = option("where it differs", default=())
+    parts: tuple[GroundPart, ...] = option("parts of different ground", default=())
 
 
 class CheckCase(Parameters):
-    """Loads on a shoe in balance: by themselves, with ground below, or held by some of its pins."""
+    """Balanced loads on a shoe: alone, with ground below, or held by some of its pins."""
 
-    name: Name = option("of the case")
+    name: Name = option("name of the case")
     treads: tuple[TreadForce, ...] = option("forces on the rails", default=())
     pressures: tuple[Pressure, ...] = option("forces on other parts of the surface", default=())
     pins: tuple[PinForce, ...] = option("forces of link pins", default=())
     energy: float | None = quantity(
         "J",
-        "of a blow by the pressures, whose forces grow until shoe and ground have taken it; none: as given",
+        "energy of a blow by the pressures; their forces grow until shoe and ground store it; none: as given",
         gt=0,
         le=1e9,
         default=None,
     )
     held_by: tuple[Name, ...] = option(
-        "pins and axes, such as 'rear left x', whose least forces take what is left of the loads", default=()
+        "pins and axes, such as 'rear left x', that balance the loads by their least forces", default=()
     )
-    ground: OneSidedGround | None = option("below it; none: it hangs in its pins", default=None)
+    ground: OneSidedGround | None = option("ground below the shoe; none: it hangs in its pins", default=None)
     hand_moment: base.Component | None = quantity(
         "N m", "bending moment at y = 0 by hand, positive with the underside in tension", default=None
     )
@@ -125,10 +125,10 @@ class CheckCase(Parameters):
 
 
 class RollerForce(Parameters):
-    """Level of the force on a rail at which the ready cases are checked."""
+    """Level of the force on a rail for the ready cases."""
 
-    name: Name = option("of the level")
-    force: float = quantity("N", "on each rail", (1e4, 5e6), gt=0.0, le=1e10)
+    name: Name = option("name of the level")
+    force: float = quantity("N", "force on each rail", (1e4, 5e6), gt=0.0, le=1e10)
 
 
 LEVELS = tuple(
@@ -138,36 +138,36 @@ LEVELS = tuple(
 
 
 class ShoeCheck(Parameters):
-    """A shoe, its material, and what it is checked for."""
+    """Shoe, its material, and its checks."""
 
-    name: Name = option("of the check", default="shoe")
+    name: Name = option("name of the check", default="shoe")
     mesh: str = option("coarse, study or fine, or a mesh's file", default="study", min_length=1)
     dimensions: dict[str, float] = option(
-        "of `meshes.ShoeDimensions` that differ; netgen meshes such a shoe as finely as `mesh` says",
+        "changed values of `meshes.ShoeDimensions`; netgen meshes such a shoe with the fineness of `mesh`",
         default={},
     )
-    material: FatigueMaterial = option("against cyclic stress", default=FatigueMaterial.cast_nicrmo())
-    track: Track | None = option("chain whose pins hold it; none: the papers'", default=None)
+    material: FatigueMaterial = option(
+        "material with its cyclic strength", default=FatigueMaterial.cast_nicrmo()
+    )
+    track: Track | None = option("chain with the pins that hold it; none: the papers'", default=None)
     machine: float = quantity(
         "1",
-        "its machine's pulls and strikes over those of the papers'",
+        "pulls and strikes of its machine over those of the papers'",
         (0.001, 3.0),
         gt=0,
         le=1e3,
         default=1.0,
     )
-    spider: Literal["averaging", "rigid"] = option("how pins hold their bores", default="averaging")
-    roller_radius: base.Length = quantity("m", "of the treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS)
+    spider: Literal["averaging", "rigid"] = option("coupling of pins and bores", default="averaging")
+    roller_radius: base.Length = quantity(
+        "m", "radius of the treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS
+    )
     tread_width: base.Length = quantity(
-        "m", "of a tread that bears on all of it", (0.02, 1.0), default=ph4100c.TREAD_WIDTH
+        "m", "width of a tread in full contact", (0.02, 1.0), default=ph4100c.TREAD_WIDTH
     )
-    hours: float = quantity(
-        "h", "machine hours in which no crack shall be", (0.1, 1e6), gt=0, le=1e9, default=25_000.0
-    )
-    levels: tuple[RollerForce, ...] = option(
-        "at which the ready cases are checked; () for none", default=LEVELS
-    )
-    cases: tuple[CheckCase, ...] = option("further ones", default=())
+    hours: float = quantity("h", "machine hours without a crack", (0.1, 1e6), gt=0, le=1e9, default=25_000.0)
+    levels: tuple[RollerForce, ...] = option("force levels of the ready cases; () for none", default=LEVELS)
+    cases: tuple[CheckCase, ...] = option("further cases", default=())
 
     def _errors(self) -> parameters.Errors:
         names = [case.name for case in self.cases]
@@ -176,15 +176,15 @@ class ShoeCheck(Parameters):
 
 
 OF_CASES = {"base", "flexible", "gear", "terrain", "datasheet"}
-"""Keys that case files have, of which one at least, and those of checks none."""
+"""Keys of case files: a case file has at least one of them, a check file none."""
 OF_DUTIES = {"runs", "survivals", "stages", "plane_nodes"}
-"""Same of duties."""
+"""Keys of duty files: a duty has at least one of them, a check file none."""
 
 
 def check_of(case: Case) -> ShoeCheck:
-    """Check of the flexible shoes of a case on its own track; forces go with the load on its shoes.
+    """Return the check of a case's flexible shoes on its own track, with forces in proportion to its load.
 
-    A ValueError says if it has no flexible shoes.
+    ValueError if the case has no flexible shoes.
     """
     machine = case.mean_load / ph4100c.PROPEL_LOAD
     machine = float(f"{machine:.3g}") if machine > 0.0 else 1.0
@@ -194,7 +194,7 @@ def check_of(case: Case) -> ShoeCheck:
 
 
 def read_check(path: str | Path) -> ShoeCheck:
-    """Read the file of a check or of a case; a mesh's file counts from it; raises as their readers."""
+    """Read the file of a check or of a case; a mesh's file is relative to it; raise as their readers."""
     path = Path(path)
     with reading.errors_named(path, ShoeCheck):
         content = reading.toml_content(path, "check file") if path.suffix == ".toml" else {}
@@ -212,18 +212,18 @@ def read_check(path: str | Path) -> ShoeCheck:
 
 
 class ShoeOutline(NamedTuple):
-    """Outline of which ready cases are made: rails, if there are any, and extents of a shoe, m."""
+    """Outline of a shoe for the ready cases: rails, if any, and extents, m."""
 
     rails: RailOutline | None
-    low: np.ndarray  # (3,) of the underside
-    high: np.ndarray
-    top: float  # z of the highest place
-    bearing: np.ndarray  # (2, 3): least and greatest x, y, z of what carries the machine without rails
-    wing: float  # z of the highest place at the left end
+    low: np.ndarray  # (3,), least x, y, z of the underside
+    high: np.ndarray  # (3,), greatest x, y, z of the underside
+    top: float  # z of the highest point
+    bearing: np.ndarray  # (2, 3), least and greatest x, y, z of the loaded surface of a shoe without rails
+    wing: float  # z of the highest point at the left end
 
     @classmethod
     def of(cls, mesh: Mesh) -> "ShoeOutline":
-        """Outline of a shoe's mesh; raises as `rail_outline` where it names a roller path."""
+        """Return the outline of a shoe's mesh; raise as `rail_outline` if the mesh names a roller path."""
         under = mesh.nodes[mesh.nodes_of("underside")]
         carries = mesh.nodes[mesh.nodes_of("top")] if "top" in mesh.surfaces else mesh.nodes
         bearing = np.stack((carries.min(axis=0), carries.max(axis=0)))
@@ -235,17 +235,17 @@ class ShoeOutline(NamedTuple):
 
     @property
     def along(self) -> float:
-        """Length of the underside over that of the papers' shoe, for which distances along it are given."""
+        """Length of the underside over that of the papers' shoe; distances along x scale with it."""
         return float(f"{(self.high[0] - self.low[0]) / ShoeDimensions.plate_length:.{DIGITS}g}")
 
     @property
     def beside(self) -> float:
-        """Same of the width."""
+        """Width of the underside over that of the papers' shoe; distances along y scale with it."""
         return float(f"{(self.high[1] - self.low[1]) / ShoeDimensions.width:.{DIGITS}g}")
 
 
 def _rails_of(mesh: Mesh) -> RailOutline | None:
-    """Rails of a mesh; None where it has no roller path and its top is not two bands."""
+    """Return the rails of a mesh; None if it has no roller path and its top is not two bands."""
     try:
         return rail_outline(mesh)
     except ValueError:
@@ -255,14 +255,14 @@ def _rails_of(mesh: Mesh) -> RailOutline | None:
 
 
 Loads = Iterator[dict[str, Any]]
-"""Fields of check cases in which they differ from a machine above the middle of a shoe on even sand."""
+"""Fields of check cases that differ from those of a machine above the middle of a shoe on even sand."""
 
 
 def ready_cases(outline: ShoeOutline, force: float, machine: float = 1.0) -> list[CheckCase]:
-    """Ready check cases of a shoe with a force (N) on each rail, or both on the top where there is none.
+    """Return the ready check cases of a shoe with a force (N) on each rail; without rails both on the top.
 
-    `machine` is what its pulls and strikes are times those of the papers' machine; distances are theirs,
-    times the size of the shoe.
+    `machine` is the ratio of its pulls and strikes to those of the papers' machine. Distances are those of
+    the papers' shoe in proportion to the size of the shoe.
     """
     carried: dict[str, Any] = {"ground": OneSidedGround()}
     carried |= {"treads": _rolled(force)} if outline.rails else {"pressures": [_on_top(outline, force)]}
@@ -283,12 +283,12 @@ def ready_cases(outline: ShoeOutline, force: float, machine: float = 1.0) -> lis
 
 
 def _rolled(force: float, **place: Any) -> list[TreadForce]:
-    """Treads of a roller on both rails."""
+    """Return the treads of a roller on both rails."""
     return [TreadForce(side=side, force=force, **place) for side in get_args(Side)]
 
 
 def _on_top(outline: ShoeOutline, force: float) -> Pressure:
-    """Force of two rails spread over the top."""
+    """Return the force of two rails spread over the top."""
     low, high = outline.bearing + UNDER_A_SIDE * np.array([[-1.0], [1.0]])
     return Pressure.model_validate(
         {"facing": "up", "low": tuple(low), "high": tuple(high), "force": (0, 0, -2 * force)}
@@ -296,7 +296,7 @@ def _on_top(outline: ShoeOutline, force: float) -> Pressure:
 
 
 def _supports(outline: ShoeOutline, force: float) -> Loads:
-    """The ground bears here or there."""
+    """Yield cases of ground that bears on all or parts of the underside, or of a load on one rail."""
     (x0, y0, _) = outline.low
     (x1, y1, _) = outline.high
     along = outline.along
@@ -306,7 +306,7 @@ def _supports(outline: ShoeOutline, force: float) -> Loads:
     arm = None if rails is None else 0.5 * (rails.left - rails.right)
 
     def case(name: str, stiffness: float, lever: float | None = None, *parts: GroundPart) -> dict[str, Any]:
-        # by hand where two rails have the force
+        # a hand calculation exists if two rails carry the force
         by_hand = None if lever is None or arm is None else force * (lever - arm)
         ground = OneSidedGround(stiffness=stiffness, parts=parts)
         return {"name": name, "ground": ground, "hand_moment": by_hand}
@@ -339,7 +339,7 @@ def _supports(outline: ShoeOutline, force: float) -> Loads:
 
 
 def _rail_ends(outline: ShoeOutline, rails: RailOutline, force: float) -> Loads:
-    """A roller at the ends of the rails, on all of their width and on their outer third."""
+    """Yield cases of a roller at the ends of the rails, on their whole width and on their outer third."""
     third = rails.width / 3
     widths = {"": {}, ", outer third": {"width": third, "across": third}}
     near = 0.02 * outline.along
@@ -349,7 +349,7 @@ def _rail_ends(outline: ShoeOutline, rails: RailOutline, force: float) -> Loads:
 
 
 def _turns(outline: ShoeOutline, force: float, machine: float) -> Loads:
-    """Pull of a chain that turns, shared by the pins, with the side force held at rails or pins."""
+    """Yield cases of a turning chain's pull, shared by the pins; rails or pins hold the side force."""
     under = {"low": tuple(outline.low - UNDER_A_SIDE), "high": tuple(outline.high + UNDER_A_SIDE)}
     pull = machine * PULL
     push = machine * SIDE
@@ -376,7 +376,7 @@ def _turns(outline: ShoeOutline, force: float, machine: float) -> Loads:
 
 
 def _drives(outline: ShoeOutline, rails: RailOutline, machine: float) -> Loads:
-    """A tumbler's push on the web between the rails, both ways."""
+    """Yield cases of a tumbler's push on the web between the rails, forward and backward."""
     inner = rails.left - rails.width / 2
     upward = outline.along
     pull = machine * PULL
@@ -397,7 +397,7 @@ def _drives(outline: ShoeOutline, rails: RailOutline, machine: float) -> Loads:
 
 
 def _strikes(outline: ShoeOutline, force: float, machine: float) -> Loads:
-    """A dipper on a wing's end."""
+    """Yield cases of a dipper that strikes the end of a wing."""
     x1, y1, _ = outline.high
     lowest = outline.wing - 0.1 * outline.along
     carried = [] if outline.rails else [_on_top(outline, force)]
@@ -414,6 +414,6 @@ def _strikes(outline: ShoeOutline, force: float, machine: float) -> Loads:
 
 
 def ready_cycles(outline: ShoeOutline) -> list[tuple[str, str]]:
-    """Cycles between two ready cases, at each level; their loaded cases are those with the machine."""
+    """Return cycles between two ready cases, for each level; their loaded cases have the machine's load."""
     both_ends = f"both ends {0.2 * outline.beside:.3g} m"
     return [("even, sand", both_ends), (f"ridge {0.4 * outline.beside:.3g} m", both_ends)]

@@ -1,4 +1,4 @@
-"""Finite elements of the shoe of a check, and the loads of its cases in balance."""
+"""Finite elements of a check's shoe, and the balanced loads of its cases."""
 
 from dataclasses import replace
 from functools import cached_property
@@ -16,13 +16,13 @@ from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfa
 from meshes.checks import check_surfaces
 
 POINTS, RAIL_POINTS = 0.02, 0.01
-"""m between points on the underside and on other faces, and on the rails."""
+"""Distance of points on the underside and other faces, and on the rails, m."""
 BED = (5, 15)
-"""Grid along x and y of tractions by which the underside bends."""
+"""Numbers of points along x and y of the grid of tractions that bend the underside."""
 LINE = 4e-3
-"""m, half the length of the contact of a tread at the very end of a rail: that of Hertz's."""
+"""Half length of a tread's contact at the very end of a rail, m: that of a Hertz contact."""
 BALANCE = 1e-3
-"""Part of the sum of all forces (times 1 m for moments) that may be out of balance; meshes round places."""
+"""Greatest imbalance, fraction of the sum of all forces (times 1 m for moments); meshes round places."""
 NORMALS: dict[ready.Facing, tuple[int, float]] = {
     "front": (0, 1.0),
     "rear": (0, -1.0),
@@ -31,14 +31,14 @@ NORMALS: dict[ready.Facing, tuple[int, float]] = {
     "up": (2, 1.0),
     "down": (2, -1.0),
 }
-"""Axis and sign of the way that a face looks."""
+"""Axis and sign of the direction of a face."""
 
 
 class CheckedShoe:
     """Finite elements of a check's shoe: its factorized stiffness, its surface and regions.
 
-    Loads are forces on all nodes, then forces and moments on all joint centres: arrays (3 n + 24,), N and
-    N m, or of several columns. Raises as `mesh_named` and `mesh_shoe`.
+    Loads are forces on all nodes, then forces and moments on all joint centres: arrays (3 n + 24,), N and N
+    m, or with several columns. Construction raises as `mesh_named` and `mesh_shoe`.
     """
 
     def __init__(self, check: ready.ShoeCheck) -> None:
@@ -63,17 +63,17 @@ class CheckedShoe:
 
     @cached_property
     def bed(self) -> supports.OneSidedBed:
-        """Points of the underside that ground may support."""
+        """Points of the underside for support by the ground."""
         points = supports.surface_points(self.mesh, self.mesh.surface("underside"), POINTS)
         return supports.OneSidedBed(self.partition, points, BED)
 
     @cached_property
     def of_centers(self) -> np.ndarray:
-        """Motions (24, 6) of the joint centres when the body moves as a whole."""
+        """Motions (24, 6) of the joint centres in rigid motions of the body."""
         return interfaces.rigid_motion_of_centers(self.partition.interfaces, self.body.center_of_mass)
 
     def facing(self, way: ready.Facing) -> supports.SurfacePoints:
-        """Points of all faces that look one way, those beneath others too."""
+        """Return the points of all faces of one direction, those beneath others included."""
         if way not in self._points:
             axis, sign = NORMALS[way]
             normal = triangle_normals(self.mesh.nodes[self.mesh.boundary[:, :3]])
@@ -82,7 +82,7 @@ class CheckedShoe:
         return self._points[way]
 
     def rail(self, tread: ready.TreadForce) -> np.ndarray:
-        """Nodal forces (n, 3) of a tread, N."""
+        """Return the nodal forces (n, 3) of a tread, N."""
         rails = self.outline.rails
         half = 0.5 * tread.length
         if rails is None:
@@ -108,7 +108,7 @@ class CheckedShoe:
         return near.spread(np.array([0.0, 0.0, -tread.force]), _centred(near, target))
 
     def pressure(self, load: ready.Pressure) -> np.ndarray:
-        """Nodal forces (n, 3) of a pressure, N."""
+        """Return the nodal forces (n, 3) of a pressure, N."""
         points = self.facing(load.facing)
         along = NORMALS[load.facing][0]
         chosen = inside(points.positions, load, [axis for axis in range(3) if axis != along])
@@ -117,9 +117,9 @@ class CheckedShoe:
         return points.chosen(np.flatnonzero(chosen)).spread(np.array(load.force))
 
     def loads(self, case: ready.CheckCase) -> np.ndarray:
-        """Loads of a case without the ground, what pins hold included.
+        """Return the loads of a case without the ground's, forces of holding pins included.
 
-        A ValueError says what is not in balance.
+        ValueError, with the remaining force and moment, for loads out of balance.
         """
         loads = np.zeros(self.mesh.nodes.size + len(self.of_centers))
         forces, centers = self.parts(loads)
@@ -146,21 +146,21 @@ class CheckedShoe:
         return loads
 
     def parts(self, loads: np.ndarray) -> list[np.ndarray]:
-        """Views of loads: on nodes (3 n, ...) and on joint centres (24, ...)."""
+        """Return views of the loads on nodes (3 n, ...) and on joint centres (24, ...)."""
         return np.split(loads, [self.mesh.nodes.size])
 
     def resultant(self, loads: np.ndarray) -> np.ndarray:
-        """Force and moment (6,) about the centre of mass."""
+        """Return the resultant force (N) and moment about the centre of mass (N m): (6,)."""
         forces, centers = self.parts(loads)
         return self.body.rigid_modes.T @ forces + self.of_centers.T @ centers
 
     def answers(self, loads: np.ndarray) -> np.ndarray:
-        """Displacements (n, 3, k), m, under loads (3 n + 24, k)."""
+        """Return the displacements (n, 3, k), m, under loads (3 n + 24, k)."""
         return self.partition.static_response(*self.parts(loads)).reshape(-1, 3, loads.shape[1])
 
 
 def inside(places: np.ndarray, part: ready.Pressure | ready.GroundPart, across: list[int]) -> np.ndarray:
-    """Which places (p, axes) lie in the box of a part, or in the disc in it over two of the axes."""
+    """Return True for each place (p, axes) in a part's box, or in its disc over the two axes `across`."""
     low = np.array(part.low)
     high = np.array(part.high)
     away = np.abs(places - 0.5 * (low + high)) / (0.5 * (high - low))
@@ -169,7 +169,7 @@ def inside(places: np.ndarray, part: ready.Pressure | ready.GroundPart, across: 
 
 
 def _centred(points: supports.SurfacePoints, place: np.ndarray) -> np.ndarray:
-    """Density (p,) that changes evenly so that a force acts at a place (2,), as far as it pushes."""
+    """Return a linear density (p,) that centres a force at a place (2,), cut off at zero."""
     off = points.positions[:, :2] - place
     plane = np.column_stack((np.ones(len(off)), off))
     weights = np.linalg.lstsq(

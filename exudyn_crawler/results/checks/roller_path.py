@@ -1,9 +1,9 @@
-"""Roller path: line contact of treads on rails, of check cases and of every pass of a run.
+"""Roller path: line contact of treads on rails, for check cases and for every pass of a run.
 
-Hertz gives pressure and stress below the surface, shakedown is Melan's (`fem.fatigue.line_contact`). Left
-out are the hardened layer, plastic flow itself, sliding across (with a coefficient of 0.3 it lowers the
-limit of 4 k to about 3.3 k), and the free edges of rails, where a contact is no half space's and lips flow
-earlier.
+Pressure and subsurface stress are those of Hertz, shakedown that of Melan (`fem.fatigue.line_contact`). The
+model omits the hardened layer, plastic flow itself, and sliding across the rail; a friction coefficient of
+0.3 lowers the limit of 4 k to about 3.3 k. It also omits the free edges of rails: the contact there is not
+that of a half-space, and lips flow earlier.
 """
 
 from collections.abc import Iterable, Mapping
@@ -28,13 +28,13 @@ MEGA = 1e6
 KILO = 1e3
 MILLI = 1e-3
 TILTS = (0.0, 0.5e-3, 1e-3, 2e-3)
-"""rad across the rail of a tread that check cases press with."""
+"""Tilts of a tread across the rail in check cases, rad."""
 PLACE = 0.05
-"""m, about, of the rail's length that a row of a run's table stands for."""
+"""Approximate length of rail for a row of a run's table, m."""
 AT_END = 1e-4
-"""m from a rail's end within which a disc stands on its edge."""
+"""Distance from a rail's end within which a disc stands on the rail's edge, m."""
 INSTANTS = 400
-"""Of a run, at most, over which the range of the structure's stress is looked for."""
+"""Greatest number of a run's instants for the range of the structure's stress."""
 MATERIALS = (FatigueMaterial.cast_nicrmo(), FatigueMaterial.cast_manganese(), FatigueMaterial.a36())
 PASSES = "passes"
 PRESSURE = "pressure in MPa"
@@ -45,19 +45,19 @@ INTENSITY = "line load over radius"
 
 
 def limits(material: FatigueMaterial) -> tuple[float, float]:
-    """Pressures of a level contact alone at first yield and at shakedown, Pa."""
+    """Return the pressures of a level contact alone at first yield and at shakedown, Pa."""
     contact = hertz.LineContact(np.array(MEGA), np.array(MILLI))
     stress = hertz.path_stress(contact, material.yield_strength, STEEL.poissons_ratio)
     return MEGA * stress.to_yield, MEGA * stress.to_shakedown
 
 
 def plane_modulus(material: Material) -> float:
-    """Modulus of two bodies of a material in line contact, Pa."""
+    """Return the contact modulus of two bodies of the same material in line contact, Pa."""
     return material.youngs_modulus / (2.0 * (1.0 - material.poissons_ratio**2))
 
 
 def hertz_table(check: ShoeCheck, cases: Iterable[CheckCase]) -> pd.DataFrame:
-    """Line contact of the treads of check cases: a row for every force, width and tilt."""
+    """Return the line contact of the treads of check cases: a row for each force, width and tilt."""
     treads: dict[tuple[float, float], str] = {}
     for case in cases:
         for tread in case.treads:
@@ -78,7 +78,7 @@ def hertz_table(check: ShoeCheck, cases: Iterable[CheckCase]) -> pd.DataFrame:
 
 
 def _contact_columns(contact: hertz.LineContact, stress: hertz.PathStress) -> dict[str, float]:
-    """Pressure, half width, and shear with its depth."""
+    """Return the columns of pressure, half width, and greatest shear with its depth."""
     return {
         PRESSURE: float(contact.pressure) / MEGA,
         "half width in mm": float(contact.half_width) / MILLI,
@@ -88,14 +88,16 @@ def _contact_columns(contact: hertz.LineContact, stress: hertz.PathStress) -> di
 
 
 def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIALS) -> pd.DataFrame:
-    """Line contact of all treads that passed over the shoes of a run, by place on the rail.
+    """Return the line contact of all treads that passed over the shoes of a run, by place on the rail.
 
-    A row each for the rear and the front end and for the parts between: how many treads passed (of every
-    roller, rail and shoe), their greatest pressure and its median, the shear below it, and by what the
-    stresses may grow until yield and until ratchetting. If treads press on flexible shoes, these alone count,
-    and the stress of the structure within the surface is superposed: that of the instant, and what comes and
-    goes over the run. In closed tracks rollers, idler and carriers are read on flexible shoes alone, whose
-    strips a history has. A ValueError without such treads, or if none ever pressed.
+    The rear end, the front end and each part between have a row. It has the number of passes (of every
+    roller, rail and shoe), their greatest pressure and its median, and the subsurface shear. It also has the
+    factors of the stresses at yield and at ratchetting.
+
+    If treads press on flexible shoes, these alone count. The structure's stress in the surface is then
+    superposed: that of the instant, and its range over the run. In closed tracks a history has strips of
+    rollers, idler and carriers on flexible shoes alone. ValueError without such treads, or if none ever
+    pressed.
     """
     case = history.case
     steel = STEEL
@@ -140,27 +142,31 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
 
 
 def _places(case: Case) -> np.ndarray:
-    """Edges (n + 1,) of the parts of a rail along x in the shoe's frame, m; part 0 and n + 1 are its ends."""
+    """Return the edges (n + 1,) of a rail's parts along x in the shoe's frame, m.
+
+    Parts 0 and n + 1 are the ends of the rail.
+    """
     rail = case.shoe.rails
-    assert rail is not None  # of a rolled case
+    assert rail is not None  # a rolled case has rails
     return np.linspace(rail.rear, rail.front, 1 + max(1, round((rail.front - rail.rear) / PLACE)))
 
 
 def has_treads(history: History) -> bool:
-    """True if a history has strips of treads: of a rolled track, or of flexible shoes in a closed one."""
+    """Return True if a history has strips of treads: a rolled track, or flexible shoes in a closed one."""
     return "tread_force" in history.dataset or "strip_force" in history.dataset
 
 
 def treads_press(history: History) -> bool:
-    """True where a tread presses at a stored instant."""
+    """Return True if a tread presses at a stored instant."""
     stored = [name for name in ("tread_force", "strip_force") if name in history.dataset]
     return any(bool(history.dataset[name].any()) for name in stored)
 
 
 def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
-    """Greatest force per width and radius (N/m2) of every shoe, roller, rail and place of a run: a row each.
+    """Return the greatest force per width and radius (N/m2) of each shoe, roller, rail and place: a row each.
 
-    Beside it when (s and row), where on the rail (m), the tread's force (N) and to which side it leans.
+    Other columns are the time (s) and its row, the place on the rail (m), the tread's force (N) and the side
+    of its lean.
     """
     edges = _places(history.case)
     case = history.case
@@ -206,9 +212,9 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
 
 
 def _beside(history: History, gear: RunningGear, worst: pd.DataFrame) -> Mapping[int, tuple[int, np.ndarray]]:
-    """Node of the surface nearest to the tread's more loaded edge by place, and the structure's stress there.
+    """Return by place the surface node nearest to the tread's more loaded edge, and the stress there.
 
-    That is xx, yy, xy (5, 3), Pa, of the instant and of the corners of its range.
+    It is that of the structure, (5, 3), Pa: xx, yy, xy at the instant and at the four corners of its range.
     """
     case = history.case
     if case.flexible is None or not set(worst["shoe"]) <= set(case.flexible.shoes):

@@ -1,4 +1,4 @@
-"""Check cases solved: loads in balance, stresses, peaks by region, cycles to a crack."""
+"""Solution of check cases: balanced loads, stresses, peaks by region, cycles to a crack."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,19 +16,19 @@ from fem import Shapes
 from meshes import STEEL
 
 AT_BORES = "bores, not to be used"
-"""Column of fewer cycles beside a pin's coupling."""
+"""Column of the cycles at a bore where these are fewer, beside a pin's coupling."""
 NEAR = 1.1
-"""Cycles to a crack over the least of a region, up to which a pair of cases counts as near."""
+"""Greatest cycles of a near pair of cases, ratio to the least cycles to a crack of the region."""
 
 
 @dataclass(frozen=True)
 class CheckResults:
-    """Check cases of a shoe, solved.
+    """Results of the check cases of a shoe.
 
-    `stress` (cases, nodes, 6) in Pa and `displacement` (cases, nodes, 3) in m are those of the surface's
-    nodes, `forces` (n, 3, cases) in N those of loads and ground on all nodes, without pins. `table` has a row
-    for each case and region, `moments` one for each case, `cycles` one for each cycle and region, `hertz` one
-    for each force, width and tilt of a tread.
+    `stress` (cases, nodes, 6), Pa, and `displacement` (cases, nodes, 3), m, are those of the surface's nodes.
+    `forces` (n, 3, cases), N, are those of loads and ground on all nodes, without pins. `table` has a row for
+    each case and region, `moments` one for each case. `cycles` has a row for each cycle and region, `hertz`
+    one for each force, width and tilt of a tread.
     """
 
     check: ready.ShoeCheck
@@ -44,10 +44,10 @@ class CheckResults:
 
     @property
     def worst_cycles(self) -> pd.DataFrame:
-        """Rows of `cycles` with the region that cracks first, of every pair; the shortest first.
+        """Rows of `cycles` for the first region to crack, a row for each pair; the shortest first.
 
-        Bores, whose stress beside a pin's coupling is not to be used, are no such region. Where they had
-        fewer cycles, a last column `AT_BORES` says how many; where nothing else changes, they stand alone.
+        Bores do not count, since their stress beside a pin's coupling is not used. If bores have fewer
+        cycles, a last column `AT_BORES` has them. A pair that stresses bores alone has their row.
         """
         pair = ["from", "to"]
         is_bore = self.cycles["region"] == BORES
@@ -62,9 +62,9 @@ class CheckResults:
 
     @property
     def by_region(self) -> pd.DataFrame:
-        """Shortest row of `cycles` of each region, the shortest first, bores last: their stress is not used.
+        """Row of `cycles` with the fewest cycles of each region, fewest first; unused bores come last.
 
-        A last column counts the pairs of cases of the region with at most a tenth more cycles.
+        A last column counts the region's pairs of cases with at most a tenth more cycles.
         """
         first = self.cycles.sort_values(CYCLES).groupby("region", sort=False).head(1)
         least = self.cycles.groupby("region")[CYCLES].transform("min")
@@ -76,13 +76,13 @@ class CheckResults:
         return pd.concat((table[~is_bore], last), ignore_index=True)
 
     def cycle(self, first: str, second: str) -> pd.DataFrame:
-        """Cycles to a crack in every region between two cases, or `UNLOADED` and one."""
+        """Return the cycles to a crack in every region between two cases, or `UNLOADED` and a case."""
         stress = dict(zip([case.name for case in self.cases], self.stress, strict=True))
         return cycle_table(self.check, self.shoe, stress, [(first, second)])
 
 
 def all_cases(check: ready.ShoeCheck, outline: ready.ShoeOutline) -> tuple[ready.CheckCase, ...]:
-    """Ready cases at every level of the force, by "case, level", and the check's own."""
+    """Return the ready cases at every level of the force, named "case, level", and the check's own cases."""
     cases = [
         ready_case.with_(name=f"{ready_case.name}, {level.name}")
         for level in check.levels
@@ -94,7 +94,7 @@ def all_cases(check: ready.ShoeCheck, outline: ready.ShoeOutline) -> tuple[ready
 def solve_cases(
     check: ready.ShoeCheck, shoe: CheckedShoe, say: Callable[[str], None] = lambda _text: None
 ) -> CheckResults:
-    """Solve all cases of a check; a ValueError names one not in balance or that ground cannot carry."""
+    """Solve all cases of a check; ValueError for a case out of balance, or one that ground cannot carry."""
     cases = all_cases(check, shoe.outline)
     if check.track is not None:
         cases = _possible(check, shoe, cases, say)
@@ -128,7 +128,7 @@ def solve_cases(
 def _possible(
     check: ready.ShoeCheck, shoe: CheckedShoe, cases: Sequence[ready.CheckCase], say: Callable[[str], None]
 ) -> tuple[ready.CheckCase, ...]:
-    """Cases without ready ones that a shoe cannot have: what they press on is not there, or it tips over."""
+    """Return the cases without impossible ready ones: a loaded face is missing, or the shoe tips over."""
     chosen = {case.name for case in check.cases}
     possible = []
     left_out: dict[tuple[str, str], list[str]] = {}
@@ -154,9 +154,9 @@ def _possible(
 def case_shapes(
     check: ready.ShoeCheck, names: Sequence[str], say: Callable[[str], None] = lambda _text: None
 ) -> Shapes:
-    """Displacement and stress of a shoe under some of its check cases, a column each.
+    """Return displacement and stress of a shoe under some of its check cases, a column each.
 
-    A ValueError names a case that there is not, and what there is; or is as in `solve_cases`.
+    ValueError for an unknown case, with the known ones, and as in `solve_cases`.
     """
     shoe = CheckedShoe(check)
     known = {case.name: case for case in all_cases(check, shoe.outline)}

@@ -1,4 +1,4 @@
-"""Displacements of a shoe under its check cases, at rest on the ground and under blows."""
+"""Displacements of a shoe under its check cases: at rest on the ground, and under blows."""
 
 from collections.abc import Callable, Sequence
 
@@ -9,14 +9,14 @@ from exudyn_crawler.results.checks.checked_shoe import CheckedShoe, inside
 from exudyn_crawler.settings.fields import errors_at
 from fem.body import supports
 
-BLOW_STEPS = 8  # to the force of a blow, whose error each makes less than half
+BLOW_STEPS = 8  # number of iterations for the force of a blow; each more than halves the error
 MEGA = 1e6
 
 
 def static_answers(
     shoe: CheckedShoe, cases: Sequence[ready.CheckCase], say: Callable[[str], None]
 ) -> tuple[np.ndarray, np.ndarray, dict[str, tuple[float, float]]]:
-    """Loads (3 n + 24, k) with the ground's, answers (n, 3, k), and blows as in `_blow` by their cases."""
+    """Return loads (3 n + 24, k) with the ground's, displacements (n, 3, k), and blows (`_blow`) by case."""
     each = []
     blows = {}
     for case in cases:
@@ -43,7 +43,7 @@ def static_answers(
 def rest_on_ground(
     shoe: CheckedShoe, case: ready.CheckCase, loads: np.ndarray, answer: np.ndarray
 ) -> supports.Rest:
-    """Rest of the shoe on the ground of a case."""
+    """Return the rest of the shoe on the ground of a case."""
     assert case.ground is not None
     points = shoe.bed.points
     x = points.positions[:, :2]
@@ -60,10 +60,10 @@ def rest_on_ground(
 def _blow(
     shoe: CheckedShoe, case: ready.CheckCase, energy: float
 ) -> tuple[ready.CheckCase, tuple[float, float]]:
-    """Case with the pressures whose work until they rest, half of force times way, is an energy in J.
+    """Return a blow's case with scaled pressures, their force (MN), and compliance of shoe and ground (m/N).
 
-    All of it goes into shoe and ground, from the rest under all else: rope, crowd and dipper give nothing.
-    Their force (MN), and the compliance (m/N) of shoe and ground.
+    The work of the pressures, half of force times displacement, is the energy (J). All of it goes into shoe
+    and ground, from the rest under the other loads: rope, crowd and dipper do not yield.
     """
     alone = shoe.loads(case.with_(pressures=(), energy=None))
     blow = shoe.loads(case.with_(energy=None)) - alone
@@ -75,14 +75,14 @@ def _blow(
     resultant = shoe.resultant(blow)[supports.UPRIGHT]
 
     def way(times: float) -> float:
-        """Way of the unit blow's forces beside its own, m N; what ground does there by reciprocity."""
+        """Return the work of the unit blow's forces on the ground's displacement, N m, by reciprocity."""
         rest = rest_on_ground(shoe, case, alone + times * blow, answers @ (1.0, times))
         return float(rest.forces @ below + resultant @ rest.motion)
 
     at_rest = way(0.0)
     times = 1.0
     for _ in range(BLOW_STEPS):
-        work = own_way + (way(times) - at_rest) / times  # of the unit blow by its own way, J
+        work = own_way + (way(times) - at_rest) / times  # work of the unit blow on its own displacement, J
         times = np.sqrt(2.0 * energy / work)
     scaled = tuple(
         pressure.with_(force=tuple(times * part for part in pressure.force)) for pressure in case.pressures

@@ -1,4 +1,4 @@
-"""Tables of check cases: peaks by region, cycles to a crack, bending moments beside those by hand."""
+"""Tables of check cases: peaks by region, cycles to a crack, bending moments with hand calculations."""
 
 from collections.abc import Mapping, Sequence
 
@@ -19,7 +19,7 @@ MEGA = 1e6
 SURVIVAL = 0.975
 BLOW = ("blow in MN", "its compliance in m/N")  # columns of the moments
 CYCLES = "cycles to a crack"
-WIDEST = 10  # nodes of a region with the widest cycles in tension, at which a defect is looked at
+WIDEST = 10  # number of nodes of a region, those with the widest cycles in tension, checked for a defect
 
 
 def moment_table(
@@ -28,7 +28,7 @@ def moment_table(
     loads: np.ndarray,
     blows: Mapping[str, tuple[float, float]],
 ) -> pd.DataFrame:
-    """Bending moment at y = 0 by all that acts left of it, by hand, and the stress of a beam; blows."""
+    """Return the bending moment at y = 0 by all loads left of it, that by hand, beam stresses, and blows."""
     cut = supports.section(shoe.mesh, 0.0)
     rows = []
     places = np.concatenate((shoe.mesh.nodes, [interface.center for interface in shoe.partition.interfaces]))
@@ -54,7 +54,7 @@ def moment_table(
 def peak_table(
     check: ready.ShoeCheck, shoe: CheckedShoe, names: Sequence[str], stress: np.ndarray, answers: np.ndarray
 ) -> pd.DataFrame:
-    """Highest von Mises stress of each case and region, with what the mesh leaves open."""
+    """Return the highest von Mises stress of each case and region, with the error by the mesh."""
     tables = []
     for k, name in enumerate(names):
         mises = von_mises(stress[k])
@@ -88,10 +88,10 @@ def cycle_table(
     stress: Mapping[str, np.ndarray],
     pairs: Sequence[tuple[str, str]],
 ) -> pd.DataFrame:
-    """Cycles to a crack between states, by region: the least that 97.5 % survive, of any node.
+    """Return the cycles to a crack between states by region: the least of all nodes, for 97.5 % survival.
 
-    The amplitude is half the von Mises stress of the difference of both states, the mean stress that of
-    their mean with the sign of its hydrostatic part.
+    The amplitude is half of the von Mises stress of the states' difference. The mean stress is the von Mises
+    stress of their mean, with the sign of its hydrostatic part.
     """
     none = np.zeros((len(shoe.regions), 6))
     rows = []
