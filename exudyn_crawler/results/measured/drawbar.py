@@ -1,9 +1,9 @@
 """Drawbar test of a closed track or a machine: pull, torque, efficiency and sinkage over slip.
 
-A drawbar lets the machine go slower than its tracks, by slips that are held one after the other, while the
-drive keeps the speed of the chains with any torque. Means are over the passage of whole shoes, so that
-neither the polygon of the tumbler nor shoes that enter count. Travel is that of the drawbar's place on the
-frame, and all signs are those of the sense of travel.
+A drawbar makes the machine travel slower than its chains, at one constant slip after another. The drive keeps
+the speed of the chains with any torque. Means are over the passage of whole shoes, so that neither the
+polygon of the tumbler nor entering shoes have an effect. Travel is that of the drawbar's point on the frame;
+all signs are those of the sense of travel.
 """
 
 import math
@@ -21,13 +21,13 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.measured.traction import EvenTrack, even_track
 
 SLIPS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
-"""Slips of a test, chosen here; zero comes before them."""
+"""Slips of a test; the values are a choice of this project. Zero comes before them."""
 RISE, SETTLED, COUNTED = 0.15, 2.5, 0.35
-"""Lengths of the track that the chain goes while the slip rises, until the machine goes steadily, and over
-which means are. Shear below the track takes one length; trim and sinkage where ruts stay take the rest: after
-one length pull was 7 % short."""
+"""Travel of the chain, in lengths of the track, for the rise of the slip, the transient, and the mean. Shear
+below the track takes one length; trim and sinkage in remaining ruts take the rest: after one length the pull
+was 7 % short."""
 MISSED = 0.02
-"""Difference of a measured slip from the slip asked, as a fraction of the latter, beyond which it is said."""
+"""Difference of the measured from the asked slip, fraction of the latter, above which a remark is made."""
 HEADS = {
     "asked": "slip asked",
     "slip": "slip",
@@ -47,11 +47,11 @@ class DrawbarTest:
     """Slips that a drawbar holds one after the other, and its height."""
 
     slips: tuple[float, ...] = SLIPS
-    height: float = 0.0  # m, of the drawbar above the ground; at 0 it shifts no load to the rear
+    height: float = 0.0  # height of the drawbar above the ground, m; at 0 it shifts no load to the rear
 
 
 def read_slips(text: str) -> tuple[float, ...]:
-    """Slips of a text such as ``0.02,0.1``; ValueError if they are no numbers."""
+    """Read slips from a text such as ``0.02,0.1``; ValueError if they are not numbers."""
     try:
         return tuple(float(word) for word in text.split(","))
     except ValueError:
@@ -59,10 +59,9 @@ def read_slips(text: str) -> tuple[float, ...]:
 
 
 def pulled_case(case_file: CaseFile, test: DrawbarTest) -> CaseFile:
-    """Case of a test: its drive holds the slips, and it lasts until the last one is measured.
+    """Return the case of a test: its drive holds the slips, and it lasts until the last one is measured.
 
-    Ground of cells gets as long as the travel, to the side to which the drive goes; a measured map stays as
-    it is.
+    Ground of cells is extended to the length of the travel, in its direction; a measured map stays as it is.
 
     Raises
     ------
@@ -94,14 +93,14 @@ def pulled_case(case_file: CaseFile, test: DrawbarTest) -> CaseFile:
 
 
 def _reached(case: Case, travel: float, margin: float) -> tuple[float, float]:
-    """Least and greatest x of the ground that a travel takes, m, with a margin (m) ahead."""
+    """Return the least and greatest x of the ground for a travel, m, with a margin (m) ahead."""
     x = case.outline(0.0)[:, 0]
     ends = (x.min() + travel - margin, x.max()) if travel < 0.0 else (x.min(), x.max() + travel + margin)
     return float(ends[0]), float(ends[1])
 
 
 def _longer(terrain: Any, reached: tuple[float, float]) -> Any:
-    """Terrain of cells that holds an interval of x, m, as well as its own."""
+    """Return the terrain of cells extended to include an interval of x, m."""
     rear, front = terrain.bounds[0]
     behind = max(0.0, rear - reached[0])
     ahead = max(0.0, reached[1] - front)
@@ -110,11 +109,12 @@ def _longer(terrain: Any, reached: tuple[float, float]) -> Any:
 
 
 def drawbar_table(history: History) -> pd.DataFrame:
-    """Table of a test: columns of `HEADS` in SI units, a row for each slip that was held, zero first.
+    """Return the table of a test: columns of `HEADS` in SI units, a row for each constant slip, zero first.
 
-    The slip is measured: ``1 - travel of the drawbar / travel of the chain``. Efficiency is the pull's
-    work over that of the drive, motion resistance the drive's work by the travel of the chain less the pull,
-    so that it has the ground's and that of wheels and chain. ValueError if the history is of no drawbar test.
+    The measured slip is ``1 - travel of the drawbar / travel of the chain``. Efficiency is the pull's work
+    over that of the drive. Motion resistance is the drive's work over the travel of the chain, less the pull;
+    it includes the ground's resistance and that of wheels and chain. ValueError if the history is not that of
+    a drawbar test.
     """
     case = history.case
     track = even_track(case)
@@ -163,7 +163,7 @@ def drawbar_table(history: History) -> pd.DataFrame:
 
 
 def remarks(history: History, table: pd.DataFrame) -> Iterator[str]:
-    """Yield what a reader of a test's table has to know: slips that are not met, a drive that would stall."""
+    """Yield remarks on a test's table: slips that were not met, and a drive that would stall."""
     for asked, slip in zip(table[HEADS["asked"]], table[HEADS["slip"]], strict=True):
         if asked > 0.0 and abs(slip - asked) > MISSED * asked:
             yield f"slip: {100.0 * asked:.4g} % asked, {100.0 * slip:.4g} % measured"
@@ -182,7 +182,7 @@ def remarks(history: History, table: pd.DataFrame) -> Iterator[str]:
 
 
 def _drawbar_place(history: History) -> np.ndarray:
-    """X of the place on the frame that the drawbar holds: array (times,), m."""
+    """Return x of the drawbar's point on the frame: array (times,), m."""
     case = history.case
     axes = rotation_matrices(history.side_frame_angles.transpose("time", "axis").values)
     below = case.drive.drawbar_height - case.frame_start[2]
@@ -191,7 +191,7 @@ def _drawbar_place(history: History) -> np.ndarray:
 
 
 def _sinkage(history: History) -> np.ndarray:
-    """Mean sinkage of the loaded area: array (times,), m."""
+    """Return the mean sinkage of the loaded area: array (times,), m."""
     contacts = history.contacts_by_shoe()
     area = contacts.area.transpose("time", "shoe").values
     depth = contacts.penetration.transpose("time", "shoe").values
@@ -199,35 +199,35 @@ def _sinkage(history: History) -> np.ndarray:
 
 
 def _summed(steps: np.ndarray) -> np.ndarray:
-    """Running sum from zero: array one longer."""
+    """Return the running sum from zero: one element longer than the steps."""
     return np.concatenate((np.zeros(1), np.cumsum(steps)))
 
 
 def _by_track(history: History, name: str, tracks: int) -> np.ndarray:
-    """Quantity of the tumblers: array (times, tracks)."""
+    """Return a quantity of the tumblers: array (times, tracks)."""
     return history.quantity(name).values.reshape(len(history.time), tracks)
 
 
 @dataclass(frozen=True)
 class DrawbarResult:
-    """Numbers that a drawbar test gives."""
+    """Key figures of a drawbar test."""
 
     greatest_pull: float  # N
     slip_there: float
-    pull_at_slip: float  # N, at the slip that was asked for; NaN where the test does not reach it
+    pull_at_slip: float  # N, at the asked slip; NaN if the test does not reach it
     coefficient: float  # greatest pull over weight
-    gradeability: float  # rad, of the grade on which that coefficient is used up
-    motion_resistance: float  # N, at the slip at which the machine goes without a pull
+    gradeability: float  # grade whose tangent is this coefficient, rad
+    motion_resistance: float  # N, at the slip without a pull
     best_efficiency: float
     track: EvenTrack
 
 
 def drawbar_result(history: History, slip: float = 0.2) -> DrawbarResult:
-    """Numbers of a test; a machine climbs a grade whose tangent is the greatest pull over its weight."""
+    """Return the key figures of a test; the steepest grade has the tangent greatest pull over weight."""
     table = drawbar_table(history).rename(columns={head: name for name, head in HEADS.items()})
     track = even_track(history.case)
     best = table.loc[table["pull"].idxmax()]
-    # a rounding error of the slip that was held counts as reached
+    # a slip short of the asked one by rounding counts as reached
     reached = slip <= table["slip"].max() + 1e-3
     return DrawbarResult(
         greatest_pull=float(best["pull"]),
@@ -242,7 +242,7 @@ def drawbar_result(history: History, slip: float = 0.2) -> DrawbarResult:
 
 
 def result_rows(result: DrawbarResult, slip: float) -> list[tuple[str, float, str]]:
-    """Rows of a test's numbers for reading: name, value, unit."""
+    """Return rows of a test's key figures for reading: name, value, unit."""
     track = result.track
     there = f"at {100.0 * slip:g} % slip"
     return [

@@ -14,7 +14,7 @@ SCATTER = {True: "how tests scatter", False: "how points scatter"}
 
 
 def parameter_table(fit: SoilFit) -> pd.DataFrame:
-    """Parameters of the law in its own units: value, interval, and what they come from."""
+    """Return the parameters of the law in its own units: value, interval and origin."""
     rows = []
     for name, field in BekkerSoil.model_fields.items():
         if not fields.has_unit(field):
@@ -32,7 +32,7 @@ def parameter_table(fit: SoilFit) -> pd.DataFrame:
 
 
 def correlation_table(fit: SoilFit) -> pd.DataFrame:
-    """Correlations of parameters that tests of one kind give: columns parameter, with, correlation."""
+    """Return the correlations of parameters from tests of one kind: columns parameter, with, correlation."""
     rows = [
         (result.names[a], result.names[b], float(result.correlation[a, b]))
         for result in fit.parts
@@ -43,7 +43,7 @@ def correlation_table(fit: SoilFit) -> pd.DataFrame:
 
 
 def write_law(fit: SoilFit, path: Path, sources: list[str], overwrite: bool = False) -> Path:
-    """Write a law file, as `read_law` takes it, with the intervals as remarks; raises as `whole_file`."""
+    """Write a law file for `read_law`, with the intervals as remarks; raise as `whole_file`."""
     lines = [f"# Soil fitted to {' and '.join(sources)}; intervals of 95 %.", 'model = "bekker"']
     lines[1:1] = [f"# {remark}" for remark in fit.remarks]
     for _, row in parameter_table(fit).iterrows():

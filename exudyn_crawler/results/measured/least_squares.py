@@ -1,4 +1,4 @@
-"""Least squares with intervals: from the scatter of points, or from what leaving out a test changes."""
+"""Least squares with confidence intervals, from the scatter of points or the jackknife over tests."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,20 +8,20 @@ import numpy as np
 from scipy import optimize, stats
 
 CONFIDENCE = 0.95
-"""Of all intervals."""
+"""Confidence of all intervals."""
 FEWEST_TESTS = 6
-"""Tests from which on intervals come from leaving out tests. Chosen here."""
+"""Least number of tests for the jackknife; a choice of this project."""
 
 
 class Points(Protocol):
-    """Points that belong to tests."""
+    """Points, each of a test."""
 
     @property
     def test(self) -> np.ndarray:
-        """Names of their tests: array (points,)."""
+        """Name of the test of each point: array (points,)."""
 
     def of(self, points: np.ndarray) -> Self:
-        """Some of them, by a mask."""
+        """Return some of the points, by a mask."""
 
 
 Data = TypeVar("Data", bound=Points)
@@ -30,7 +30,7 @@ Function = Callable[[np.ndarray, Data], np.ndarray]
 
 @dataclass(frozen=True)
 class Parameter:
-    """Parameter of a law: its name, and True where it is fitted by its logarithm, since it is positive."""
+    """Parameter of a law: its name, and True if its logarithm is fitted, since it is positive."""
 
     name: str
     by_log: bool = False
@@ -38,33 +38,33 @@ class Parameter:
 
 @dataclass(frozen=True)
 class PartFit:
-    """Parameters that tests of one kind give."""
+    """Parameters fitted to tests of one kind."""
 
     names: tuple[str, ...]
     value: np.ndarray  # (parameters,), SI
     low: np.ndarray  # (parameters,), lower ends of the intervals
     high: np.ndarray  # (parameters,)
-    correlation: np.ndarray  # (parameters, parameters), of logarithms where they are fitted so
-    scatter: float  # Pa, root mean square of what points differ from the fit by
+    correlation: np.ndarray  # (parameters, parameters), of the logarithms for parameters fitted so
+    scatter: float  # Pa, root mean square residual of the points
     points: int
-    by_tests: bool  # True where intervals come from leaving out tests
+    by_tests: bool  # True if intervals come from the jackknife over tests
 
     def number(self, name: str) -> float:
-        """Value of a parameter."""
+        """Return the value of a parameter."""
         return float(self.value[self.names.index(name)])
 
     def span(self, name: str) -> tuple[float, float]:
-        """Interval of a parameter."""
+        """Return the interval of a parameter."""
         place = self.names.index(name)
         return float(self.low[place]), float(self.high[place])
 
 
 @dataclass(frozen=True)
 class Problem(Generic[Data]):
-    """Model to be fitted.
+    """Model for a fit.
 
-    `residuals` (theta, data) are those of the points, in Pa; `outputs` (theta) the parameters, logarithms of
-    those that are fitted so.
+    `residuals` (theta, data) returns those of the points, Pa. `outputs` (theta) returns the parameters, or
+    their logarithms for those fitted so.
     """
 
     residuals: Function
@@ -73,11 +73,12 @@ class Problem(Generic[Data]):
 
 
 def fit(problem: Problem[Data], data: Data, start: np.ndarray, rest: Callable[[Data], bool]) -> PartFit:
-    """Fit a model, and give its parameters with intervals.
+    """Fit a model, and return its parameters with intervals.
 
-    The intervals are Student's: with the covariance ``s2 inv(J' J)`` of independent points, or, of at least
-    `FEWEST_TESTS` tests, with that of the jackknife, which leaves out each test in turn and so counts how
-    tests scatter; the latter only where the `rest` of the data would determine the parameters, too.
+    The intervals are Student's. The covariance is ``s2 inv(J' J)`` of independent points. With at least
+    `FEWEST_TESTS` tests it is that of the jackknife, which leaves out each test in turn and so includes the
+    scatter of tests. The jackknife needs data without a test that still determine the parameters; `rest`
+    tells this.
 
     Raises
     ------
@@ -120,7 +121,7 @@ def part(
     points: int,
     by_tests: bool = False,
 ) -> PartFit:
-    """Parameters with intervals, from their values and covariance, both of logarithms where fitted so."""
+    """Return parameters with intervals from values and covariance, both of logarithms where fitted so."""
     spread = np.sqrt(np.diag(covariance))
     half = stats.t.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * spread
     by_log = np.array([parameter.by_log for parameter in parameters])
@@ -134,7 +135,7 @@ def part(
 
 
 def _gradient(function: Callable[[np.ndarray], np.ndarray], place: np.ndarray) -> np.ndarray:
-    """Derivatives of a function by central differences: array (outputs, inputs)."""
+    """Return the derivatives of a function by central differences: array (outputs, inputs)."""
     columns = []
     for k, value in enumerate(place):
         step = np.zeros_like(place)

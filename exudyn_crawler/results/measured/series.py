@@ -1,4 +1,4 @@
-"""Measured series beside a run: aligned by a stated shift, with mean error, bias and ratios of peaks."""
+"""Comparison of a run with measured series: given shift, rms difference, bias and ratios of peaks."""
 
 import math
 import warnings
@@ -15,24 +15,24 @@ from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.results.history.history import History
 
 OVER = {"time": "s", "distance": "m"}
-"""First column of a measured table, which the others are over, and its unit."""
-LEAST_POINTS = 3  # that the run and the measurement have in common
-TURNED = 0.5  # of the difference's root mean square, below which the other sign fits. Chosen here
-LEAST_PEAK = 0.05  # share of the greatest size, below which a peak says nothing. Chosen here
+"""First column of a measured table, the independent variable, and its unit."""
+LEAST_POINTS = 3  # least number of points that run and measurement have in common
+TURNED = 0.5  # greatest rms difference of a turned sign that fits, fraction of that as it is. Chosen here
+LEAST_PEAK = 0.05  # least peak with a meaningful ratio, fraction of the greatest magnitude. Chosen here
 
 
 @dataclass(frozen=True)
 class Compared:
-    """Measured series beside what the run has at the same places."""
+    """Measured series, and values of the run at the same times or distances."""
 
-    head: str  # of the column
+    head: str  # head of the column
     over: str  # "time" or "distance"
     unit: str  # for reading
-    place: np.ndarray  # (points,), s or m of the run, shifted
+    place: np.ndarray  # (points,), time or distance in the run, shift included, s or m
     measured: np.ndarray  # (points,), in the unit
-    run: np.ndarray  # (points,)
-    run_place: np.ndarray  # (times,), of the whole run
-    run_values: np.ndarray  # (times,)
+    run: np.ndarray  # (points,), in the unit
+    run_place: np.ndarray  # (times,), time or distance of the whole run, s or m
+    run_values: np.ndarray  # (times,), in the unit
 
     @property
     def rms(self) -> float:
@@ -51,7 +51,7 @@ class Compared:
         return float(np.mean(self.run - self.measured))
 
     def peak_ratio(self, greatest: bool) -> float:
-        """Greatest or least value of the run over the measured one; NaN where that is next to nothing."""
+        """Return the greatest or least value of the run over the measured one; NaN for one near zero."""
         peak = np.max if greatest else np.min
         measured = float(peak(self.measured))
         if abs(measured) < LEAST_PEAK * float(np.abs(self.measured).max(initial=0.0)) or measured == 0.0:
@@ -60,7 +60,7 @@ class Compared:
 
 
 def distance_of(history: History) -> np.ndarray:
-    """Distance along x of the side frame, or without one of the middle of the shoes: array (times,), m."""
+    """Return the distance along x of the side frame, or else of the middle of the shoes: (times,), m."""
     name = "side_frame_displacement" if history.has("side_frame_displacement") else "displacement"
     distance = history.quantity(name).sel(axis="x")
     others = [dimension for dimension in distance.dims if dimension != "time"]
@@ -68,10 +68,10 @@ def distance_of(history: History) -> np.ndarray:
 
 
 def chosen(history: History, head: str) -> xr.DataArray:
-    """Quantity over time that a column's name says: its name, then the numbers or names that it is of.
+    """Return the quantity over time of a column's head: its name, then the number or name of its item.
 
-    As ``side_frame_displacement x``, ``link_tension 12`` or ``wheel_force roller 3 z``. ValueError
-    if a run has no such quantity, or the name leaves open which one.
+    Examples are ``side_frame_displacement x``, ``link_tension 12`` or ``wheel_force roller 3 z``. ValueError
+    if a run has no such quantity, or the head does not determine the item.
     """
     name, _, rest = head.partition(" ")
     values = history.over_time([name])[name]
@@ -79,7 +79,7 @@ def chosen(history: History, head: str) -> xr.DataArray:
         raise ValueError(f"{name} is not over time")
     rest = f" {rest.strip()} "
     dimensions = [dimension for dimension in values.dims if dimension != "time"]
-    # numbers may be part of names
+    # names first, since numbers may be part of names
     for dimension in sorted(dimensions, key=lambda dimension: values[dimension].dtype.kind in "iu"):
         labels = {str(label).lower(): label for label in values[dimension].values}
         named = next((label for label in sorted(labels, key=len, reverse=True) if f" {label} " in rest), None)
@@ -96,11 +96,11 @@ def chosen(history: History, head: str) -> xr.DataArray:
 
 
 def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
-    """Series of a measured table beside a run, of which the first column is `time` or `distance`.
+    """Compare a run with the series of a measured table; its first column is `time` or `distance`.
 
-    The `shift` (s or m) is added to it. Rows in which a series has no value are left out of that series.
-    ValueError, with the file and the column, if a series is not in the run, has another unit, or has fewer
-    than three points within the run; a warning if its sign seems to be turned.
+    The `shift` (s or m) is added to this column. Rows without a value of a series do not count for it.
+    ValueError, with the file and the column, if a series is not in the run or has another unit. ValueError
+    also for fewer than three points within the run. A series whose sign seems to be turned causes a warning.
     """
     heads, rows = columns.read_table(path)
     names = [columns.head_parts(head) for head in heads]
@@ -152,7 +152,7 @@ def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
 
 
 def _check_places(path: Path, head: str, over: str, places: np.ndarray) -> None:
-    """Refuse times that do not rise, and distances that go back and forth; all as the file has them."""
+    """Raise ValueError for times that do not rise, or distances that go back and forth, as in the file."""
     steps = np.diff(places)
     falls = over == "distance" and np.median(steps) < 0.0
     wrong = np.flatnonzero(steps > 0.0 if falls else steps < 0.0)
@@ -165,7 +165,7 @@ def _check_places(path: Path, head: str, over: str, places: np.ndarray) -> None:
 
 
 def _factor(path: Path, head: str, unit: str, wanted: str) -> float:
-    """Size of a column's unit in the wanted one."""
+    """Return the factor from a column's unit to the wanted one."""
     try:
         return columns.factor_of(unit, wanted, head)
     except ValueError as error:
@@ -173,7 +173,7 @@ def _factor(path: Path, head: str, unit: str, wanted: str) -> float:
 
 
 def compared_table(series: list[Compared]) -> pd.DataFrame:
-    """Table with a row a series: unit, points, rms, bias, ratios of peaks."""
+    """Return a table with a row for each series: unit, points, rms, bias, ratios of peaks."""
     rows = [
         {
             "series": beside.head,

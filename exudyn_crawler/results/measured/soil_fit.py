@@ -1,10 +1,10 @@
-"""Parameters of the soil law `BekkerSoil` from tests: pressed plates, their unloading, and shear.
+"""Parameters of the soil law `BekkerSoil` from tests: plate sinkage, its unloading, and shear.
 
-Pressure over sinkage by Wong's procedure, with all plates together: least is the sum of
-``p**2 (ln p - ln p_law)**2``, with the weights p**2 that give every stress the same error (Wong, J. of
-Terramechanics 17 (1980) 13-41; Theory of Ground Vehicles, chapter 2). Shear likewise: Wong weights
-``ln(1 - tau / tau_max)`` with ``(1 - tau / tau_max)**2``, which is to first order the least sum of the
-squares of the stresses themselves; these are taken, together with the strength over the pressure.
+Pressure over sinkage follows Wong's procedure, with all plates together. It minimizes the sum of ``p**2 (ln p
+- ln p_law)**2``; the weights p**2 give every stress the same error (Wong, J. of Terramechanics 17 (1980)
+13-41; Theory of Ground Vehicles, chapter 2). For shear Wong weights ``ln(1 - tau / tau_max)`` with ``(1 - tau
+/ tau_max)**2``. To first order this minimizes the sum of the squared stresses; the fit here uses the stresses
+themselves, together with the strength over the pressure.
 """
 
 import math
@@ -32,10 +32,10 @@ from exudyn_crawler.settings import fields
 SAME = 1.2
 """Ratio of widths, pressures or sinkages below which they count as the same. Chosen here."""
 FACTOR = 3.0
-"""Factor between the value of a positive parameter and an end of its interval, beyond which it is not
-determined. Chosen here."""
+"""Greatest factor between the value of a determined positive parameter and an end of its interval. Chosen
+here."""
 CLOSE = 0.99
-"""Correlation from which on two parameters are hard to tell apart. Chosen here."""
+"""Correlation above which two parameters are hard to distinguish. Chosen here."""
 
 ONE_WIDTH = (
     "k_c and k_phi cannot be separated by plates of one width: k_c = 0, and k_phi holds for {:.4g} mm alone"
@@ -46,18 +46,18 @@ ONE_DEPTH = "reload_stiffness and reload_growth cannot be separated by unloading
 
 @dataclass(frozen=True)
 class SoilFit:
-    """Law that tests give, and how well."""
+    """Law fitted to tests, with intervals and remarks."""
 
     law: BekkerSoil
     parts: tuple[PartFit, ...]
-    taken: tuple[str, ...]  # parameters that no test gives, as the base has them
-    remarks: tuple[str, ...]  # what tests leave open
+    taken: tuple[str, ...]  # parameters without tests, taken from the base
+    remarks: tuple[str, ...]  # uncertainties that the tests leave
     plates: PlateTests
     shear: ShearTests | None
 
 
 def named_soil(name: str) -> BekkerSoil:
-    """Soil of a name, such as "lete_sand"; ValueError if there is none."""
+    """Return the soil of a name, such as "lete_sand"; ValueError for an unknown name."""
     soils = fields.named_values(BekkerSoil)
     if name not in soils:
         raise ValueError(f"base must be one of {', '.join(soils)}, got {name!r}")
@@ -65,12 +65,12 @@ def named_soil(name: str) -> BekkerSoil:
 
 
 def _spread(values: Sequence[float] | np.ndarray) -> float:
-    """Greatest over least of positive values; 1 for none."""
+    """Return the ratio of the greatest to the least of positive values; 1 without values."""
     return float(np.max(values) / max(np.min(values), 1e-300)) if len(values) else 1.0
 
 
 def _require(part_fit: PartFit, name: str, why: str) -> None:
-    """Refuse a positive parameter whose interval is wider than `FACTOR` to a side."""
+    """Raise ValueError if a positive parameter's interval is wider than `FACTOR` to a side."""
     value = part_fit.number(name)
     low, high = part_fit.span(name)
     if low <= 0.0 or high > FACTOR * value or value > FACTOR * low:
@@ -78,10 +78,10 @@ def _require(part_fit: PartFit, name: str, why: str) -> None:
 
 
 def fit_plates(tests: PlateTests) -> tuple[PartFit, list[str]]:
-    """Bekker's modulus and exponent from points of first loading, with remarks on what stays open.
+    """Fit Bekker's modulus and exponent to points of first loading; return them with remarks.
 
-    ``p = p_0 (1 + s (b_0 / b - 1)) (z / z_0)**n`` has nearly independent parameters: pressure p_0 at a middle
-    sinkage z_0 and width b_0, and the share s of k_c in it. ValueError if exponent or modulus is not
+    ``p = p_0 (1 + s (b_0 / b - 1)) (z / z_0)**n`` has nearly independent parameters: the pressure p_0 at a
+    middle sinkage z_0 and width b_0, and the share s of k_c in it. ValueError if exponent or modulus is not
     determined, or k_phi would not be positive.
     """
     if len(tests.sinkage) < 4:
@@ -132,10 +132,10 @@ def fit_plates(tests: PlateTests) -> tuple[PartFit, list[str]]:
 
 
 def _far_points(result: PartFit, tests: PlateTests) -> Iterator[str]:
-    """Remark on the point that is farthest from the law, where that is by more than `OFF`."""
+    """Yield a remark on the point farthest from the law if it is off by a factor of more than `OFF`."""
     k_c = result.number("k_c") if "k_c" in result.names else 0.0
     law = (k_c / tests.width + result.number("k_phi")) * tests.sinkage ** result.number("exponent")
-    # what touches the ground first has next to no weight, and is far off often
+    # points of first contact have almost no weight, and are often far off
     matters = tests.pressure > PULLS * tests.pressure.max()
     off = np.where(matters, np.log(tests.pressure / np.maximum(law, 1e-300)), 0.0)
     row = int(np.abs(off).argmax())
@@ -148,15 +148,15 @@ def _far_points(result: PartFit, tests: PlateTests) -> Iterator[str]:
 
 
 def _sorted(tests: PlateTests) -> tuple[np.ndarray, np.ndarray]:
-    """Sinkages in order, and pressures there."""
+    """Return the sinkages in rising order, and their pressures."""
     order = np.argsort(tests.sinkage)
     return tests.sinkage[order], tests.pressure[order]
 
 
 def fit_unloading(loops: Sequence[Loop]) -> tuple[PartFit, list[str]]:
-    """Wong's modulus of unloading ``k_0 + A_u z_u`` from loops: linear least squares of their pressures.
+    """Fit Wong's modulus of unloading ``k_0 + A_u z_u`` to loops, by linear least squares of their pressures.
 
-    Each loop has a pressure of its own where it began. What would be negative is zero in the law.
+    Each loop has its own pressure at its begin. A parameter that would be negative is zero in the law.
     """
     depths = np.concatenate([np.full(len(loop.sinkage), loop.deepest) for loop in loops])
     risen = depths - np.concatenate([loop.sinkage for loop in loops])
@@ -195,7 +195,7 @@ def fit_unloading(loops: Sequence[Loop]) -> tuple[PartFit, list[str]]:
 
 
 def fit_shear(tests: ShearTests) -> tuple[PartFit, list[str]]:
-    """Cohesion, friction and shear deformation from shear stress over displacement under pressures.
+    """Fit cohesion, friction and shear deformation to shear stress over displacement under pressures.
 
     ValueError if friction or deformation is not determined.
     """
@@ -235,12 +235,12 @@ def fit_shear(tests: ShearTests) -> tuple[PartFit, list[str]]:
 
 
 def fit_soil(plates: PlateTests, shear: ShearTests | None = None, base: BekkerSoil | None = None) -> SoilFit:
-    """Soil law of tests; what none of them gives is that of a `base`.
+    """Return the soil law of tests; parameters without tests are those of a `base`.
 
     Raises
     ------
     ValueError
-        If the tests do not determine a parameter, or one is given neither by tests nor by a base.
+        If the tests do not determine a parameter, or neither tests nor a base give one.
     """
     first, loops = plates.split()
     parts = [fit_plates(first)]
@@ -251,7 +251,7 @@ def fit_soil(plates: PlateTests, shear: ShearTests | None = None, base: BekkerSo
     remarks = [remark for _, of_part in parts for remark in of_part]
     results = tuple(result for result, _ in parts)
     values = {name: result.number(name) for result in results for name in result.names}
-    # those of a kind are measured together: what tests do not tell apart is zero
+    # parameters of a kind are measured together: one that tests cannot separate is zero
     kinds = [({"k_c", "k_phi"}, True), ({"reload_stiffness", "reload_growth"}, bool(loops))]
     kinds.append(({"cohesion", "friction_angle"}, shear is not None))
     for names, measured in kinds:
@@ -269,7 +269,7 @@ def fit_soil(plates: PlateTests, shear: ShearTests | None = None, base: BekkerSo
 
 
 def fit_files(plates: Path, shear: Path | None = None, base: BekkerSoil | None = None) -> SoilFit:
-    """Soil law of tables of tests, see `fit_soil`; its errors name the tables, too."""
+    """Return the soil law of tables of tests, see `fit_soil`; errors name the tables, too."""
     tests = read_plates(plates)
     sheared = None if shear is None else read_shear(shear)
     try:
@@ -280,7 +280,7 @@ def fit_files(plates: Path, shear: Path | None = None, base: BekkerSoil | None =
 
 
 def _close(result: PartFit) -> list[str]:
-    """Remarks on parameters that are hard to tell apart."""
+    """Return remarks on parameters that are hard to distinguish."""
     rows, columns = np.nonzero(np.triu(np.abs(result.correlation) > CLOSE, k=1))
     return [
         f"{result.names[a]} and {result.names[b]} are correlated by {result.correlation[a, b]:.3f}: "
@@ -290,7 +290,7 @@ def _close(result: PartFit) -> list[str]:
 
 
 def _floored(law: BekkerSoil, loops: Sequence[Loop], width: float) -> list[str]:
-    """Remark where the law unloads stiffer than measured, since it must not give more back than it took."""
+    """Return a remark if the law unloads stiffer than measured: ground must not release more than it took."""
     for loop in loops:
         wanted = law.reload_stiffness + law.reload_growth * loop.deepest
         pressure = (law.k_c / width + law.k_phi) * loop.deepest**law.exponent
@@ -304,6 +304,6 @@ def _floored(law: BekkerSoil, loops: Sequence[Loop], width: float) -> list[str]:
 
 
 def warn(result: SoilFit) -> None:
-    """Warn of what the tests leave open."""
+    """Warn of the uncertainties that the tests leave."""
     for remark in result.remarks:
         warnings.warn(remark, stacklevel=2)

@@ -1,7 +1,7 @@
-"""Normal pressure at sensors in the ground as a track passes: of what the shoes of a run press.
+"""Normal pressure at sensors in the ground during the passage of a track, from the shoes' forces in a run.
 
-At the surface it is the pressure below the shoe over the sensor, below it that of an elastic half-space by
-Boussinesq with Froehlich's concentration factor. Forces along the ground are left out.
+At the surface it is the pressure below the shoe over the sensor. Below the surface it is that of an elastic
+half-space by Boussinesq with Froehlich's concentration factor. Forces along the ground are left out.
 """
 
 import math
@@ -15,18 +15,18 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.measured.series import distance_of
 
 CONCENTRATION = 4.0
-"""Froehlich's factor: 3 of an elastic body, and by Soehne (Agricultural Engineering 39 (1958), remembered) 4
-of hard, 5 of firm and 6 of soft soil."""
-LEAST_DEPTH = 0.05  # m, below which a sensor's panels would be too many
-PANEL_POINTS = 4  # Gauss points along a side of a panel, which is at most as long as the sensor is deep
-BESIDE_MIDDLE = 0.49  # of the underside's side, to which a centre of pressure is kept
-LOADED = 0.1  # of a sensor's greatest pressure, from which on a track is over it
-RIPPLE = 0.2  # of the greatest pressure, by which a peak stands out; shoes that rock make less
+"""Froehlich's factor: 3 of an elastic body; by Soehne (Agricultural Engineering 39 (1958), recalled) 4 of
+hard, 5 of firm and 6 of soft soil."""
+LEAST_DEPTH = 0.05  # least depth of a sensor below the surface, m; a smaller one needs too many panels
+PANEL_POINTS = 4  # Gauss points along a side of a panel; the side is at most the sensor's depth
+BESIDE_MIDDLE = 0.49  # greatest offset of a centre of pressure, fraction of the underside's side
+LOADED = 0.1  # pressure of a sensor below a track, least fraction of the sensor's greatest
+RIPPLE = 0.2  # least prominence of a peak, fraction of the greatest pressure; rocking shoes make less
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """Place of a sensor: global x and y (m), depth (m) below the surface that the shoes press."""
+    """Place of a sensor: global x and y (m), and depth (m) below the undersides of the shoes."""
 
     x: float
     y: float
@@ -34,12 +34,12 @@ class Sensor:
 
     @property
     def name(self) -> str:
-        """Name of its column."""
+        """Name of the sensor's column."""
         return f"pressure x {self.x:g} y {self.y:g} depth {self.depth:g} in Pa"
 
 
 def read_sensor(text: str) -> Sensor:
-    """Sensor of a text such as ``12,0,0.5``; ValueError if it is no two or three numbers."""
+    """Read a sensor from a text such as ``12,0,0.5``; ValueError if it is not two or three numbers."""
     try:
         numbers = [float(word) for word in text.split(",")]
     except ValueError:
@@ -52,7 +52,7 @@ def read_sensor(text: str) -> Sensor:
 def vertical_stress(
     force: np.ndarray | float, away: np.ndarray | float, depth: float, concentration: float
 ) -> np.ndarray:
-    """Vertical normal stress below a vertical point force (N) at a horizontal distance (m): Pa.
+    """Return the vertical normal stress (Pa) below a vertical point force (N) at a horizontal distance (m).
 
     ``nu F z**nu / (2 pi R**(nu + 2))`` with ``R**2 = z**2 + r**2``: Boussinesq (1885) for nu = 3, Froehlich,
     Druckverteilung im Baugrunde (1934), for other factors.
@@ -62,10 +62,10 @@ def vertical_stress(
 
 
 def line_density(place: np.ndarray, size: float, offset: np.ndarray) -> np.ndarray:
-    """Share of a force a metre at places from the middle of a line, whose centre of pressure is offset; 1/m.
+    """Return the force per length over the force, 1/m, at places on a line with an offset centre of pressure.
 
-    Straight over the line up to a sixth of its `size`, a triangle at its end beyond. Arrays broadcast; zero
-    outside of the line.
+    Places and offset count from the middle, m. The distribution is linear over the line for an offset up to a
+    sixth of its `size` (m), else a triangle at its end; it is zero outside of the line. Arrays broadcast.
     """
     offset = np.clip(offset, -BESIDE_MIDDLE * size, BESIDE_MIDDLE * size)
     whole = (1.0 + 12.0 * offset * place / size**2) / size
@@ -78,27 +78,27 @@ def line_density(place: np.ndarray, size: float, offset: np.ndarray) -> np.ndarr
 
 @dataclass(frozen=True)
 class Pressed:
-    """Loads of shoes on the ground: their undersides as rectangles, with forces and centres of pressure."""
+    """Loads of shoes on the ground: undersides as rectangles, with forces and centres of pressure."""
 
-    force: np.ndarray  # (times, shoes): down, N
-    middle: np.ndarray  # (times, shoes, 2): of the underside, global x and y, m
+    force: np.ndarray  # (times, shoes): downward, N
+    middle: np.ndarray  # (times, shoes, 2): middle of the underside, global x and y, m
     along: np.ndarray  # (times, shoes, 2): unit vector of the shoe's x in the plane
     offset: np.ndarray  # (times, shoes, 2): centre of pressure from the middle, along and across the shoe, m
     size: tuple[float, float]  # m, length and width of an underside
 
     def local(self, sensor: Sensor) -> np.ndarray:
-        """Sensor from the undersides' middles, along and across the shoes: (times, shoes, 2), m."""
+        """Return the sensor's place from the undersides' middles, along and across: (times, shoes, 2), m."""
         return _turned(np.array([sensor.x, sensor.y]) - self.middle, self.along)
 
 
 def _turned(vectors: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """Vectors (..., 2) along and across unit vectors (..., 2)."""
+    """Return the components of vectors (..., 2) along and across unit vectors (..., 2)."""
     across = along[..., ::-1] * np.array([-1.0, 1.0])
     return np.stack(((vectors * along).sum(axis=-1), (vectors * across).sum(axis=-1)), axis=-1)
 
 
 def pressed(history: History) -> Pressed:
-    """Loads of the shoes of a run on the ground at its stored times."""
+    """Return the loads of a run's shoes on the ground at the stored times."""
     data = history.dataset
     shoe = history.case.shoe
     normal = data.normal_force.transpose("time", "contact", "axis").values[..., 2].astype(float)
@@ -117,13 +117,13 @@ def pressed(history: History) -> Pressed:
 
 
 def sensor_pressure(load: Pressed, sensor: Sensor, concentration: float = CONCENTRATION) -> np.ndarray:
-    """Normal pressure at a sensor: array (times,), Pa.
+    """Return the normal pressure at a sensor: array (times,), Pa.
 
     Raises
     ------
     ValueError
-        If the sensor is above the surface or so little below it that panels would be too many, or the
-        concentration factor is not above zero.
+        If the sensor is above the surface, or below it by less than `LEAST_DEPTH`, or the concentration
+        factor is not above zero.
     """
     if sensor.depth != 0.0 and sensor.depth < LEAST_DEPTH:
         raise ValueError(f"depth must be 0 or at least {LEAST_DEPTH:g} m, got {sensor.depth:g} m")
@@ -151,7 +151,7 @@ def sensor_pressure(load: Pressed, sensor: Sensor, concentration: float = CONCEN
 
 
 def _panels(size: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points from the middle of a line, m, and their weights, m: Gauss points of panels."""
+    """Return the Gauss points of panels from the middle of a line, m, and their weights, m."""
     count = math.ceil(size / depth)
     place, weight = np.polynomial.legendre.leggauss(PANEL_POINTS)
     half = 0.5 * size / count
@@ -162,17 +162,18 @@ def _panels(size: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
 def stress_table(
     history: History, sensors: list[Sensor], concentration: float = CONCENTRATION
 ) -> pd.DataFrame:
-    """Table over the stored times: time, distance travelled, and normal pressure at each sensor, SI."""
+    """Return a table over the stored times: time, distance travelled, and pressure at each sensor, SI."""
     load = pressed(history)
     named = {sensor.name: sensor_pressure(load, sensor, concentration) for sensor in sensors}
     return pd.DataFrame({"time in s": history.time.values, "distance in m": distance_of(history), **named})
 
 
 def passage_table(table: pd.DataFrame) -> pd.DataFrame:
-    """Stresses that sensors of a `stress_table` feel while the track is over them, a row each.
+    """Return the stresses at the sensors of a `stress_table` during the track's passage, a row each.
 
-    Mean while it is over them, greatest pressure, number and mean of the peaks, which pressing rollers make
-    (their mean is Wong's mean maximum pressure), and both over the mean; NaN where nothing passed.
+    Columns are the mean during the passage, the greatest pressure, number and mean of the peaks, and both
+    over the mean. Rollers make the peaks; their mean is Wong's mean maximum pressure. Values are NaN without
+    a passage.
     """
     rows = []
     for name in [*table.columns][2:]:

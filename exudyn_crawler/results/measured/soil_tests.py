@@ -1,4 +1,4 @@
-"""Tests of a soil as tables have them: plates pressed in, and shear under a pressure."""
+"""Tables of soil tests: plate sinkage, and shear under a pressure."""
 
 import warnings
 from collections.abc import Iterator
@@ -12,37 +12,37 @@ from exudyn_crawler.case.parameters.columns import read_columns
 from exudyn_crawler.errors import ImplausibleWarning
 
 LOOP_SHARE, LOOP_DROP = 0.8, 0.1
-"""A pressure that falls below this share of the greatest one before, and by more than this share of the
-greatest one of the test, is an unloading and no scatter. Chosen here."""
+"""Criteria of an unloading, as opposed to scatter. The pressure falls below the first fraction of the
+greatest one before it, and by more than the second fraction of the test's greatest one. Chosen here."""
 LIFTED = 0.02
-"""Share of the pressure where unloading began, below which the plate may not touch any more. Chosen here."""
+"""Pressure below which a plate may be off the ground, fraction of that before unloading. Chosen here."""
 
 
 DEEPEST, WIDEST, FARTHEST = 2.0, 3.0, 1.0
-"""m, sinkage, size of plates and displacement in shear, beyond which a unit is not what its head says."""
-OFF = 10.0  # times more or less pressure, or sinkage, than both neighbours
-HIGHEST = 1e7  # Pa, of a pressure or a stress
-LEAST_CURVE = 4  # points of a shear test whose curve is looked at
-LIFTS = 0.5  # of the sinkage, by which no plate comes up while most of its pressure stays. Chosen here
-CONVEX = 0.4  # area below stress over displacement, of its rectangle, below which no soil shears. Chosen here
+"""Greatest plausible sinkage, plate size and displacement in shear, m; beyond it the unit is likely wrong."""
+OFF = 10.0  # greatest plausible ratio of a pressure or sinkage to both neighbours, or its reciprocal
+HIGHEST = 1e7  # greatest plausible pressure or stress, Pa
+LEAST_CURVE = 4  # least number of points of a shear test for a check of its curve
+LIFTS = 0.5  # greatest rise of a plate under most of its pressure, fraction of the sinkage. Chosen here
+CONVEX = 0.4  # least plausible area below stress over displacement, fraction of its rectangle. Chosen here
 SWAPPED = "are the columns {} and {} swapped?"
 STEEPEST, STICKIEST = 3.0, 1e5
-"""Of a shear stress: slope over the pressure, and Pa without any, beyond which no soil shears."""
-PULLS = 0.05  # of the greatest value, by which one plausibly has the other sign, or weighs next to nothing
+"""Greatest plausible shear stress: its ratio to the pressure, plus a constant, Pa."""
+PULLS = 0.05  # greatest value of the other sign, or of little weight, fraction of the greatest value
 
 
 @dataclass(frozen=True)
 class Loop:
-    """An unloading of a plate with the reloading that follows."""
+    """Unloading of a plate and the reloading that follows."""
 
-    deepest: float  # m, sinkage where it began
+    deepest: float  # sinkage at the begin, m
     sinkage: np.ndarray  # (points,), m
     pressure: np.ndarray  # (points,), Pa
 
 
 @dataclass(frozen=True)
 class PlateTests:
-    """Points of pressed plates in the order in which they were taken."""
+    """Points of plate tests, in the order of the measurement."""
 
     sinkage: np.ndarray  # (points,), m
     pressure: np.ndarray  # (points,), Pa
@@ -55,18 +55,18 @@ class PlateTests:
         return np.unique(self.width)
 
     def each(self) -> Iterator[np.ndarray]:
-        """Numbers of the points of every test, in their order."""
+        """Yield the indices of the points of each test, in their order."""
         yield from _each(self.test)
 
     def odd(self) -> Iterator[str]:
-        """Lines about points that no test has."""
+        """Yield lines about implausible points."""
         yield from _beyond("sinkage", self.sinkage, DEEPEST, "m")
         yield from _beyond("plate", self.width, WIDEST, "m")
         yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
         yield from _other_sign("pressure", self.pressure, "Pa")
         yield from _other_sign("sinkage", self.sinkage, "m")
         for points in self.each():
-            # of an unloading the plate comes up
+            # a plate comes up in an unloading
             sinkage = self.sinkage[points]
             pressure = self.pressure[points]
             deepest = np.maximum.accumulate(sinkage)
@@ -83,11 +83,11 @@ class PlateTests:
             yield from _off_neighbours("sinkage", "m", points, sinkage, pressure)
 
     def of(self, points: np.ndarray) -> Self:
-        """Some of the points, by their numbers or as a mask."""
+        """Return some of the points, by their indices or as a mask."""
         return type(self)(self.sinkage[points], self.pressure[points], self.width[points], self.test[points])
 
     def split(self) -> tuple["PlateTests", list[Loop]]:
-        """Points of first loading, and the loops of unloading and reloading."""
+        """Return the points of first loading, and the loops of unloading and reloading."""
         first = np.ones(len(self.sinkage), dtype=bool)
         loops = []
         for points in self.each():
@@ -118,7 +118,7 @@ class ShearTests:
     test: np.ndarray  # (points,), name of the test
 
     def odd(self) -> Iterator[str]:
-        """Lines about points that no test has."""
+        """Yield lines about implausible points."""
         yield from _beyond("displacement", self.displacement, FARTHEST, "m")
         yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
         yield from _other_sign("displacement", self.displacement, "m")
@@ -138,13 +138,13 @@ class ShearTests:
             yield f"point {row + 1} has a stress of {self.stress[row]:.4g} Pa {under}"
 
     def of(self, points: np.ndarray) -> Self:
-        """Some of the points, by their numbers or as a mask."""
+        """Return some of the points, by their indices or as a mask."""
         values = self.displacement, self.stress, self.pressure, self.test
         return type(self)(*(array[points] for array in values))
 
     @property
     def _area_share(self) -> float:
-        """Area below stress over displacement, part of its rectangle: mean of the tests, 1 without any."""
+        """Area below stress over displacement, fraction of its rectangle: mean of tests, 1 without tests."""
         shares = []
         for points in _each(self.test):
             displacement = np.append(0.0, self.displacement[points])
@@ -161,7 +161,7 @@ class ShearTests:
 
 
 def _each(tests: np.ndarray) -> Iterator[np.ndarray]:
-    """Numbers of the points of every test, from the name (points,) of the test of each."""
+    """Yield the indices of the points of each test, from the test's name of each point (points,)."""
     for name in dict.fromkeys(tests.tolist()):
         yield np.flatnonzero(tests == name)
 
@@ -176,7 +176,7 @@ def _beyond(name: str, values: np.ndarray, greatest: float, unit: str) -> Iterat
 def _off_neighbours(
     name: str, unit: str, points: np.ndarray, values: np.ndarray, rising: np.ndarray
 ) -> Iterator[str]:
-    """Line about the first point of a test that both neighbours leave far behind as another value rises."""
+    """Yield a line about a test's first point far off both neighbours while another value rises."""
     before, value, after = (values[k : len(points) - 2 + k] for k in range(3))
     rises = (np.diff(rising) > 0.0)[:-1] & (np.diff(rising) > 0.0)[1:]
     low = OFF * value < np.minimum(before, after)
@@ -200,11 +200,11 @@ def _warn_of_odd(path: str | Path, tests: PlateTests | ShearTests) -> None:
 
 
 def read_plates(path: str | Path) -> PlateTests:
-    """Plate tests of a CSV file with `sinkage`, `pressure` or `force`, `width` or `diameter`, and `test`.
+    """Read plate tests from a CSV file with `sinkage`, `pressure` or `force`, `width` or `diameter`, `test`.
 
-    A force is divided by the area of a round plate of this diameter, or of one of ``width`` and ``length``.
-    Without `test` the points of a plate size are one test. FileNotFoundError, or ValueError with the file
-    and what is missing or wrong.
+    A force is divided by the area of a round plate of this diameter, or of a plate of ``width`` and
+    ``length``. Without `test` the points of a plate size are one test. FileNotFoundError if there is no such
+    file; ValueError with the file and its fault.
     """
     units = {"sinkage": "m", "pressure": "Pa", "force": "N", "width": "m", "length": "m", "diameter": "m"}
     columns = read_columns(path, units, ("test",))
@@ -235,10 +235,10 @@ def read_plates(path: str | Path) -> PlateTests:
 
 
 def read_shear(path: str | Path) -> ShearTests:
-    """Shear tests of a CSV file with `displacement`, `stress`, `pressure`, and `test`.
+    """Read shear tests from a CSV file with `displacement`, `stress`, `pressure`, and `test`.
 
-    Without `test` the points of a pressure are one test. FileNotFoundError, or ValueError with the file and
-    what is missing or wrong.
+    Without `test` the points of a pressure are one test. FileNotFoundError if there is no such file;
+    ValueError with the file and its fault.
     """
     columns = read_columns(path, {"displacement": "m", "stress": "Pa", "pressure": "Pa"}, ("test",))
     for name in ("displacement", "stress", "pressure"):
