@@ -1,4 +1,4 @@
-"""The command `exudyn-crawler`: it writes, shows and runs cases and looks at runs."""
+"""Command line `exudyn-crawler`: commands that write, show and run cases and evaluate runs."""
 
 from exudyn_crawler.cli import looking, machines, measuring, window  # noqa: F401 - which add their commands
 from exudyn_crawler.cli.application import call

@@ -1,6 +1,6 @@
-"""Behaviour that all commands share: an example and `--debug` in help, errors in a line each, exit codes.
+"""Common behaviour of all commands: example and `--debug` in help, errors in a line each, exit codes.
 
-Commands import what is heavy in their functions, so that help comes at once.
+Commands import heavy modules within their functions, so that help appears at once.
 """
 
 import inspect
@@ -24,7 +24,7 @@ import typer
 import exudyn_crawler as crawler
 from exudyn_crawler import errors
 
-RESULTS = Path("results")  # folder of the folders of runs and studies, where a command names no other
+RESULTS = Path("results")  # default folder of the folders of runs and studies
 
 Run = Annotated[Path, typer.Argument(help="folder of a run, or its history (NetCDF)", metavar="RUN")]
 Out = Annotated[Path, typer.Option(help="folder for the results")]
@@ -41,7 +41,7 @@ Changes = Annotated[
 
 
 def needs(what: str, modules: Iterable[str], extra: str) -> str:
-    """Return a line that says which modules of an extra are missing, and the command that installs them."""
+    """Return a line with the missing modules of an extra, and the command that installs them."""
     return (
         f"{what} must have {', '.join(modules)}, of the extra {extra!r}: pip install -e '.[{extra}]' in the "
         "folder of exudyn-crawler"
@@ -49,7 +49,10 @@ def needs(what: str, modules: Iterable[str], extra: str) -> str:
 
 
 def run_folder(run: Path) -> Path:
-    """Folder of a run, named itself or by a file in it; `NotADirectoryError` if there is neither."""
+    """Return the folder of a run, given itself or as a file in it.
+
+    Raises `NotADirectoryError` if there is neither.
+    """
     if run.is_file():
         return run.parent
     if not run.is_dir():
@@ -58,7 +61,10 @@ def run_folder(run: Path) -> Path:
 
 
 def history_path(run: Path) -> Path:
-    """History of a run, named itself or by its folder; `FileNotFoundError`, with those below, if none."""
+    """Return the history of a run, given itself or by its folder.
+
+    Raises `FileNotFoundError` if there is none; the message names histories below the folder.
+    """
     if run.is_file():
         return run
     if not run.is_dir():
@@ -74,12 +80,12 @@ def history_path(run: Path) -> Path:
 
 
 def loaded(run: Path) -> "crawler.History":
-    """History of a run."""
+    """Return the history of a run."""
     return crawler.History.load(history_path(run))
 
 
 def report_made(path: Path, what_now: str = "") -> None:
-    """Say where a file is that was made of a run, and record it, so that overwriting the run removes it."""
+    """Report a file made of a run, and record it, so that overwriting the run removes it."""
     from exudyn_crawler.run.folder.record import note_file
 
     note_file(path)
@@ -91,23 +97,23 @@ OF_PATHS = FileNotFoundError, FileExistsError, NotADirectoryError, IsADirectoryE
 BAD_INPUT_ERRORS = (ValueError, BlockingIOError, *OF_PATHS)
 DISTRIBUTION = "exudyn-crawler"
 OF_EXTRA = re.compile(r"extra == ['\"]([\w-]+)['\"]")
-CASES = "exudyn_crawler.cases"  # entry points of cases to start from: functions that return a `CaseFile`
+CASES = "exudyn_crawler.cases"  # group of entry points: functions that return a `CaseFile` to start from
 
 
 def study_cases() -> EntryPoints:
-    """Cases of studies to start from, by name."""
+    """Return the cases of studies to start from, by name."""
     return entry_points(group=CASES)
 
 
 def study_files() -> dict[str, Path]:
-    """Files of studies to start from (cases, duties, sweeps), by name: those beside the studies' cases."""
+    """Return the files of studies to start from (cases, duties, sweeps) by name, from their packages."""
     packages = {point.module.partition(".")[0] for point in study_cases()}
     folders = [Path(str(resources.files(package))) for package in packages]
     return {path.stem: path for folder in folders for path in sorted(folder.glob("*.toml"))}
 
 
 def is_case(file: Path) -> bool:
-    """True for a case file, of all kinds of files of parameters."""
+    """Return True if a file of parameters is a case file."""
     from exudyn_crawler.settings import fields
 
     content = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -115,13 +121,16 @@ def is_case(file: Path) -> bool:
 
 
 def study_names(cases: bool = False) -> list[str]:
-    """Names of all that a file can start from, or of `cases` alone."""
+    """Return the names of all studies to start from, or of those with `cases` alone."""
     files = [name for name, file in study_files().items() if not cases or is_case(file)]
     return sorted({*study_cases().names, *files})
 
 
 def study_case(name: str) -> "crawler.CaseFile":
-    """Case of a study to start from; raises `ValueError` if there is no such study, or it has no case."""
+    """Return the case of a study to start from.
+
+    Raises `ValueError` if there is no such study, or it has no case.
+    """
     if name in study_cases().names:
         return study_cases()[name].load()()
     if name in study_names(cases=True):
@@ -130,8 +139,11 @@ def study_case(name: str) -> "crawler.CaseFile":
 
 
 def file_named(file: Path | None) -> Path | None:
-    """Return a file as it is named; FileNotFoundError for a name to begin from, with the way to do it."""
-    # with a suffix a file is meant, and whoever reads it says that it is missing
+    """Return a given file.
+
+    Raises FileNotFoundError for the name of a machine or study to start from; the message shows the command.
+    """
+    # a suffix means a file, whose reader reports that it is missing
     if file is None or file.suffix or os.path.exists(file):
         return file
     name = str(file)
@@ -153,11 +165,11 @@ def file_named(file: Path | None) -> Path | None:
 
 
 file_argument = partial(typer.Argument, callback=file_named)
-"""Argument of a command that is a file of parameters."""
+"""Argument of a command for a file of parameters."""
 
 
 def command(app: typer.Typer, example: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Register a function as a command, with an example of its words in its help and the option `--debug`."""
+    """Register a function as a command, with an example in its help and the option `--debug`."""
 
     def register(function: Callable[..., None]) -> Callable[..., None]:
         @wraps(function)
@@ -179,21 +191,21 @@ def command(app: typer.Typer, example: str) -> Callable[[Callable[..., None]], C
 
 
 def call(app: typer.Typer) -> None:
-    """Call a command line; errors and warnings are a line each, a request to terminate ends it as Ctrl-C.
+    """Call a command line; errors and warnings are one line each, and a request to terminate acts as Ctrl-C.
 
-    Its exit code is 2 for bad input, 3 for a run that stopped early or a sweep without an answer, 130 for an
-    interrupt outside of a run and 1 for all else, such as a full disk.
+    The exit code is 2 for bad input, 3 for a run that stopped early or a sweep without an answer, 130 for an
+    interrupt outside of a run, and 1 for all other errors, such as a full disk.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     lines: list[str] = []
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
-            # an empty path would be the folder that the command is called in
+            # an empty path would mean the current folder
             if any(not word or re.fullmatch("--[a-z-]+=", word) for word in sys.argv[1:]):
                 raise ValueError(f"no value may be empty, got {sys.argv[1:]}")
             code = app(standalone_mode=False) or 0
-            # Typer makes an exit code of an interrupt
+            # Typer turns an interrupt into an exit code
             if code == errors.ENDED_FROM_OUTSIDE:
                 raise KeyboardInterrupt
         except (Exception, KeyboardInterrupt) as error:
@@ -208,7 +220,7 @@ def _show_warning(message: Warning | str, *_where: Any, **_how: Any) -> None:
 
 
 def _lines(error: BaseException) -> tuple[list[str], int]:
-    """Lines that report an error, and the exit code."""
+    """Return the lines that report an error, and the exit code."""
     if isinstance(error, errors.SimulationStopped):
         how = f"; {errors.GOES_ON}" if error.reason == errors.INTERRUPTED else ""
         return [f"{error}; what was computed is in its folder{how}"], STOPPED
@@ -218,7 +230,7 @@ def _lines(error: BaseException) -> tuple[list[str], int]:
         return [str(error)], STOPPED
     if isinstance(error, BAD_INPUT_ERRORS):
         return str(error).splitlines() or [repr(error)], BAD_INPUT
-    # Typer's errors have no public class that all its versions share
+    # Typer's errors share no public class across its versions
     if hasattr(error, "format_message"):
         words = " ".join(error.format_message().split())
         return [f"{words}; --help shows what is allowed"] if words else [], BAD_INPUT
@@ -230,7 +242,7 @@ def _lines(error: BaseException) -> tuple[list[str], int]:
 
 
 def _missing(error: ModuleNotFoundError) -> str:
-    """Return what installs a missing package; empty for a module that an installed one lacks."""
+    """Return the command that installs a missing package; empty for a module missing in an installed one."""
     if "pip install" in str(error):
         return str(error)
     package = (error.name or "").partition(".")[0]
@@ -243,7 +255,7 @@ def _missing(error: ModuleNotFoundError) -> str:
 
 
 def _interrupted(error: BaseException | None) -> bool:
-    """True if an interrupt led to an error, of which a library may have made another one."""
+    """Return True if an interrupt caused an error, which a library may have replaced by another one."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None

@@ -1,6 +1,6 @@
-"""Commands that begin with a case or a sweep: write, show and run it, hand it to editors and other programs.
+"""Commands on a case or a sweep: write, show and run it, and export it to editors and other programs.
 
-Nothing heavy is imported before a command needs it, so that help comes at once.
+Heavy modules are imported only when a command needs them, so that help appears at once.
 """
 
 import json
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from exudyn_crawler.case_run import CaseRun
     from exudyn_crawler.sweep.results import SweepRun
 
-START = "kinematics"  # study whose case `init` starts from where none is named
+START = "kinematics"  # default study of `init`
 NEEDED = ("distributed", "SALib")  # modules of the extra `sweep`
-SHOWN = 60  # rows of the table of runs that are printed
+SHOWN = 60  # greatest number of printed rows of the table of runs
 
 app = typer.Typer(help="Simulator of the crawler tracks of mining shovels.", no_args_is_help=True)
 command = partial(application.command, app)
@@ -49,15 +49,15 @@ def common(
         bool, typer.Option("--version", help="show the versions", callback=_show_versions, is_eager=True)
     ] = False,
 ) -> None:
-    """Options before the name of a command."""
+    """Accept the options before the name of a command."""
 
 
 REFERENCE = re.compile(r'^((?:check|duty|folder)\s*=\s*)"([^"]+)"', re.MULTILINE)
-"""Line of a study's file that names another file, from its own folder."""
+"""Line of a study's file with another file, relative to the study's folder."""
 
 
 def copy_study(file: Path, path: Path, overwrite: bool) -> None:
-    """Copy a study's file to a path, from which it names the same other files."""
+    """Copy a study's file to a path, and adapt its references to other files."""
     from exudyn_crawler.files import whole_file
 
     def moved(line: re.Match[str]) -> str:
@@ -186,7 +186,7 @@ def run(
     if not overwrite:
         refuse_other_results(out)
     typer.echo("\n".join([*kept_lines(case, changes or ()), *run_lines(case_file)]))
-    # the first rest on a computer compiles, and whoever made the folder may look at its progress
+    # the first equilibrium on a computer compiles; the folder shows its progress
     with noted_in(out if out.is_dir() else None):
         show_standing(case_file.case)
     done = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo)
@@ -203,7 +203,7 @@ def run(
 
 
 def show_standing(case: "Case") -> None:
-    """Print how a machine stands on its track, and warn where its chains are too taut or too slack."""
+    """Print how a machine stands on its track, and warn of chains that are too taut or too slack."""
     if not case.frame_parts:
         return
     from exudyn_crawler.case.parameters import checks
@@ -216,7 +216,7 @@ def show_standing(case: "Case") -> None:
 
 
 def show_answers(run: "CaseRun") -> None:
-    """Print the greatest values of a run, and where the peak of the stress is and how far to trust it."""
+    """Print the greatest values of a run, and location and verdict of its peak stress."""
     from exudyn_crawler.results.history.summary import key_results
     from exudyn_crawler.results.stress.hot_spots import hot_spot_table, peak_spots
 
@@ -242,7 +242,7 @@ def demo(
     ),
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Drive half a machine on a closed track with a flexible shoe, and make a page to look at."""
+    """Drive half a machine on a closed track with a flexible shoe, and make a page of results."""
     case_file = application.study_case("demo")
     if prepare:
         typer.echo("compiling the equations of motion and reducing a shoe, once: a minute or two")
@@ -268,7 +268,7 @@ def schema(
     out: Annotated[Path, typer.Argument(help="file to write", metavar="FILE")] = Path("case.schema.json"),
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Write the JSON schema of case files, by which editors complete and check them."""
+    """Write the JSON schema of case files, with which editors complete and check them."""
     from exudyn_crawler.files import whole_file
     from exudyn_crawler.machines.case_files import case_schema
 
@@ -302,7 +302,7 @@ def fmu(
 
 
 def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = False) -> None:
-    """Register the command, named and described as `show`, that runs a sweep and shows its results."""
+    """Register a command that runs a sweep and shows its results; `show` gives its name and description."""
 
     def run(
         file: Annotated[Path, application.file_argument(help="sweep file", metavar="SWEEP.toml")],
@@ -373,7 +373,7 @@ def sweep(run: "SweepRun") -> None:
 
 
 def scatter(run: "SweepRun") -> None:
-    """Run a case or evaluate a duty with values drawn at random: quantiles of answers, shoes that crack."""
+    """Run a case or evaluate a duty with values drawn at random: quantiles of answers, cracked shoes."""
     from exudyn_crawler.sweep.results import for_reading, scatter_tables
 
     tables = scatter_tables(run.sweep, for_reading(run.table))

@@ -1,4 +1,4 @@
-"""Datasheets on the command line: copies of the library's machines, and tables of where values come from."""
+"""Datasheets on the command line: copies of the library's machines, and tables of origins of values."""
 
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
@@ -12,7 +12,10 @@ from exudyn_crawler.views.tables import ORIGIN_COLUMNS, origin_rows, print_rows,
 
 
 def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
-    """Copy a machine of the library to a path, under its name; a ValueError if there is no such one."""
+    """Copy a machine of the library to a path, under its name.
+
+    Raises ValueError if there is no such machine.
+    """
     from exudyn_crawler.files import whole_file
     from exudyn_crawler.machines.datasheet import library
 
@@ -25,7 +28,7 @@ def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
 
 
 def fit_shoe(file: Path, size: str, out: Path, overwrite: bool) -> None:
-    """Fit the ready shoe to the datasheet of a case file, and write it with a case that has it flexible."""
+    """Fit the ready shoe to the datasheet of a case file, and write it with a case of this flexible shoe."""
     from exudyn_crawler.shoe_file import datasheet_shoe
 
     with heartbeat(f"shoe of {file}"):
@@ -37,7 +40,7 @@ def fit_shoe(file: Path, size: str, out: Path, overwrite: bool) -> None:
 
 
 def show_keys() -> None:
-    """Print all figures that a datasheet may have: key, unit and meaning."""
+    """Print all figures of a datasheet: key, unit and meaning."""
     from exudyn_crawler.machines.datasheet.sheet import Datasheet
     from exudyn_crawler.settings import fields
 
@@ -49,7 +52,7 @@ def show_keys() -> None:
 
 
 def _choices(annotation: Any) -> str:
-    """Say which words a value may be; empty for all else."""
+    """Return the words that a value may be; empty for all other values."""
     parts = annotation if get_origin(annotation) is Literal else None
     if parts is None:
         return next(filter(None, map(_choices, get_args(annotation))), "")
@@ -67,7 +70,7 @@ def show_values(case_file: "crawler.CaseFile", title: str) -> None:
 
 
 def show_machine(history: "crawler.History") -> None:
-    """Print what a run says of a machine, in the words of undercarriages."""
+    """Print the answers of a run on its machine, in terms of undercarriages."""
     from exudyn_crawler.results.history.machine import machine_answers, together
 
     title = f"{history.case.name}: the machine, second half of the run"

@@ -1,4 +1,4 @@
-"""The commands that look into runs: page, film, stress, forces and loads of one, two compared, and lives."""
+"""Commands that evaluate runs: report, film, stress, forces and loads of one, comparison of two, lives."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -12,15 +12,15 @@ from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.views.tables import print_table, write_table
 
 COMPARED = ("quantity", "axis", "greatest in A", "greatest in B", "change in %", "unit")
-"""Columns of what differs between two runs that are shown where not all fit, as `print_rows` takes them."""
+"""Key columns of differences between two runs, see `print_rows`."""
 LIVES = ("region", "life in h at least", "life in h at most", "above", "verdict", "main part", "node")
-"""Same of shortest lives."""
+"""Key columns of shortest lives."""
 CRACKED = ("region", "cycles to a crack", "from", "to", "an hour", "above yield", "pairs within 10 %")
-"""Same of a check's cycles to a crack."""
+"""Key columns of a check's cycles to a crack."""
 ASSESSED = ("item", "utilisation", "within", "load case", "group", "number", "limit", "unit")
-"""Same of an assessment."""
+"""Key columns of an assessment."""
 WHY = "what makes a difference"
-"""Column of formulas beside runs that is too wide for a terminal."""
+"""Column of formulas beside runs, too wide for a terminal."""
 
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside RUN or LAW, if not given")]
@@ -32,8 +32,8 @@ def report(
     out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Make one self-contained page of a run, to be read offline in a browser."""
-    folder = application.run_folder(run)  # refused before all that draws is loaded
+    """Make one self-contained page of a run, for reading offline in a browser."""
+    folder = application.run_folder(run)  # refused before slow imports
     with heartbeat(f"report of {folder}"):
         page = crawler.write_report(folder, out, overwrite)
     application.report_made(page, ": open it in a browser")
@@ -57,7 +57,7 @@ def animate(
 ) -> None:
     """Animate the track on the deforming terrain, without a display."""
     path = out or application.history_path(run).with_suffix(".mp4")
-    history = application.loaded(run)  # refused before all that draws is loaded
+    history = application.loaded(run)  # refused before slow imports
     with heartbeat(f"animation of {run}"):
         crawler.write_animation(history, path, overwrite, scale, speed=speed, start=start, end=end)
     application.report_made(path)
@@ -122,7 +122,7 @@ def shoe_loads(
     out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible."""
+    """Write all forces on a shoe at one instant, in balance: a table, and a deck if it is flexible."""
     history = application.loaded(run)
     history.case.track.check_shoe(shoe)
     from exudyn_crawler.results.loads import exports
@@ -161,7 +161,7 @@ def compare(
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Compare two runs, what differs in cases and results, or a run with measured series (CSV)."""
+    """Compare two runs in cases and results, or a run with measured series (CSV)."""
     if second.suffix.lower() == ".csv":
         compare_series(first, second, out, shift or 0.0, overwrite)
         return
@@ -191,7 +191,7 @@ def compare(
 
 
 def compare_series(run: Path, measured: Path, out: Path | None, shift: float, overwrite: bool) -> None:
-    """Hold a run against measured series: a table of differences, and a figure."""
+    """Compare a run with measured series: a table of differences, and a figure."""
     history = application.loaded(run)
     from exudyn_crawler.files import refuse_existing
     from exudyn_crawler.results.measured import series
@@ -237,8 +237,8 @@ def life(
     out: application.OfName = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Give the life of the shoes in machine hours, where they crack and why, from a mix of runs."""
-    asked = crawler.read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
+    """Compute the life of the shoes in machine hours over a mix of runs: where they crack, and why."""
+    asked = crawler.read_duty(duty)  # refused before slow imports
     from exudyn_crawler.results.life.life import in_words
     from exudyn_crawler.views.pages.life import life_lines
 
@@ -284,7 +284,7 @@ def shoe(
     out: Annotated[Path, typer.Option(help="folder for mesh, case and picture")] = Path(),
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Make a mesh and a case of a maker's file of a shoe, by its shape, or of a datasheet's ready shoe."""
+    """Make a mesh and a case from a maker's file of a shoe, or from the ready shoe of a datasheet."""
     if file.suffix.lower() == ".toml":
         datasheets.fit_shoe(file, size, out, overwrite)
         return
@@ -328,7 +328,7 @@ def check(
 ) -> None:
     """Check a shoe by static cases without a run: which case cracks which region after how many cycles."""
     of_maker = file.suffix.lower() != ".toml"
-    # a run of the same case has a folder of its name
+    # a run of the same case has the folder with its name
     folder = out or application.RESULTS / (file.stem if of_maker else f"{file.stem}_check")
     if of_maker:
         shoe(
@@ -401,7 +401,7 @@ def spread(
     overwrite: application.Overwrite = False,
 ) -> None:
     """Repeat a run from other starts and with the other contact law, and judge its stresses."""
-    folder = application.run_folder(run)  # before all that runs is loaded
+    folder = application.run_folder(run)  # refused before slow imports
     from exudyn_crawler.spread_run import spread as spread_into
 
     result = spread_into(folder, starts, laws=laws, overwrite=overwrite, say=typer.echo)

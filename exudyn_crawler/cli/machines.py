@@ -1,4 +1,4 @@
-"""Commands on machines: what follows from a datasheet, and the machines that there are."""
+"""Commands on machines: values that follow from a datasheet, and machines of the library."""
 
 from functools import partial
 from pathlib import Path
@@ -33,7 +33,7 @@ def machine(
     overwrite: application.Overwrite = False,
     changes: application.Changes = None,
 ) -> None:
-    """Show what follows from a datasheet: its figures beside those of the machine, and what is assumed."""
+    """Show what follows from a datasheet: its figures beside those of the machine, and the assumed values."""
     from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.machines.datasheet.discrepancies import odd_values
     from exudyn_crawler.machines.datasheet.figures import figures
@@ -74,7 +74,7 @@ def machine(
 
 
 def _text(value: float | None, unit: str) -> str:
-    """Figure with four digits and its unit; empty for none."""
+    """Return a figure with four digits and its unit; empty for None."""
     from exudyn_crawler.settings.fields import value_text
 
     return "" if value is None else value_text(float(f"{value:.4g}"), unit if unit != "1" else "")

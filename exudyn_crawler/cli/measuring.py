@@ -1,4 +1,4 @@
-"""The commands of measurement: soil from tests, drawbar test, pressure in the ground."""
+"""Commands of measurement: soil from tests, drawbar test, pressure in the ground."""
 
 import warnings
 from pathlib import Path
@@ -98,7 +98,7 @@ def soil_stress(
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Tell the normal pressure at sensors in the ground as the track passes: table, peaks and figure."""
+    """Compute the normal pressure at sensors in the ground as the track passes: table, peaks and figure."""
     from exudyn_crawler.files import refuse_existing
     from exudyn_crawler.results.measured import soil_stress as stresses
     from exudyn_crawler.views import measured, style

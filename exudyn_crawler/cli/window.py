@@ -1,4 +1,4 @@
-"""The command of the page to work in."""
+"""Command that opens the page to work in."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,7 +18,7 @@ def app(
     ] = None,
     show: Annotated[bool, typer.Option("--browser/--no-browser", help="open the browser")] = True,
 ) -> None:
-    """Open a page to work in: put a machine together, run it, see what it does; on this computer alone."""
+    """Open a page to work in: assemble a machine, run it, see its results; on this computer alone."""
     if find_spec("nicegui") is None:
         raise ValueError(application.needs("the page to work in", ["nicegui"], "app"))
     from exudyn_crawler.files import writable_folder
@@ -31,7 +31,7 @@ def app(
 
     try:
         with Runs(home).held():
-            # what draws the page takes seconds to load
+            # the modules of the page take seconds to load
             from exudyn_crawler.app.page import build
             from exudyn_crawler.app.serving import serve
 
