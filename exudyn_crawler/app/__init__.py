@@ -1,1 +1,1 @@
-"""Page to work in: a machine is put together, seen, run and asked; it calls what the commands call."""
+"""Page to work in: a machine is assembled, shown, run and evaluated with the code of the commands."""

@@ -1,4 +1,4 @@
-"""Case file that is worked on: its text is all that there is, the form shows the case that is read of it."""
+"""Case file under work: its text is the only state; the form shows the case read from it."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,44 +15,44 @@ from exudyn_crawler.origins import Ledger
 from exudyn_crawler.settings import fields
 
 FIRST = "pc300lc"
-"""Machine of the library that the page begins with."""
+"""Machine of the library at the start of the page."""
 
 
 class Document:
-    """Case file in a folder, as it is worked on.
+    """Case file in a folder, under work.
 
-    A change that is refused stays beside the text, with the lines that say why, and is tried again with each
-    later one: values that must change together are typed one after the other.
+    A refused change stays beside the text with its error lines. It is tried again with each later change,
+    because values that must change together are typed one after the other.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.version = 0  # rises with every change, so that all open pages see it
+        self.version = 0  # rises with every change, so that all open pages notice it
         self.refused: dict[str, Any] = {}
         self.errors: dict[str, list[str]] = {}
         self.saved = ""
-        self.copies: dict[Path, bytes] = {}  # of files that were dropped, as they were then
+        self.copies: dict[Path, bytes] = {}  # contents of dropped files at the time of the drop
         self.start_from(FIRST)
 
     def start_from(self, machine: str) -> None:
-        """Begin with a machine of the library."""
+        """Start with a machine of the library."""
         self.take_text(library.text_of(machine, machine), machine)
 
     def load(self, path: Path) -> None:
-        """Begin with a case file; raises as `read_case`."""
+        """Start with a case file; raises as `read_case`."""
         text = path.read_text(encoding="utf-8-sig")
         if path.parent != self.folder:
-            # paths in it count from its own folder
+            # its paths are relative to its own folder
             text = case_text(case_of_text(text, path.parent, path.stem), by_hand=True)
         self.take_text(text, path.stem)
         if path.parent == self.folder:
             self.saved = self.text
 
     def store(self, name: str, content: bytes) -> Path:
-        """Write a file that was dropped into the folder, and return its path.
+        """Write a dropped file into the folder, and return its path.
 
-        Its name gets a number where the folder has another file of the name, unless that is the copy of an
-        earlier drop: a file that was corrected takes the place of its own copy.
+        The name gets a number if the folder has another file of this name, unless that file is the copy of an
+        earlier drop: a corrected file replaces its own copy.
         """
         path = first = self.folder / Path(name).name
         number = 1
@@ -65,11 +65,11 @@ class Document:
         return path
 
     def _is_copy(self, path: Path, content: bytes) -> bool:
-        """Return True for a file with a content, or with that of an earlier drop."""
+        """Return True if a file has a content, or that of an earlier drop."""
         return path.is_file() and path.read_bytes() in (content, self.copies.get(path))
 
     def take_text(self, text: str, name: str = "") -> None:
-        """Take a whole text in place of the one that is there; raises as `read_case`."""
+        """Replace the whole text; raises as `read_case`."""
         self._accept(text, name or self.name)
         if name:
             self.saved = ""
@@ -83,14 +83,14 @@ class Document:
         self.version += 1
 
     def type(self, path: str, text: str) -> bool:
-        """Take what was typed for the value at a path; nothing lets it follow. True if it is accepted."""
+        """Take the text typed for the value at a path; an empty one removes it. Return True if accepted."""
         text = text.strip()
         return self.change({path: typed_value(text) if text else None})
 
     def change(self, values: Mapping[str, Any]) -> bool:
-        """Take values at paths, with what was refused before if that makes them fit; True if accepted.
+        """Take values at paths, with refused ones if they now fit; return True if accepted.
 
-        None leaves a key out, so that its value follows from the rest.
+        None removes a key, so that its value follows from the rest.
         """
         self.refused |= values
         failed: Exception | None = None
@@ -111,13 +111,16 @@ class Document:
         return False
 
     def forget(self, path: str) -> None:
-        """Drop what was refused at a path."""
+        """Drop the refused value at a path."""
         self.refused.pop(path, None)
         if self.errors.pop(path, None):
             self.version += 1
 
     def save(self, name: str) -> Path:
-        """Write the text as NAME.toml; FileExistsError if that is the file of another case."""
+        """Write the text as NAME.toml and return its path.
+
+        Raises FileExistsError if that is the file of another case.
+        """
         path = self.folder / f"{name}.toml"
         is_own = name == self.name and self.saved != ""
         is_own = is_own and path.is_file() and path.read_text(encoding="utf-8") == self.saved
@@ -129,9 +132,9 @@ class Document:
         return path
 
     def entries(self) -> dict[str, fields.Item]:
-        """Tables and values of the case file by their paths."""
+        """Return tables and values of the case file by path."""
         return {entry.path: entry for entry in fields.walk(self.case_file)}
 
     def origins(self) -> Ledger:
-        """Return the ledger of a machine with a datasheet, with the figures that it leaves out."""
+        """Return the ledger of a machine with a datasheet, including omitted figures."""
         return ledger_of(self.case_file)

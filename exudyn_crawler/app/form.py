@@ -1,4 +1,4 @@
-"""Form of a case, made from its parameters: each field has unit, meaning, bounds, origin and its errors."""
+"""Form of a case, made from its parameters: fields with unit, meaning, bounds, origin and errors."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -17,17 +17,17 @@ COLOURS = {
     Origin.DERIVED: "grey-7",
     Origin.ASSUMED: "orange-9",
 }
-"""Colours of the origins of values."""
+"""Colours of origins."""
 FOLLOWS = "follows from the rest"
 
 
 def in_words(name: object) -> str:
-    """Name of a field or a table for reading."""
+    """Return the name of a field or a table for reading."""
     return str(name).replace("_", " ")
 
 
 class Field:
-    """Value of a case in the form, which takes what is typed when the field is left or Enter is pressed."""
+    """Field of a value in the form; it takes typed text when it loses the focus or Enter is pressed."""
 
     def __init__(self, document: Document, entry: fields.Item) -> None:
         self.document = document
@@ -44,7 +44,7 @@ class Field:
             self.element.set_enabled(len(words) > 1)
         else:
             self.element = ui.input(label)
-            # a browser's own event of a change fails to come where the value was set meanwhile
+            # the browser sends no change event if the value was set meanwhile
             self.element.on("blur", self._taken)
             self.element.on("keydown.enter", self._taken)
         hint = "; ".join(filter(None, (entry.meaning, range_words(entry.field))))
@@ -64,7 +64,7 @@ class Field:
             self.document.forget(self.path)
 
     def show(self, entry: fields.Item, origin: Entry | None) -> None:
-        """Show the value that the case has, and what was refused beside it."""
+        """Show the value of the case, and its errors if a value was refused."""
         lines = self.document.errors.get(self.path, [])
         self.element.error = "\n".join(lines) or None
         if not lines:
@@ -84,7 +84,7 @@ class Field:
 
 
 class FormPart:
-    """Values and tables of a case that are picked; below a title, it is filled when it is opened first."""
+    """Selected values and tables of a case; a part with a title is filled when first opened."""
 
     def __init__(self, document: Document, picks: Callable[[fields.Item], bool], title: str = "") -> None:
         self.document = document
@@ -103,11 +103,11 @@ class FormPart:
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the case again; fields are made where there are others than before."""
+        """Show the case again; make new fields if the set of fields has changed."""
         if not self.is_seen:
             return
         entries = [entry for entry in self.document.entries().values() if self.picks(entry)]
-        # the class of a table, and whether a value is there, say which fields there are
+        # the set of fields depends on the classes of tables and on absent parts
         outline = [(entry.path, type(entry.value).__name__ if _is_part(entry) else "") for entry in entries]
         if outline != self.outline:
             self.outline = outline
@@ -128,7 +128,7 @@ class FormPart:
                     self.rows[entry.path] = Field(self.document, entry)
 
     def _head(self, entry: fields.Item) -> None:
-        """Head of a part: its name, ready values for it, and a button that takes an item of a list away."""
+        """Add the head of a part: name, presets, and for an item of a list a button that deletes it."""
         is_item = isinstance(entry.place[-1], int)
         offered = {} if is_item else presets(entry.field)
         if not (offered or fields.is_table(entry.value)):
@@ -145,18 +145,18 @@ class FormPart:
 
 
 def _is_part(entry: fields.Item) -> bool:
-    """True for a table, and for a part of a case that has tables and is not there."""
+    """Return True for a table, and for an absent part of a case that has tables."""
     is_absent = entry.value in (None, ()) and bool(fields.models_of(entry.field.annotation))
     return fields.is_table(entry.value) or is_absent
 
 
 def below(*names: str) -> Callable[[fields.Item], bool]:
-    """Predicate of entries at some paths and of all that is below them."""
+    """Return a predicate of entries at some paths or below them."""
     return lambda entry: any(f"{entry.path}.".startswith((f"{name}.", f"{name}[")) for name in names)
 
 
 def pick_list(label: str, options: Any, take: Callable[[str], None]) -> ui.select:
-    """List of which what is picked is taken, and which shows nothing then."""
+    """Return a list that passes each picked option to `take` and then shows none."""
 
     def picked(event: events.ValueChangeEventArguments) -> None:
         if event.value is not None:
@@ -168,7 +168,7 @@ def pick_list(label: str, options: Any, take: Callable[[str], None]) -> ui.selec
 
 
 def choose(document: Document, values: Mapping[str, Any]) -> None:
-    """Take values that stand in no field of their own, or say why they are refused."""
+    """Take values that have no field of their own, or report why they are refused."""
     if not document.change(values):
         refuse("\n".join(document.errors[next(iter(values))]))
         for path in values:
@@ -176,5 +176,5 @@ def choose(document: Document, values: Mapping[str, Any]) -> None:
 
 
 def refuse(why: object) -> None:
-    """Say what is refused until it is closed."""
+    """Show an error until it is closed."""
     ui.notify(str(why), type="negative", multi_line=True, timeout=0, close_button=True)

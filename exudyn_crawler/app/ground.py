@@ -1,4 +1,4 @@
-"""Ground and duty: soils, slopes, obstacles and what the machine does from lists, and the law drawn."""
+"""Ground and duty: lists of soils, slopes, obstacles and tasks of the machine, and a drawing of the law."""
 
 from nicegui import ui
 
@@ -22,7 +22,7 @@ TABLES = {
 
 
 class GroundPanel:
-    """Ground and duty of the case."""
+    """Panel of ground and duty of the case."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -38,7 +38,7 @@ class GroundPanel:
             ]
 
     def _list(self, label: str) -> ui.select:
-        """List of what gives the case file values when it is picked."""
+        """Return a list; its picked option changes values of the case file."""
 
         def take(name: str) -> None:
             choose(self.document, self.choices[label][name](self.document.case_file))
@@ -46,7 +46,7 @@ class GroundPanel:
         return pick_list(label, [*self.choices[label]], take)
 
     def refresh(self) -> None:
-        """Show the case again, and draw the law where it is another one."""
+        """Show the case again, and draw the law if it has changed."""
         for part in self.parts:
             part.refresh()
         self.lists[duties.DUTY].set_visibility(self.document.case_file.datasheet is not None)
@@ -57,7 +57,7 @@ class GroundPanel:
 
 
 def law_picture(law: SoilLaw) -> str:
-    """Picture of a law, pressure over sinkage and shear over slip, as HTML."""
+    """Return the picture of a law, pressure over sinkage and shear over slip, as HTML."""
     with style.titled_figure("", 6.4, 2.6) as figure:
         law.draw(*figure.subplots(1, 2))
     return str(figure_picture("law of the ground", figure))

@@ -1,4 +1,4 @@
-"""Machine and its file: what is chosen from the library, the form, and the track drawn as it will start."""
+"""Machine and its file: choice from the library, form, and drawing of the track at its start."""
 
 from pathlib import Path
 
@@ -14,13 +14,13 @@ from exudyn_crawler.views.scenes.plots import side_figure, space_figure
 from exudyn_crawler.views.scenes.start import start_solids
 
 OF_DUTY = (f"{KEY}.travel", f"{KEY}.speed")
-"""Values of a datasheet that say what the machine does."""
+"""Values of a datasheet that describe the task of the machine."""
 PARTS = ("shoe", "track", "gear", "flexible", "solver", "outputs")
-"""Tables of a case that are its machine's, and how its run goes."""
+"""Tables of a case for its machine and for its run."""
 
 
 class Drawing:
-    """Track as it will start, from the right and in 3D."""
+    """Track at its start, from the right and in 3D."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -31,7 +31,7 @@ class Drawing:
             self.notes = ui.column().classes("notes")
 
     def refresh(self) -> None:
-        """Draw the case again where it is another one."""
+        """Draw the case again if it has changed."""
         case_file = self.document.case_file
         if case_file.case == self.case:
             return
@@ -51,7 +51,7 @@ class Drawing:
 
 
 class MachinePanel:
-    """Where a machine comes from, and its values."""
+    """Panel of the machine: its source and its values."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -70,7 +70,7 @@ class MachinePanel:
             ]
 
     def refresh(self) -> None:
-        """Show the case again, and the files that there are."""
+        """Show the case again, and the present files."""
         files = sorted(path.name for path in self.document.folder.glob("*.toml"))
         if files != self.file.options:
             self.file.set_options(files)
@@ -94,7 +94,7 @@ class MachinePanel:
 
 
 class FilePanel:
-    """Text of the case file, which is all that the form shows."""
+    """Panel of the case file's text, from which the form is made."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -109,7 +109,7 @@ class FilePanel:
             self.error = ui.label().classes("refused console")
 
     def refresh(self) -> None:
-        """Show the text as it is taken."""
+        """Show the accepted text."""
         self.name.set_value(self.document.name)
         self.text.set_value(self.document.text)
         self.error.set_text("")
@@ -130,7 +130,7 @@ class FilePanel:
 
 
 def load(document: Document, path: Path) -> None:
-    """Begin with a case file, or say why it is none."""
+    """Start with a case file, or report why it cannot be used."""
     try:
         document.load(path)
     except (ValueError, OSError) as error:

@@ -1,4 +1,4 @@
-"""The page: steps from a machine to its results, over one document and the runs of one folder."""
+"""Page to work in: steps from a machine to its results, for one document and the runs of one folder."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -16,7 +16,7 @@ from exudyn_crawler.run.folder.queue import Runs
 
 STYLE = Path(__file__).with_name("page.css")
 POLL = 0.5
-"""S between looks at the document and the runs, which other pages and processes change, too."""
+"""Time (s) between checks of the document and the runs, which other pages and processes change, too."""
 MACHINE = "Machine"
 GROUND = "Ground and duty"
 SHOE = "Shoe"
@@ -28,7 +28,7 @@ TABS = (MACHINE, GROUND, SHOE, RUN, RESULTS, CHECK, FILE)
 
 
 def build(folder: Path) -> Callable[[], object]:
-    """Function that fills a page over a folder; runs that wait start one after the other, page or not."""
+    """Return a function that fills a page for a folder; waiting runs start in turn, also without a page."""
     document = Document(folder)
     runs = Runs(folder)
     app.on_startup(lambda: app.timer(POLL, runs.start_next))
@@ -36,7 +36,7 @@ def build(folder: Path) -> Callable[[], object]:
 
 
 class Page:
-    """One open page; all that are open have the document and the runs in common."""
+    """Open page; all open pages share the document and the runs."""
 
     def __init__(self, document: Document, runs: Runs) -> None:
         self.document = document
@@ -45,7 +45,7 @@ class Page:
         self.makers: dict[str, Callable[[], Any]] = {
             MACHINE: lambda: MachinePanel(document),
             GROUND: lambda: GroundPanel(document),
-            # what recognizes shoes takes a second, and is not waited for before it is needed
+            # the import of shoe recognition takes a second and waits until it is needed
             SHOE: lambda: import_module("exudyn_crawler.app.shoe").ShoePanel(document),
             RUN: lambda: RunPanel(document, runs, self.show_results),
             RESULTS: lambda: ResultsPanel(runs, document.folder),
@@ -72,11 +72,11 @@ class Page:
         ui.timer(POLL, self.look)
 
     def _shown_with(self, *names: str) -> ui.element:
-        """Element that is shown with some of the tabs."""
+        """Return an element that is visible with some of the tabs."""
         return ui.element("div").bind_visibility_from(self.tabs, "value", backward=lambda name: name in names)
 
     def _enter(self) -> None:
-        """Fill the place of the tab that is seen for the first time."""
+        """Fill the panel of a tab when it is first opened."""
         name = self.tabs.value
         if name not in self.panels:
             with self.places[name]:
@@ -85,7 +85,7 @@ class Page:
         ui.timer(0.0, self.look, once=True)
 
     async def look(self) -> None:
-        """Show what has changed of the case, and of the runs where they are seen."""
+        """Show changes of the case, and those of the runs if they are visible."""
         if self.version != self.document.version:
             self.version = self.document.version
             is_saved = self.document.text == self.document.saved
@@ -100,12 +100,12 @@ class Page:
             self.panels[RESULTS].refresh()
 
     def show_results(self, name: str) -> None:
-        """Show the results of a run of a name."""
+        """Show the results of a run by its name."""
         self.tabs.set_value(RESULTS)
         self.panels[RESULTS].choose(name)
 
     def run(self) -> None:
-        """Let a run of the case as it stands wait for its turn."""
+        """Add a run of the current case to the queue."""
         if self.document.errors:
             ui.notify("some values are refused: the form marks them in red", type="warning")
             return

@@ -1,4 +1,4 @@
-"""Results: the page of a run, two runs beside each other, life, checks, and all that is left of them."""
+"""Results: page of a run, comparison of two runs, life, checks, and all files of these."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -16,15 +16,15 @@ from exudyn_crawler.run.folder.queue import COMMAND, Runs
 from exudyn_crawler.settings import fields
 
 SAVED = (".html", ".csv", ".png", ".mp4", ".nc", ".toml", ".pdf", ".svg")
-"""Ends of the names of files that are offered."""
+"""Suffixes of files offered for saving."""
 BUSY = "computing, for a minute or two"
-"""Said while a command works: a moving picture takes half of a core where software draws it."""
+"""Text while a command works; an animation would take half of a core where software draws it."""
 MADE = "pages"
-"""Folder, beside the runs, of pages that are made of several or of none."""
+"""Folder, beside the runs, of pages on several runs or on none."""
 
 
 async def command(folder: Path, *words: object) -> tuple[bool, str]:
-    """Call a command of the program as a process in a folder: True if it ended well, and what it has said."""
+    """Run a command of the program as a process in a folder; return True if it succeeded, and its output."""
     process = await asyncio.create_subprocess_exec(
         *COMMAND,
         *map(str, words),
@@ -38,12 +38,12 @@ async def command(folder: Path, *words: object) -> tuple[bool, str]:
 
 
 class PageFrame:
-    """Page of a file of the folder, or what is said in its place, and all files beside it to be saved."""
+    """Frame of a page of the folder, or a message in its place, and all files beside the page for saving."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.page: Path | None = None
-        self.shown = ""  # its address as it was shown
+        self.shown = ""  # its shown address
         self.busy = ui.label(BUSY).classes("quiet")
         self.busy.set_visibility(False)
         self.words = ui.label().classes("console")
@@ -53,7 +53,7 @@ class PageFrame:
         self.frame.set_visibility(False)
 
     def show(self, page: Path) -> None:
-        """Show a page and what is beside it."""
+        """Show a page and the files beside it."""
         self.words.set_text("")
         self.page = page
         self.shown = self._version(page)
@@ -69,19 +69,19 @@ class PageFrame:
                     ui.link(path.name, self._address(path)).props(f'download="{name}"')
 
     def refresh(self) -> None:
-        """Show the page anew where its file was written again."""
+        """Show the page again if its file was rewritten."""
         if self.page is not None and self.page.is_file() and self._version(self.page) != self.shown:
             self.show(self.page)
 
     def _version(self, page: Path) -> str:
-        """Return the address of a page as it is now: a browser loads an address that it shows only once."""
+        """Return the current address of a page: a browser loads an unchanged address only once."""
         return f"{self._address(page)}?written={page.stat().st_mtime_ns}"
 
     def _address(self, path: Path) -> str:
         return f"{FILES}/{quote(path.relative_to(self.folder).as_posix())}"
 
     async def show_made(self, page: Path, *words: object) -> None:
-        """Show a page that a command makes, else what it says is wrong."""
+        """Show the page that a command makes, or the errors of the command."""
         self.page = None
         self.frame.set_visibility(False)
         self.save.set_visibility(False)
@@ -96,7 +96,7 @@ class PageFrame:
 
 
 class ResultsPanel:
-    """Results of a run as its page has them, answers first; another run beside it, and life."""
+    """Panel of a run's page, answers first, of its comparison with another run, and of life."""
 
     def __init__(self, runs: Runs, folder: Path) -> None:
         self.runs = runs
@@ -114,7 +114,7 @@ class ResultsPanel:
         return select.props(f'outlined dense data-testid="{label}"')
 
     def refresh(self) -> None:
-        """Show which runs there are."""
+        """Show the present runs."""
         names = [run.name for run in self.runs.all() if run.page.is_file()]
         if names != self.run.options:
             self.run.set_options(names)
@@ -122,7 +122,7 @@ class ResultsPanel:
         self.frame.refresh()
 
     def choose(self, name: str | None) -> None:
-        """Show the results of a run of a name."""
+        """Show the results of a run by its name."""
         self.run.set_value(name)
 
     async def _show(self) -> None:
@@ -130,7 +130,7 @@ class ResultsPanel:
             return
         run = self.runs.named(self.run.value)
         self.other.set_options([name for name in self.run.options if name != run.name], value=None)
-        # a second is not waited for before it is needed
+        # imports of a second wait until they are needed
         from exudyn_crawler.results.life.duty import FatigueMaterial
         from exudyn_crawler.views.pages.runs import STRESSES
 
@@ -140,7 +140,7 @@ class ResultsPanel:
         self.frame.show(run.page)
 
     async def _beside(self) -> None:
-        """Show what differs between two runs."""
+        """Show the differences between two runs."""
         if self.other.value is None:
             return
         first = self.runs.named(self.run.value)
@@ -150,7 +150,7 @@ class ResultsPanel:
         await self.frame.show_made(out, *words)
 
     async def _live(self) -> None:
-        """Show the life of the shoes of a run that is all that the machine does."""
+        """Show the life of the shoes if all machine hours are like a run."""
         if self.life.value is None:
             return
         run = self.runs.named(self.run.value)
@@ -167,7 +167,7 @@ class ResultsPanel:
 
 
 class CheckPanel:
-    """Check and assessment without a run."""
+    """Panel of check and assessment without a run."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -182,11 +182,11 @@ class CheckPanel:
             self.frame = PageFrame(document.folder)
 
     async def assess(self) -> None:
-        """Assess the machine of the case as it stands."""
+        """Assess the machine of the current case."""
         await self._made("assess", "assessment.html")
 
     async def check(self) -> None:
-        """Check the flexible shoe of the case as it stands."""
+        """Check the flexible shoe of the current case."""
         await self._made("check", "check.html", "--no-pictures")
 
     async def _made(self, word: str, page: str, *options: str) -> None:

@@ -1,4 +1,4 @@
-"""Runs as the page shows them: cost, queue, progress of all parts, curves that grow."""
+"""Runs on the page: cost, queue, progress of all parts, growing curves."""
 
 from collections.abc import Callable
 from functools import partial
@@ -16,12 +16,12 @@ from exudyn_crawler.run.folder.queue import GOES_ON, RUNNING, WAITING, Run, Runs
 from exudyn_crawler.views.scenes.plots import curve_figure
 
 LIVE = ("link_tension", "wheel_force", "roller_force", "drive_moment", "contact_force")
-"""Quantities whose greatest value over the machine grows in curves while a run is at work."""
+"""Quantities with curves of their greatest value over the machine while a run is at work."""
 Curves = dict[str, xr.DataArray]
 
 
 class RunPanel:
-    """What a run of the case costs, all runs of the folder, and the curves of the one at work."""
+    """Panel of the cost of a run, all runs of the folder, and the curves of the one at work."""
 
     def __init__(self, document: Document, runs: Runs, show_results: Callable[[str], None]) -> None:
         self.document = document
@@ -30,7 +30,7 @@ class RunPanel:
         self.version = -1
         self.rows: dict[str, RunRow] = {}
         self.drawn = ""  # run whose curves are drawn
-        self.parts: dict[Path, Curves] = {}  # of its stages that were read
+        self.parts: dict[Path, Curves] = {}  # curves of its stages read so far
         self.plots: dict[str, ui.plotly] = {}
         with ui.column().classes("panel"):
             self.cost = ui.label().classes("quiet console").props('data-testid="cost"')
@@ -38,7 +38,7 @@ class RunPanel:
             self.list = ui.column().classes("w-full")
 
     async def refresh(self) -> None:
-        """Show what has changed of the case and of all runs."""
+        """Show changes of the case and of all runs."""
         if self.version != self.document.version:
             self.version = self.document.version
             case_file = self.document.case_file
@@ -55,7 +55,7 @@ class RunPanel:
                 await self._draw(run)
 
     async def _draw(self, run: Run) -> None:
-        """Draw the curves of a run at work, as far as it has come."""
+        """Draw the present curves of a run at work."""
         if self.drawn != run.name:
             self.drawn = run.name
             self.parts = {}
@@ -73,7 +73,7 @@ class RunPanel:
 
 
 class RunRow:
-    """One run in the list, and what can be done with it."""
+    """Row of a run in the list, with its buttons."""
 
     def __init__(self, name: str, runs: Runs, show_results: Callable[[str], None]) -> None:
         with ui.card().classes("run w-full").props(f'data-run="{name}"'):
@@ -90,7 +90,7 @@ class RunRow:
             self.error = ui.label().classes("refused console")
 
     def show(self, run: Run) -> None:
-        """Show how far a run is."""
+        """Show the progress of a run."""
         part = run.progress if run.status == RUNNING else {}
         total = part.get("total")
         share = min(1.0, part["done"] / total) if total else 0.0
@@ -109,14 +109,14 @@ class RunRow:
 
 
 def joined_curves(folder: Path, parts: dict[Path, Curves]) -> Curves:
-    """Greatest values over the machine as far as a run has come; `parts` are those that were read before."""
+    """Return the greatest values over the machine so far; `parts` caches those of earlier stages."""
     paths = checkpoints.stage_files(folder)
     for path in paths:
         if path not in parts:
             try:
                 parts[path] = greatest_over_time(checkpoints.stage_history(path), LIVE)
             except ValueError:
-                # it ends just now, and takes them away
+                # the run ends now and removes its checkpoints
                 return {}
     titles = parts[paths[0]] if paths else {}
     return {title: xr.concat([parts[path][title] for path in paths], "time") for title in titles}

@@ -1,4 +1,4 @@
-"""Serving of the page on this computer alone: an address with a token, and a guard before it."""
+"""Server of the page for this computer alone: an address with a token, and a guard of all requests."""
 
 import hmac
 import logging
@@ -20,44 +20,45 @@ from exudyn_crawler.errors import cut_line
 
 HOST = "127.0.0.1"
 NAMES = (HOST, "localhost")
-"""Names by which a browser on this computer asks; any other name would be another site's."""
+"""Hosts in requests of a browser on this computer; any other host would be another site's."""
 TITLE = "exudyn-crawler"
 FILES = "files"
-"""Begin of the addresses of the folder's files, from the page's own."""
+"""Prefix of the addresses of the folder's files, relative to the page."""
 OPTIONAL = "'unsafe-inline' 'unsafe-eval'"
 POLICY = (
     f"default-src 'self' {OPTIONAL} data: blob:; frame-ancestors 'self'; form-action 'self'; "
     "base-uri 'self'; object-src 'none'"
 )
-"""What a browser may load for the page: nothing from another host."""
+"""Content security policy of the page: nothing from another host."""
 OF_FILES = (
     f"sandbox allow-scripts allow-downloads; default-src data: blob: {OPTIONAL}; frame-ancestors 'self'"
 )
-"""Same for files of the folder, which get none of the page's rights and load nothing at all."""
+"""Content security policy of the folder's files: none of the page's rights, and no loading at all."""
 HEADERS = {
     "referrer-policy": "no-referrer",
     "x-content-type-options": "nosniff",
-    # a page of a folder is another one after the next run
+    # a page of a folder changes with the next run
     "cache-control": "no-store",
 }
-FOREIGN = 1008  # code with which a websocket is refused
+FOREIGN = 1008  # code of a refused websocket
 
 
 class ShortLines(logging.Filter):
-    """Filter that cuts messages which repeat a long address of a request."""
+    """Filter that shortens messages with a long address of a request."""
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Cut the message of a record, and let it pass."""
+        """Shorten the message of a record, and accept it."""
         record.msg = cut_line(record.getMessage())
         record.args = ()
         return True
 
 
 class Guard:
-    """Application that hands on what this computer's browser asks for with the token, and refuses all else.
+    """Application that passes on requests of this computer's browser with the token, and refuses all others.
 
-    `app` is what is guarded; the token is the first part of every path, also of websockets. A foreign `Host`
-    is how a name that leads to this computer would reach it, a foreign `Origin` a page of another site.
+    `app` is the guarded application. The token is the first part of every path, also of websockets. A foreign
+    `Host` would come from another name that leads to this computer, a foreign `Origin` from a page of another
+    site.
     """
 
     def __init__(self, app: ASGIApp, port: int, token: str) -> None:
@@ -66,7 +67,7 @@ class Guard:
         self.start = f"/{token}/"
 
     def refusal(self, scope: Scope) -> str:
-        """Why a request is refused; empty for one that is not."""
+        """Return why a request is refused; empty for an allowed one."""
         headers = scope["headers"]
         hosts = [value.decode("latin-1") for name, value in headers if name == b"host"]
         origins = [value.decode("latin-1") for name, value in headers if name == b"origin"]
@@ -80,7 +81,7 @@ class Guard:
         return "hidden files are not shown" if "/." in scope["path"] else ""
 
     def lacks_slash(self, scope: Scope) -> bool:
-        """Return True for the page's address without the slash at its end, as it is copied from a line."""
+        """Return True for the page's address without its last slash, as copied from a line."""
         return scope["type"] == "http" and _same(scope["path"] + "/", self.start)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -108,7 +109,7 @@ class Guard:
 
 
 def _same(first: str, second: str) -> bool:
-    """Return True for equal texts, after a time that does not tell how much of them is equal."""
+    """Return True for equal texts; the time of the comparison does not tell how much of them is equal."""
     return hmac.compare_digest(first.encode("utf-8"), second.encode("utf-8"))
 
 
@@ -121,8 +122,8 @@ def serve(
 ) -> None:
     """Serve the page of a folder until the process is interrupted.
 
-    `build` fills a page, for which files of the folder are below `FILES`. `port` None takes a free one;
-    ValueError if another program has it. `show` opens the browser; `say` gets the address.
+    `build` fills a page; the files of the folder are below `FILES`. `port` None takes a free port. `show`
+    opens the browser; `say` gets the address. Raises ValueError if another program uses the port.
     """
     listening = socket.socket()
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -138,7 +139,7 @@ def serve(
     logging.getLogger("nicegui").addFilter(ShortLines())
     port = listening.getsockname()[1]
     token = secrets.token_urlsafe(24)
-    # links that lead out of the folder are not followed
+    # links out of the folder are not followed
     pages.mount(f"/{FILES}", StaticFiles(directory=folder))
 
     ui.page("/")(build)

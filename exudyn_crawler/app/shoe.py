@@ -1,4 +1,4 @@
-"""Shoe of a CAD or mesh file: what was recognized, coloured by name, and corrected by a click on a face."""
+"""Shoe of a CAD or mesh file: recognized surfaces, coloured by name, corrected by a click on a face."""
 
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,7 @@ from fem import read_mesh
 from meshes.recognition.axes import UNITS
 
 SHOES = "shoes"
-"""Folder of the shoes' files, and of what is made of them."""
+"""Folder of the files of shoes and of their results."""
 CURVE = "(event) => emit(event.points[0].curveNumber)"
 OTHERS = {
     "front": ("rear", "--flip-front"),
@@ -24,7 +24,7 @@ OTHERS = {
     "underside": ("top", "--flip-up"),
     "top": ("underside", "--flip-up"),
 }
-"""Words in the names of surfaces that a click corrects: what a face is then, and the option for it."""
+"""Words in the names of surfaces that a click corrects: the opposite surface, and the option for it."""
 OPTIONS: dict[str, tuple[str, list[str]]] = {
     "--unit": ("unit of the file, if not as found", [*UNITS]),
     "--pins": ("pins, if not in these bores", ["1", "2", "3"]),
@@ -34,7 +34,7 @@ OPTIONS: dict[str, tuple[str, list[str]]] = {
 
 
 class ShoePanel:
-    """Shoe of a file, or of the machine's size, and what a user says of it."""
+    """Panel of a shoe from a file or of the machine's size, and of its corrections."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -64,7 +64,7 @@ class ShoePanel:
                 element.set_visibility(False)
 
     async def _fit(self) -> None:
-        """Make the ready shoe that fits the machine of the case, which is saved for it."""
+        """Make the ready shoe that fits the machine of the case, after saving the case."""
         try:
             case = self.document.save(self.document.name)
         except OSError as error:
@@ -87,14 +87,14 @@ class ShoePanel:
         await self._recognize()
 
     async def _recognize(self) -> None:
-        """Find what of the file is what, with what was said of it."""
+        """Recognize the shoe of the file, with the corrections so far."""
         said: list[object] = [*sorted(self.flips), "--out", self.file.parent, "--overwrite"]
         for option, select in self.selects.items():
             said += [option, select.value] if select.value else []
         await self._make(shoe_name(self.file), self.file, *said)
 
     async def _make(self, name: str, source: Path, *options: object) -> None:
-        """Make a shoe of a name of a file, and show it."""
+        """Make a named shoe of a file, and show it."""
         self.paths = paths_of(name, source.parent)
         self.clicked.clear()
         self.busy.set_visibility(True)
@@ -102,13 +102,13 @@ class ShoePanel:
         self.busy.set_visibility(False)
         self.words.set_text(said)
         self.take.set_visibility(is_made)
-        # what was recognized before stays, so that a click takes a wrong correction back
+        # the shoe recognized before stays visible, so that a click undoes a wrong correction
         if is_made:
             self.plot.set_visibility(True)
             self.plot.update_figure(shoe_figure(read_mesh(self.paths["mesh"])))
 
     def _click(self, event: events.GenericEventArguments) -> None:
-        """Ask what a face is, that was clicked on, by the name that it has."""
+        """Ask for the correct name of a clicked face."""
         name = self.plot.figure["data"][int(event.args)]["name"]
         self.clicked.clear()
         with self.clicked:
