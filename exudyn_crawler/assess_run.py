@@ -1,4 +1,4 @@
-"""One assessment into one folder: tables, drawings and a page; forces of runs where those are named."""
+"""Assessment of a machine into a folder: tables, drawings and a page, with forces of given runs."""
 
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -27,7 +27,7 @@ ASSESSED_TABLES = {
     "clauses.csv": "clauses",
 }
 COMPARED = "run.csv"
-LEAST_PAYLOAD = 1e-3  # of the machine's mass, as none has beside no payload at all. Chosen here
+LEAST_PAYLOAD = 1e-3  # fraction of the machine's mass, below that of any real payload; chosen here
 
 
 def assess(
@@ -48,22 +48,22 @@ def assess(
     out : str or Path, optional
         Folder for tables, drawings and a page.
     settings : AssessmentSettings, optional
-        What a case does not say: work, ground, drive, pins; those of the file, or the defaults, if none.
+        Values that a case lacks: work, ground, drive, pins. Default: those of the file, or the defaults.
     run : str, Path or several of them
-        Folder of a run of the machine, or its history: its forces take the place of the formulas' in the load
-        case that it is of. "LOAD CASE=RUN" names the load case that a run stands for.
+        Folder of a run of the machine, or its history: its forces replace those of the formulas in the load
+        case of the run. "LOAD CASE=RUN" names the load case that a run stands for.
     overwrite : bool
         Replace earlier results in the folder.
     say : callable
-        Gets a line on what goes on.
+        Function that gets a line on each activity.
 
     Raises
     ------
     FileNotFoundError, FileExistsError
         If there is no such file or run; if the folder has results, before anything is computed.
     ValueError
-        If the machine does not stand on two closed tracks, a file has what is not allowed, or a run is of no
-        load case.
+        If the machine does not stand on two closed tracks, a file has values that are not allowed, or a run
+        fits no load case.
     """
     folder = None if out is None else Path(out)
     if folder is not None:
@@ -89,7 +89,7 @@ def assess(
 
 
 def _odd_payload(case: Case, settings: AssessmentSettings) -> Iterator[str]:
-    """Line about a payload that is next to nothing beside the machine."""
+    """Yield a warning of a payload that is negligible beside the machine."""
     payload = settings.work.payload or 0.0
     mass = case.gear.whole_mass(case)
     if 0.0 < payload < LEAST_PAYLOAD * mass:
@@ -98,7 +98,7 @@ def _odd_payload(case: Case, settings: AssessmentSettings) -> Iterator[str]:
 
 
 def _forces(named: str | Path) -> tuple[str | None, run_forces.RunForces]:
-    """Load case, where one is named, and forces of a run's folder or history."""
+    """Return the load case, if it is given, and the forces of a run's folder or history."""
     run = Path(named)
     load_case = None
     if not run.exists() and "=" in str(named):

@@ -1,4 +1,4 @@
-"""One case into one folder: simulate what is missing, recover stresses, then a list of writers."""
+"""Run of a case into its folder: simulation of the missing part, stress recovery, and writers of outputs."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -23,21 +23,24 @@ from fem.memory import give_back_memory
 
 @dataclass(frozen=True)
 class CaseRun:
-    """A case that was run."""
+    """Finished run of a case."""
 
     history: History
-    stresses: recovery.StressResults | None  # of the flexible shoes, if there are any
-    folder: Path | None  # where all of it is kept, if it is
+    stresses: recovery.StressResults | None  # of flexible shoes, if any
+    folder: Path | None  # folder of the run, if it is stored
 
     def _repr_html_(self) -> str:
-        """Folder, hot spots if there are any, and history, for notebooks."""
+        """Return folder, hot spots if there are any, and history, for notebooks."""
         where = "kept nowhere" if self.folder is None else f"kept in {escape(str(self.folder))}"
         spots = {} if self.stresses is None else self.stresses.hot_spots
         tables = [f"<p>Shoe {shoe}</p>" + table.to_html(index=False) for shoe, table in spots.items()]
         return "".join([f"<p>Run {where}</p>", *tables, self.history._repr_html_()])
 
     def recovered(self) -> recovery.StressResults:
-        """Stresses of a run with flexible shoes; ValueError if it has none."""
+        """Return the stresses of a run with flexible shoes.
+
+        Raises ValueError if the run has none.
+        """
         if self.stresses is None:
             raise ValueError(f"case {self.history.case.name!r} must have flexible shoes to have stresses")
         return self.stresses
@@ -54,28 +57,28 @@ def run_case(
     say: Callable[[str], None] = record.quiet,
     reductions: str | Path | None = None,
 ) -> CaseRun:
-    """Simulate a case and leave its folder: case, record, log, history, and what its outputs ask for.
+    """Simulate a case and write its folder: case, record, log, history, and the requested outputs.
 
-    A run that was stopped goes on when the same case is run into the same folder, and gives what it would
-    have given; with a longer duration a finished run goes on, too.
+    A stopped run continues when the same case is run into the same folder, with the same results as without a
+    stop. With a longer duration a finished run continues, too.
 
-    `out` is the folder of the run, None writes nothing; `overwrite` empties that of an earlier run first,
-    `take_finished` takes a run of the same case that has finished as it is. The history of an earlier run in
-    the folder `reuse` takes the place of the simulation. `progress` shows a bar of each part; None shows one
-    on a terminal and a line every 10 s elsewhere. `say` gets a line on each thing that goes on. Reductions of
-    flexible shoes are stored in the folder `reductions`, else in `model.reductions.reductions_folder`.
+    `out` is the folder of the run; None writes nothing. `overwrite` first empties the folder of an earlier
+    run; `take_finished` returns a finished run of the same case as it is. The history of an earlier run in
+    the folder `reuse` replaces the simulation. `progress` shows a bar for each part; None shows one on a
+    terminal and a line every 10 s elsewhere. `say` gets a line on each activity. Reductions of flexible shoes
+    are stored in the folder `reductions`, else in `model.reductions.reductions_folder`.
 
-    Before anything is written, a TypeError, FileNotFoundError or ValueError if `case_file` is none, a path is
-    empty, `reuse` holds no history or that of other parameters, mesh or ruts do not fit; or if checkpoints
-    come from other parameters. Before anything runs, a FileExistsError if the folder has results and
-    `overwrite` is false, or a BlockingIOError if another run works there. Later an EquilibriumError if the
+    Raises before anything is written: TypeError, FileNotFoundError or ValueError if `case_file` is none, a
+    path is empty, `reuse` holds no history or one of other parameters, mesh or ruts do not fit, or
+    checkpoints come from other parameters. Before anything runs: FileExistsError if the folder has results
+    and `overwrite` is false, or BlockingIOError if another run works there. Later: EquilibriumError if the
     track finds no rest before t = 0, or SimulationStopped if the run ends early; its history stays there.
     """
     check_case_file(case_file)
-    # an empty path would be where the program runs
+    # an empty path would mean the current folder
     if "" in (out, reuse):
         raise ValueError("out and reuse must name folders, or be None, got ''")
-    # a mesh that does not fit, or ruts of another ground, are refused while nothing is solved or written yet
+    # a wrong mesh, or ruts of another ground, are refused before anything is solved or written
     case = case_file.case
     if case.flexible is not None:
         flexible_shoes.check_shoe(case)
@@ -117,7 +120,7 @@ def run_case(
 
 
 class _Work(NamedTuple):
-    """A run at work: its folder, and what it is to do."""
+    """Run at work: its folder, case and progress display."""
 
     folder: record.RunFolder
     case_file: CaseFile
@@ -125,7 +128,7 @@ class _Work(NamedTuple):
 
     @contextmanager
     def part(self, name: str) -> Iterator[None]:
-        """Take the time of a part, and show its progress."""
+        """Time a part of the run, and show its progress."""
         title = f"{self.case_file.case.name}: {name}"
         expected = parts.rule_of_thumb(self.case_file).get(name)
         with self.folder.timed(name), parts.heartbeat(title, expected, self.progress):
@@ -134,7 +137,7 @@ class _Work(NamedTuple):
 
 
 def _reduce_shoe(work: _Work) -> None:
-    """Reduce the flexible shoe and solve for its static fields by the same factors, if not cached."""
+    """Reduce the flexible shoe and solve for its static fields with the same factors, if not cached."""
     case = work.case_file.case
     with flexible_shoes.factors_held(case):
         with work.part(parts.REDUCE):
@@ -143,14 +146,14 @@ def _reduce_shoe(work: _Work) -> None:
             work.folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
         if case.flexible_shoes().static_fields:
             with work.part(parts.FIELDS):
-                # the run needs none of them
+                # the simulation does not need them
                 basis.store_static_fields(case)
-    # the factors lie about until then
+    # frees the factors
     give_back_memory()
 
 
 def _stresses(history: History, work: _Work) -> recovery.StressResults | None:
-    """Stresses of the flexible shoes, if there are any."""
+    """Return the stresses of the flexible shoes, if there are any."""
     if history.case.flexible is None:
         return None
     with work.part(parts.RECOVER):
@@ -158,7 +161,7 @@ def _stresses(history: History, work: _Work) -> recovery.StressResults | None:
 
 
 def _history(work: _Work) -> History:
-    """Simulate a case, or what is missing of it in the folder that the run holds; raises as `run_case`."""
+    """Simulate a case, or its missing part in the folder of the run; raises as `run_case`."""
     folder = work.folder
     case_file = work.case_file
     case = case_file.case
@@ -178,18 +181,18 @@ def _history(work: _Work) -> History:
             raise
         points.hand_over(path / record.HISTORY)
         (path / record.STOPPED_HISTORY).unlink(missing_ok=True)
-    # one that is not in memory is read from where it was before it was handed over
+    # a history out of memory refers to checkpoints that were handed over: it is read again
     if history is None or not history.in_memory:
         history = folders.matching_history(path, case_file)
     points.settle(case)
-    # these are the run's, also where it was stopped after them
+    # these belong to the run, also if it was stopped after they were written
     for file in (path / record.HISTORY, path / record.END):
         files.note_written(file)
     return history
 
 
 def _simulated(work: _Work, points: checkpoints.Checkpoints | None) -> History:
-    """Simulate; take the time of this, and that of compiling the equations before if they are not yet."""
+    """Simulate and return the history; time the simulation, and before it the compilation if needed."""
     case_file = work.case_file
     progress = work.progress
     with work.folder.timed(parts.COMPILE):

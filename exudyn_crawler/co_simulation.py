@@ -1,12 +1,11 @@
-"""A machine on its track as a unit of co-simulation (FMU, FMI 2.0) that other programs step.
+"""Machine on its track as a unit of co-simulation (FMU, FMI 2.0), stepped by another program.
 
-pythonfmu makes the unit and carries it: the program that runs it needs this package in its Python. Its
-library (0.7) gives memory back twice in three places, and some processes then end in "corrupted double-linked
-list":
+pythonfmu builds and runs the unit: the host program needs this package in its Python. Its library (0.7) frees
+memory twice in three places, and some processes then end in "corrupted double-linked list":
 
 - after an exception has left a method of the unit: no exception leaves one here,
-- the names of the unit's script, of which it has no reference: `hold` keeps one,
-- its own state as the process ends, whatever the unit did: `_release_at_exit` is earlier.
+- for the names of the unit's script, to which it has no reference: `hold` keeps one,
+- for its own state as the process ends, whatever the unit did: `_release_at_exit` is earlier.
 """
 
 import atexit
@@ -38,10 +37,10 @@ from exudyn_crawler.run.solve import simulation
 
 AXES = "xyz"
 COMMANDS = ("speed", "turn_rate", *(f"{part}.{axis}" for part in ("force", "moment") for axis in AXES))
-"""Names of what comes from outside."""
-STEP = 0.01  # s, step of communication that a unit proposes
+"""Names of the inputs."""
+STEP = 0.01  # s, communication step that a unit proposes
 CASE, SCRIPT = "case.toml", "machine_on_track"
-"""Files within a unit: the case, and the module that pythonfmu looks for."""
+"""Files within a unit: the case, and the module that pythonfmu loads."""
 LINES = f"from {__name__} import MachineOnTrack, hold\n\nhold(globals())\n"
 
 
@@ -68,10 +67,10 @@ UNITS = {
     "N": {"kg": 1, "m": 1, "s": -2},
     "N.m": {"kg": 1, "m": 2, "s": -2},
 }
-"""Exponents of the base units of SI in the units of variables, as FMI names them."""
+"""Exponents of the SI base units in the units of variables, with the names of FMI."""
 
 SAME_TIME = 1e-9
-"""s, and part of the time, by which the host's time may differ from the unit's."""
+"""Tolerance (s, and fraction of the time) between the time of the host and that of the unit."""
 
 logger = logging.getLogger("exudyn_crawler")
 
@@ -80,25 +79,25 @@ _libraries: dict[str, ctypes.CDLL] = {}
 
 
 def hold(names: dict[str, object]) -> None:
-    """Keep what pythonfmu 0.7 gives back too early: the names of a unit's script, and Python's thread state.
+    """Keep what pythonfmu 0.7 frees too early: the names of a unit's script, and Python's thread state.
 
-    The thread of a host that is not Python has a state during each call alone. But Exudyn's library
-    (pybind11) remembers the state with which it was imported, and takes it in later calls.
+    The thread of a host that is not Python has a state only during each call. But Exudyn's library (pybind11)
+    remembers the state with which it was imported, and uses it in later calls.
     """
     _held.append(names)
-    ctypes.pythonapi.PyGILState_Ensure()  # one that is never given back
+    ctypes.pythonapi.PyGILState_Ensure()  # never released
     if sys.platform == "linux":
         _release_at_exit()
 
 
 def _release_at_exit() -> None:
-    """Let the libraries of units in this process give back what they hold before the process ends.
+    """Let the libraries of units in this process release their state before the process ends.
 
-    Each has its state in a static pointer, which `exit` destroys; a function that runs as a library is
-    unloaded then releases it once more. `dlclose` would run that function first, but never unloads a library
-    that has unique symbols, as this one has. So a count in memory that was given back is lowered by 1, where
-    the heap has a link of its lists of free blocks. As Python ends both are still to come, and find an empty
-    pointer.
+    Each library has its state in a static pointer, which `exit` destroys. A function that runs at the
+    unloading of a library then releases it once more. `dlclose` would run that function first, but never
+    unloads a library with unique symbols such as this one. So a count in freed memory is lowered by 1, where
+    the heap has a link of its lists of free blocks. The release as Python ends
+    comes before both, which then find an empty pointer.
     """
     maps = Path("/proc/self/maps").read_text(encoding="utf-8", errors="surrogateescape")
     paths = {fields[5] for line in maps.splitlines() if len(fields := line.split(maxsplit=5)) == 6}
@@ -110,17 +109,18 @@ def _release_at_exit() -> None:
 
 
 class StepRefusedError(ValueError):
-    """A step was asked for that is not taken; nothing has been done."""
+    """Error of a requested step that is not taken; the state is unchanged."""
 
 
 class SteppedRun:
-    """Run of a machine on its track from rest, whose speed and load come from outside, step by step.
+    """Run of a machine on its track from rest, step by step, with speed and load as inputs.
 
-    Over a step both run straight from what they were to what they are to be at its end: what comes from
-    outside is late by a step at most, and has no jumps. The case is rolled or closed; its own drive and
-    machine do not count. `wrench` (6,) is force (N) and moment (N m) on the side frame's origin beside its
-    weight, global, at rest. A ValueError if the case has no machine, or the machine tips; an EquilibriumError
-    if the track finds no rest.
+    Over a step both inputs change linearly from their last values to those at its end: they are late by a
+    step at most, and have no jumps. The case is rolled or closed; its own drive and machine do not count.
+    `wrench` (6,) is force (N) and moment (N m) on the side frame's origin beside its weight, global, at rest.
+
+    Raises ValueError if the case has no machine, or the machine tips; EquilibriumError if the track finds no
+    rest.
     """
 
     def __init__(self, case: Case, wrench: np.typing.ArrayLike) -> None:
@@ -140,12 +140,12 @@ class SteppedRun:
         self._settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
         self.time = 0.0
         self.travel = 0.0
-        # a step at rest before the start gives the start its forces
+        # a step at rest before the start computes the forces at the start
         self.advance(case.solver.step, 0.0, wrench)
         self.time = 0.0
 
     def _at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Speed and rate of turning (2,), and wrench at a time within the step, s."""
+        """Return speed and turn rate (2,), and the wrench (6,) at a time (s) within the step."""
         start, end = self._span
         share = min(max((time - start) / (end - start), 0.0), 1.0)
         values = (1.0 - share) * self._before + share * self._after
@@ -153,10 +153,10 @@ class SteppedRun:
 
     @threadpool_limits.wrap(limits=1, user_api="blas")
     def advance(self, step: float, speed: float, wrench: np.typing.ArrayLike, turn_rate: float = 0.0) -> None:
-        """Integrate a step (s) to a speed (m/s), a wrench (6,) and on two tracks a turn (rad/s) at its end.
+        """Integrate a step (s) to a speed (m/s), a wrench (6,) and, on two tracks, a turn rate (rad/s).
 
-        A StepRefusedError if a value is not finite, the step is below the solver's least one or the rollers
-        would leave the track; SimulationStopped if a step fails at the least, which ends the run.
+        Raises StepRefusedError if a value is not finite, the step is below the solver's least one, or the
+        rollers would leave the track; SimulationStopped if a step fails at the least one, which ends the run.
         """
         least = self.case.solver.minimum_step
         if not least <= step < math.inf:
@@ -185,12 +185,12 @@ class SteppedRun:
         self._system.set_state(self._system.state())
 
     def history(self) -> History:
-        """History of the instant at which the run is."""
+        """Return a history of the present instant."""
         return states.system_history(self._system, self._system.state()[None])
 
 
 def outputs(history: History) -> dict[str, float]:
-    """Outputs of a unit at an instant, by name: drive, frame, links and the ground under every shoe."""
+    """Return the outputs of a unit at an instant by name: drive, frame, links and ground under every shoe."""
     data = history.dataset.isel(time=-1)
     ground = history.contacts_by_shoe().contact_force.isel(time=-1).transpose("shoe", "axis")
     arrays = [
@@ -204,12 +204,12 @@ def outputs(history: History) -> dict[str, float]:
 
 
 def _drive_name(case: Case) -> str:
-    """Quantity of the drive that the case has."""
+    """Return the name of the drive's quantity in the case."""
     return next(name for name in DRIVES if not lacking(QUANTITIES[name], case))
 
 
 def _output_names(case: Case) -> dict[str, Meaning]:
-    """Names of `outputs` and what they are; of two closed tracks the right one's drive comes first."""
+    """Return names and meanings of `outputs`; of two closed tracks the right one's drive comes first."""
     name = _drive_name(case)
     named = {name: DRIVES[name]}
     if case.tracks > 1:
@@ -223,25 +223,25 @@ def _output_names(case: Case) -> dict[str, Meaning]:
 
 
 class _Variable(Real):
-    """Real number with a unit, which pythonfmu has none of."""
+    """Real variable with a unit, which pythonfmu lacks."""
 
     def __init__(self, name: str, meaning: Meaning, **about: object) -> None:
         super().__init__(name, description=meaning.words, **about)
         self._unit = meaning.unit
 
     def to_xml(self) -> Element:
-        """Return its element in the model description."""
+        """Return the element of the variable in the model description."""
         element = super().to_xml()
         element[0].set("unit", self._unit)
         return element
 
 
 class MachineOnTrack(Fmi2Slave):
-    """Unit of a case: inputs are the speed of the drive and the load on the side frame, beside its weight.
+    """Unit of a case; inputs are the speed of the drive and the load on the side frame beside its weight.
 
-    A step that is refused for a value, a size or a gap in time has done nothing, and the host may ask again;
-    one that failed ends the unit. Both answer *discard*, the only answer of pythonfmu beside *ok* and
-    *fatal*, with the reason as an error in the log.
+    A step refused for a value, a size or a gap in time changes nothing, and the host may ask again; a failed
+    step ends the unit. Both answer *discard*, the only answer of pythonfmu beside *ok* and *fatal*, and log
+    the reason as an error.
     """
 
     description = "Crawler track of a mining shovel: side frame, rollers, shoes, links and ground"
@@ -251,8 +251,8 @@ class MachineOnTrack(Fmi2Slave):
         self._case = read_case(Path(self.resources) / CASE).case
         self._run: SteppedRun | None = None
         self._start = 0.0  # time of the host when the unit starts, s
-        self._refused: list[str] = []  # what was refused since the last step
-        self._ended = "it was not initialized"  # why there are no more steps; empty while there are
+        self._refused: list[str] = []  # reasons of refusals since the last step
+        self._ended = "it was not initialized"  # reason of the end; empty while steps are possible
         self._outputs = dict.fromkeys(_output_names(self._case), 0.0)
         self.default_experiment = DefaultExperiment(start_time=0.0, step_size=STEP)
         force = Meaning("N", "on the side frame's origin beside its weight")
@@ -267,37 +267,37 @@ class MachineOnTrack(Fmi2Slave):
         self._register(_output_names(self._case), self._outputs, Fmi2Causality.output)
 
     def to_xml(self, model_options: Mapping[str, str] = MappingProxyType({})) -> Element:
-        """Return the model description, with the units of the variables."""
+        """Return the model description with the units of the variables."""
         root = super().to_xml(dict(model_options))
         definitions = Element("UnitDefinitions")
         for name, exponents in UNITS.items():
             unit = SubElement(definitions, "Unit", {"name": name})
             SubElement(unit, "BaseUnit", {base: str(power) for base, power in exponents.items()})
-        # FMI asks for this order
+        # FMI requires this order
         root.insert(1 + [child.tag for child in root].index("CoSimulation"), definitions)
         return root
 
     def _register(
         self, named: dict[str, Meaning], values: dict[str, float], causality: Fmi2Causality
     ) -> None:
-        """Register variables, by their names and meanings, whose values are in `values`."""
+        """Register variables by name and meaning; their values are in `values`."""
         for name, meaning in named.items():
             ways = {"getter": partial(values.__getitem__, name), "setter": partial(values.__setitem__, name)}
             variable = _Variable(name, meaning, causality=causality, **ways)
             self.register_variable(variable, nested=False)
 
     def _say(self, reason: str) -> None:
-        """Log an error, also where the host's log is off; to the host a message is a format of printf."""
+        """Log an error, also if the host's log is off; the host reads a message as a format of printf."""
         self.log(reason.replace("%", "%%"), Fmi2Status.error)
         logger.error("%s: %s", self.instance_name, reason)
 
     def _refuse(self, reason: str) -> None:
-        """Log what is refused, and refuse the next step for it: pythonfmu cannot answer *error* at once."""
+        """Log a refusal, and refuse the next step for it: pythonfmu cannot answer *error* at once."""
         self._refused.append(reason)
         self._say(reason)
 
     def _variables(self, references: Sequence[int], causality: Fmi2Causality | None = None) -> list[Real]:
-        """Variables of value references; refuses those that are none, or not of a causality."""
+        """Return the variables of value references; refuse unknown ones and those of another causality."""
         variables = []
         for reference in references:
             variable = self.vars.get(reference)
@@ -310,14 +310,14 @@ class MachineOnTrack(Fmi2Slave):
         return variables
 
     def get_real(self, vrs: list[int]) -> list[float]:
-        """Values of variables; NaN for each where one is none of the unit."""
+        """Return the values of variables; NaN for all if the unit lacks one of them."""
         variables = self._variables(vrs)
         if len(variables) < len(vrs):
             return [math.nan] * len(vrs)
         return [float(variable.getter()) for variable in variables]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """Set inputs; none where one is none of the unit."""
+        """Set inputs; set none if the unit lacks one of them."""
         variables = self._variables(vrs, Fmi2Causality.input)
         if len(variables) == len(vrs):
             for variable, value in zip(variables, values, strict=True):
@@ -331,11 +331,11 @@ class MachineOnTrack(Fmi2Slave):
     get_integer = set_integer = get_boolean = set_boolean = set_string = _refuse_kind
 
     def get_string(self, vrs: list[int]) -> list[str]:
-        """Refuse texts, which the unit has none of."""
+        """Refuse texts, since the unit has none."""
         return [str(value) for value in self._refuse_kind(vrs)]
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        """Take the time at which the host starts; stop time and tolerance do not matter."""
+        """Take the start time of the host; stop time and tolerance have no effect."""
         self._start = start_time
 
     def _commands(self) -> tuple[float, np.ndarray, float]:
@@ -343,7 +343,7 @@ class MachineOnTrack(Fmi2Slave):
         return speed, np.array(wrench), turn_rate
 
     def exit_initialization_mode(self) -> None:
-        """Bring the track to rest under the load that the inputs have; where it finds none the unit ends."""
+        """Bring the track to rest under the load of the inputs; without a rest the unit ends."""
         try:
             self._run = SteppedRun(self._case, self._commands()[1])
             self._outputs.update(outputs(self._run.history()))
@@ -352,7 +352,7 @@ class MachineOnTrack(Fmi2Slave):
             self._end(error)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Integrate a step of communication, s; False where it is refused or fails."""
+        """Integrate a communication step (s); return False if it is refused or fails."""
         refused = self._refused.copy()
         self._refused.clear()
         if self._ended:
@@ -370,7 +370,7 @@ class MachineOnTrack(Fmi2Slave):
         return True
 
     def _step(self, current_time: float, step_size: float) -> None:
-        """Integrate a step; a StepRefusedError for a gap in time, and as `SteppedRun.advance` raises it."""
+        """Integrate a step; raise StepRefusedError for a gap in time; other errors: `SteppedRun.advance`."""
         assert self._run is not None
         ended = self._start + self._run.time
         if not abs(current_time - ended) <= SAME_TIME * max(1.0, abs(ended)):
@@ -379,16 +379,16 @@ class MachineOnTrack(Fmi2Slave):
         self._outputs.update(outputs(self._run.history()))
 
     def _end(self, error: BaseException) -> None:
-        """End the unit for an error; its outputs are no numbers from now on."""
+        """End the unit because of an error; its outputs are NaN from now on."""
         self._ended = str(error) or type(error).__name__
         self._outputs.update(dict.fromkeys(self._outputs, math.nan))
         self._say(f"the unit ends: {self._ended}")
 
 
 def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:
-    """Write the unit of a case, a file with the ending ``.fmu``.
+    """Write the unit of a case, a file with the suffix ``.fmu``, and return its path.
 
-    A ValueError if the case has no machine; a FileExistsError if the file is there and not to be replaced.
+    Raises ValueError if the case has no machine; FileExistsError if the file exists and `overwrite` is false.
     """
     path = Path(path)
     case_file.case.running_gear()
@@ -400,7 +400,7 @@ def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) ->
         try:
             FmuBuilder.build_FMU(script, made, project_files={case})
         finally:
-            # pythonfmu leaves the folder there
+            # pythonfmu leaves the folder in the path
             sys.path[:] = [entry for entry in sys.path if entry != folder]
         temporary.write_bytes(made.read_bytes())
     return path

@@ -1,20 +1,20 @@
-"""Errors that a user of the package can meet."""
+"""Errors and warnings for users of the package."""
 
 from pathlib import Path
 from typing import Any
 
-INTERRUPTED = "interrupted"  # why a simulation stopped that could have gone on
-GOES_ON = "run the same command again to continue"  # what a user does then
+INTERRUPTED = "interrupted"  # reason of a stopped simulation that could continue
+GOES_ON = "run the same command again to continue"  # advice for this case
 ASK_TO_OVERWRITE = "allow overwriting (--overwrite, in Python overwrite=True)"
-"""What a user may do about earlier results."""
-ENDED_FROM_OUTSIDE = 130  # exit code of a command that an interrupt ended outside of a simulation
-LONGEST_LINE = 560  # characters of a line on the console
+"""Advice for existing results."""
+ENDED_FROM_OUTSIDE = 130  # exit code of a command interrupted outside of a simulation
+LONGEST_LINE = 560  # greatest number of characters of a line on the console
 LINE_BEGIN = 400
 LINE_END = 120
 
 
 def cut_line(line: str) -> str:
-    """Return a line without its middle where it is too long to be read: libraries repeat a broken file."""
+    """Return a line without its middle if it is too long to read: libraries repeat a broken file."""
     return line if len(line) <= LONGEST_LINE else f"{line[:LINE_BEGIN]} ... {line[-LINE_END:]}"
 
 
@@ -23,36 +23,36 @@ class CrawlerError(Exception):
 
 
 class ImplausibleWarning(UserWarning):
-    """A case has values that no machine and no ground is known to have; it is run all the same."""
+    """Warning of values that no known machine or ground has; the case runs all the same."""
 
 
 class UnbalancedWarning(UserWarning):
-    """A run starts farther from rest than a hundredth of the weight; it is run all the same."""
+    """Warning of a start with residual forces above a hundredth of the weight; the run goes on."""
 
 
 class ParameterError(CrawlerError, ValueError):
-    """Parameters that are not allowed: a line for each error with the name, its value and what is allowed."""
+    """Error of parameters that are not allowed: one line each with name, value and what is allowed."""
 
     @property
     def errors(self) -> list[str]:
-        """A line each."""
+        """Lines of the error, one for each parameter."""
         return str(self).splitlines()
 
 
 class LeftMapError(CrawlerError):
-    """A shoe is at a place where no height was measured."""
+    """Error of a shoe outside of the measured heights."""
 
 
 class EquilibriumError(CrawlerError):
-    """No static equilibrium was found before the run."""
+    """Error of a track without a static equilibrium before the run."""
 
 
 class NoAnswerError(CrawlerError):
-    """No run of a sweep has an answer."""
+    """Error of a sweep without an answer of any run."""
 
 
 class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as StopIteration does
-    """A run ended before its time (s) for a reason; its history up to there is kept, None if it has none."""
+    """End of a run before its time (s), with a reason; its history so far is kept, None if it has none."""
 
     def __init__(self, time: float, reason: str, history: Any) -> None:
         super().__init__(f"the simulation stopped at t = {time:.6g} s: {reason}")
@@ -62,7 +62,7 @@ class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as S
 
 
 class CaseFileError(CrawlerError, ValueError):
-    """A case file, or a file that it names, cannot be used; `errors` has a line each."""
+    """Error of a case file, or of a file in it, that cannot be used; `errors` has one line each."""
 
     def __init__(self, path: Path, errors: list[str]) -> None:
         self.errors = [" ".join(error.split()) for error in errors]

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all and are never overwritten unasked; NetCDF files with checksums."""
+"""Files that appear whole or not at all and are overwritten only on request; NetCDF files with checksums."""
 
 import io
 import secrets
@@ -18,22 +18,22 @@ if TYPE_CHECKING:
     import xarray as xr
 
 HISTORY = "history.nc"
-"""File of a run in its folder, from which all else that it leaves can be made again."""
-PARTIAL = ".partial-"  # what the names of files begin with that are being written
+"""File of a run in its folder, from which all its other outputs can be made again."""
+PARTIAL = ".partial-"  # prefix of the names of unfinished files
 
 
 def refuse_existing(path: Path, overwrite: bool = False) -> None:
-    """Refuse to write over a file: FileExistsError if it exists and `overwrite` is false."""
+    """Raise FileExistsError if a file exists and `overwrite` is false."""
     if path.exists() and not overwrite:
         raise FileExistsError(f"{path} exists; {ASK_TO_OVERWRITE} to replace it")
 
 
 @contextmanager
 def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
-    """Write to a temporary file beside `path` that takes its place when the block ends well.
+    """Yield a temporary file beside `path` that replaces it when the block ends without an error.
 
-    FileExistsError if it exists and `overwrite` is false; OSError, naming it, if it cannot be written: the
-    disk is full, say.
+    Raises FileExistsError if the file exists and `overwrite` is false; OSError, with its name, if it cannot
+    be written, for example on a full disk.
     """
     refuse_existing(path, overwrite)
     temporary = path.with_name(f"{PARTIAL}{secrets.token_hex(4)}-{path.name}")
@@ -53,12 +53,12 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
         raise type(error)(f"{path} could not be written: {error.strerror or error}") from error
 
 
-_noting: list[set[Path]] = []  # sets of the blocks of `noted_files` that have not ended
+_noting: list[set[Path]] = []  # sets of the open blocks of `noted_files`
 
 
 @contextmanager
 def noted_files() -> Iterator[set[Path]]:
-    """Note the files that this process puts in place within the block, in the set that it gives."""
+    """Yield a set, to which all files that this process completes within the block are added."""
     noted: set[Path] = set()
     _noting.append(noted)
     try:
@@ -68,20 +68,23 @@ def noted_files() -> Iterator[set[Path]]:
 
 
 def note_written(path: Path) -> None:
-    """Tell the blocks of `noted_files` of a file that was put in place."""
+    """Add a completed file to the sets of all open blocks of `noted_files`."""
     for noted in _noting:
         noted.add(path)
 
 
 def clear_partial_files(folder: Path, below: bool = True) -> None:
-    """Remove what `whole_file` left in a folder, also those `below`, when its process was killed."""
+    """Remove the files of a killed `whole_file` in a folder, also `below` it."""
     name = f"{PARTIAL}????????-*"
     for path in folder.rglob(name) if below else folder.glob(name):
         path.unlink(missing_ok=True)
 
 
 def writable_folder(path: Path) -> Path:
-    """Make a folder, where needed; NotADirectoryError or PermissionError if it cannot be written to."""
+    """Make a folder if it does not exist, and return it.
+
+    Raises NotADirectoryError or PermissionError if it cannot be written to.
+    """
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
@@ -94,14 +97,15 @@ def writable_folder(path: Path) -> Path:
 
 
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
-"""Of every variable of a NetCDF file; higher levels save little. A checksum tells of altered bytes."""
+"""Compression of every variable of a NetCDF file; higher levels save little. The checksum reveals altered
+bytes."""
 CHUNK_BYTES = 2**18
-"""Size of the chunks of a file that is written along a dimension; HDF5 holds one of every variable."""
-TIMES_AT_ONCE = 1000  # stored times of a file that are held in memory together
+"""Size of the chunks of a file written along a dimension; HDF5 holds one chunk of every variable."""
+TIMES_AT_ONCE = 1000  # stored times of a file held in memory together
 
 
 def blocks(dataset: "xr.Dataset") -> "Iterator[xr.Dataset]":
-    """Consecutive parts of a dataset with a time, each of which fits into memory."""
+    """Yield consecutive parts of a dataset with a time; each part fits into memory."""
     for start in range(0, max(1, dataset.sizes["time"]), TIMES_AT_ONCE):
         yield dataset.isel(time=slice(start, start + TIMES_AT_ONCE))
 
@@ -109,7 +113,7 @@ def blocks(dataset: "xr.Dataset") -> "Iterator[xr.Dataset]":
 def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> Path:
     """Write a dataset as compressed NetCDF, whole or not at all; raises as `whole_file`.
 
-    The file is made in memory first: where a disk is full, HDF5 does not fail but ends the process.
+    The file is first made in memory: on a full disk, HDF5 does not fail but ends the process.
     """
     with whole_file(path, overwrite) as temporary, interrupts_wait():
         temporary.write_bytes(_netcdf_bytes(dataset))
@@ -121,7 +125,7 @@ def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
 
     from fem.files.hdf5 import VERSIONS
 
-    # what was read from a file remembers how it was stored there
+    # a dataset from a file keeps its encoding there
     dataset = dataset.drop_encoding().copy()
     dataset.attrs = _in_headers(dataset.attrs)
     encoding: dict[Any, dict[str, Any]] = {}
@@ -132,7 +136,7 @@ def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
         elif variable.dtype.kind in "OUT":
             encoding[name] = COMPRESSION | {"dtype": "S1"}
     content = io.BytesIO()
-    # within a Dask worker xarray would ask the cluster for a lock of this memory, which may be lost
+    # in a Dask worker xarray would ask the cluster for a lock of this memory, and the cluster may be lost
     store = H5NetCDFStore.open(content, mode="w", lock=locks.HDF5_LOCK, driver_kwds={"libver": VERSIONS})
     dataset.dump_to_store(store, encoding=encoding)
     store.close()
@@ -140,7 +144,7 @@ def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
 
 
 def _in_headers(attributes: Mapping[Any, Any]) -> dict[Any, Any]:
-    """Attributes whose texts have a fixed length: HDF5 keeps others in a heap that has no checksum."""
+    """Return attributes with texts of a fixed length: HDF5 keeps others in a heap without a checksum."""
     return {
         name: np.bytes_(value.encode()) if isinstance(value, str) and value.isascii() else value
         for name, value in attributes.items()
@@ -150,10 +154,10 @@ def _in_headers(attributes: Mapping[Any, Any]) -> dict[Any, Any]:
 def write_netcdf_along(
     dimension: str, size: int, parts: "Iterable[xr.Dataset]", path: Path, overwrite: bool = False
 ) -> Path:
-    """Write a dataset that comes in parts along a dimension, holding one at a time; raises as `whole_file`.
+    """Write a dataset from parts along a dimension, one in memory at a time; raises as `whole_file`.
 
-    The dimension is the first one of all variables that have it, `size` its length, all parts together. Parts
-    are one or more, in order; what lacks the dimension is that of the first.
+    The dimension is the first one of all variables that have it; `size` is its length over all parts. There
+    is at least one part, and parts are in order. Variables without the dimension are those of the first part.
     """
     import h5netcdf
 
@@ -180,7 +184,7 @@ def write_netcdf_along(
                     file.variables[name][start:end] = part.variables[name].values
                 disk.check()
                 if waiting:
-                    # also where a block around this one lets it wait
+                    # also if an outer block lets interrupts wait
                     raise KeyboardInterrupt
                 start = end
         disk.check()
@@ -194,7 +198,7 @@ def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
             file.dimensions[dimension] = length
     row_bytes = max(1, variable.dtype.itemsize * int(variable[0].size))
     rows = min(size, max(1, CHUNK_BYTES // row_bytes))
-    # nothing can be cut into chunks that holds no number
+    # an empty variable cannot have chunks
     options = {"chunks": (rows, *variable.shape[1:])} | COMPRESSION if variable.size else {}
     made = file.create_variable(name, variable.dims, variable.dtype, **options)
     made.attrs.update(_in_headers(variable.attrs))

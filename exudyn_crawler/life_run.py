@@ -1,4 +1,4 @@
-"""One duty, or one check of a shoe, into one folder: life in machine hours, cycles to a crack, and files."""
+"""Life of a duty, or check of a shoe, into a folder: machine hours, cycles to a crack, and files."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -28,7 +28,7 @@ TABLE = "shortest_lives.csv"
 CAUSES = "causes.csv"
 MATRICES = "rainflow_matrices.csv"
 GROWTH = "damage_histories.csv"
-FILES = (LIFE, FIELDS, PAGE, TABLE, CAUSES, MATRICES, GROWTH)  # what a duty leaves
+FILES = (LIFE, FIELDS, PAGE, TABLE, CAUSES, MATRICES, GROWTH)  # outputs of a duty
 CHECK_PAGE = "check.html"
 PICTURES = "pictures"
 CHECK_TABLES = {"peaks.csv": "table", "moments.csv": "moments", "cycles.csv": "cycles", "hertz.csv": "hertz"}
@@ -41,12 +41,12 @@ def life(
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> results.LifeResults:
-    """Life of the shoes in machine hours over a duty, or over that of its file.
+    """Compute the life of the shoes in machine hours over a duty, or over that of its file.
 
-    Tables, fields and page go into the folder `out`, if one is given; `say` gets a line on what goes on.
+    Tables, fields and page go into the folder `out` if it is given; `say` gets a line on each activity.
 
-    Before anything is counted: FileNotFoundError if there is no such file or no history of a run,
-    FileExistsError if the folder has results and `overwrite` is false, ValueError if the duty, its runs or a
+    Raises before anything is counted: FileNotFoundError if there is no such file or no history of a run;
+    FileExistsError if the folder has results and `overwrite` is false; ValueError if the duty, its runs or a
     spread beside one do not fit together, see `read_duty`, `results.life.duty_runs.used_runs` and
     `results.checks.solve.case_shapes`.
     """
@@ -69,11 +69,12 @@ def check_cases(
 ) -> solve.CheckResults:
     """Check a shoe, or that of a file, by static cases: peaks by region, section moments, cycles to a crack.
 
-    Tables, page and, if asked for, `pictures` of all cases go into the folder `out`, if one is given; `say`
-    gets a line on what goes on.
+    Tables, page and, if requested, `pictures` of all cases go into the folder `out` if it is given; `say`
+    gets a line on each activity.
 
-    FileNotFoundError if there is no such file; FileExistsError, before anything is solved, if the folder has
-    results and `overwrite` is false; ValueError, naming it, if a case is not in balance or has no support.
+    Raises FileNotFoundError if there is no such file; FileExistsError, before anything is solved, if the
+    folder has results and `overwrite` is false; ValueError with the name of a case that is not in balance or
+    has no support.
     """
     path = None
     if not isinstance(check, cases.ShoeCheck):
@@ -99,7 +100,7 @@ def check_cases(
             name = "".join(letter if letter.isalnum() or letter in "-." else "_" for letter in case.name)
             figure = pages.case_figure(solution, number)
             style.save_figure(figure, drawn / f"{number + 1:03d}_{name}.png", overwrite)
-            # it refers to itself in circles, with its surfaces and images
+            # reference cycles keep the surfaces and images of a figure alive
             figure.clear()
     return solution
 
@@ -107,7 +108,7 @@ def check_cases(
 def _folder(
     inputs: Duty | cases.ShoeCheck, out: str | Path | None, names: Sequence[str], overwrite: bool
 ) -> Path | None:
-    """Folder for results, if one is given; warns of inputs out of range, refuses files that are there."""
+    """Return the folder for results, if given; warn of inputs out of range, and refuse existing files."""
     checks.warn_of(checks.out_of_range(inputs))
     if out is None:
         return None
@@ -117,7 +118,7 @@ def _folder(
 
 
 def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> list[results.LifeResults]:
-    """Life over each stage of a duty alone, or over all of it; arguments and errors as in `life`."""
+    """Return the life over each stage of a duty, or over all of it; arguments and errors as in `life`."""
     inputs = [(stage, _histories(stage)) for stage in duty.by_stage()]
     lives = []
     with progress.heartbeat(f"life of {duty.name}"):
@@ -130,14 +131,14 @@ def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> 
 
 
 def _check_of(duty: Duty) -> cases.ShoeCheck:
-    """Check whose cases a duty has, with its material."""
+    """Return the check with the cases of a duty and its material."""
     is_file = Path(duty.check).suffix == ".toml"
     check = cases.read_check(duty.check) if is_file else cases.ShoeCheck(name=duty.check, mesh=duty.check)
     return check.with_(material=duty.material)
 
 
 def roller_paths(lives: results.LifeResults) -> dict[str, pd.DataFrame]:
-    """Line contact of the treads of rolled runs by their names, and of check cases, in the last stage."""
+    """Return line contacts of treads in the last stage: of rolled runs by name, and of check cases."""
     duty = lives.duty.by_stage()[-1]
     histories = {used_run.run.name: used_run.basis.history for used_run in lives.runs}
     paths = {
@@ -155,7 +156,7 @@ def roller_paths(lives: results.LifeResults) -> dict[str, pd.DataFrame]:
 
 
 def _histories(duty: Duty) -> list[History]:
-    """Histories of a duty's runs; runs in one folder share theirs."""
+    """Return the histories of a duty's runs; runs in the same folder share one."""
     paths = {run.name: _history_of(run) for run in duty.runs}
     for name, path in paths.items():
         if not path.is_file():
@@ -171,7 +172,10 @@ def _history_of(run: DutyRun) -> Path:
 
 @interrupts.interrupts_wait()
 def _spread(run: DutyRun, case: Case) -> xr.DataArray | None:
-    """Relative spread of a run's peaks, if it has been found beside its history; ValueError if of another."""
+    """Return the relative spread of a run's peaks if it lies beside the history.
+
+    Raises ValueError if the spread is of another case.
+    """
     path = _history_of(run).parent / folders.SPREAD_FOLDER / folders.SPREAD
     if not path.is_file():
         return None
@@ -184,7 +188,7 @@ def _spread(run: DutyRun, case: Case) -> xr.DataArray | None:
 
 
 def write_life(lives: results.LifeResults, folder: Path, overwrite: bool = False) -> None:
-    """Write all that there is of a life into a folder: dataset, tables, fields and a page with it in 3D."""
+    """Write all results of a life into a folder: dataset, tables, fields and a page with the shoe in 3D."""
     files.write_netcdf(lives.dataset, folder / LIFE, overwrite)
     tables.write_table(results.in_words(lives.table), folder / TABLE, overwrite)
     tables.write_table(lives.causes().map(results.life_words).reset_index(), folder / CAUSES, overwrite)

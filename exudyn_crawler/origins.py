@@ -1,8 +1,8 @@
-"""Ledger of origins: where every value comes from, a datasheet's, a case's or an assessment's.
+"""Ledger of origins: the source of every value of a datasheet, a case or an assessment.
 
 A function that finds a value by one of several rules returns it as `Ruled`. All rules are rows of a table
-(`read_rules`), so that no function hands a ledger through. Whoever shows values builds one from the fields
-that hold them.
+(`read_rules`), so that no function passes a ledger through. Code that shows values builds a ledger from the
+fields that hold them.
 """
 
 import csv
@@ -23,32 +23,32 @@ class Origin(StrEnum):
 
 
 class Ruled(NamedTuple):
-    """Value with the name of the rule that gave it."""
+    """Value with the name of its rule."""
 
     value: Any
     rule: str
     detail: str = ""
-    """Numbers of this case beside the rule's text."""
+    """Numbers of this case for the text of the rule."""
 
 
 class Rule(NamedTuple):
     """Row of a table of rules."""
 
     paths: tuple[str, ...]
-    """Of the values that it gives: without numbers of items, a trailing ``*`` for all below."""
+    """Paths of its values: without numbers of items; a trailing ``*`` stands for all below."""
     name: str
-    """Of the rule, or of the figure with which it applies; empty: it needs none."""
+    """Name of the rule, or of the figure that it needs; empty: it needs none."""
     origin: Origin | None
-    """None: that of the figure which the value is."""
+    """Origin of its values; None: that of the figure that is the value."""
     made_of: tuple[str, ...]
     """Names of figures and typical values, and paths of other values."""
     text: str
     source: str
     unit: str = ""
-    """Of a value that no field holds."""
+    """Unit of a value that no field holds."""
 
     def gives(self, plain: str) -> bool:
-        """True if it gives the value at a path, which is written without numbers of items."""
+        """Return True if the rule gives the value at a path without numbers of items."""
         return any(plain == key or (key[-1] == "*" and plain.startswith(key[:-1])) for key in self.paths)
 
     def how(self, detail: str = "") -> str:
@@ -69,7 +69,7 @@ class Entry(NamedTuple):
 
 
 class Ledger:
-    """Entries in order, each path once; the first one counts."""
+    """Entries in order; of several entries with one path the first counts."""
 
     def __init__(self, entries: Iterable[Entry]) -> None:
         self.entries: dict[str, Entry] = {}
@@ -94,7 +94,7 @@ class Ledger:
 
     @cached_property
     def counts(self) -> dict[Origin, int]:
-        """Number of entries by origin, without origins that none has."""
+        """Number of entries by origin, without absent origins."""
         counts = {origin: sum(entry.origin is origin for entry in self) for origin in Origin}
         return {origin: count for origin, count in counts.items() if count}
 
@@ -105,7 +105,7 @@ class Ledger:
 
 
 def read_rules(path: Path) -> tuple[Rule, ...]:
-    """Read a table of rules: CSV with the columns paths, name, origin, made_of, rule, source, maybe unit."""
+    """Read a table of rules: CSV with columns paths, name, origin, made_of, rule, source, optionally unit."""
     with path.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     return tuple(

@@ -1,4 +1,4 @@
-"""A maker's file of a shoe becomes a mesh and a case: what follows from the shape, and what is assumed."""
+"""Conversion of a maker's file of a shoe to a mesh and a case, with derived and assumed values marked."""
 
 import warnings
 from collections.abc import Callable, Iterator
@@ -31,13 +31,13 @@ from meshes.recognition.shoe import RecognizedShoe, recognize_file
 from meshes.undersides import is_interleaved
 
 MODES = 6
-"""Elastic free-free modes of the table."""
+"""Number of elastic free-free modes in the table."""
 MECHANISM = 1e-3
-"""Of the highest of the table: a frequency below it is that of a mechanism."""
+"""Fraction of the highest frequency in the table; a frequency below it is that of a mechanism."""
 FILLED = 0.8
-"""Of the underside's rectangle: a part that presses on the ground and that is less is said."""
+"""Fraction of the underside's rectangle; a smaller area on the ground is reported."""
 GROUND_PRESSURE = ph4100c.PROPEL_LOAD / (ph4100c.TRACK["pitch"] * ph4100c.SHOE["width"])
-"""Pa of the papers' load on pitch and width of a shoe, assumed for the load on others."""
+"""Papers' load over pitch and width of a shoe (Pa), assumed for the loads on other shoes."""
 MIDDLE_SHOE = ph4100c.MIDDLE_SHOE
 DURATION = 2.0  # s
 ASSUMED = (
@@ -48,13 +48,13 @@ ASSUMED = (
     "track.first_com",
     "loads.phases.loads",
 )
-"""Values of the case that no shape of a shoe gives, and that the papers' machine is no source of."""
+"""Values of the case that follow neither from the shape of a shoe nor from the papers' machine."""
 MARK = "ASSUMED"
 
 
 @dataclass(frozen=True, eq=False)
 class ShoeFile:
-    """Recognized shoe with the case of a track of it.
+    """Recognized shoe with the case of a track of such shoes.
 
     Attributes
     ----------
@@ -63,9 +63,9 @@ class ShoeFile:
         With the surfaces that may carry the machine.
     case_file : CaseFile
     table : DataFrame
-        What the shoe is: quantity, value, unit.
+        Properties of the shoe: quantity, value, unit.
     refusals : tuple of str
-        Why a run with flexible shoes would be refused.
+        Reasons for which a run with flexible shoes would be refused.
     """
 
     recognized: RecognizedShoe
@@ -75,7 +75,7 @@ class ShoeFile:
     refusals: tuple[str, ...]
 
     def lines(self) -> Iterator[str]:
-        """Lines for reading: what was done, what is to be decided, what a flexible run would refuse."""
+        """Yield lines for reading: what was done, what is to be decided, what a flexible run would refuse."""
         yield from self.recognized.remarks
         shoe = self.case_file.case.shoe
         if shoe.ground_share < FILLED:
@@ -98,10 +98,10 @@ class ShoeFile:
 def shoe_of(
     path: str | Path, choices: Choices | None = None, size: str = "study", name: str = ""
 ) -> ShoeFile:
-    """Shoe of a maker's file with the case of a track of it.
+    """Return the shoe of a maker's file with the case of a track of such shoes.
 
-    `name` is that of the case, whose mesh is NAME.msh.gz; the file's if it is not given. Errors are those of
-    `meshes.recognition.shoe.recognize_file`; a MeshError if the mesh is a mechanism or a surface is cut.
+    `name` is that of the case, whose mesh is NAME.msh.gz; that of the file if not given. Errors are those of
+    `meshes.recognition.shoe.recognize_file`; raises MeshError if the mesh is a mechanism or a surface is cut.
     """
     name = name or shoe_name(Path(path))
     recognized = recognize_file(path, choices, size)
@@ -116,7 +116,7 @@ def shoe_of(
         )
     surface = "whole top" if "whole top" in mesh.surfaces else "underside"
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", fem.MeshWarning)  # the check above has warned, with the file's name
+        warnings.simplefilter("ignore", fem.MeshWarning)  # `check_whole` has warned with the name of the file
         shoe = Shoe.from_mesh(mesh, load_surface=surface)
     case_file = _case_file(recognized, mesh, shoe, name)
     return ShoeFile(
@@ -129,7 +129,7 @@ def shoe_of(
 
 
 def _case_file(recognized: RecognizedShoe, mesh: fem.Mesh, shoe: Shoe, name: str) -> CaseFile:
-    """Case of a dragged track of a shoe, the middle one flexible."""
+    """Return the case of a dragged track of a shoe, with a flexible middle shoe."""
     papers = Track.ph4100c()
     y = papers.first_com[1]
     track = papers.with_(
@@ -139,7 +139,7 @@ def _case_file(recognized: RecognizedShoe, mesh: fem.Mesh, shoe: Shoe, name: str
         spherical_y=y + recognized.joint_y[0],
         parallel_y=y + recognized.joint_y[1],
     )
-    # the machine is as heavy on tips of grousers as on the plate
+    # the weight is the same on tips of grousers as on the plate
     load = GROUND_PRESSURE * track.pitch * float(np.ptp(mesh.nodes[:, 1]))
     flexible = FlexibleShoes.ph4100c(f"{name}.msh.gz").with_(
         shoes=(MIDDLE_SHOE,), density=STEEL_DENSITY, static_fields=_covers_its_rectangle(mesh)
@@ -157,7 +157,7 @@ def _case_file(recognized: RecognizedShoe, mesh: fem.Mesh, shoe: Shoe, name: str
 
 
 def _covers_its_rectangle(mesh: fem.Mesh) -> bool:
-    """True where the underside has no gap in its rectangle, and rails, if any, none in theirs."""
+    """Return True if underside and rails, if any, fill their rectangles without gaps."""
     try:
         return basis.ground_grid(mesh).weights.shape[0] > 0
     except ValueError:
@@ -165,7 +165,7 @@ def _covers_its_rectangle(mesh: fem.Mesh) -> bool:
 
 
 def _refusals(case: Case, mesh: fem.Mesh) -> Iterator[str]:
-    """Reasons why a run with flexible shoes of a mesh would be refused."""
+    """Yield the reasons for which a run with flexible shoes of a mesh would be refused."""
     name = case.flexible_shoes().mesh
     checks: tuple[Callable[[], object], ...] = (
         lambda: shoe_mesh.pin_interfaces(mesh, name, case.track),
@@ -185,7 +185,7 @@ def _table(
     body: fem.ElasticBody,
     frequencies: np.ndarray,
 ) -> pd.DataFrame:
-    """Figures of a shoe, a row a quantity."""
+    """Return the figures of a shoe, one row for each quantity."""
     inertia = body.inertia
     size = np.ptp(mesh.nodes, axis=0)
     rear, front = recognized.axes.pins.lines
@@ -227,7 +227,10 @@ def _table(
 
 
 def shoe_name(path: Path) -> str:
-    """Return the name of a maker's file without its endings; ValueError if it has nothing before them."""
+    """Return the name of a maker's file without its endings.
+
+    Raises ValueError if it has nothing before them.
+    """
     name = path.name.partition(".")[0]
     if not name:
         raise ValueError(
@@ -238,13 +241,13 @@ def shoe_name(path: Path) -> str:
 
 
 def paths_of(name: str, folder: Path) -> dict[str, Path]:
-    """Files of a shoe in a folder: "mesh", "case" and "picture"."""
+    """Return the paths of a shoe's files in a folder: "mesh", "case" and "picture"."""
     endings = {"mesh": "msh.gz", "case": "toml", "picture": "png"}
     return {kind: folder / f"{name}.{ending}" for kind, ending in endings.items()}
 
 
 def write_shoe(shoe: ShoeFile, folder: str | Path = ".", overwrite: bool = False) -> dict[str, Path]:
-    """Write mesh, case file and picture of a shoe into a folder, by the case's name.
+    """Write mesh, case file and picture of a shoe into a folder, named after the case.
 
     Returns
     -------
@@ -269,9 +272,9 @@ def write_shoe(shoe: ShoeFile, folder: str | Path = ".", overwrite: bool = False
 
 
 def _write_mesh(mesh: fem.Mesh, path: Path, overwrite: bool) -> None:
-    """Write a mesh whole or not at all."""
+    """Write a mesh, whole or not at all."""
     with files.whole_file(path, overwrite) as temporary:
-        # the suffix says how a mesh is written
+        # the suffix selects the format of a mesh
         packed = temporary.with_name(f"{temporary.name}.msh.gz")
         try:
             fem.write_mesh(packed, mesh)
@@ -281,7 +284,7 @@ def _write_mesh(mesh: fem.Mesh, path: Path, overwrite: bool) -> None:
 
 
 def shoe_text(shoe: ShoeFile) -> str:
-    """Case file of a shoe as TOML, with what is assumed marked so, and what is to be decided on top."""
+    """Return the case file of a shoe as TOML, with assumed values marked and open decisions on top."""
     lines = []
     table = ""
     for line in case_text(shoe.case_file, by_hand=True).splitlines():
@@ -304,7 +307,7 @@ def datasheet_shoe(
 ) -> tuple[pd.DataFrame, dict[str, Path]]:
     """Write the ready shoe that fits the machine of a case file with a datasheet: mesh, picture and case.
 
-    The case is that of the file with the mesh and a flexible shoe. Files are called after it: NAME_shoe.
+    The case is that of the file with the mesh and a flexible shoe. The files are named after it: NAME_shoe.
 
     Parameters
     ----------
@@ -318,7 +321,7 @@ def datasheet_shoe(
     Returns
     -------
     table : DataFrame
-        What the shoe is: quantity, value, unit.
+        Properties of the shoe: quantity, value, unit.
     paths : dict of str to Path
         "mesh", "case" and "picture".
 
@@ -361,7 +364,7 @@ def datasheet_shoe(
 
 
 def _with_shoe(path: Path, name: str, mesh: Path, folder: Path) -> str:
-    """Text of a case file with the mesh of its shoes and a flexible one, to stand in a folder."""
+    """Return the text of a case file with a mesh of its shoes and a flexible shoe, for a folder."""
     document = tomlkit.parse(path.read_text(encoding="utf-8"))
     document["name"] = name
     table: Any = document["datasheet"]

@@ -1,7 +1,8 @@
-"""A finished run repeated from starts that differ by rounding and with the other law of contact.
+"""Repetition of a finished run from starts that differ by rounding and with the other contact law.
 
-A track that sticks and slips takes another path from a start that differs by rounding, and more than one law
-of contact could stand for the same ground: what such runs differ by is open of each of them.
+A track that sticks and slips takes another path from a start that differs by rounding. More than one contact
+law could stand for the same ground. Differences between such runs are therefore uncertainties of each of
+them.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,26 +24,26 @@ from exudyn_crawler.views.tables import write_table
 from fem import judged
 
 TABLE = "spread.csv"
-NUDGE = 1e-9  # m by which the ground lies further along the track from start to start
-ONE_TIME = BARE.with_(picture_times=(0.0,))  # what a run leaves that is repeated
-FIRST = "start 1"  # name of the run that is judged
+NUDGE = 1e-9  # m, shift of the ground along the track from start to start
+ONE_TIME = BARE.with_(picture_times=(0.0,))  # outputs of a repeated run
+FIRST = "start 1"  # name of the judged run
 OPEN_PARTS = ("spread", "choice")  # columns of a stress's uncertainty by starts and by laws of contact, Pa
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Stresses of a run with what others differ from it by.
+    """Stresses of a run and their differences from those of repeated runs.
 
-    `dataset` is what the catalogue has of spread: shoe and node as in `StressResults`, run with that of
-    `peak_von_mises` first; `peak_verdict` counts spread and choice. `hot_spots` has the tables of the first
-    run's shoes with columns spread and choice (Pa) and the verdict that follows.
+    `dataset` has the spread's variables of the catalogue: shoe and node as in `StressResults`, run with that
+    of `peak_von_mises` first; `peak_verdict` counts spread and choice. `hot_spots` has the tables of the
+    first run's shoes with columns spread and choice (Pa) and the resulting verdict.
     """
 
     dataset: xr.Dataset
     hot_spots: Mapping[int, pd.DataFrame]
 
     def by_shoe(self) -> pd.DataFrame:
-        """Highest stress of each shoe in each run (MPa), and its spread and choice in per cent."""
+        """Return the highest stress of each shoe in each run (MPa), and its spread and choice in per cent."""
         rows = []
         for shoe, table in self.hot_spots.items():
             top = table.iloc[0]
@@ -63,17 +64,17 @@ def spread(
     progress: bool | None = None,
     say: Callable[[str], None] = record.quiet,
 ) -> Spread:
-    """Repeat a finished run into a folder "spread" in its own, and judge its stresses by what changes.
+    """Repeat a finished run into a folder "spread" in its own, and judge its stresses by the differences.
 
-    There are so many `starts`, its own among them; from one to the next the ground lies 1e-9 m further along
-    the track. With `laws` it is repeated with the contact law of a pair given whole to each, or shared by
-    area, whichever it has not; rolled tracks and spheres have no other. Repeated runs are folders of their
-    own; finished ones are not repeated, and one that was stopped goes on. `overwrite` replaces what earlier
-    ones have found, and repeated runs of other cases. The verdicts on lives of duties with the run count it.
+    The number of `starts` counts the run's own; from one to the next the ground lies 1e-9 m further along the
+    track. With `laws` the run is also repeated with the other contact law: that of a pair, whole for each
+    contact or shared by area. Rolled tracks and spheres have no other law. Repeated runs have folders of
+    their own; finished ones are not repeated, and a stopped one continues. `overwrite` replaces earlier
+    results, and repeated runs of other cases. Verdicts on lives of duties with the run count its spread.
 
-    Before anything runs, a FileNotFoundError or ValueError if the folder has no case or no finished history
-    of it, there are no flexible shoes, or nothing is to be repeated; a FileExistsError if the folder has
-    results and `overwrite` is false; else errors as in `run_case`.
+    Raises before anything runs: FileNotFoundError or ValueError if the folder has no case or no finished
+    history of it, there are no flexible shoes, or nothing is to be repeated; FileExistsError if the folder
+    has results and `overwrite` is false. Other errors are those of `run_case`.
     """
     folder = Path(run)
     case_file = read_case(folder / record.CASE)
@@ -110,13 +111,13 @@ def spread(
 
 
 def nudged(case: Case, times: int) -> Case:
-    """Same case on ground that lies some nudges further along the track."""
+    """Return a case with its ground some nudges further along the track."""
     x, y = case.terrain.origin
     return case.with_(terrain=case.terrain.with_(origin=(x + times * NUDGE, y)))
 
 
 def laws_beside(case: Case) -> dict[str, Case]:
-    """Same case with laws of contact that could stand for the same ground, by name."""
+    """Return a case with the other contact laws for the same ground, by name."""
     contact = case.contact
     if not isinstance(contact, PairContact) or case.gear.kind == "rolled":
         return {}
@@ -125,9 +126,9 @@ def laws_beside(case: Case) -> dict[str, Case]:
 
 
 def spread_of(first: recovery.StressResults, others: Mapping[str, xr.DataArray], starts: int) -> Spread:
-    """Spread of a run by the greatest stresses (shoe, node), Pa, of others by name.
+    """Return the spread of a run and others, by name, from their greatest stresses (shoe, node), Pa.
 
-    The first of the others, with the run itself so many as `starts`, differ by their start alone.
+    The run and the first of the others, together as many as `starts`, differ only in their start.
     """
     peaks = [first.dataset.peak_von_mises, *others.values()]
     runs = np.stack([peak.transpose("shoe", "node").values for peak in peaks])
