@@ -1,6 +1,6 @@
 """Everything that a run depends on."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -22,6 +22,13 @@ NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 
 class Case(NamedCases):
     """Track, terrain, contact, drive, loads and solver of one run; `ParameterError` if they do not fit."""
+
+    renamed: ClassVar[dict[str, str]] = {
+        "undercarriage": "is now [gear] with kind = 'rolled'",
+        "closed_track": "is now [gear] with kind = 'closed', or 'machine' for two tracks",
+        "car_body": "is now [gear.car_body] of a [gear] with kind = 'machine'",
+    }
+    """Keys of older case files, and where their values are now."""
 
     def _errors(self) -> Errors:
         count = self.track.shoe_count

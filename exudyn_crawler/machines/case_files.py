@@ -21,7 +21,7 @@ from exudyn_crawler.files import whole_file
 from exudyn_crawler.machines import mesh_shoe
 from exudyn_crawler.machines.case_file import CaseFile, case_text
 from exudyn_crawler.machines.datasheet import files as datasheets
-from exudyn_crawler.settings import error_lines, fields, reading, units
+from exudyn_crawler.settings import fields, reading, units
 
 BESIDE = ("duration", "outputs", datasheets.KEY)
 """Keys of a case file beside those of its case."""
@@ -123,8 +123,8 @@ def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
         raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
     if meant:
         return (*fields.parse_path(meant[0].removesuffix(f".{names}")), *path)
-    if path[0] in error_lines.RENAMED:
-        raise ValueError(f"{path[0]}: {error_lines.unknown_key(path[:1], known)}")
+    if renamed := fields.renamed_keys(CaseFile).get(str(path[0])):
+        raise ValueError(f"{path[0]}: {renamed}")
     near = difflib.get_close_matches(names, known, n=1)
     raise ValueError(f"{key}: unknown key" + (f"; did you mean {near[0]}?" if near else ""))
 

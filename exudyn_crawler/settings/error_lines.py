@@ -1,4 +1,4 @@
-"""Words for what is wrong with values: a line a fault, with its path, what is allowed and what is there."""
+"""Lines for refused values: one a fault, with its path, what is allowed and what is there."""
 
 import difflib
 import re
@@ -11,7 +11,7 @@ import pydantic
 from pydantic.fields import FieldInfo
 
 from exudyn_crawler.errors import ParameterError
-from exudyn_crawler.settings import fields, units
+from exudyn_crawler.settings import fields, sentences, units
 
 MOST_ERRORS = 100  # that are named
 LISTED = 300  # characters of allowed names, beyond which a list is cut
@@ -22,18 +22,13 @@ LISTED_BY = "listed_by"  # of a class: the command that lists its keys
 TYPED = "typed"
 """Key of a fault for what was typed in place of its input."""
 OF_TABLES = ("missing", "extra_forbidden")
-WORDS = (
-    *(("a valid number", "a number"), ("a valid integer", "a whole number"), ("a valid string", "a text")),
-    *(("a valid boolean", "true or false"), ("a valid array", "a list"), ("a valid tuple", "a list")),
-    *(("a valid list", "a list"), (" after validation", ""), ("be an object", "be a table")),
-    ("be a valid dictionary", "be a table"),
-)
-"""Those of pydantic, and what an engineer says."""
+TAGGED = ("union_tag_invalid", "union_tag_not_found")
+"""Errors of the key that tells of which class a part is."""
+OF_CLASS = ("model_type", "model_attributes_type", *TAGGED)
+"""Errors of what is no table of a field's classes."""
 PROFILE = "values over time, such as {{times = [0, 5], values = [0, 0.1]}} (numbers in {units})"
 OF_LIST = re.compile(r"([\w.\[\]]+\[)(\d+)(\]: .*)")
 """Line of a fault of an item of a list."""
-OTHER_KIND = ("_type", "literal_error", "is_instance_of", "enum")
-"""Ends of pydantic's names of faults of a value that is of another kind than what is wanted."""
 
 
 class Spot(NamedTuple):
@@ -134,12 +129,12 @@ def _of_choice(
     choice: fields.KeyPath, together: Sequence[Pair], model: type[pydantic.BaseModel]
 ) -> Iterator[str]:
     """Lines of a value that may be of several kinds: what is wrong within one, else what it may be."""
-    inner = [pair for pair in together if pair[0].place != choice or not _is_other_kind(pair[1])]
+    inner = [pair for pair in together if pair[0].place != choice or pair[1]["type"] not in sentences.OF_KIND]
     if inner:
         for spot, fault in inner:
             yield from _messages(spot, fault, model)
         return
-    first, *others = [_wanted(fault) for _, fault in together]
+    first, *others = dict.fromkeys(_sentence(spot, fault) for spot, fault in together)
     words = " or ".join([first, *(word.removeprefix("must be ") for word in others)])
     yield f"{fields.path_text(choice)}: {words}, got {fields.shown(together[0][1]['input'])}"
 
@@ -161,9 +156,9 @@ def _all_missing(table: fields.KeyPath, spots: Sequence[Spot], _model: type[pyda
 
 def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydantic.BaseModel]) -> str:
     """Line of several keys that a table does not know; those of older files alone, if there are any."""
-    renamed = [name for name in _last_names(spots) if name in RENAMED] if not table else []
-    if renamed:
-        return "; ".join(f"{name} {RENAMED[name]}" for name in renamed)
+    renamed = fields.renamed_keys(model) if not table else {}
+    if older := [name for name in _last_names(spots) if name in renamed]:
+        return "; ".join(f"{name} {renamed[name]}" for name in older)
     allowed = fields.file_fields(model) if not table else spots[0].table.model_fields
     homes = {str(spot.place[-1]): _home(spot.place, model, allowed) for spot in spots[:MOST_UNKNOWN]}
     nearest = {
@@ -222,11 +217,6 @@ def _start_from(table: type[pydantic.BaseModel], what: str) -> str:
     return f"; give {what}, or start from {names}" if names else ""
 
 
-def _is_other_kind(fault: Mapping[str, Any]) -> bool:
-    """True where a value is of another kind than what is wanted."""
-    return str(fault["type"]).endswith(OTHER_KIND)
-
-
 def _spot(loc: fields.KeyPath, model: type[pydantic.BaseModel]) -> Spot:
     """Spot of pydantic's place, which also names the class or the kind that was tried of several."""
     spot = Spot((), model, None, (model,))
@@ -264,69 +254,85 @@ def _messages(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseMod
     if isinstance(cause, ParameterError):
         yield from (f"{path}.{line}" for line in cause.errors)
     else:
-        yield _message(spot, fault, model, f"{path}: " if path else "")
+        yield _message(spot, fault, model, path)
 
 
-def _message(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseModel], head: str) -> str:
-    """Line of a fault, behind its path."""
+def _message(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseModel], path: str) -> str:
+    """Return the line of a fault at a path."""
     kind = fault["type"]
-    value = fault["input"]
     if kind == "extra_forbidden":
-        allowed = fields.file_fields(model) if len(spot.place) == 1 else spot.table.model_fields
-        home = _home(spot.place, model, allowed)
-        return head + (
-            f"unknown key; {home}"
-            if home
-            else unknown_key(spot.place, [*allowed], getattr(spot.table, LISTED_BY, ""))
-        )
+        return f"{path}: {_unknown(spot, model)}"
     if kind == "missing":
-        return _missing(spot, fault, head)
+        return f"{path}: {_missing(spot, fault)}"
     if kind == "value_error":
-        return head + fault["msg"].removeprefix("Value error, ").partition(", unable to ")[0]
-    if kind.startswith("union_tag") and isinstance(value, dict):
+        # what does not fit each other in the whole content names its paths itself
+        return f"{path}: {fault['ctx']['error']}" if path else str(fault["ctx"]["error"])
+    if kind in TAGGED and isinstance(fault["input"], dict):
         tags = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
         tag = fields.tag_field(spot.held[0])
-        return f"{fields.path_text((*spot.place, tag))}: must be {tags}, got {fields.shown(value.get(tag))}"
-    unit = fields.unit_of(spot.field) if spot.field else ""
-    words = _wanted(fault)
-    cause = ""
-    if kind.startswith(("model", "union_tag")):
-        words = f"must be {_table(spot, unit)}"
-    elif kind == "float_type" and isinstance(value, str):
-        words = _number_words(unit)
-    elif spot.field is not None and fields.has_unit(spot.field) and isinstance(value, str) and not spot.held:
-        words = f"{words} of numbers{f' in {unit}' if unit else ''}" if words == "must be a list" else words
-    if spot.field is not None and _is_other_kind(fault) and isinstance(spot.place[-1], str):
-        other = fields.in_place(spot.field)
-        words += f", or {other}" if other else ""
-    if isinstance(value, str) and kind.endswith("_type") and kind != "bool_type":
-        cause = units.hint(value, unit)
-    is_bare = isinstance(value, int | float) and not isinstance(fault[TYPED], str)
-    if kind.startswith(("less_than", "greater_than")) and spot.field and is_bare:
-        cause = fields.likely_cause(float(value), spot.field)
-    return f"{head}{words}, got {fields.shown(fault[TYPED])}{cause}"
-
-
-def _missing(spot: Spot, fault: Mapping[str, Any], head: str) -> str:
-    """Line of a value that is missing, with where one can come from."""
-    if spot.place and isinstance(spot.place[-1], int):
-        return f"{head}missing, got {fields.shown(fault['input'])}"
+        got = fields.shown(fault["input"].get(tag))
+        return f"{fields.path_text((*spot.place, tag))}: must be {tags}, got {got}"
     # a part whose values a file has beside the others has no path there
-    return f"{head or fields.path_text(fault['loc']) + ': '}missing{_start_from(spot.table, 'it')}"
+    path = path or fields.path_text(fault["loc"])
+    return f"{path}: {_wanted(spot, fault)}, got {fields.shown(fault[TYPED])}{_cause(spot, fault)}"
 
 
-def _wanted(fault: Mapping[str, Any]) -> str:
-    """Say what a value must be, in an engineer's words."""
-    words = str(fault["msg"]).partition(", unable to ")[0]
-    for word, plain in WORDS:
-        words = words.replace(word, plain)
-    return re.sub("^[A-Z][a-z]+ should", "must", words)
+def _wanted(spot: Spot, fault: Mapping[str, Any]) -> str:
+    """Return what a value must be: the sentence of its error, and what the field may have in its place."""
+    kind = fault["type"]
+    unit = fields.unit_of(spot.field) if spot.field else ""
+    words = _sentence(spot, fault)
+    if kind in OF_CLASS:
+        words = f"must be {_table(spot, unit)}"
+    elif kind == "float_type" and isinstance(fault["input"], str):
+        words = _number_words(unit)
+    elif spot.field and fields.has_unit(spot.field) and isinstance(fault["input"], str) and not spot.held:
+        words += f" of numbers{f' in {unit}' if unit else ''}" if words == sentences.LIST else ""
+    of_item = not spot.place or isinstance(spot.place[-1], int)
+    other = fields.in_place(spot.field) if spot.field and kind in sentences.OF_KIND and not of_item else ""
+    return f"{words}, or {other}" if other else words
+
+
+def _sentence(spot: Spot, fault: Mapping[str, Any]) -> str:
+    """Return the sentence of the type of a fault."""
+    return sentences.sentence(fault["type"], fault.get("ctx", {}), spot.field)
+
+
+def _cause(spot: Spot, fault: Mapping[str, Any]) -> str:
+    """Say how a refused value could be meant; empty where nothing is likely."""
+    value = fault["input"]
+    if isinstance(value, str) and fault["type"] in sentences.UNREAD:
+        return units.hint(value, fields.unit_of(spot.field) if spot.field else "")
+    if fault["type"] in sentences.BOUNDED and spot.field and not isinstance(fault[TYPED], str):
+        return fields.likely_cause(float(value), spot.field)
+    return ""
+
+
+def _unknown(spot: Spot, model: type[pydantic.BaseModel]) -> str:
+    """Say where a key that its table does not know belongs, or what could be meant by it."""
+    is_of_top = len(spot.place) == 1
+    name = str(spot.place[-1])
+    allowed = fields.file_fields(model) if is_of_top else spot.table.model_fields
+    if home := _home(spot.place, model, allowed):
+        return f"unknown key; {home}"
+    if is_of_top and (renamed := fields.renamed_keys(model).get(name)):
+        return renamed
+    if near := difflib.get_close_matches(name, allowed, n=1):
+        return f"unknown key; did you mean {fields.path_text((*spot.place[:-1], *near))}?"
+    return f"unknown key; allowed are {_listed(allowed, getattr(spot.table, LISTED_BY, ''))}"
+
+
+def _missing(spot: Spot, fault: Mapping[str, Any]) -> str:
+    """Say of a missing value where one can come from."""
+    if spot.place and isinstance(spot.place[-1], int):
+        return f"missing, got {fields.shown(fault['input'])}"
+    return f"missing{_start_from(spot.table, 'it')}"
 
 
 def _number_words(unit: str) -> str:
     """Say what a number must be where a text stands."""
     example = f", or such as '1 {next(iter(fields.MISTAKEN[unit]))}'" if unit in fields.MISTAKEN else ""
-    return f"must be a number{f' in {unit}' if unit else ''}{example}"
+    return f"{sentences.NUMBER}{f' in {unit}' if unit else ''}{example}"
 
 
 def _table(spot: Spot, unit: str) -> str:
@@ -334,27 +340,3 @@ def _table(spot: Spot, unit: str) -> str:
     if any(getattr(held, "is_value", False) for held in spot.held):
         return PROFILE.format(units=f"s and {unit}" if unit else "s, and without a unit")
     return f"a table ({' or '.join(held.__name__ for held in spot.held)})"
-
-
-RENAMED = {
-    "undercarriage": "is now [gear] with kind = 'rolled'",
-    "closed_track": "is now [gear] with kind = 'closed', or 'machine' for two tracks",
-    "car_body": "is now [gear.car_body] of a [gear] with kind = 'machine'",
-}
-"""Keys of older case files, and where their values are now."""
-
-
-def unknown_key(path: fields.KeyPath, allowed: Sequence[str], listed_by: str = "") -> str:
-    """Say what is wrong with a path whose last name is none of those that are allowed there.
-
-    `listed_by` is the command that lists all of these.
-    """
-    if len(path) == 1 and path[0] in RENAMED:
-        return RENAMED[str(path[0])]
-    near = difflib.get_close_matches(str(path[-1]), allowed, n=1)
-    meant = fields.path_text((*path[:-1], *near))
-    return (
-        f"unknown key; did you mean {meant}?"
-        if near
-        else f"unknown key; allowed are {_listed(allowed, listed_by)}"
-    )

@@ -116,6 +116,13 @@ def file_fields(kind: type[BaseModel]) -> dict[str, FieldInfo]:
     return file_fields(models_of(infos.pop(name).annotation)[0]) | infos if name else infos
 
 
+def renamed_keys(kind: type[BaseModel]) -> dict[str, str]:
+    """Return the keys of older files of a class, each with where its value is now."""
+    name = beside(kind)
+    inner = renamed_keys(models_of(kind.model_fields[name].annotation)[0]) if name else {}
+    return inner | getattr(kind, "renamed", {})
+
+
 def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
     """Paths of all values that a parameter class may have in a file, each once."""
     for name, field in file_fields(kind).items():

@@ -114,7 +114,7 @@ def title_says(page, words):
 def test_the_whole_way_by_keyboard_from_a_machine_to_two_runs_beside_each_other(opened, folder):
     page = opened(1400)
     weight = typed(page, "datasheet.operating_weight", "-3 kg")
-    page.get_by_text("must be greater than or equal to 1, got -3").wait_for()
+    page.get_by_text("must be greater than or equal to 1 kg, got -3").wait_for()
     typed(page, "datasheet.operating_weight", "36 t")
     sync_api.expect(weight).to_have_value("36000 kg", timeout=WAIT)
     page.get_by_text("must be greater than").wait_for(state="hidden")

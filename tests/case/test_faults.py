@@ -8,10 +8,12 @@ import pytest
 
 import exudyn_crawler.results.checks.cases
 import exudyn_crawler.sweep.scatter
+from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters import loads
+from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells.laws import bekker, rock
-from exudyn_crawler.machines import CaseFile
-from exudyn_crawler.settings import fields, reading
+from exudyn_crawler.machines import CaseFile, read_case
+from exudyn_crawler.settings import fields, reading, sentences
 from exudyn_crawler.settings.error_lines import error_lines
 from exudyn_crawler.settings.parameters import Parameters
 
@@ -39,12 +41,26 @@ def classes(kind=Parameters):
         yield from classes(below)
 
 
+class Wordless:
+    """Error of a validation without the library's messages."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def errors(self, **options):
+        """Faults of the error."""
+        return [
+            {key: value for key, value in fault.items() if key != "msg"}
+            for fault in self.error.errors(**options)
+        ]
+
+
 def lines_of(kind, content):
     """Lines of a file's content, of a class of parameters."""
     try:
         kind.model_validate_json(json.dumps(reading.filled(content, kind)), strict=True)
     except pydantic.ValidationError as error:
-        return list(error_lines(error, kind))
+        return list(error_lines(Wordless(error), kind))
     return []
 
 
@@ -57,6 +73,75 @@ def test_what_is_wrong_with_any_field_is_said_in_plain_words(kind):
                 assert not LIBRARY.search(line.partition("got ")[0]), line
 
 
+ERRORS = {
+    "any": (),
+    "bool": ("bool_type", "bool_parsing"),
+    "default": (),
+    "definition-ref": (),
+    "definitions": (),
+    "dict": ("dict_type", "invalid_key"),
+    "float": ("float_type", "float_parsing", "finite_number"),
+    "function-after": ("value_error",),
+    "function-before": ("value_error",),
+    "function-plain": (),
+    "int": ("int_type", "int_parsing", "int_parsing_size", "int_from_float"),
+    "is-instance": ("is_instance_of",),
+    "json-or-python": (),
+    "lax-or-strict": (),
+    "literal": ("literal_error",),
+    "model": ("model_type",),
+    "model-field": (),
+    "model-fields": ("missing", "extra_forbidden", "model_attributes_type", "invalid_key"),
+    "no-info": (),
+    "nullable": (),
+    "str": ("string_type", "string_unicode"),
+    "tagged-union": ("union_tag_invalid", "union_tag_not_found", "model_attributes_type", "dict_type"),
+    "tuple": ("tuple_type", "iteration_error", "missing", "too_long"),
+    "union": (),
+    "with-info": (),
+}
+"""Types of errors of each kind of field, as pydantic lists them."""
+LIMITS = {"gt": "greater_than", "ge": "greater_than_equal", "lt": "less_than", "le": "less_than_equal"}
+LENGTHS = {"min_length": "too_short", "max_length": "too_long"}
+WHOLE_LINES = {"value_error", "missing", "extra_forbidden"}
+"""Errors whose lines tell more than a sentence about the value."""
+
+
+def error_types(schema):
+    """Types of errors that a field of pydantic's schema can raise."""
+    if isinstance(schema, list | tuple):
+        return {kind for item in schema for kind in error_types(item)}
+    if not isinstance(schema, dict):
+        return set()
+    found = {kind for key, part in schema.items() if key != "metadata" for kind in error_types(part)}
+    if isinstance(kind := schema.get("type"), str):
+        found |= set(ERRORS[kind])
+        found |= {name for key, name in LIMITS.items() if key in schema}
+        of_text = "string_" if kind == "str" else ""
+        found |= {f"{of_text}{name}" for key, name in LENGTHS.items() if key in schema}
+        found |= {schema["custom_error_type"]} if "custom_error_type" in schema else set()
+    return found
+
+
+def test_every_error_that_a_field_can_have_has_a_sentence():
+    raised = {
+        found for kind in (*classes(), CaseFile) for found in error_types(kind.__pydantic_core_schema__)
+    }
+    assert raised - WHOLE_LINES == set(sentences.SENTENCES)
+
+
+def test_a_bound_has_the_unit_of_its_field(refused):
+    assert refused("[shoe]\nmass = -1") == ["shoe.mass: must be greater than or equal to 0.1 kg, got -1"]
+    with pytest.raises(ParameterError, match=r"^case: must be a table \(Case\), got 'x'$"):
+        CaseFile(case="x")
+
+
+def test_keys_of_older_files_are_those_of_the_case():
+    assert fields.renamed_keys(CaseFile) == Case.renamed
+    assert fields.renamed_keys(Parameters) == {}
+    assert not set(Case.renamed) & set(Case.model_fields)
+
+
 @pytest.fixture
 def refused(tmp_path):
     """Lines with which a case file of these lines after its base is refused."""
@@ -64,7 +149,7 @@ def refused(tmp_path):
     def lines(text, base="translation"):
         (tmp_path / "case.toml").write_text(f'base = "{base}"\n{text}\n')
         with pytest.raises(reading.CaseFileError) as refusal:
-            exudyn_crawler.case.read_case(tmp_path / "case.toml")
+            read_case(tmp_path / "case.toml")
         return refusal.value.errors
 
     return lines

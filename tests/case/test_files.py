@@ -177,7 +177,7 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ('[shoe]\nmass = "4681"', "shoe.mass: must be a number in kg, or such as '1 t', got '4681'"),
         ("[shoe]\nmass = true", "shoe.mass: must be a number, got True"),
         ("[shoe]\nmass = nan", "shoe.mass: must be a finite number, got nan"),
-        ("[shoe]\nmass = -1", "shoe.mass: must be greater than or equal to 0.1, got -1"),
+        ("[shoe]\nmass = -1", "shoe.mass: must be greater than or equal to 0.1 kg, got -1"),
         ("[terrain]\ncolumns = 2.5", "terrain.columns: must be a whole number"),
         ('[terrain]\ntilt = "yaw"', "terrain.tilt: must be 'pitch' or 'roll', got 'yaw'"),
         ("[terrain]\ncolumn_tilt = 1", "terrain.column_tilt: must be true or false, got 1"),

@@ -375,5 +375,5 @@ def test_a_bound_of_a_parameter_is_given_once():
             assert len(bounds) == len(set(bounds)), f"{kind.__name__}.{name}: {field.metadata}"
             seen.add(name)
     assert len(seen) > 200
-    with pytest.raises(ParameterError, match=r"must be greater than or equal to 0\.001, got 1e-06"):
+    with pytest.raises(ParameterError, match=r"must be greater than or equal to 0\.001 s, got 1e-06"):
         CASE.with_({"solver.checkpoint_interval": 1e-6})

@@ -98,7 +98,7 @@ def test_a_figure_of_another_unit_asks_for_it(lines, changes, told):
     found = lines(EXCAVATOR | changes)
     if told is None:
         assert found == [
-            "datasheet.gauge: must be less than or equal to 100, got 2380; is it in mm? It has to be in m"
+            "datasheet.gauge: must be less than or equal to 100 m, got 2380; is it in mm? It has to be in m"
         ]
     else:
         assert found[0].startswith(f"datasheet.{told}")

@@ -98,8 +98,8 @@ def test_all_faults_of_a_datasheet_are_lines_that_quote_what_was_typed(refused):
     assert lines == [
         "datasheet.operating_weight: must be a number in kg, or such as '1 t', got '73,500 kg'; "
         "numbers have no commas: '73500 kg', or '73.500 kg'",
-        "datasheet.gauge: must be less than or equal to 100, got '2e5 mm'",
-        "datasheet.shoe_width: must be less than or equal to 100, got '600 ft'",
+        "datasheet.gauge: must be less than or equal to 100 m, got '2e5 mm'",
+        "datasheet.shoe_width: must be less than or equal to 100 m, got '600 ft'",
         "datasheet.shoes: must be a whole number, got '48 pieces'",
         "datasheet.ground_pressure: must be a number in Pa, or such as '1 MPa', got '0.51 kg/m'",
         "datasheet.travel_speed: must be a number in m/s, or such as '1 km/h', got '4.1'; "

@@ -52,7 +52,7 @@ def test_a_value_may_stand_for_one_of_each_path():
         shoe = applied(one, 0.05).shoe
         assert (shoe.mass, shoe.load_point) == (4600.0, (0.0, 0.0, 0.2))
     wrong = plate.with_(settings=((4400.0, (0.0, 0.0, 0.19)), (-1.0, (0.0, 0.0, 0.2))))
-    with pytest.raises(ValueError, match=r"shoe\.mass: .* greater than or equal to 0\.1, got -1"):
+    with pytest.raises(ValueError, match=r"shoe\.mass: .* greater than or equal to 0\.1 kg, got -1"):
         wrong.check(small_case())
 
 
@@ -100,7 +100,10 @@ def test_paths_and_bounds_that_make_no_sense_are_refused(given, told):
         ({"key": "terrain.spring_stifness", "values": (1e7,)}, "did you mean terrain.spring_stiffness?"),
         ({"key": STIFFNESS, "low": 5.0, "high": 80.0}, "is it in MN/m? It has to be in N/m"),
         ({"key": STIFFNESS, "low": 5.0, "high": 80.0, "unit": "MN/m"}, "unit must be 'N/m', got 'MN/m'"),
-        ({"key": STIFFNESS, "low": -5.0, "high": 80e6, "unit": "N/m"}, "greater than or equal to 1, got -5"),
+        (
+            {"key": STIFFNESS, "low": -5.0, "high": 80e6, "unit": "N/m"},
+            "greater than or equal to 1 N/m, got -5",
+        ),
         ({"key": "contact.friction", "low": 0.1, "high": 0.5}, "contact.friction: unknown key"),
         ({"key": "contact.model", "values": ("spheres",)}, "cannot vary: each has values of its own"),
         ({"key": "terrain", "values": (1.0,)}, "terrain is a table"),
