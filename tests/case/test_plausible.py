@@ -73,7 +73,7 @@ CONSTANT = [
         ({"terrain.density": 1.6}, "is it in t/m3? It has to be in kg/m3"),
         ({"terrain.spring_stiffness": 20.0}, "is it in MN/m? It has to be in N/m"),
         ({"terrain.spring_stiffness": 2e5}, "a unit sinks by 4.93 m under itself and one shoe"),
-        ({"terrain.grade": 8.0 / 12.0}, "terrain.grade: 0.666667 is outside of -0.3 to 0.3"),
+        ({"terrain.grade": 8.0 / 12.0}, "terrain.grade: 0.6667 is outside of -0.3 to 0.3"),
         ({"shoe.mass": 4.68}, "shoe.mass: 4.68 kg is outside of 5 to 20000 kg; is it in t?"),
         ({"shoe.inertia": (4e9, 2e8, 4e9, 0, 0, 0)}, "gives radii of gyration of 207 to 924 m"),
         ({"contact.stiffness": 1e5}, "contact: a shoe sinks by 2.08 m under its mean load of 432.3 kN"),
