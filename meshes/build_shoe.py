@@ -1,6 +1,6 @@
 """Mesh a shoe of any dimensions: `python -m meshes.build_shoe thick.msh.gz --top-thickness 0.05`.
 
-It needs netgen, which brings its own geometry kernel and needs no libraries of the system.
+It needs netgen, which has its own geometry kernel and needs no system libraries.
 """
 
 import argparse
@@ -20,27 +20,27 @@ from meshes.geometry import COM_HEIGHT, JOINT_CENTERS, SHOE_SIZES, ShoeDimension
 from meshes.solid import build_solid
 
 FROM_NETGEN = [1, 0, 2, 3, 4, 5, 7, 8, 6, 9]
-"""Nodes of a tetrahedron of netgen's, which has the other sense and order of edges, as VTK has them."""
+"""Node order of VTK in netgen's tetrahedra, whose orientation and edge order differ."""
 FROM_NETGEN_TRIANGLE = [0, 1, 2, 5, 3, 4]
 OTHER_DIMENSIONS = "change the dimensions a little, or the size of the elements"
 LEVEL = 1e-5
-"""m, within which a face is level."""
+"""Tolerance within which a face is level, m."""
 FLANGE = "flange"
-"""Name of the flat part of the flange, which is the top together with the roller path."""
+"""Name of the flat part of the flange, which with the roller path forms the top."""
 
 
 @dataclass(frozen=True)
 class ElementSizes:
-    """Edge lengths of the elements in m, how many lie along the radius of a curve, and how fast they grow.
+    """Resolution of a mesh: greatest edge lengths, elements on curves, and growth.
 
     Attributes
     ----------
     at_bores, at_rear_roots, elsewhere : float
         Greatest edge lengths, m.
     on_curves : float
-        Elements along a curve's radius.
+        Number of elements along a curve's radius.
     growth : float
-        From 0 (even) to 1 (fast).
+        Growth of the elements from 0 (even) to 1 (fast).
     """
 
     at_bores: float
@@ -55,11 +55,11 @@ SIZES = {
     "study": ElementSizes(0.035, 0.021, 0.130, 1.0),
     "fine": ElementSizes(0.022, 0.012, 0.085, 1.5),
 }
-"""Resolutions about as fine as the ready meshes of these names."""
+"""Resolutions similar to the ready meshes of these names."""
 
 
 def name_level_faces(body: Any, heights: Mapping[str, float]) -> None:
-    """Name the level faces of a solid that lie at these heights, m; the first of equal ones counts."""
+    """Name the level faces of a solid at these heights, m; of equal heights the first counts."""
     for face in body.faces:
         low, high = face.bounding_box
         if high.z - low.z > LEVEL:
@@ -71,7 +71,7 @@ def name_level_faces(body: Any, heights: Mapping[str, float]) -> None:
 
 
 def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
-    """Name underside, roller path and the flange's flat part; the bores have their names."""
+    """Name underside, roller path and the flange's flat part; the bores are named already."""
     heights = {"underside": 0.0, "roller path": shoe.path_height, FLANGE: shoe.beam_height}
     name_level_faces(body, {name: height - COM_HEIGHT for name, height in heights.items()})
     wanted = ["underside", "roller path", FLANGE, *(f"bore {name}" for name in JOINT_CENTERS)]
@@ -83,7 +83,7 @@ def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
 
 
 def _set_sizes(body: Any, size: ElementSizes, shoe: ShoeDimensions) -> None:
-    """Small elements on bores, on the fillets at the roots of the rear lugs, and on rails that overhang."""
+    """Set small elements on bores, on root fillets of the rear lugs, and on overhanging rails."""
     for face in body.faces:
         low, high = face.bounding_box
         is_root = low.x > shoe.rear_face - 0.05 and high.x < 0.0
@@ -95,9 +95,9 @@ def _set_sizes(body: Any, size: ElementSizes, shoe: ShoeDimensions) -> None:
 
 
 def netgen_kernel() -> Any:
-    """Return the geometry kernel of netgen; a ModuleNotFoundError says how to get it."""
+    """Return the geometry kernel of netgen; a `ModuleNotFoundError` says how to install it."""
     mesher.require_netgen("meshing a shoe")
-    from netgen import occ  # wanted only here
+    from netgen import occ  # needed only here
 
     return occ
 
@@ -108,22 +108,22 @@ def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | ElementSizes
     Parameters
     ----------
     dimensions : ShoeDimensions, optional
-        The default ones if left out.
+        Dimensions of the shoe; None: the default ones.
     size : str or ElementSizes
-        "coarse", "study", "fine", or a resolution of one's own.
+        "coarse", "study", "fine", or other element sizes.
 
     Returns
     -------
     fem.Mesh
-        In shoe axes, with the surfaces "underside", "top", "roller path" and
+        Mesh in shoe axes, with the surfaces "underside", "top", "roller path" and
         "bore front right", "bore front left", "bore rear right", "bore rear left".
 
     Raises
     ------
     ModuleNotFoundError
-        If netgen is not there.
+        If netgen is not installed.
     ValueError
-        If there is no such size, or the dimensions leave no faces for a surface or make several solids.
+        If the size is unknown, or the dimensions leave no faces for a surface or make several solids.
     """
     if isinstance(size, str) and size not in SIZES:
         raise ValueError(f"size must be one of {SHOE_SIZES} or ElementSizes, got {size!r}")
@@ -155,7 +155,7 @@ def netgen_mesh(occ: Any, body: Any, size: ElementSizes) -> Any:
 
 
 def mesh_of_netgen(meshed: Any, surfaces_of: Mapping[str, Sequence[str]]) -> Mesh:
-    """Mesh of a netgen mesh of second order: the bores, and surfaces of faces by their names."""
+    """Return the mesh of a second-order netgen mesh: the bores, and surfaces by the names of their faces."""
     elements = meshed.Elements3D().NumPy()["nodes"][:, FROM_NETGEN].astype(np.int64) - 1
     sides = meshed.Elements2D().NumPy()
     triangles = sides["nodes"][:, FROM_NETGEN_TRIANGLE].astype(np.int64) - 1

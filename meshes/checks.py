@@ -1,4 +1,4 @@
-"""Checks of the mesh of any shoe: in m, with the surfaces for the ground and the machine, and these whole."""
+"""Checks of any shoe mesh: metres as its unit, the surfaces for ground and machine, and complete surfaces."""
 
 import warnings
 
@@ -12,31 +12,32 @@ from meshes.load_surfaces import LOAD_SURFACES
 from meshes.undersides import SAME_HEIGHT
 
 LARGEST = 50.0
-"""m, greatest extent of any shoe."""
+"""Greatest extent of any shoe, m."""
 LEAST_LIKELY, GREATEST_LIKELY = 0.3, 8.0
-"""m, usual range of the width of shoes."""
+"""Usual range of shoe widths, m."""
 MISTAKEN = {"mm": 1e-3, "cm": 1e-2, "inch": 0.0254}
 """Units of meshes by mistake, m."""
 LOOKS_UP = 0.999
 BESIDE_TOP = 0.1
-"""Least cosine between a level face's normal and up; area of such faces beside a whole top, over its area."""
+"""Least cosine between a level face's normal and up; area of such faces beside a whole top, fraction of its
+area."""
 LEAST_WIDTH = 0.5
-"""Of the shoe's width: what the whole top plausibly reaches over."""
+"""Least plausible width of the whole top, fraction of the shoe's width."""
 MENDING = "name all of it in the program that meshed the shoe (docs/howto/own_shoe_mesh.md)"
 
 
 def check_extent(mesh: Mesh, name: str = "") -> None:
-    """Check that a mesh is not larger than any shoe.
+    """Check that a mesh is no larger than any shoe.
 
     Parameters
     ----------
     name : str
-        Of the mesh, for the message.
+        Name of the mesh in the message.
 
     Raises
     ------
     ValueError
-        If it is, with its length and its likely unit.
+    If the mesh is larger; the message gives its length and likely unit.
     """
     extent = float(np.ptp(mesh.nodes, axis=0).max())
     if extent > LARGEST:
@@ -54,12 +55,12 @@ def check_surfaces(mesh: Mesh, load_surface: str, name: str = "") -> None:
     Parameters
     ----------
     name : str
-        Of the mesh, for the message.
+        Name of the mesh in the message.
 
     Raises
     ------
     ValueError
-        If one is missing, with the surfaces that it has.
+    If a surface is missing; the message lists the surfaces of the mesh.
     """
     if "underside" not in mesh.surfaces:
         raise ValueError(f"{the_mesh(name)} must have the surface 'underside', {named_surfaces(mesh)}")
@@ -72,12 +73,12 @@ def check_surfaces(mesh: Mesh, load_surface: str, name: str = "") -> None:
 
 
 def check_whole(mesh: Mesh, name: str = "") -> None:
-    """Check by their geometry that named surfaces are whole.
+    """Check by geometry that named surfaces are complete.
 
     Parameters
     ----------
     name : str
-        Of the mesh, for messages.
+        Name of the mesh in messages.
 
     Raises
     ------
@@ -87,8 +88,8 @@ def check_whole(mesh: Mesh, name: str = "") -> None:
     Warns
     -----
     MeshWarning
-        If faces that carry the machine end inside a flat, or do not reach over the shoe, or if a part of a
-        bore belongs to no surface.
+        If faces that carry the machine end inside a flat or do not reach over the shoe, or if part of a bore
+        belongs to no surface.
     """
     boundary = boundary_of(mesh)
     if "underside" in mesh.surfaces:
@@ -111,7 +112,7 @@ def check_whole(mesh: Mesh, name: str = "") -> None:
 
 
 def _is_all_above_pins(mesh: Mesh) -> bool:
-    """True for a whole top beside which nothing level is above the pins, as on shoes bolted to links."""
+    """Return True if nothing level lies above the pins beside the whole top, as on shoes bolted to links."""
     bores = [f"bore {joint}" for joint in JOINT_CENTERS]
     if not set(bores) <= set(mesh.surfaces):
         return False
@@ -133,10 +134,10 @@ def _check_bores(boundary: BoundaryFaces, name: str) -> None:
     parts = {}
     for surface, faces in bores.items():
         joined, parts[surface] = bore_beyond(boundary, faces)
-        # a lug in the middle has its bore in parts, for the right and the left joint
+        # the bore of a lug in the middle is divided into parts for the right and the left joint
         _refuse_beyond(mesh, name, surface, "the bore", joined[[key not in seen for key in _keys(joined)]])
     if not {f"bore {joint}" for joint in JOINT_CENTERS} <= set(bores):
-        return  # a bore without a name is refused where its pin is
+        return  # an unnamed bore is refused when its pin is looked up
     for surface, apart in parts.items():
         keys = _keys(apart)
         beside = apart[[key not in seen for key in keys]]
@@ -149,7 +150,7 @@ def _check_bores(boundary: BoundaryFaces, name: str) -> None:
 
 
 def _keys(faces: Integers) -> list[tuple[int, ...]]:
-    """Corners, ascending, of each face."""
+    """Return the corners of each face in ascending order."""
     return list(map(tuple, np.sort(faces[:, :3], axis=1).tolist()))
 
 
@@ -180,11 +181,11 @@ def _warn(text: str) -> None:
 
 
 def the_mesh(name: str) -> str:
-    """Name of a mesh in messages."""
+    """Return the name of a mesh for messages."""
     return f"the mesh {name!r}" if name else "the mesh"
 
 
 def named_surfaces(mesh: Mesh) -> str:
-    """Surfaces that a mesh has, and what its file has beside them, for messages."""
+    """Return the surfaces of a mesh and the notes of its file, for messages."""
     has = f"which has {sorted(mesh.surfaces) or 'none'}"
     return "; ".join((has, *mesh.notes))

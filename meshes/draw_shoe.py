@@ -20,19 +20,19 @@ LIGHT = np.array([0.45, -0.35, 0.82])
 def draw_surface(
     ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimuth: float, light: Floats = LIGHT
 ) -> Axes3D:
-    """Draw the boundary with shading.
+    """Draw the boundary of a mesh with shading.
 
     Parameters
     ----------
     ax : Axes3D
-        3-D axes.
+        Axes in three dimensions.
     mesh : Mesh
     colors : array (k, 3)
         Red, green, blue of each boundary triangle, 0 to 1.
     elevation, azimuth : float
-        Place of the viewer in degrees; faces turned away are left out.
+        Direction of the viewer, degrees; faces turned away are left out.
     light : array (3,)
-        Towards the light.
+        Direction towards the light.
     """
     corners = mesh.nodes[mesh.boundary[:, :3]]
     normals = triangle_normals(corners)
@@ -60,7 +60,7 @@ def draw_surface(
 
 
 def face_names(mesh: Mesh, keys: Iterable[str]) -> np.ndarray:
-    """Name of each boundary triangle, (k,): the last key that its surface's begins with, else empty."""
+    """Return the name of each boundary triangle, (k,): the last key that begins its surface's name, or ""."""
     order = {tuple(f): i for i, f in enumerate(np.sort(mesh.boundary[:, :3], axis=1).tolist())}
     names = np.full(len(order), "", dtype=object)
     for key in keys:
@@ -71,20 +71,20 @@ def face_names(mesh: Mesh, keys: Iterable[str]) -> np.ndarray:
 
 
 def named_colors(mesh: Mesh, colors: Mapping[str, str]) -> Floats:
-    """Colours (k, 3) of the boundary triangles by their named surface.
+    """Return the colours (k, 3) of the boundary triangles by their named surface.
 
     Parameters
     ----------
     mesh : Mesh
     colors : mapping of str to str
-        Colour "#rrggbb" by how the names of surfaces begin; a later one covers an earlier one.
+        Colour "#rrggbb" by the beginning of surface names; a later one covers an earlier one.
     """
     codes = [colors.get(name, STEEL_COLOR) for name in face_names(mesh, colors)]
     return np.array([[int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)] for code in codes])
 
 
 def draw_shoe(path: Path, mesh: Mesh) -> None:
-    """Draw a mesh of the shoe from the front above and from the rear above into a file."""
+    """Draw a shoe mesh from the front above and from the rear above into a file."""
     figure = Figure(figsize=(11, 8))
     for place, azimuth, title in ((1, 35, "front pins (+x)"), (2, 215, "rear pins (-x)")):
         ax = figure.add_axes((-0.1, 0.98 - 0.5 * place, 1.2, 0.5), projection="3d")
@@ -95,7 +95,7 @@ def draw_shoe(path: Path, mesh: Mesh) -> None:
 
 
 def draw_load_surfaces(path: Path, mesh: Mesh) -> None:
-    """Draw the surfaces of the top that may carry the machine, one below the other, into a file."""
+    """Draw the load surfaces of the top, one below the other, into a file."""
     figure = Figure(figsize=(8, 9))
     for place, name in enumerate(LOAD_SURFACES, start=1):
         ax = figure.add_axes((-0.1, 0.99 - 0.33 * place, 1.2, 0.34), projection="3d")

@@ -1,6 +1,6 @@
 """Ready shoes fitted to a pitch, a width and a mass: shoes of links with grousers, and the mining shoe.
 
-The thickness of the plate makes the mass; all other dimensions go with pitch and width.
+The plate thickness sets the mass; all other dimensions scale with pitch and width.
 """
 
 from collections.abc import Callable
@@ -19,15 +19,15 @@ Kind = Literal["single grouser", "double grouser", "triple grouser", "plain", "m
 KINDS: tuple[Kind, ...] = get_args(Kind)
 GROUSERS: dict[Kind, int] = {"plain": 0, "single grouser": 1, "double grouser": 2, "triple grouser": 3}
 STOUTNESS = 0.5, 2.2
-"""Of the papers' thicknesses of bottom plate and top flange: those that a mining shoe may have, chosen."""
+"""Range of a mining shoe's thicknesses of bottom plate and top flange, fraction of the papers' (assumed)."""
 NARROWEST = 2.1
-"""m, width at the papers' pitch on which lugs still stand; narrower shoes are pressed together along y."""
-WITHIN = 1e-3  # of the mass: between the solid and what is asked for
+"""Least width with room for the lugs at the papers' pitch, m; narrower shoes are compressed along y."""
+WITHIN = 1e-3  # tolerance of the solid's mass, fraction of the target mass
 TRIES = 4
 
 
 class ShoeSize(NamedTuple):
-    """Dimensions that a shoe is to have: lengths in m, heights above the plate's underside, mass in kg."""
+    """Target dimensions of a shoe: lengths in m, heights above the plate's underside, mass in kg."""
 
     pitch: float
     width: float
@@ -40,21 +40,21 @@ class ShoeSize(NamedTuple):
 
 
 class FittedShoe(NamedTuple):
-    """Mesh of a shoe in its own axes, in m, and the thickness of its plate."""
+    """Mesh of a shoe in its own axes, m, and the thickness of its plate, m."""
 
     mesh: Mesh
     plate_thickness: float
 
 
 class ThicknessError(ValueError):
-    """No plausible plate makes the mass.
+    """Error for a mass that no plausible plate gives.
 
     Attributes
     ----------
     thickness : float
-        That it would take, m.
+        Needed thickness, m.
     thicknesses, masses : tuple of two floats
-        Of the thinnest and the thickest plate, m and kg.
+        Values of the thinnest and the thickest plate, m and kg.
     """
 
     def __init__(
@@ -72,27 +72,27 @@ class ThicknessError(ValueError):
 def fit_shoe(
     kind: Kind, size: ShoeSize, fineness: str = "coarse", density: float = STEEL.density
 ) -> FittedShoe:
-    """Mesh a ready shoe of a kind whose pitch, width and mass are those asked for.
+    """Mesh a ready shoe of a kind with the target pitch, width and mass.
 
     Parameters
     ----------
     kind : str
         One of `KINDS`.
     size : ShoeSize
-        The mining shoe has its own heights and rails, which go with pitch and width.
+        Target dimensions. The mining shoe has its own heights and rails, which scale with pitch and width.
     fineness : str
         "coarse", "study" or "fine".
     density : float
-        kg/m3.
+        Density of the steel, kg/m3.
 
     Raises
     ------
     ModuleNotFoundError
-        If netgen is not there.
+        If netgen is not installed.
     ThicknessError
-        If no plausible plate makes the mass.
+        If no plausible plate gives the mass.
     ValueError
-        If there is no such kind or fineness, or the dimensions leave no such shoe.
+        If kind or fineness is unknown, or the dimensions allow no such shoe.
     """
     if kind not in KINDS:
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {kind!r}")
@@ -103,7 +103,7 @@ def fit_shoe(
 
 
 def _links(occ: Any, kind: Kind, size: ShoeSize, fineness: str, density: float) -> FittedShoe:
-    """Shoe of links."""
+    """Fit a shoe of links."""
     pitch = size.pitch
     scale = pitch / REFERENCE
     shoe = GrouserShoe(
@@ -127,9 +127,9 @@ def _links(occ: Any, kind: Kind, size: ShoeSize, fineness: str, density: float) 
 
 
 def _mining(occ: Any, kind: Kind, size: ShoeSize, fineness: str, density: float) -> FittedShoe:
-    """The papers' shoe by the pitch, of another width; thicknesses of plate and flange in proportion.
+    """Fit the papers' shoe to pitch, width and mass; thicknesses of plate and flange scale together.
 
-    A narrow one is pressed together along y, so that its bores stay round.
+    A narrow shoe is compressed along y, so that its bores stay round.
     """
     scale = size.pitch / PITCH
     papers = ShoeDimensions()
@@ -154,9 +154,9 @@ def _mining(occ: Any, kind: Kind, size: ShoeSize, fineness: str, density: float)
 
 
 def _about_com(mesh: Mesh, stretch: tuple[float, float, float]) -> Mesh:
-    """Mesh stretched along its axes, with its origin at its COM along x and z.
+    """Return a mesh stretched along its axes, with its origin at the COM in x and z.
 
-    y stays: there the middle of the track is zero, of which a shoe that is not quite even has its COM beside.
+    The y coordinate keeps its zero at the middle of the track, which the COM of a shoe may miss.
     """
     nodes = mesh.nodes * stretch
     x, _, z = centroid(nodes, mesh.elements)
@@ -166,7 +166,7 @@ def _about_com(mesh: Mesh, stretch: tuple[float, float, float]) -> Mesh:
 def _fitting(
     mass_of: Callable[[float], float], bounds: tuple[float, float], mass: float, unit: float
 ) -> float:
-    """Size with which a solid has a mass, which grows about evenly with it; `unit` makes m of it."""
+    """Return the size that gives a mass which grows almost linearly with it; `unit` converts to m."""
     low, high = bounds
     masses = mass_of(low), mass_of(high)
     slope = (masses[1] - masses[0]) / (high - low)
@@ -180,5 +180,5 @@ def _fitting(
         if abs(off) < WITHIN * mass:
             break
         size = min(max(size - off / slope, low), high)
-    # a notch that begins at some thickness leaves masses that no plate makes
+    # a notch that begins at some thickness makes the mass jump: no plate gives the masses between
     return min(tried, key=lambda thickness: abs(tried[thickness] - mass))

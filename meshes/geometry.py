@@ -10,12 +10,12 @@ SHOE_SIZES = ("coarse", "study", "fine")
 """Ready meshes of the shoe."""
 
 VOLUMES = {"coarse": 0.5738718647896, "study": 0.5733535400234, "fine": 0.5733501852505}
-"""Their volumes in m3, so that their mass needs no reading of files."""
+"""Volumes of the ready meshes, m3, for the mass without reading files."""
 NODES = {"coarse": 13773, "study": 26494, "fine": 65481}
-"""Their numbers of nodes, for the same reason."""
+"""Numbers of nodes of the ready meshes, for the same reason."""
 
 PITCH = 0.655742
-"""Distance between the pins of neighbouring shoes in m (spacing of the papers' centres of mass)."""
+"""Distance between the pins of neighbouring shoes, m (distance of the papers' centres of mass)."""
 
 COM_HEIGHT = 0.2025
 """Nominal height of the centre of mass above the underside in m."""
@@ -27,7 +27,7 @@ FRONT_PIN_X = 0.3088
 """x of the front pin axis in m, in shoe axes."""
 
 REAR_PIN_X = FRONT_PIN_X - PITCH
-"""x of the rear pin axis in m; a neighbour one pitch behind has its front pin exactly there."""
+"""x of the rear pin axis, m, in shoe axes; the front pin of the neighbour behind coincides with it."""
 
 TRACK_Y = 9.2901
 """y of the track's centres of mass in m, in the papers' global axes."""
@@ -36,7 +36,7 @@ TRACK_PIN_Y = {"right": 8.68, "left": 10.03}
 """y of the track's joint centres in m, in the papers' global axes."""
 
 PIN_Y = {side: y - TRACK_Y for side, y in TRACK_PIN_Y.items()}
-"""y of the joint centres in m; left is +y for somebody who looks along +x."""
+"""y of the joint centres, m; left is +y for a viewer along +x."""
 
 JOINT_CENTERS: dict[str, tuple[float, float, float]] = {
     f"{end} {side}": (x, y, PIN_HEIGHT)
@@ -47,26 +47,26 @@ JOINT_CENTERS: dict[str, tuple[float, float, float]] = {
 
 
 GREATEST_LENGTH = 10.0
-"""m, beyond which no dimension of a shoe lies."""
+"""Upper limit of any dimension of a shoe, m."""
 
 MAY_BE_ZERO = ("rail_overhang", "core_wall", "wear")
-"""Dimensions that are zero where a shoe has no such thing."""
+"""Dimensions that are zero for a shoe without this feature."""
 
 
 @dataclass(frozen=True)
 class ShoeDimensions:
     """Dimensions of the shoe in m; heights are above the underside unless said otherwise.
 
-    A rail stands on a solid block that ends `rail_overhang` before either of its ends; beyond it the rail is
+    A rail stands on a solid block that ends `rail_overhang` before both rail ends; the overhanging rail is
     `rail_depth` thick, from its unworn top down. With a `core_wall` the beam has closed pockets: walls of
     this thickness around and between them, and `core_roof` of steel from the unworn top of the rails down.
-    `wear` is what the rails have lost. Which of these a real 4100C has is open: no drawing shows them.
+    `wear` is the height lost by the rails. No drawing shows which of these features a real 4100C has.
 
     Raises
     ------
     ValueError
-        Naming a dimension that is not positive where it must be, or larger than any shoe; plates that fill
-        the shoe's height; an overhang, a core or wear that leave no rail or no beam.
+        If a dimension has a wrong sign or exceeds any shoe (the message names it), if plates fill the height
+        of the shoe, or if an overhang, a core or wear leaves no rail or no beam.
     """
 
     width: float = 3.505
@@ -139,12 +139,12 @@ class ShoeDimensions:
 
     @property
     def rear_face(self) -> float:
-        """X of the beam's rear face in m, where the rear lugs have their roots."""
+        """X of the beam's rear face, m, at the roots of the rear lugs."""
         return self.beam_center_x - self.beam_length / 2
 
     @property
     def front_face(self) -> float:
-        """X of the beam's front face in m, where the forks have their roots."""
+        """X of the beam's front face, m, at the roots of the forks."""
         return self.beam_center_x + self.beam_length / 2
 
     @property

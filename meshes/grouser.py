@@ -1,8 +1,8 @@
 """Shoe of a chain of links, built with OpenCASCADE: a plate with grousers below, two links with rails above.
 
-Each link ends in a lug behind and in a fork in front, which takes the lug of the next shoe, so that bores,
-rails and underside bear the names of the papers' shoe's. Real links are forged with bosses side by side: here
-they are a block on the plate, whose rail overhangs fork and lug.
+Each link ends in a lug behind and in a fork in front, which takes the lug of the next shoe. Bores, rails and
+underside have the names of the papers' shoe. Real links are forged with bosses side by side; here they are a
+block on the plate, with a rail that overhangs fork and lug.
 """
 
 import math
@@ -15,24 +15,24 @@ from meshes.geometry import PITCH
 from meshes.solid import box, lug, notch_cutter, polygon, throat_cutter
 
 REFERENCE = PITCH
-"""m, pitch at which solids are built, so that elements and tolerances are those of the papers' shoe."""
+"""Pitch of the built solids, m, so that elements and tolerances are those of the papers' shoe."""
 PLACES: dict[int, tuple[float, ...]] = {0: (), 1: (0.38,), 2: (-0.3, 0.3), 3: (-0.36, 0.0, 0.36)}
-"""Grousers by their number: pitches ahead of the plate's middle."""
+"""Positions of the grousers for each number of grousers: pitches ahead of the plate's middle."""
 STOUTNESS = {1: (0.08, 0.16), 2: (0.07, 0.14), 3: (0.07, 0.13)}
-"""Pitches, thickness of a grouser's tip and root by their number: chosen, no source."""
-PLATE = 0.98  # of the pitch: length of the plate and of a rail
+"""Thickness of a grouser's tip and root for each number of grousers, pitches (assumed, no source)."""
+PLATE = 0.98  # length of the plate and of a rail, pitches
 THICKNESSES = 0.03, 0.16
-"""Pitches, of plates: 6 to 34 mm at a pitch of 216 mm, chosen."""
-BLOCK = 0.27  # pitches, half of the length of a link's block
-LUG, LUG_OF_DEPTH = 0.17, 0.62  # radius of lugs in pitches, and at most of the pins' depth
-CHEEK = 0.92  # of a lug's radius: that of a fork's cheeks, which end before the rounded rim of its throat
-BORE = 0.54  # of a lug's radius: radius of the bores
-RAIL_DEPTH = 0.1  # pitches, of a rail's overhang
-PLAY = 0.01  # pitches, between a lug and the plate, and a lug and its fork
-LEAST_PLAY = 0.005  # pitches, between the fillets of lugs and a plate that is not notched
-LEAST_NOTCH = 0.03  # pitches, depth of a notch
+"""Range of plate thicknesses, pitches (assumed): 6 to 34 mm at a pitch of 216 mm."""
+BLOCK = 0.27  # half of the length of a link's block, pitches
+LUG, LUG_OF_DEPTH = 0.17, 0.62  # radius of lugs, pitches, and its upper limit, fraction of the pin height
+CHEEK = 0.92  # radius of a fork's cheeks over a lug's; they end before the rounded rim of the throat
+BORE = 0.54  # radius of the bores over a lug's
+RAIL_DEPTH = 0.1  # depth of a rail's overhang, pitches
+PLAY = 0.01  # clearance between a lug and the plate, and a lug and its fork, pitches
+LEAST_PLAY = 0.005  # clearance between the fillets of lugs and a plate without notches, pitches
+LEAST_NOTCH = 0.03  # least depth of a notch, pitches
 OF_RAIL = {"rear": 0.36, "cheek": 0.19, "beside": 0.03, "fillet": 0.08}
-"""Widths over a rail's: of the rear lug, a cheek, the gap beside the lug, and the radius of their roots."""
+"""Dimensions over a rail's width: rear lug, cheek, gap beside the lug, and radius of the root fillets."""
 
 
 PLATE_TOP = "plate top"
@@ -43,7 +43,7 @@ SURFACES = {
     "top": ("roller path",),
     "whole top": ("roller path", PLATE_TOP),
 }
-"""Named surfaces and their faces. Grousers are sunk in: the plate between them is the underside."""
+"""Named surfaces and their faces. Grousers sink into the ground: the plate between them is the underside."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +60,13 @@ class GrouserShoe:
     pin_height : float
     rail_height : float
     rail_center : float
-        Of a rail beside the middle.
+        Distance of a rail from the middle.
     rail_width : float
 
     Raises
     ------
     ValueError
-        If links stand beside the plate, which is too thin or too thick, or lugs reach up to the rails.
+        If links stand beside the plate, if it is too thin or too thick, or if lugs reach up to the rails.
     """
 
     width: float
@@ -95,7 +95,7 @@ class GrouserShoe:
 
     @property
     def lug_radius(self) -> float:
-        """Radius of lugs about the pins."""
+        """Radius of the lugs about the pins."""
         return min(LUG, LUG_OF_DEPTH * self.pin_height)
 
     @property
@@ -105,9 +105,9 @@ class GrouserShoe:
 
     @property
     def notch_floor(self) -> float | None:
-        """Height to which the plate is notched below the lugs; None where these clear it as it is.
+        """Height of the plate's notches below the lugs; None if the lugs clear the full plate.
 
-        It ends below the fillets of the lugs: steps of a millimetre would be meshed by elements as small.
+        The floor lies below the fillets of the lugs: steps of a millimetre would need elements as small.
         """
         free = self.pin_height - self.lug_radius - OF_RAIL["fillet"] * self.rail_width
         if self.plate_thickness <= free - LEAST_PLAY:
@@ -121,7 +121,7 @@ class GrouserShoe:
 
 
 def pins_of(shoe: GrouserShoe) -> dict[str, tuple[float, float, float]]:
-    """Joint centres in m at the pitch `REFERENCE`, from the middle of the plate's underside."""
+    """Return the joint centres, m, at the pitch `REFERENCE`, from the middle of the plate's underside."""
     return {
         f"{end} {side}": (x * REFERENCE, y * REFERENCE, shoe.pin_height * REFERENCE)
         for end, x in (("front", 0.5), ("rear", -0.5))
@@ -130,7 +130,7 @@ def pins_of(shoe: GrouserShoe) -> dict[str, tuple[float, float, float]]:
 
 
 def _grouser(occ: Any, shoe: GrouserShoe, ahead: float) -> Any:
-    """Grouser across the plate, which tapers to its tip; m."""
+    """Return a grouser across the plate, tapering to its tip; m."""
     tip, root = (0.5 * thickness * REFERENCE for thickness in STOUTNESS[shoe.grousers])
     x = ahead * REFERENCE
     half = 0.5 * shoe.width * REFERENCE
@@ -140,7 +140,7 @@ def _grouser(occ: Any, shoe: GrouserShoe, ahead: float) -> Any:
 
 
 def _link(occ: Any, shoe: GrouserShoe, y: float) -> Any:
-    """Block of a link with its rail, from the plate's underside up; m."""
+    """Return the block of a link with its rail, from the plate's underside up; m."""
     across = (y - 0.5 * shoe.rail_width * REFERENCE, y + 0.5 * shoe.rail_width * REFERENCE)
     top = shoe.rail_height * REFERENCE
     long = 0.5 * PLATE * REFERENCE
@@ -149,9 +149,9 @@ def _link(occ: Any, shoe: GrouserShoe, y: float) -> Any:
 
 
 def build_grouser_solid(occ: Any, shoe: GrouserShoe) -> Any:
-    """Make the solid of a shoe of links at the pitch `REFERENCE`, its bores' faces named; m.
+    """Build the solid of a shoe of links at the pitch `REFERENCE`, with named bore faces; m.
 
-    `occ` is `netgen.occ`. Origin in the middle of the plate's underside.
+    `occ` is `netgen.occ`. The origin is in the middle of the plate's underside.
     """
     half = 0.5 * shoe.width * REFERENCE
     long = 0.5 * PLATE * REFERENCE
@@ -193,9 +193,9 @@ def build_grouser_solid(occ: Any, shoe: GrouserShoe) -> Any:
 
 
 def mesh_grouser_shoe(shoe: GrouserShoe, size: build_shoe.ElementSizes) -> Mesh:
-    """Mesh a shoe of links at the pitch `REFERENCE` with quadratic tetrahedra, small ones on bores and roots.
+    """Mesh a shoe of links at the pitch `REFERENCE` with quadratic tetrahedra, fine at bores and roots.
 
-    Origin in the middle of the plate's underside. A ModuleNotFoundError if netgen is not there.
+    The origin is in the middle of the plate's underside. Raise `ModuleNotFoundError` if netgen is missing.
     """
     mesher.require_netgen("meshing a shoe")
     return mesher.call(_meshed, shoe, size)

@@ -1,7 +1,7 @@
-"""Surfaces of a shoe's top that may carry the machine: its rails, its plateau or the whole of it.
+"""Load surfaces of a shoe's top: its rails, its plateau or the whole top.
 
-All three follow from the surface "top" and the shape, so that any mesh with that surface has them. Names of
-surfaces are known here in any spelling that a program makes of them.
+All three follow from the surface "top" and the shape, so that any mesh with this surface has them. Surface
+names are recognized in any spelling that a program makes of them.
 """
 
 import numpy as np
@@ -19,27 +19,27 @@ SHOE_SURFACES = (
     *(f"bore {name}" for name in JOINT_CENTERS),
     *LOAD_SURFACES,
 )
-"""Names of surfaces that the program knows."""
+"""Names of the surfaces known to the program."""
 
 LEVEL = 1e-3
-"""m, difference up to which heights are equal."""
+"""Tolerance of equal heights, m."""
 
 _UP = np.array([0.0, 0.0, 1.0])
 
 
 def with_load_surfaces(mesh: Mesh) -> Mesh:
-    """Name the surfaces that may carry the machine; those that the mesh names itself stay.
+    """Name the surfaces that may carry the machine; surfaces already named by the mesh stay.
 
     Parameters
     ----------
     mesh : Mesh
-        Of a shoe, z up.
+        Mesh of a shoe, z up.
 
     Returns
     -------
     Mesh
-        With the program's spelling of `SHOE_SURFACES`, and with up to three more surfaces, or none if there
-        is no surface "top":
+        Mesh with the program's spelling of `SHOE_SURFACES`, and with up to three more surfaces, or none
+        without a surface "top":
 
         - "rails": the surface "roller path"; without one, the level faces of "top" at its greatest height
         - "plateau": the surface "top"
@@ -66,7 +66,7 @@ def with_load_surfaces(mesh: Mesh) -> Mesh:
 
 
 def with_known_names(mesh: Mesh) -> Mesh:
-    """Mesh with the program's spelling of `SHOE_SURFACES`: a deck has BORE_REAR_LEFT or borerearleft, say.
+    """Return a mesh with the program's spelling of `SHOE_SURFACES`, instead of BORE_REAR_LEFT, say.
 
     Raises
     ------
@@ -92,13 +92,13 @@ def _letters(name: str) -> str:
 
 
 def _highest(mesh: Mesh, faces: Integers) -> Integers:
-    """Level faces at the height of the highest node."""
+    """Return the level faces at the height of the highest node."""
     heights = mesh.nodes[faces, 2]
     return faces[heights.min(axis=1) >= heights.max() - LEVEL]
 
 
 def _whole_top(mesh: Mesh, top: Integers) -> Integers:
-    """Faces seen from above that are connected with those as high as `top`: no bottom plate, no lugs."""
+    """Return the faces seen from above that join those as high as `top`: no bottom plate, no lugs."""
     seen = faces_seen_from(mesh, _UP)
     lowest = mesh.nodes[top, 2].min() - LEVEL
     return faces_joined_to(seen, seen[mesh.nodes[seen, 2].min(axis=1) >= lowest])

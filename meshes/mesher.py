@@ -1,7 +1,7 @@
-"""The mesher as a process of its own, which a crash, a hang or an interrupt ends without this program.
+"""Mesher in a process of its own: its crash, hang or interrupt does not end this program.
 
-netgen is compiled code: it holds the interpreter while it works, so that no signal reaches Python, prints to
-the terminal, and on damaged solids ends the process that it runs in.
+netgen is compiled code. It holds the interpreter while it works, so that no signal reaches Python. It prints
+to the terminal, and damaged solids make it end its process.
 """
 
 import importlib.util
@@ -17,30 +17,30 @@ from typing import IO, Any, ParamSpec, TypeVar
 from fem.body.mesh import MeshError
 
 LONGEST = 300
-"""s, greatest duration of a step of the mesher's work, after which it is ended."""
+"""Time limit of a mesher step, s; a longer step is ended."""
 NEEDED = "{} needs netgen, which is not installed: pip install netgen-mesher"
 REMEDY = "heal the solid in CAD, or send a mesh of tetrahedra"
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 _to_caller: Connection | None = None
-"""Connection to the calling process, in the mesher's process alone."""
+"""Connection to the calling process; set in the mesher's process alone."""
 
 
 def require_netgen(for_what: str) -> None:
-    """Raise a ModuleNotFoundError that says what needs netgen and how to get it, if it is not installed."""
+    """Raise a `ModuleNotFoundError` if netgen is missing; it says what needs netgen and how to install it."""
     if importlib.util.find_spec("netgen") is None:
         raise ModuleNotFoundError(NEEDED.format(for_what), name="netgen")
 
 
 def begin_step(step: str, suspect: str = "") -> None:
-    """Tell the calling process which step begins, and which part of the solid may spoil it.
+    """Tell the calling process which step begins, and which part of the solid may make it fail.
 
-    In the mesher's process the time for a step begins anew; elsewhere nothing happens.
+    In the mesher's process the time limit of a step restarts; elsewhere nothing happens.
     """
     if _to_caller is None:
         return
     _to_caller.send((False, step, suspect))
-    # the default action of the alarm ends the process, if the calling one is gone
+    # the default action of the alarm ends this process if the calling one has ended
     signal.alarm(2 * LONGEST)
 
 
@@ -49,16 +49,16 @@ def call(
 ) -> Result:
     """Call a function of a module in a process of its own, and return its result or raise its error.
 
-    The process has no terminal: what it prints is not shown. On Windows this process calls the function.
+    The process has no terminal; its output is not shown. On Windows this process calls the function.
 
     Raises
     ------
     MeshError
-        If the process crashes, or a step takes longer than `LONGEST`, with the step and what may spoil it.
+        If the process crashes, or a step takes longer than `LONGEST`; the message names step and suspect.
     """
     if os.name == "nt":
         return function(*arguments, **named)
-    # modules are found where this process finds them, but not in the folder that it is called in
+    # the process finds modules on the same path, without the current folder
     paths = [os.path.abspath(path) for path in sys.path]
     here, there = Pipe()
     with here, tempfile.TemporaryFile() as lines:
@@ -85,7 +85,7 @@ def call(
 def _answer(
     here: Connection, task: object, process: "subprocess.Popen[bytes]", lines: IO[bytes]
 ) -> tuple[Exception | None, Any]:
-    """Return the error or the result of a task; MeshError if there is neither."""
+    """Return the error or the result of a task; raise `MeshError` without either."""
     step = "its start"
     suspect = ""
     try:
@@ -107,7 +107,7 @@ def _answer(
 
 
 def serve(descriptor: int) -> None:
-    """Call the function that comes through a connection, and answer with its result or its error."""
+    """Call the function received through a connection, and answer with its result or its error."""
     global _to_caller
     with Connection(descriptor) as _to_caller:
         function, arguments, named = _to_caller.recv()
@@ -116,12 +116,12 @@ def serve(descriptor: int) -> None:
         except Exception as error:
             answer = True, error, None
         _to_caller.send(answer)
-    # netgen may crash while it is taken down
+    # netgen may crash at exit
     os._exit(0)
 
 
 if __name__ == "__main__":
-    # this file is run under another name than that by which others import it
+    # run as a script, this file is not the module that others import
     from meshes import mesher
 
     mesher.serve(int(sys.argv[1]))

@@ -1,4 +1,4 @@
-"""Rails of a shoe's mesh: their outline, and the shares of nodes in a force on them."""
+"""Rails of a shoe's mesh: their outline, and the nodal weights of a force on them."""
 
 from typing import NamedTuple
 
@@ -8,16 +8,16 @@ from numpy.typing import ArrayLike
 from fem.body.mesh import Floats, Integers, Mesh
 
 LEVEL = 1e-3
-"""m, tolerance within which a rail is level and both rails are equal."""
+"""Tolerance of level and equal rails, m."""
 SUPPORT = 0.12
-"""m, distance before and behind a point within which nodes share a force there."""
+"""Distance before and behind a point within which nodes share a force, m."""
 FEWEST_NODES = 6
 
 
 class RailOutline(NamedTuple):
     """Two equal level rails in the axes of a shoe, m.
 
-    x of their ends, y of the middles of the right and the left one, their width and z of their tops.
+    x of their ends, y of the middles of the right and the left rail, their width, and z of their tops.
     """
 
     rear: float
@@ -29,7 +29,7 @@ class RailOutline(NamedTuple):
 
 
 def rail_nodes(mesh: Mesh) -> tuple[Integers, Integers]:
-    """Nodes of the right and of the left rail.
+    """Return the nodes of the right and of the left rail.
 
     Raises
     ------
@@ -51,12 +51,12 @@ def rail_nodes(mesh: Mesh) -> tuple[Integers, Integers]:
 
 
 def rail_outline(mesh: Mesh) -> RailOutline:
-    """Outline of the rails of a shoe's mesh.
+    """Return the outline of the rails of a shoe's mesh.
 
     Raises
     ------
     ValueError
-        As of `rail_nodes`, or if the rails are not level or not equal.
+        For the causes of `rail_nodes`, or if the rails are not level or not equal.
     """
     boxes = []
     for nodes in rail_nodes(mesh):
@@ -82,11 +82,12 @@ def rail_outline(mesh: Mesh) -> RailOutline:
 
 
 def station_weights(mesh: Mesh, points: ArrayLike) -> Floats:
-    """Shares of nodes in a unit force at each of k points on the rails: array (k, n).
+    """Return the nodal weights of a unit force at each of k points on the rails: array (k, n).
 
-    Nodes of the point's rail within `SUPPORT` before and behind share it by moving least squares (Lancaster
-    and Salkauskas, Math. Comp. 37, 1981): forces and moments of the shares are those of the force, and the
-    same shares of displacements give that of the point, exactly if the rail moves as a plane.
+    Nodes of the point's rail within `SUPPORT` before and behind share the force by moving least squares
+    (Lancaster and Salkauskas, Math. Comp. 37, 1981). Forces and moments of the weights are those of the
+    force. The same weights applied to displacements give that of the point, exactly if the rail moves as a
+    plane.
 
     Parameters
     ----------
@@ -96,7 +97,7 @@ def station_weights(mesh: Mesh, points: ArrayLike) -> Floats:
     Raises
     ------
     ValueError
-        As of `rail_nodes`, or if too few nodes are near a point.
+        For the causes of `rail_nodes`, or if too few nodes are near a point.
     """
     rails = rail_nodes(mesh)
     middles = [mesh.nodes[nodes, 1].mean() for nodes in rails]

@@ -1,4 +1,4 @@
-"""The ready meshes of the shoe, and any mesh by its path; reading one needs no solver."""
+"""Ready meshes of the shoe, and any mesh by its path; reading needs no solver."""
 
 from pathlib import Path
 
@@ -10,12 +10,12 @@ from meshes.load_surfaces import with_load_surfaces
 
 
 def shoe_path(size: str = "study") -> Path:
-    """Path of a ready mesh of the shoe: "coarse", "study" or "fine".
+    """Return the path of a ready mesh of the shoe: "coarse", "study" or "fine".
 
     Raises
     ------
     ValueError
-        If there is no such size.
+        If the size is unknown.
     """
     if size not in SHOE_SIZES:
         raise ValueError(f"size must be one of {SHOE_SIZES}, got {size!r}")
@@ -23,17 +23,17 @@ def shoe_path(size: str = "study") -> Path:
 
 
 def mesh_path(name: str) -> Path:
-    """Path of a ready mesh by its size, or of any mesh, by its path."""
+    """Return the path of a ready mesh by its size, or of any mesh by its path."""
     return shoe_path(name) if name in SHOE_SIZES else Path(name)
 
 
 def shoe_mesh(size: str = "study") -> Mesh:
-    """Ready mesh of the shoe in shoe axes, in m, with the surfaces of its file."""
+    """Return a ready mesh of the shoe in shoe axes, m, with the surfaces of its file."""
     return read_mesh(shoe_path(size))
 
 
 def mesh_named(name: str) -> Mesh:
-    """Ready mesh of the shoe by its size, or any mesh by its path, with `LOAD_SURFACES`.
+    """Return a ready mesh of the shoe by its size, or any mesh by its path, with `LOAD_SURFACES`.
 
     Errors and warnings are those of `fem.read_mesh` and `checks.check_whole`.
     """

@@ -1,4 +1,4 @@
-"""The steel of the ready meshes and the interfaces at their joints."""
+"""Steel of the ready meshes and interfaces at their joints."""
 
 import numpy as np
 
@@ -12,12 +12,12 @@ STEEL = Material(youngs_modulus=200e9, poissons_ratio=0.3, density=7847.25)
 
 
 def joint_interfaces(mesh: Mesh, spider: Spider = "rigid") -> list[Interface]:
-    """Interfaces at the four joint centres of a mesh of the shoe, each tied to its bore.
+    """Return the interfaces at the four joint centres of a shoe's mesh, each tied to its bore.
 
     Parameters
     ----------
     mesh : Mesh
-        With the surfaces "bore front right" and so on.
+        Mesh with the surfaces "bore front right" and so on.
     spider : str
         "rigid" or "averaging".
     """

@@ -12,12 +12,12 @@ Pair = tuple[float, float]
 
 
 def box(occ: Any, x: Pair, y: Pair, z: Pair) -> Any:
-    """Box between two places along each axis."""
+    """Return the box between two positions along each axis."""
     return occ.Box(*(occ.Pnt(*corner) for corner in zip(x, y, z, strict=True)))
 
 
 def _outline(occ: Any, segments: list[tuple]) -> Any:
-    """Plane face bounded by ('line', a, b) and ('arc', a, centre, b) segments, in order."""
+    """Return the plane face bounded by ('line', a, b) and ('arc', a, centre, b) segments, in order."""
     edges = [
         occ.Segment(occ.Pnt(*s[1]), occ.Pnt(*s[2])) if s[0] == "line" else _arc(occ, *s[1:]) for s in segments
     ]
@@ -25,12 +25,12 @@ def _outline(occ: Any, segments: list[tuple]) -> Any:
 
 
 def polygon(occ: Any, corners: list[Point]) -> Any:
-    """Plane face between corners in order."""
+    """Return the plane face between corners in order."""
     return _outline(occ, [("line", a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)])
 
 
 def _arc(occ: Any, start: Point, center: Point, end: Point) -> Any:
-    """Shorter arc of a circle from start to end."""
+    """Return the shorter arc of a circle from start to end."""
     first, last = (tuple(p - c for p, c in zip(point, center, strict=True)) for point in (start, end))
     chord = [a + b for a, b in zip(first, last, strict=True)]
     stretch = math.hypot(*first) / math.hypot(*chord)
@@ -47,9 +47,9 @@ def lug(
     side_fillet: float,
     edge_fillet: float,
 ) -> Any:
-    """Lug from a root plane to a round nose about the pin, flaring into the root on all sides.
+    """Return a lug from a root plane to a round nose about the pin, with fillets on all sides of the root.
 
-    It is the common part of its plan, extruded upwards, and of its side view, extruded sideways.
+    It is the intersection of its plan, extruded upwards, with its side view, extruded sideways.
     """
     x, y, z = pin
     sense = 1.0 if x > root_x else -1.0
@@ -110,7 +110,7 @@ def lug(
 
 
 def throat_cutter(occ: Any, pin: Point, width: float, radius: float, fillet: float) -> Any:
-    """Disc about the pin with rounded rims: the space for the neighbour's rear lug in a fork."""
+    """Return a disc about the pin with rounded rims: the space for the neighbour's rear lug in a fork."""
     x, y, z = pin
     h = width / 2
     inner = h - fillet
@@ -133,7 +133,7 @@ def throat_cutter(occ: Any, pin: Point, width: float, radius: float, fillet: flo
 
 
 def _beam(occ: Any, shoe: ShoeDimensions) -> Any:
-    """Cross beam with wings that taper in height and in length: its front view and its plan."""
+    """Return the cross beam with wings that taper in height and length, from its front view and its plan."""
     half = shoe.width / 2
     plateau = shoe.plateau_half_width
     rear = shoe.beam_center_x - shoe.beam_length / 2
@@ -171,7 +171,7 @@ def _beam(occ: Any, shoe: ShoeDimensions) -> Any:
 
 
 def notch_cutter(occ: Any, y: float, half_width: float, depth_x: float, end_x: float, fillet: float) -> Any:
-    """Upright slot about a lug with rounded inner corners, from depth_x to end_x."""
+    """Return an upright slot about a lug with rounded inner corners, from depth_x to end_x."""
     bottom = depth_x
     round_end = depth_x + math.copysign(fillet, end_x)
     h = half_width
@@ -195,7 +195,7 @@ def notch_cutter(occ: Any, y: float, half_width: float, depth_x: float, end_x: f
 
 
 def _top_plate(occ: Any, shoe: ShoeDimensions) -> Any:
-    """Upper flange of the cross beam, following the slope of the wings, notched at the lugs."""
+    """Return the upper flange of the cross beam, along the slope of the wings and notched at the lugs."""
     half = shoe.width / 2
     plateau = shoe.plateau_half_width
     rear = shoe.beam_center_x - shoe.top_length / 2
@@ -221,7 +221,7 @@ def _top_plate(occ: Any, shoe: ShoeDimensions) -> Any:
 
 
 def _rail(occ: Any, shoe: ShoeDimensions, side: float) -> Any:
-    """Rail on one side (1 left, -1 right), and the block that it stands on, from the underside up."""
+    """Return the rail on one side (1 left, -1 right) with its block, from the underside up."""
     rear, front = (shoe.beam_center_x + end * shoe.top_length / 2 for end in (-1.0, 1.0))
     y = side * shoe.rail_center_y
     base = -COM_HEIGHT
@@ -235,7 +235,7 @@ def _rail(occ: Any, shoe: ShoeDimensions, side: float) -> Any:
 
 
 def _cores(occ: Any, shoe: ShoeDimensions) -> Iterator[Any]:
-    """Pockets of the beam: one below each rail, one between them, two beside each as far as the plateau."""
+    """Yield the pockets of the beam: below each rail, between them, and two beside each up to the plateau."""
     wall = shoe.core_wall
     base = -COM_HEIGHT
     edges = [shoe.rail_center_y + side * shoe.rail_width / 2 for side in (-1.0, 1.0)]
@@ -251,7 +251,7 @@ def _cores(occ: Any, shoe: ShoeDimensions) -> Iterator[Any]:
 
 
 def _lug_at(occ: Any, shoe: ShoeDimensions, joint: str) -> Any:
-    """Rear lug of a joint, or the fork in front before its throat is cut."""
+    """Return the rear lug of a joint, or its front fork before the throat is cut."""
     pin = JOINT_CENTERS[joint]
     if joint.startswith("rear"):
         fillets = (shoe.rear_root_fillet, shoe.rear_edge_fillet)
@@ -261,7 +261,7 @@ def _lug_at(occ: Any, shoe: ShoeDimensions, joint: str) -> Any:
 
 
 def _pin_cutters(occ: Any, shoe: ShoeDimensions) -> list[Any]:
-    """Bores of all joints, whose faces bear the bores' names, and the throats of the forks."""
+    """Return the bores of all joints, with named faces, and the throats of the forks."""
     tools = []
     for name, (x, y, z) in JOINT_CENTERS.items():
         reach = 0.55 * shoe.fork_width  # through both cheeks, short of the rails
@@ -275,7 +275,7 @@ def _pin_cutters(occ: Any, shoe: ShoeDimensions) -> list[Any]:
 
 
 def build_solid(occ: Any, shoe: ShoeDimensions) -> Any:
-    """Make the shoe's solid.
+    """Build the shoe's solid.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def build_solid(occ: Any, shoe: ShoeDimensions) -> Any:
     Returns
     -------
     netgen.occ.TopoDS_Shape
-        The one solid, in shoe axes; the bores' faces are named.
+        Single solid in shoe axes with named bore faces.
 
     Raises
     ------

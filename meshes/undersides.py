@@ -1,4 +1,4 @@
-"""What of a shoe stands on the ground: the rectangle of its underside, and how much of it there is."""
+"""Ground outline of a shoe: the rectangle of its underside, and the part of it that presses."""
 
 from typing import NamedTuple
 
@@ -9,31 +9,31 @@ from meshes.geometry import JOINT_CENTERS
 from meshes.recognition import bores
 
 SAME_HEIGHT = 2e-3
-"""m above the underside: what of the shoe reaches no higher presses on the ground with it."""
+"""Height above the underside, m, up to which parts of the shoe press on the ground with it."""
 ROUNDING = 1e-6
-"""m, by which an underside may be longer than the pitch."""
+"""Tolerance of an underside longer than the pitch, m."""
 WHOLE = 1e-6
-"""Of the rectangle: a part that is missing in rounding alone."""
+"""Missing share of the rectangle that counts as rounding."""
 BESIDE = 1e-4
-"""m along x: gap from which on two parts of an underside are two strips."""
+"""Least gap along x between two strips of an underside, m."""
 
 
 class GroundOutline(NamedTuple):
-    """Part of a shoe that stands on the ground, in its axes, m.
+    """Part of a shoe that stands on the ground, in the shoe's axes, m.
 
     Attributes
     ----------
     low, high : array (2,)
-        Least and greatest x and y of the underside; where it is longer than the pitch, since lugs reach the
-        ground and interleave with those of the neighbours, those of a rectangle as wide, of the same area and
-        about the same middle, or as long as the pitch where the underside consists of strips.
+        Least and greatest x and y of the underside. If lugs reach the ground, they interleave with the
+        neighbours', and the underside is longer than the pitch. A rectangle of the same width, area and
+        middle then replaces it; of strips, it is as long as the pitch.
     level : float
-        z of most of its area: of a plate, below which grousers at its edges belong to it.
+        z of most of the underside's area: the plate; grousers at the plate's edges belong to the underside.
     share : float
-        Part of its rectangle that presses on the ground, without holes and gaps; what reaches below the
-        underside, such as grousers that are sunk in, presses with it.
+        Fraction of the rectangle that presses on the ground, without holes and gaps. Parts below the
+        underside, such as sunk grousers, press too.
     strip_length : float
-        Mean length in x of the strips that it consists of, such as tips of grousers; 0 if it is one surface.
+        Mean length in x of the underside's strips, such as grouser tips; 0 if it is one surface.
     """
 
     low: Floats
@@ -44,7 +44,7 @@ class GroundOutline(NamedTuple):
 
 
 def ground_outline(mesh: Mesh) -> GroundOutline:
-    """Outline of what of a shoe's mesh stands on the ground.
+    """Return the outline of a shoe mesh's part that stands on the ground.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def ground_outline(mesh: Mesh) -> GroundOutline:
 
 
 def is_interleaved(mesh: Mesh) -> bool:
-    """Return whether a shoe's underside is longer than its pitch, as where lugs reach the ground."""
+    """Return True if a shoe's underside is longer than its pitch, since lugs reach the ground."""
     under = mesh.nodes[mesh.nodes_of("underside"), :2]
     return _is_longer(under.min(axis=0), under.max(axis=0), pitch_of(mesh))
 
@@ -91,7 +91,7 @@ def _is_longer(low: Floats, high: Floats, pitch: float) -> bool:
 
 
 def pin_place(mesh: Mesh, end: str) -> Floats:
-    """Return the middle of the front or rear pins' axis by a fit to the corners of their bores: (3,), m."""
+    """Return the middle of the front or rear pins' axis, fitted to the corners of their bores: (3,), m."""
     joints = [joint for joint in JOINT_CENTERS if joint.startswith(end)]
     corners = [mesh.nodes[np.unique(mesh.surface(f"bore {joint}")[:, :3])] for joint in joints]
     axis, point, _, _ = bores.fit_axis(corners, np.array([0.0, 1.0, 0.0]))
@@ -107,7 +107,7 @@ def pitch_of(mesh: Mesh) -> float:
 
 
 def _level(corners: Floats) -> float:
-    """Least z of what of triangles with corners (n, 3, 3) is level with most of their area, m."""
+    """Return the least z of triangles with corners (n, 3, 3) level with most of their area, m."""
     areas = np.linalg.norm(triangle_normals(corners), axis=1)
     heights = corners[..., 2].min(axis=1)
     order = np.argsort(heights)
@@ -117,7 +117,7 @@ def _level(corners: Floats) -> float:
 
 
 def _spans(x: Floats) -> Floats:
-    """Ends (k, 2) of the parts that triangles with corners at x (n, 3) cover without a gap, m."""
+    """Return the ends (k, 2) of the parts that triangles with corners at x (n, 3) cover without a gap, m."""
     ends = np.stack((x.min(axis=1), x.max(axis=1)), axis=1)
     ends = ends[np.argsort(ends[:, 0])]
     reach = np.maximum.accumulate(ends[:, 1])

@@ -1,6 +1,6 @@
-"""Unit and axes of a shoe by its pins: x from the rear to the front pin, y to the left along them, z up.
+"""Unit and axes of a shoe from its pins: x from the rear to the front pin, y to the left along them, z up.
 
-What geometry leaves open is a `Question` with the flag that decides it, and with what was taken.
+A `Question` holds each choice that geometry leaves open, the choice made, and the flag that decides it.
 """
 
 from dataclasses import dataclass, replace
@@ -17,48 +17,48 @@ Unit = Literal["mm", "m", "inch", "cm"]
 Sole = Literal["plate", "tips"]
 
 UNITS: dict[Unit, float] = {"mm": 1e-3, "m": 1.0, "inch": 0.0254, "cm": 1e-2}
-"""Lengths in m, the likeliest unit of a file first."""
+"""Units of length in m, the likeliest unit of a file first."""
 LEAST_PITCH = 0.05
 GREATEST_PITCH = 1.5
-"""m, of the shoes of any machine."""
+"""Range of shoe pitches of any machine, m."""
 LEAST_MASS = 1.0
 GREATEST_MASS = 2e4
-"""kg, of the same."""
+"""Range of shoe masses of any machine, kg."""
 STEEL_DENSITY = 7850.0
-"""kg/m3, by which a unit is likely or not."""
+"""Density, kg/m3, for the plausibility of a unit."""
 KILO = 1e3
 RANGE = (
     f"a pitch of {LEAST_PITCH:g} to {GREATEST_PITCH:g} m and a mass of {LEAST_MASS:g} kg to "
     f"{GREATEST_MASS / KILO:g} t"
 )
 SAME_REACH = 0.02
-"""Of the outer lugs' reach: within which both ends have the same."""
+"""Tolerance of equal reach of both ends' outer lugs, fraction of the reach."""
 WEAK = 0.25
 OPPOSED = -0.04
-"""Sum of the signs of up that is too small to be sure, and product of two that oppose each other."""
+"""Limits of an unsure up: magnitude of the sum of its two signs, and their product."""
 OUTER = 0.4
-"""Of the height: how far a plane may be within the outline to count for up."""
+"""Greatest depth below the outline of a plane that counts for up, fraction of the height."""
 RAIL = 0.02
-"""Of the largest level part that looks the same way: least area of a rail."""
+"""Least area of a rail, fraction of the largest level part that faces the same way."""
 PIN_LIFT = 4.0
-"""Times the part of the height by which pins are above the COM: a sign of up of 1 at a quarter."""
+"""Factor on the pin height above the COM over the shoe's height: a sign of up of 1 at a quarter."""
 LEVEL = np.radians(2.0)
-"""Of a plane that may be the underside, from the axes that bores give."""
+"""Greatest angle of a possible underside to the axes from the bores, rad."""
 ALIGNED = np.radians(0.6)
-"""Up to which the axes turn so that this plane is level: the error of axes of coarse bores."""
+"""Greatest turn of the axes that levels this plane, rad: the error of axes of coarse bores."""
 SAME_PLANE = np.radians(0.1)
-"""Angle between neighbouring faces of one plane."""
+"""Angle between neighbouring faces of one plane, rad."""
 
 
 class Question(NamedTuple):
-    """Choice that the geometry leaves open.
+    """Choice that geometry leaves open.
 
     Attributes
     ----------
     flag : str
-        Of the command, which decides it otherwise.
+        Flag of the command that decides the choice.
     words : str
-        What is open, and what was taken.
+        Description of the open choice and of the one made.
     """
 
     flag: str
@@ -69,16 +69,16 @@ class Question(NamedTuple):
 
 
 class NodesUnit(NamedTuple):
-    """Unit of a solid whose file names one.
+    """Unit of the nodes of a solid if its file names a unit.
 
     Attributes
     ----------
     of_nodes : str
-        Unit that the coordinates were converted to.
+        Unit of the coordinates after conversion.
     name : str
-        Unit that the file names.
+        Unit named by the file.
     metres : float
-        The latter in m.
+        Unit named by the file in m.
     """
 
     of_nodes: Unit
@@ -87,7 +87,7 @@ class NodesUnit(NamedTuple):
 
 
 class Choices(NamedTuple):
-    """Decisions of a user where geometry leaves them open; None is left to the geometry."""
+    """User's decisions on open choices; None leaves a choice to the geometry."""
 
     unit: Unit | None = None
     flip_front: bool = False
@@ -99,17 +99,17 @@ class Choices(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ShoeAxes:
-    """Axes of a shoe in those of its file.
+    """Axes of a shoe in the axes of its file.
 
     Attributes
     ----------
     rows : array (3, 3)
         Unit vectors x, y and z of the shoe.
     origin : array (3,)
-        COM, in the file's unit.
+        Centre of mass, in the file's unit.
     unit : str
     pins : PinPair
-        Rear and front, in the file's unit.
+        Rear and front pins, in the file's unit.
     questions : tuple of Question
     """
 
@@ -125,7 +125,7 @@ class ShoeAxes:
         return UNITS[self.unit]
 
     def place_of(self, line: PinLine) -> Floats:
-        """Place of a pin's axis in the shoe's axes, m, at the y of the COM."""
+        """Return the point of a pin's axis at the y of the COM, in the shoe's axes, m."""
         point = self.scale * self.rows @ (line.point - self.origin)
         axis = self.rows @ line.axis
         return np.asarray(point - axis * point[1] / axis[1])
@@ -134,14 +134,14 @@ class ShoeAxes:
 def find_axes(
     triangles: Triangles, pairs: list[PinPair], choices: Choices, named: NodesUnit | None = None
 ) -> ShoeAxes:
-    """Find unit and axes of a shoe by its pins, and what is open about them.
+    """Find unit and axes of a shoe from its pins, and the open choices.
 
-    Where the file has `named` its unit, `choices` do not change it.
+    `choices` do not change the unit if the file has `named` one.
 
     Raises
     ------
     ValueError
-        If no unit makes it a shoe, or that of the file or the user does not.
+        If no unit gives a plausible shoe, or the unit of the file or the user does not.
     """
     questions = []
     pair = pairs[0]
@@ -162,11 +162,11 @@ def find_axes(
 def _unit(
     pitch: float, volume: float, chosen: Unit | None, named: NodesUnit | None
 ) -> tuple[Unit, list[Question]]:
-    """Return the unit of the coordinates of a solid, which makes pitch and mass those of a shoe."""
+    """Return the unit of a solid's coordinates with plausible pitch and mass of a shoe."""
     if named is not None:
         size = UNITS[named.of_nodes]
         if not _is_shoe(pitch * size, volume * size**3):
-            # as they stand in the file
+            # numbers of the file
             numbers = pitch * size / named.metres, volume * (size / named.metres) ** 3
             raise ValueError(
                 f"is the unit wrong? The file names {named.name}, with which "
@@ -193,43 +193,43 @@ def _unit(
 
 
 def _is_shoe(pitch: float, volume: float) -> bool:
-    """Return whether pitch (m) and volume (m3) are those of a steel shoe of any machine."""
+    """Return True if pitch (m) and volume (m3) are those of a steel shoe of any machine."""
     return LEAST_PITCH <= pitch <= GREATEST_PITCH and LEAST_MASS <= volume * STEEL_DENSITY <= GREATEST_MASS
 
 
 def _fitting_units(pitch: float, volume: float) -> list[Unit]:
-    """Return the units in which numbers are pitch and volume of a shoe, the likeliest first."""
+    """Return the units with plausible pitch and volume of a shoe, the likeliest first."""
     return [unit for unit, size in UNITS.items() if _is_shoe(pitch * size, volume * size**3)]
 
 
 def _sizes(pitch: float, volume: float, size: float) -> str:
-    """Describe pitch and mass of a steel shoe, by numbers in a unit of so many m."""
+    """Describe pitch and mass of a steel shoe, from numbers in a unit of `size` m."""
     mass = volume * size**3 * STEEL_DENSITY
     weight = f"{mass:.4g} kg" if mass < KILO else f"{mass / KILO:.4g} t"
     return f"a pitch of {pitch * size:.4g} m and {weight}"
 
 
 def _implausible(pitch: float, volume: float, size: float) -> str:
-    """Describe a shoe of implausible size, by numbers of its pitch and volume in a unit of so many m."""
+    """Describe a shoe of implausible size, from its pitch and volume in a unit of `size` m."""
     return f"the shoe would have {_sizes(pitch, volume, size)} of steel; shoes have {RANGE}"
 
 
 def _likely(pitch: float, volume: float) -> str:
-    """Describe the shoe in the units that make it one."""
+    """Describe the shoe in the units that make it plausible."""
     fits = _fitting_units(pitch, volume)
     shown = " or ".join(f"{_sizes(pitch, volume, UNITS[unit])} in {unit}" for unit in fits)
     return f"it would have {shown}" if fits else "no unit of mm, m, inch and cm makes it one"
 
 
 def _front(pair: PinPair, choices: Choices) -> tuple[PinPair, list[Question]]:
-    """Pair with the rear line first: the front has the outer lugs, a fork's cheeks, as on the ready shoe."""
+    """Return the pair with the rear line first: the front has the outer lugs (fork), as on the ready shoe."""
     reaches = [float(np.ptp(line.spans(pair.axis))) for line in pair.lines]
     counts = [len(line.bores) for line in pair.lines]
     asked: list[Question] = []
     same = abs(reaches[0] - reaches[1]) <= SAME_REACH * max(reaches)
     first_is_front = counts[0] > counts[1] if same else reaches[0] > reaches[1]
     if same and counts[0] == counts[1]:
-        # with equal ends the larger place decides, so that any file of the shoe gives the same
+        # for equal ends the larger coordinate decides, so that all files of a shoe give the same front
         asked = [Question("--flip-front", "both ends have equal lugs: either may lead")]
     if first_is_front != choices.flip_front:
         rear = pair.lines[1]
@@ -239,14 +239,14 @@ def _front(pair: PinPair, choices: Choices) -> tuple[PinPair, list[Question]]:
 
 
 def _rows(pair: PinPair) -> Floats:
-    """Axes with either sense of up."""
+    """Return the axes without a decision on up."""
     return np.array([pair.ahead, pair.axis, np.cross(pair.ahead, pair.axis)])
 
 
 def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[ShoeAxes, list[Question]]:
-    """Axes with z up: pins are above the COM, and the largest plane near the outline looks down.
+    """Return the axes with z up: pins are above the COM, and the largest plane near the outline faces down.
 
-    Where these are weak, two rails on one side alone are up.
+    If these signs are weak, two rails on only one side mark the top.
     """
     local = triangles.moved(axes.origin, axes.rows, axes.scale)
     low = local.points[:, 2].min()
@@ -260,7 +260,7 @@ def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[Sh
     if abs(total) < WEAK or lift * larger < OPPOSED:
         rails = rails_up(local, axes.pins.pitch * axes.scale)
         total = rails if rails and abs(total) < WEAK else total
-        # in the axes that are taken
+        # in the chosen axes
         sense = -1.0 if total < 0.0 else 1.0
         below, above = planes if sense > 0.0 else planes[::-1]
         words = (
@@ -276,7 +276,7 @@ def _upright(triangles: Triangles, axes: ShoeAxes, choices: Choices) -> tuple[Sh
 
 
 def rails_up(local: Triangles, pitch: float) -> float:
-    """1 where two rails are the highest of a shoe and nothing of the kind its lowest, -1 for the opposite."""
+    """Return 1 if two rails are the highest part of a shoe and none the lowest, -1 for the opposite."""
     found = []
     for sign in (1.0, -1.0):
         parts = level_parts(local, sign)
@@ -287,7 +287,7 @@ def rails_up(local: Triangles, pitch: float) -> float:
 
 
 def _outer_plane(local: Triangles, sign: float) -> float:
-    """Greatest area at one height, near the outline, of faces that look up or down."""
+    """Return the greatest area at one height, near the outline, of faces that face up or down."""
     low = local.points[:, 2].min()
     high = local.points[:, 2].max()
     height = high - low
@@ -298,9 +298,9 @@ def _outer_plane(local: Triangles, sign: float) -> float:
 
 
 def _levelled(triangles: Triangles, axes: ShoeAxes) -> ShoeAxes:
-    """Axes turned a little so that the largest plane of the lower side is level.
+    """Return the axes after a small turn that makes the largest plane of the lower side level.
 
-    Shoes that lie level have both pins at one height, so that the plane knows z better than coarse bores do.
+    Both pins of a level shoe have one height; the plane therefore gives z better than coarse bores.
     """
     local = triangles.moved(np.zeros(3), axes.rows, 1.0)
     down = local.normals[:, 2] < -np.cos(LEVEL)

@@ -1,4 +1,4 @@
-"""Level parts of a shoe's surface, and the two rails among them that wheels roll on."""
+"""Level parts of a shoe's surface, and the two rails of the roller path among them."""
 
 import numpy as np
 
@@ -7,29 +7,29 @@ from meshes.recognition.triangles import Triangles
 
 LEVEL = np.radians(0.2)
 NEARLY = np.radians(2.0)
-"""Of faces that are level, and of those that are where nothing else is: cast, or in few digits."""
+"""Angles of level faces, and of faces that count as level if there are few: cast, or with few digits."""
 LARGE = 0.3
-"""Of what is nearly level: the least part that is level, where that is taken alone."""
+"""Least share of level area in the nearly level area for the level faces to count alone."""
 SAME_HEIGHT = 2e-3
-"""m, between parts of one surface."""
+"""Height tolerance of parts of one surface, m."""
 RAIL_FILL = 0.8
 LINK_FILL = 0.4
-"""Of its outline: what a rail has to fill, and what one has to that reaches from pin to pin: links, whose
-front half stands beside their rear one."""
+"""Least area of a rail over its outline. The second value is for rails of links from pin to pin, with front
+and rear halves side by side."""
 LINK_LENGTH = 0.75
-"""Of the pitch: the least length of such a rail."""
+"""Least length of such a rail, fraction of the pitch."""
 EQUAL_RAILS = 1e-3
-"""m, between the outlines of both."""
+"""Tolerance between the outlines of both rails, m."""
 
 
 def outline(triangles: Triangles, faces: Integers) -> Floats:
-    """Least and greatest x, y, z of some triangles: array (2, 3)."""
+    """Return the least and greatest x, y, z of triangles: array (2, 3)."""
     places = triangles.corners[faces].reshape(-1, 3)
     return np.stack((places.min(axis=0), places.max(axis=0)))
 
 
 def level_parts(local: Triangles, sign: float) -> list[Integers]:
-    """Connected level parts that look up (1) or down (-1), the largest first."""
+    """Return the connected level parts that face up (1) or down (-1), the largest first."""
     upward = sign * local.normals[:, 2]
     nearly = upward > np.cos(NEARLY)
     level = upward > np.cos(LEVEL)
@@ -39,7 +39,7 @@ def level_parts(local: Triangles, sign: float) -> list[Integers]:
 
 
 def _is_parted(local: Triangles, parts: list[Integers]) -> bool:
-    """True for level parts between which there is a gap along x."""
+    """Return True if a gap along x separates level parts."""
     ends = np.array(sorted(tuple(outline(local, part)[:, 0]) for part in parts))
     return bool((ends[1:, 0] > np.maximum.accumulate(ends[:-1, 1]) + SAME_HEIGHT).any())
 
@@ -47,9 +47,9 @@ def _is_parted(local: Triangles, parts: list[Integers]) -> bool:
 def two_rails(
     local: Triangles, parts: list[Integers], pitch: float, sign: float = 1.0
 ) -> tuple[Integers | None, str]:
-    """Two equal level bands, one a side, at the greatest height of some parts; else why there are none.
+    """Return two equal level bands, one a side, at the greatest height of the parts, or the reason for none.
 
-    With `sign` -1 at the least height, of a shoe that may lie upside down.
+    `sign` = -1 takes the least height, for a shoe that may lie upside down.
     """
     heights = np.array([sign * local.middles[part, 2].mean() for part in parts])
     highest = [part for part, z in zip(parts, heights, strict=True) if heights.max() - z < SAME_HEIGHT]

@@ -1,7 +1,7 @@
-"""Round holes through a body, found on the triangles of its boundary without a CAD kernel.
+"""Round through holes of a body, found on its boundary triangles without a CAD kernel.
 
-A hole is a region that bends inwards alone; a fit of a cylinder, of which all other faces then join it, says
-whether it is round and whole. Cross holes and chamfers may part it.
+A candidate is a region that bends only inwards. A fitted cylinder, joined by all other faces on it, shows
+whether the hole is round and complete. Cross holes and chamfers may divide it.
 """
 
 from dataclasses import dataclass
@@ -13,33 +13,35 @@ from fem.body.mesh import Floats, Integers
 from meshes.recognition.triangles import Triangles
 
 INWARD_BEND = np.radians(65.0)
-"""Between neighbouring faces of a hole of six or more."""
+"""Greatest angle between neighbouring faces of a hole with six or more faces, rad."""
 OUTWARD_BENDS = np.radians((30.0, 12.0, 1.0))
-"""Slack outwards: a first search takes badly cut bores whole, a last one does not go round a filleted rim."""
+"""Tolerances of outward bends, rad: the first search finds badly cut bores complete, the last stops at
+filleted rims."""
 FEWEST_FACES = 6
 LEAST_SPREAD = 0.10
 FLAT_SPREAD = 0.25
-"""Of the normals of a hole: greatest share along the axis, and least one along either direction across it."""
+"""Spread of a hole's normals: greatest share along the axis, and least one along either direction across
+it."""
 NEAR = 0.08
-"""Of the radius: how far corners of a hole's faces are off it at most, such as those on its chords."""
+"""Greatest radial deviation of corners of a hole's faces, such as those on chords, fraction of the radius."""
 NEAREST = 0.01
-"""Same where a pocket breaks into a hole, whose wall beside it looks at the axis, too."""
+"""The same deviation if a pocket breaks into a hole, since the pocket's wall faces the axis too."""
 LOOKS = 0.75
 ALONG = 0.35
-"""Least cosine between a face's normal and the way to the axis, and greatest one with the axis."""
+"""Least cosine between a face's normal and the direction to the axis, and greatest one with the axis."""
 OFF_ROUND = 0.05
-"""Of the radius: greatest root mean square of a hole's corners."""
+"""Greatest root mean square deviation of a hole's corners, fraction of the radius."""
 GREATEST_GAP = np.radians(100.0)
-"""Around the axis without a corner: a groove is no hole."""
+"""Greatest angle around the axis without a corner, rad: a groove is no hole."""
 LEAST_AREA = 0.6
 GREATEST_AREA = 1.3
-"""Of a hole over its cylinder's: what cross holes may take away."""
+"""Range of a hole's area over its cylinder's; cross holes take a part away."""
 ROUNDS = 4
-"""Of fits without the corners that are farthest off: those of cross holes lie on chords."""
+"""Number of fits without the outliers: corners of cross holes lie on chords."""
 SPREAD = 3.0
-"""Times the median error: beyond which a corner is left out of a fit."""
+"""Outlier limit of a fit, in median errors."""
 EXACT = 1e-7
-"""Of the size: errors that are rounding."""
+"""Rounding error, fraction of the size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +51,14 @@ class Bore:
     Attributes
     ----------
     axis, point : array (3,)
-        Unit vector, and a place on the axis.
+        Unit vector, and a point on the axis.
     radius : float
     ends : tuple of float
-        Along the axis from the point.
+        Ends along the axis from the point.
     faces : int array
-        Its triangles.
+        Triangles of the bore.
     off_round : float
-        Root mean square of how far its corners are off the cylinder, in the unit of the triangles.
+        Root mean square deviation of the corners from the cylinder, in the unit of the triangles.
     """
 
     axis: Floats
@@ -68,12 +70,12 @@ class Bore:
 
     @property
     def middle(self) -> Floats:
-        """Middle of its axis: array (3,)."""
+        """Middle of the bore's axis: array (3,)."""
         return self.point + 0.5 * sum(self.ends) * self.axis
 
 
 def across(places: Floats, axis: Floats, point: Floats) -> Floats:
-    """Ways (..., 3) from an axis to places (..., 3), at right angles to it."""
+    """Return the vectors (..., 3) from an axis to points (..., 3), at right angles to it."""
     off = places - point
     return np.asarray(off - np.multiply.outer(off @ axis, axis))
 
@@ -97,7 +99,7 @@ def find_bores(triangles: Triangles) -> list[Bore]:
 
 
 def _whole_bores(triangles: Triangles, guess: Bore, used: np.ndarray) -> list[Bore]:
-    """Whole bores of the faces on the cylinder of a guess that are not `used`: true or false (k,)."""
+    """Return the complete bores among the faces on a guess's cylinder that are not `used`: booleans (k,)."""
     for near in (NEAR, NEAREST):
         parts = triangles.patches(on_cylinder(triangles, guess, near=near) & ~used)
         fits = [fit_bore(triangles, part) for part in parts if len(part) >= FEWEST_FACES]
@@ -107,7 +109,7 @@ def _whole_bores(triangles: Triangles, guess: Bore, used: np.ndarray) -> list[Bo
 
 
 def _round_regions(triangles: Triangles, label: Integers) -> list[Integers]:
-    """Triangles of each region whose normals go round an axis, by the spread of these."""
+    """Return the triangles of each region with normals around an axis, judged by their spread."""
     areas = triangles.areas
     moments = np.zeros((label.max() + 1, 3, 3))
     for a in range(3):
@@ -123,9 +125,10 @@ def _round_regions(triangles: Triangles, label: Integers) -> list[Integers]:
 
 
 def on_cylinder(triangles: Triangles, bore: Bore, along: float = ALONG, near: float = NEAR) -> np.ndarray:
-    """True for triangles (k,) with corners on a bore's cylinder that look at its axis.
+    """Return True for triangles (k,) with corners on a bore's cylinder that face its axis.
 
-    `along` is the greatest cosine of their normals with it, `near` how far corners are off it, of the radius.
+    `along` is the greatest cosine between normal and axis, `near` the greatest deviation of corners, fraction
+    of the radius.
     """
     away = np.linalg.norm(across(triangles.points, bore.axis, bore.point), axis=1)
     is_near = np.abs(away - bore.radius) < near * bore.radius
@@ -137,7 +140,7 @@ def on_cylinder(triangles: Triangles, bore: Bore, along: float = ALONG, near: fl
 
 
 def fit_bore(triangles: Triangles, faces: Integers, whole: bool = True) -> Bore | None:
-    """Fit a cylinder about a void to some faces; None if it is not round or, if asked for, not `whole`."""
+    """Fit a cylinder about a void to faces; return None if it is not round or, on request, not `whole`."""
     share = triangles.areas[faces] / triangles.areas[faces].sum()
     normals = triangles.normals[faces]
     spread, directions = np.linalg.eigh(np.einsum("f,fa,fb->ab", share, normals, normals))
@@ -161,7 +164,7 @@ def fit_bore(triangles: Triangles, faces: Integers, whole: bool = True) -> Bore 
 
 
 def greatest_gap(places: Floats, axis: Floats, point: Floats) -> float:
-    """Greatest angle (rad) around an axis in which none of the places lies."""
+    """Return the greatest angle (rad) around an axis without a point."""
     u, v = np.linalg.svd(axis[None])[2][1:]
     ways = across(places, axis, point)
     angles = np.sort(np.arctan2(ways @ v, ways @ u))
@@ -169,22 +172,22 @@ def greatest_gap(places: Floats, axis: Floats, point: Floats) -> float:
 
 
 def fit_axis(groups: list[Floats], direction: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Fit cylinders of one axis to groups of places, each of a radius of its own.
+    """Fit cylinders with one common axis to groups of points, each with its own radius.
 
-    Corners that lie off the others, on chords of coarse holes, are left out of the last fits.
+    Outliers on chords of coarse holes are left out of the last fits.
 
     Parameters
     ----------
     groups : list of array (n, 3)
     direction : array (3,)
-        About along the axis.
+        Approximate direction of the axis.
 
     Returns
     -------
     axis, point : array (3,)
     radii : array (groups,)
     off : array (places,)
-        How far each place is off its cylinder.
+        Deviation of each point from its cylinder.
     """
     places = np.concatenate(groups)
     owner = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
@@ -216,7 +219,7 @@ def fit_axis(groups: list[Floats], direction: Floats) -> tuple[Floats, Floats, F
 
 
 def _circle_guess(flat: Floats, owner: Integers) -> Floats:
-    """Start of a fit: no tilt, the common middle of circles about places (n, 2), a radius of each."""
+    """Return the start of a fit: no tilt, common centre of circles through points (n, 2), and radii."""
     count = owner.max() + 1
     # x^2 + y^2 = 2 a x + 2 b y + c of every group, by least squares
     terms = np.column_stack((2.0 * flat, np.eye(count)[owner]))

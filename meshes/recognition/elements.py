@@ -1,4 +1,4 @@
-"""Tetrahedra of files that are read: bodies that are apart, mid-side nodes, centre of the volume."""
+"""Tetrahedra of maker files: separate bodies, mid-side nodes, centroid."""
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -7,11 +7,11 @@ from scipy.sparse.csgraph import connected_components
 from fem.body.mesh import CUBIC_POINTS, CUBIC_WEIGHTS, TETRA_EDGES, Floats, Integers, jacobian_determinants
 
 OPPOSITE = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
-"""Corners of the faces opposite to each corner."""
+"""Corners of the face opposite to each corner."""
 
 
 def bodies(elements: Integers, count: int) -> list[Integers]:
-    """Numbers of the elements of each connected body among `count` nodes, the largest first."""
+    """Return the element numbers of each connected body among `count` nodes, the largest first."""
     corners = elements[:, :4]
     ends = np.repeat(corners[:, 0], 3), corners[:, 1:].ravel()
     links = coo_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(count, count))
@@ -22,7 +22,7 @@ def bodies(elements: Integers, count: int) -> list[Integers]:
 
 
 def renumbered(nodes: Floats, elements: Integers) -> tuple[Floats, Integers, Integers]:
-    """Nodes of some elements alone, these elements, and the new number of every old node or -1."""
+    """Return the nodes of these elements, the elements, and the new number of every old node or -1."""
     used = np.unique(elements)
     number = np.full(len(nodes), -1, dtype=np.int64)
     number[used] = np.arange(len(used))
@@ -30,9 +30,9 @@ def renumbered(nodes: Floats, elements: Integers) -> tuple[Floats, Integers, Int
 
 
 def peeled(elements: Integers, flat: np.ndarray) -> Integers:
-    """Elements (m, 4) without those that are `flat`, true or false (m,), and have two faces on the boundary.
+    """Return elements (m, 4) without those that are `flat` (booleans (m,)) and have two boundary faces.
 
-    Such an element lies between four corners of one plane: without it the boundary has its other diagonal.
+    Such an element joins four corners of one plane; without it the boundary has the other diagonal.
     """
     chosen = np.ones(len(elements), dtype=bool)
     while True:
@@ -47,7 +47,7 @@ def peeled(elements: Integers, flat: np.ndarray) -> Integers:
 
 
 def with_middles(nodes: Floats, elements: Integers) -> tuple[Floats, Integers]:
-    """Tetrahedra of 10 nodes with straight edges, of those of 4."""
+    """Return tetrahedra of 10 nodes with straight edges, made from those of 4."""
     ends = np.sort(elements[:, TETRA_EDGES].reshape(-1, 2), axis=1)
     edges, number = np.unique(ends, axis=0, return_inverse=True)
     middles = nodes[edges].mean(axis=1)
@@ -55,7 +55,7 @@ def with_middles(nodes: Floats, elements: Integers) -> tuple[Floats, Integers]:
 
 
 def centroid(nodes: Floats, elements: Integers) -> Floats:
-    """Centre of the volume of tetrahedra with straight or curved edges: array (3,)."""
+    """Return the centroid of tetrahedra with straight or curved edges: array (3,)."""
     points = CUBIC_POINTS
     if elements.shape[1] == 4:
         shapes = points

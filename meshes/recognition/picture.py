@@ -1,4 +1,4 @@
-"""Picture of a recognized shoe from four sides, every named surface in its colour."""
+"""Picture of a recognized shoe from four sides, with each named surface in its colour."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ COLORS = {
     "bore rear right": "#2f5d9b",
     "bore rear left": "#7fb3d5",
 }
-"""Of surfaces; a later one covers an earlier one."""
+"""Colours of surfaces; a later one covers an earlier one."""
 VIEWS = {
     "from the front, above": (28, 35),
     "from the rear, above": (28, 215),
@@ -25,9 +25,9 @@ VIEWS = {
 }
 """Elevation and azimuth of the viewer, degrees: x is ahead, y to the left, z up."""
 ARROW = 0.07
-"""Of the shoe's extent: how far the axes reach beyond it."""
+"""Length of the axes beyond the shoe, fraction of its extent."""
 FROM_BELOW = np.array([1.0, 1.0, -1.0])
-"""Of the light on a shoe that is seen from below."""
+"""Factors on the light for views from below."""
 
 
 def draw_recognized(figure: Figure, mesh: Mesh) -> None:

@@ -1,8 +1,8 @@
-"""Pins of a shoe among all round holes: the two lines of bores by which shoes make a chain.
+"""Pins of a shoe among all round holes: the two lines of bores that join shoes to a chain.
 
-The next shoe's rear pin is this one's front pin. Its lugs stand between this one's: the bores of both lines
-lie beside each other along the pin, never over each other, and yet within reach. Holes for bolts, grease and
-lightness come in pairs that lie over each other.
+The next shoe's rear pin is this shoe's front pin, and its lugs stand between this shoe's. The bores of both
+lines therefore lie side by side along the pin, without overlap, and within reach. Holes for bolts, grease and
+lightness come in pairs that overlap.
 """
 
 import itertools
@@ -18,28 +18,29 @@ from meshes.recognition.bores import Bore
 from meshes.recognition.triangles import Triangles
 
 PARALLEL = np.cos(np.radians(3.0))
-"""Least cosine between axes that are parallel: those of short, coarse bores."""
+"""Least cosine between parallel axes of short, coarse bores."""
 SAME_LINE = 0.15
-"""Of the radius: greatest distance of the axes of holes on one line."""
+"""Greatest distance between the axes of holes on one line, fraction of the radius."""
 SAME_RADIUS = 0.15
-"""Of the radius of most of a line: other holes on it are counterbores or for other parts."""
+"""Tolerance of the radii on a line, fraction of its main radius; other holes are counterbores or for other
+parts."""
 EQUAL_RADII = 2e-3
-"""Of the radius: greatest difference of bores that are equal, by a coarse mesh."""
+"""Greatest difference of equal bores in a coarse mesh, fraction of the radius."""
 OVERLAP = 0.05
-"""Of the shorter line's length: greatest part over which bores of both lines lie over each other."""
+"""Greatest overlap of the bores of both lines, fraction of the shorter line's length."""
 REACH = 0.6
-"""Of the same length: greatest gap between all bores of one line and all of the other."""
+"""Greatest gap between the bores of both lines, fraction of the same length."""
 LEAST_PITCH = 0.5
 GREATEST_PITCH = 1.0
-"""Of the shoe's extent from pin to pin."""
+"""Range of the pitch, fraction of the shoe's extent from pin to pin."""
 RADII = 2.0
 """Greatest ratio of the radii of both lines."""
 COARSE = 0.25
-"""Of the radius: how far corners of a bore of five facets are off it, where cross holes cut its chords."""
+"""Deviation of corners of a bore of five facets where cross holes cut its chords, fraction of the radius."""
 HALF_ROUND = np.radians(200.0)
-"""Greatest gap around an axis of faces that are a part of a bore."""
+"""Greatest gap around an axis in the faces of a partial bore, rad."""
 CLOSE = 0.5
-"""Of the best pair's score: from which another pair is worth a question."""
+"""Score above which another pair raises a question, fraction of the best pair's score."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,34 +59,34 @@ class PinLine:
 
     @property
     def length(self) -> float:
-        """Sum of the lengths of its bores."""
+        """Sum of the lengths of the bores."""
         return float(np.diff(self.spans(self.axis), axis=1).sum())
 
     @cached_property
     def radius(self) -> float:
-        """Mean radius, by length."""
+        """Mean radius, weighted by length."""
         lengths = [bore.ends[1] - bore.ends[0] for bore in self.bores]
         return float(np.average([bore.radius for bore in self.bores], weights=lengths))
 
     @property
     def has_equal_radii(self) -> bool:
-        """True for bores of one radius, within what their corners are off round."""
+        """True if all bores have one radius, within the deviation of their corners."""
         radii = [bore.radius for bore in self.bores]
         slack = EQUAL_RADII * max(radii) + 2.0 * max(bore.off_round for bore in self.bores)
         return max(radii) - min(radii) <= slack
 
     @property
     def faces(self) -> Integers:
-        """Triangles of all of its bores."""
+        """Triangles of all bores of the line."""
         return np.concatenate([bore.faces for bore in self.bores])
 
     @property
     def off_round(self) -> float:
-        """Root mean square of how far corners are off the bores' cylinders."""
+        """Root mean square deviation of the corners from the bores' cylinders."""
         return float(np.sqrt(np.mean([bore.off_round**2 for bore in self.bores])))
 
     def spans(self, axis: Floats) -> Floats:
-        """Ends of its bores along a direction, the lowest first: array (bores, 2)."""
+        """Return the ends of the bores along a direction, the lowest first: array (bores, 2)."""
         ends = []
         for bore in self.bores:
             heights = (bore.point + np.multiply.outer(bore.ends, bore.axis)) @ axis
@@ -95,18 +96,18 @@ class PinLine:
 
 @dataclass(frozen=True, eq=False)
 class PinPair:
-    """Two lines of bores by which shoes make a chain.
+    """Two lines of bores that join shoes to a chain.
 
     Attributes
     ----------
     lines : tuple of two PinLine
     axis : array (3,)
-        Along the pins.
+        Direction of the pins.
     ahead : array (3,)
-        From the first line to the second, at right angles to the pins.
+        Direction from the first line to the second, at right angles to the pins.
     pitch : float
     score : float
-        By which pairs are ordered.
+        Rank of the pair.
     """
 
     lines: tuple[PinLine, PinLine]
@@ -117,7 +118,7 @@ class PinPair:
 
 
 def pin_lines(holes: list[Bore]) -> list[PinLine]:
-    """Holes by the line that they lie on, those of other radii than most of it left out."""
+    """Group holes by their line; leave out holes that differ from the main radius of a line."""
     groups: list[list[Bore]] = []
     for hole in holes:
         for group in groups:
@@ -142,7 +143,7 @@ def _of_one_radius(group: list[Bore]) -> PinLine:
 
 
 def pin_pairs(triangles: Triangles, lines: list[PinLine]) -> list[PinPair]:
-    """Pairs of lines that make a chain, the likeliest first."""
+    """Return the pairs of lines that make a chain, the likeliest first."""
     pairs = []
     for first, second in itertools.combinations(lines, 2):
         if abs(first.axis @ second.axis) < PARALLEL:
@@ -161,26 +162,26 @@ def pin_pairs(triangles: Triangles, lines: list[PinLine]) -> list[PinPair]:
 
 
 def interleaved(a: Floats, b: Floats) -> bool:
-    """True for spans (k, 2) and (m, 2) that lie beside each other, within reach."""
+    """Return True if spans (k, 2) and (m, 2) lie side by side, within reach."""
     least = min(np.diff(a, axis=1).sum(), np.diff(b, axis=1).sum())
     reach = min(a.max(), b.max()) - max(a.min(), b.min())
     return overlap(a, b) < OVERLAP * least and reach > -REACH * least
 
 
 def overlap_of_spans(a: Floats, b: Floats) -> Floats:
-    """Lengths (k, m) over which each of the spans (k, 2) and each of (m, 2) lie over each other."""
+    """Return the overlap (k, m) of each of the spans (k, 2) with each of (m, 2)."""
     low = np.maximum(a[:, None, 0], b[None, :, 0])
     high = np.minimum(a[:, None, 1], b[None, :, 1])
     return np.maximum(high - low, 0.0)
 
 
 def overlap(a: Floats, b: Floats) -> float:
-    """Length over which spans (k, 2) and (m, 2) lie over each other."""
+    """Return the total overlap of spans (k, 2) and (m, 2)."""
     return float(overlap_of_spans(a, b).sum())
 
 
 def refined(triangles: Triangles, pair: PinPair) -> PinPair:
-    """Pair of pins with parts of their bores that the search had lost, and axes fitted to all corners.
+    """Return the pair of pins with the missed parts of their bores, and axes fitted to all corners.
 
     Raises
     ------
@@ -199,13 +200,13 @@ def refined(triangles: Triangles, pair: PinPair) -> PinPair:
 
 
 def _whole_line(triangles: Triangles, line: PinLine, axis: Floats) -> PinLine:
-    """Line with all faces on its cylinder, its axis fitted to the corners of all of its bores."""
+    """Return a line with all faces on its cylinder; its axis is fitted to the corners of all bores."""
     guess = Bore(*_fitted(triangles, line.bores, axis), line.radius, (0.0, 0.0), line.faces, 0.0)
     on_line = triangles.patches(bores.on_cylinder(triangles, guess, along=1.0))
     fits = [bores.fit_bore(triangles, part) for part in on_line if len(part) >= bores.FEWEST_FACES]
     members = [bore for bore in fits if bore is not None]
     there = np.concatenate([bore.faces for bore in members]) if members else line.faces[:0]
-    # a bore of another radius than the others is none of these parts
+    # a bore of a different radius is not among these parts
     members += [bore for bore in line.bores if not np.isin(bore.faces, there).any()]
     _refuse_broken(triangles, guess, members)
     fitted_axis, point = _fitted(triangles, members, axis)
@@ -213,7 +214,7 @@ def _whole_line(triangles: Triangles, line: PinLine, axis: Floats) -> PinLine:
 
 
 def _refuse_broken(triangles: Triangles, guess: Bore, members: Sequence[Bore]) -> None:
-    """Refuse a pin on whose cylinder faces go round that are no whole bore: without them a fork is none."""
+    """Raise `ValueError` if faces around a pin's cylinder form no complete bore, which hides a fork."""
     left = bores.on_cylinder(triangles, guess, along=1.0, near=COARSE)
     left[np.concatenate([bore.faces for bore in members])] = False
     for part in triangles.patches(left):
@@ -228,7 +229,7 @@ def _refuse_broken(triangles: Triangles, guess: Bore, members: Sequence[Bore]) -
 
 
 def _fitted(triangles: Triangles, members: Sequence[Bore], axis: Floats) -> tuple[Floats, Floats]:
-    """Axis of bores, and a place on it at the middle of their corners."""
+    """Return the axis of bores, and a point on it at the middle of their corners."""
     groups = [triangles.points[np.unique(triangles.faces[bore.faces])] for bore in members]
     direction = members[0].axis * np.sign(members[0].axis @ axis)
     fitted_axis, point, _, _ = bores.fit_axis(groups, direction)

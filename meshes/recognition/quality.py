@@ -1,4 +1,4 @@
-"""What a mesh leaves to be desired: shapes of its elements, and walls that are one element thick."""
+"""Quality of a mesh: shapes of its elements, and walls that are one element thick."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from fem.body.mesh import TETRA_EDGES, Floats, Integers, Mesh, jacobian_determin
 from meshes.recognition.triangles import Triangles
 
 OPPOSED = 0.8
-"""Cosine of the angle between an edge and the normals at its ends, from which it goes through a wall."""
+"""Cosine between an edge and the normals at its ends above which the edge goes through a wall."""
 
 
 class MeshQuality(NamedTuple):
@@ -17,11 +17,11 @@ class MeshQuality(NamedTuple):
     Attributes
     ----------
     least, mean : float
-        Of 6 sqrt(2) V / l^3 with the root mean square l of the edges: 1 for a regular tetrahedron.
+        Shape 6 sqrt(2) V / l^3 with the root mean square l of the edges: 1 for a regular tetrahedron.
     thinnest : float or None
-        Thinnest wall that has a single element through it, m; None if no wall has.
+        Thickness of the thinnest wall with a single element through it, m; None without such a wall.
     thin_share : float
-        Part of the boundary's nodes that are on such walls.
+        Fraction of the boundary's nodes on such walls.
     """
 
     least: float
@@ -31,7 +31,7 @@ class MeshQuality(NamedTuple):
 
 
 def shapes(nodes: Floats, elements: Integers) -> Floats:
-    """Shapes (m,) of tetrahedra (m, 4 or more) by their corners among nodes (n, 3): 1 for a regular one."""
+    """Return the shapes (m,) of tetrahedra (m, 4 or more) from corners among nodes (n, 3): 1 if regular."""
     corners = elements[:, :4]
     volumes = jacobian_determinants(nodes, corners)[:, 0] / 6.0
     ends = nodes[corners[:, TETRA_EDGES]]
@@ -40,7 +40,7 @@ def shapes(nodes: Floats, elements: Integers) -> Floats:
 
 
 def mesh_quality(mesh: Mesh) -> MeshQuality:
-    """Quality of a mesh by its corners."""
+    """Return the quality of a mesh from its corners."""
     shape = shapes(mesh.nodes, mesh.elements)
     walls, nodes = _walls(mesh)
     boundary = np.unique(mesh.boundary[:, :3])
@@ -49,7 +49,7 @@ def mesh_quality(mesh: Mesh) -> MeshQuality:
 
 
 def _walls(mesh: Mesh) -> tuple[Floats, np.ndarray]:
-    """Lengths of inner edges that go through a wall, from one side's boundary to the other's; their nodes."""
+    """Return the lengths of inner edges through a wall, from boundary to boundary, and their nodes."""
     triangles = Triangles(mesh.nodes, mesh.boundary[:, :3])
     normals = np.zeros_like(mesh.nodes)
     for corner in range(3):

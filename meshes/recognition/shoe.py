@@ -1,4 +1,4 @@
-"""Shoes of makers' files in the program's form: STEP, STL or tetrahedra, in any unit and axes."""
+"""Shoes of makers' files in the program's form, from STEP, STL or tetrahedra in any unit and axes."""
 
 import itertools
 import warnings
@@ -26,17 +26,18 @@ from meshes.recognition.triangles import Triangles
 STEP_FILES = (".step", ".stp")
 STL_FILES = (".stl",)
 SAME_AXES = 1e-3
-"""Rad, and of the pitch: between the shoes of two meshes of one solid."""
+"""Greatest difference between two meshes of one solid: angle of the axes, rad, and relative pitch."""
 SAME_PIN_HEIGHT = 1e-3
-"""m, between front and rear pins: shoes that lie level have them at one height."""
+"""Tolerance between front and rear pin heights, m: a level shoe has them at one height."""
 FEWEST_TRIANGLES = 20
 FLATTEST = 1e-3
 FLAT = 0.05
-"""Shapes of elements, 1 of a regular one: flatter ones spoil all that is computed, or stress beside them."""
+"""Limits of element shapes (1 for a regular one): flatter ones spoil all results, or the stress beside
+them."""
 DOUBLE_PINS = 0.5
-"""Of the extent: how far apart lines of bores are that are those of two pins."""
+"""Least distance between the lines of two pins, fraction of the extent."""
 EQUAL_LINES = 0.9
-"""Of the longer line's length: overlap of equal lines, such as those of two pins that connectors link."""
+"""Overlap of equal lines, such as those of two pins in connectors, fraction of the longer line's length."""
 
 
 class FileSolid(NamedTuple):
@@ -45,12 +46,12 @@ class FileSolid(NamedTuple):
     Attributes
     ----------
     nodes : array (n, 3)
-        In the file's unit and axes.
+        Nodes in the file's unit and axes.
     elements : int array (m, 10)
     unit : NodesUnit or None
         Unit of the nodes and that of the file, if the file names one.
     surfaces : dict of str to int array (k, 6)
-        That the file names.
+        Surfaces named by the file.
     remarks : tuple of str
     questions : tuple of Question
     """
@@ -65,20 +66,20 @@ class FileSolid(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecognizedShoe:
-    """Shoe of a file in its own axes, with what its chain needs.
+    """Shoe of a file in its own axes, with the data of its chain.
 
     Attributes
     ----------
     mesh : Mesh
-        In m, x ahead, y to the left, z up, origin at the COM; with all named surfaces.
+        Mesh in m, x ahead, y to the left, z up, origin at the COM; with all named surfaces.
     axes : ShoeAxes
     surfaces : ShoeSurfaces
     unit : str
-        Unit of the file, and how it is known.
+        Unit of the file, and its origin.
     remarks : tuple of str
-        What was left out or done.
+        Omissions and changes.
     questions : tuple of Question
-        What geometry leaves open.
+        Choices that geometry leaves open.
     """
 
     mesh: Mesh
@@ -100,7 +101,7 @@ class RecognizedShoe:
 
     @cached_property
     def pin_height(self) -> float:
-        """Z of all pins, m; ValueError if front and rear ones are not at one height."""
+        """Z of all pins, m; raises `ValueError` if front and rear pins are not at one height."""
         rear, front = (float(self.axes.place_of(line)[2]) for line in self.axes.pins.lines)
         if abs(front - rear) > SAME_PIN_HEIGHT:
             raise ValueError(
@@ -123,27 +124,27 @@ class RecognizedShoe:
 
 
 def recognize_file(path: str | Path, choices: Choices | None = None, size: str = "study") -> RecognizedShoe:
-    """Read a maker's file of a shoe and find what of it is what.
+    """Read a maker's file of a shoe and recognize its parts.
 
     Parameters
     ----------
     path : str or Path
         STEP, STL, or a mesh of tetrahedra as `fem.read_volume` reads it.
     choices : Choices, optional
-        What the user decides.
+        User's decisions.
     size : str
-        "coarse", "study" or "fine": elements of a solid that is meshed here.
+        "coarse", "study" or "fine": resolution if the solid is meshed here.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such file.
+        If the file does not exist.
     ModuleNotFoundError
-        If it needs netgen, and netgen is not there.
+        If the file needs netgen, and netgen is not installed.
     MeshError
         If the file cannot be read or meshed.
     ValueError
-        If it is no shoe, or the choices do not fit it.
+        If the file is no shoe, or the choices do not fit it.
     """
     path = Path(path)
     choices = choices or Choices()
@@ -161,7 +162,7 @@ def recognize_file(path: str | Path, choices: Choices | None = None, size: str =
 
 
 def read_solid(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileSolid:
-    """Tetrahedra of 10 nodes of a file; parameters and errors are those of `recognize_file`."""
+    """Read the tetrahedra of 10 nodes of a file; parameters and errors are those of `recognize_file`."""
     suffix = path.suffix.lower()
     if suffix in STEP_FILES:
         mesher.require_netgen("a STEP file")
@@ -172,7 +173,7 @@ def read_solid(path: Path, choices: Choices, size: solids.SizesOfElements) -> Fi
 
 
 def recognize_solid(solid: FileSolid, choices: Choices) -> RecognizedShoe:
-    """Find a shoe's axes, unit and surfaces on the boundary of its tetrahedra; raises as `recognize_file`."""
+    """Find a shoe's axes, unit and surfaces from its boundary; errors are those of `recognize_file`."""
     rows = boundary_faces(solid.elements)
     triangles = Triangles(solid.nodes, rows[:, :3])
     axes = axes_of(triangles, choices, solid.unit)
@@ -199,7 +200,7 @@ def recognize_solid(solid: FileSolid, choices: Choices) -> RecognizedShoe:
 
 
 def _unit_words(named: NodesUnit | None, choices: Choices, axes: ShoeAxes) -> str:
-    """Return the unit of a file and how it is known."""
+    """Return the unit of a file and its origin."""
     if named is not None:
         return f"{named.name}, named by the file"
     return f"{axes.unit}, by --unit" if choices.unit else f"{axes.unit}, by the size of the shoe"
@@ -219,12 +220,12 @@ def differing_bores(axes: ShoeAxes) -> Iterator[str]:
 
 
 def axes_of(triangles: Triangles, choices: Choices, unit: NodesUnit | None = None) -> ShoeAxes:
-    """Axes and unit of a shoe by the bores on its boundary.
+    """Return axes and unit of a shoe from the bores on its boundary.
 
     Raises
     ------
     ValueError
-        If no two lines of bores make a chain, with the bores that there are.
+        If no two lines of bores make a chain; the message lists the bores.
     """
     lines = pins.pin_lines(bores.find_bores(triangles))
     pairs = pins.pin_pairs(triangles, lines)
@@ -265,7 +266,7 @@ def _no_pins(triangles: Triangles, lines: list[pins.PinLine], unit: NodesUnit | 
 def _overlapping_lines(
     triangles: Triangles, lines: list[pins.PinLine]
 ) -> tuple[pins.PinLine, pins.PinLine] | None:
-    """Return the likeliest two lines of bores, far apart, that lie over each other, or None."""
+    """Return the likeliest two distant lines of bores that overlap, or None."""
     found = []
     for first, second in itertools.combinations(lines, 2):
         if abs(first.axis @ second.axis) < pins.PARALLEL:
@@ -282,7 +283,7 @@ def _overlapping_lines(
 
 
 def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileSolid:
-    """Mesh the solid of a STEP file: bores found on a quick mesh of its faces get small elements."""
+    """Mesh the solid of a STEP file; bores found on a quick surface mesh get small elements."""
     solid = _step_solid(path, choices.body)
     unit = _checked_unit(solid.unit, choices)
     triangles, face = solid.quick()
@@ -321,7 +322,7 @@ def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> File
 
 
 def _step_solid(path: Path, body: str | None) -> solids.StepSolid:
-    """Read the solid of a STEP file; where it has several links, the error says so."""
+    """Read the solid of a STEP file; the error says so if the file has several links."""
     try:
         return solids.StepSolid(path, body)
     except solids.ApartError as error:
@@ -340,7 +341,7 @@ def _step_solid(path: Path, body: str | None) -> solids.StepSolid:
 
 
 def _checked_unit(unit: StepUnit | None, choices: Choices) -> NodesUnit | None:
-    """Return the unit of a STEP file's nodes, which netgen makes mm; ValueError if the user names another."""
+    """Return the unit of a STEP file's nodes (netgen: mm); raise `ValueError` if the user names another."""
     if unit is None:
         return None
     if choices.unit and not unit.is_same(UNITS[choices.unit]):
@@ -352,11 +353,11 @@ def _checked_unit(unit: StepUnit | None, choices: Choices) -> NodesUnit | None:
 
 
 def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileSolid:
-    """Inside of a closed STL boundary, whose triangles stay as they are."""
+    """Fill a closed STL boundary with tetrahedra; its triangles stay unchanged."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # of a text whose bytes are taken for a number
-            # `meshio.read` ends the process where its reader fails
+            warnings.simplefilter("ignore", RuntimeWarning)  # from text bytes that are read as a number
+            # `meshio.read` ends the process if its reader fails
             raw = meshio.stl.read(path)
         parts = [block.data for block in raw.cells if block.type == "triangle"]
         triangles = Triangles.welded(np.asarray(raw.points, float), np.concatenate(parts).astype(np.int64))
@@ -389,7 +390,7 @@ def _of_stl(path: Path, choices: Choices, size: solids.SizesOfElements) -> FileS
 
 
 def _of_mesh(content: VolumeMesh, choices: Choices) -> FileSolid:
-    """Tetrahedra of a mesh file, of one body."""
+    """Return the tetrahedra of one body in a mesh file."""
     nodes = content.nodes
     elements = content.elements
     surfaces = content.surfaces

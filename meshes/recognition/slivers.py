@@ -1,13 +1,14 @@
-"""Slivers of CAD solids, edges and faces too short or narrow to be meshed: found, and healed if possible."""
+"""Slivers of CAD solids: search and healing of edges and faces too short or narrow for a mesh."""
 
 from typing import Any, NamedTuple
 
 from meshes.recognition.step_units import StepUnit
 
 TINY = 2e-5
-"""Fraction of the solid's extent below which an edge or a face is a sliver: 12 um on a shoe of 600 mm."""
+"""Size below which an edge or a face is a sliver, fraction of the solid's extent: 12 um on a shoe of 600
+mm."""
 SAME_VOLUME = 1e-5
-"""Relative change of volume by healing beyond which the solid stays as it is."""
+"""Relative change of volume by healing above which the solid stays unchanged."""
 MM = 1e-3
 
 
@@ -21,7 +22,7 @@ class Sliver(NamedTuple):
     size : float
         Length of the edge, mean width of the face, mm.
     place : tuple of float
-        Its middle in the axes of the file, mm.
+        Middle of the edge or face in the axes of the file, mm.
     """
 
     kind: str
@@ -56,13 +57,13 @@ def find_slivers(shape: Any) -> list[Sliver]:
 
 
 def _measured(part: Any, size: float) -> tuple[float, tuple[float, float, float]]:
-    # an edge comes once with each of its faces, with other rounding
+    # an edge occurs once with each of its faces, with different rounding
     x, y, z = (round(value, 6) + 0.0 for value in part.center)
     return round(size, 9), (x, y, z)
 
 
 def healed(occ: Any, shape: Any) -> Any | None:
-    """Return a solid without its slivers; None if healing leaves some, or another volume."""
+    """Return a solid without its slivers; None if healing leaves some or changes the volume."""
     geometry = occ.OCCGeometry(shape)
     try:
         geometry.Heal(tolerance=TINY * extent_of(shape))
@@ -75,7 +76,7 @@ def healed(occ: Any, shape: Any) -> Any | None:
 
 
 def suspects(slivers: list[Sliver], unit: StepUnit) -> str:
-    """Say which slivers may spoil a mesh, and what to do; empty if there are none."""
+    """Return a message on slivers that may spoil a mesh, with the remedy; empty without slivers."""
     if not slivers:
         return ""
     count = f"{len(slivers)} slivers, the smallest " if len(slivers) > 1 else ""

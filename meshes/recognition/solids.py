@@ -18,20 +18,20 @@ from meshes.recognition.triangles import Triangles
 
 SEND_STEP = "send the shoe as STEP, or as a mesh of tetrahedra"
 QUICK = 0.06
-"""Of the extent: greatest edge of the mesh on which bores are searched."""
+"""Greatest edge of the mesh for the search of bores, fraction of the extent."""
 QUICK_CURVES = 2.0
 CURVES = 1.0
-"""Elements along a curve's radius, of the search and of the shoe."""
+"""Elements along a curve's radius, in the search (`QUICK_CURVES`) and in the shoe."""
 GROWTH = 0.3
 MM = StepUnit("mm", 1e-3)
 EQUAL = 1e-6
 """Relative difference of the volumes of equal solids."""
 OPEN = 1e-9
-"""Share of edges with one triangle, or three, of a boundary that is not closed."""
+"""Share of edges with one triangle, or three, above which a boundary is not closed."""
 
 
 class SizesOfElements(NamedTuple):
-    """Greatest edges of elements: parts of the pitch, and of a bore's radius."""
+    """Greatest edges of elements, fractions of the pitch and of a bore's radius."""
 
     of_pitch: float
     of_bores: float
@@ -42,11 +42,11 @@ SIZES = {
     "study": SizesOfElements(0.125, 0.4),
     "fine": SizesOfElements(0.085, 0.25),
 }
-"""How fine a shoe is meshed, about as the ready meshes of these names are."""
+"""Resolutions similar to the ready meshes of these names."""
 
 
 def netgen_module(name: str, for_what: str) -> Any:
-    """Module of netgen; a ModuleNotFoundError says what needs it, and how to get it."""
+    """Return a module of netgen; a `ModuleNotFoundError` says what needs it and how to install it."""
     mesher.require_netgen(for_what)
     module = importlib.import_module(f"netgen.{name}")
     from netgen import libngpy
@@ -56,12 +56,12 @@ def netgen_module(name: str, for_what: str) -> Any:
 
 
 class ApartError(MeshError):
-    """A file has several solids that do not touch.
+    """Error for a file with several solids that do not touch.
 
     Attributes
     ----------
     apart : float
-        Distance of the largest solid from the nearest one that is equal to it, mm; 0 if not all are equal.
+        Distance of the largest solid from the nearest equal one, mm; 0 if not all are equal.
     count : int
     """
 
@@ -72,23 +72,23 @@ class ApartError(MeshError):
 
 
 class StepSolid:
-    """One solid of a STEP file, in mm, as netgen hands it out whatever the file's unit.
+    """Solid of a STEP file, in mm, since netgen converts any unit.
 
     Attributes
     ----------
     shape : TopoDS_Shape
     unit : StepUnit or None
-        That the file names; None if it names none: numbers are then taken for mm.
+        Unit named by the file; None if it names none: numbers then count as mm.
     healed : tuple of Sliver
-        Slivers that were removed.
+    Removed slivers.
     questions : list of Question
 
     Raises
     ------
     ModuleNotFoundError
-        If netgen is not there.
+        If netgen is not installed.
     MeshError
-        If the file is not STEP, has no solid, or several that are not chosen from and do not touch.
+    If the file is not STEP, has no solid, or has several that do not touch without a choice.
     """
 
     def __init__(self, path: Path, body: str | None = None) -> None:
@@ -155,7 +155,7 @@ class StepSolid:
         return parts[0]
 
     def quick(self) -> tuple[Triangles, Integers]:
-        """Triangles of a mesh on which bores are searched, and the number of each one's face of the solid."""
+        """Return the triangles of a mesh for the search of bores, and the solid's face number of each."""
         mesher.begin_step("the meshing of its surface", self._suspects)
         mesh = self._generate(QUICK * slivers.extent_of(self.shape), QUICK_CURVES, surface=True)
         sides = mesh.Elements2D().NumPy()
@@ -163,12 +163,12 @@ class StepSolid:
         return triangles.outward(), sides["index"].astype(np.int64)
 
     def refine(self, faces: Integers, size: float) -> None:
-        """Set the greatest edge, mm, on some faces of the solid."""
+        """Set the greatest edge, mm, on faces of the solid."""
         for number in np.unique(faces):
             self.shape.faces[int(number) - 1].maxh = size
 
     def mesh(self, size: float) -> tuple[Floats, Integers, int]:
-        """Nodes (mm) and tetrahedra of 10 nodes with edges up to a size, and how many were straightened."""
+        """Return nodes (mm), tetrahedra of 10 nodes with edges up to a size, and the number straightened."""
         mesher.begin_step("the meshing of the solid", self._suspects)
         mesh = self._generate(size, CURVES)
         mesh.SecondOrder()
@@ -192,7 +192,7 @@ class StepSolid:
 
 
 def _distance_of_equals(shapes: list[Any]) -> float:
-    """Return how far the first of some equal solids is from the nearest other one, mm; 0 if they differ."""
+    """Return the distance of the first of equal solids to the nearest other, mm; 0 if they differ."""
     first = shapes[0]
     if any(abs(shape.mass / first.mass - 1.0) > EQUAL for shape in shapes):
         return 0.0
@@ -200,28 +200,28 @@ def _distance_of_equals(shapes: list[Any]) -> float:
 
 
 def body_number(body: str, count: int, held: str) -> int:
-    """Number of a chosen body, from 1; a MeshError says which there are."""
+    """Return the number of a chosen body, from 1; a `MeshError` lists the bodies."""
     if not body.isdecimal() or not 1 <= int(body) <= count:
         raise MeshError(f"--body must be a number in 1..{count}, the largest first ({held}), got {body!r}")
     return int(body)
 
 
 def second_order(mesh: Any) -> tuple[Floats, Integers, int]:
-    """Nodes and elements of a netgen mesh of second order, distorted edges straightened, and how many."""
+    """Return nodes and elements of a second-order netgen mesh, and the number of straightened elements."""
     elements = mesh.Elements3D().NumPy()["nodes"][:, FROM_NETGEN].astype(np.int64) - 1
     nodes, count = straighten_distorted(np.array(mesh.Coordinates()), elements)
     return nodes, elements, count
 
 
 def fill_boundary(triangles: Triangles, size: float) -> tuple[Floats, Integers]:
-    """Fill a closed boundary with tetrahedra that keep its triangles; edges up to a size.
+    """Fill a closed boundary with tetrahedra that keep its triangles, with edges up to a size.
 
     Raises
     ------
     ModuleNotFoundError
-        If netgen is not there.
+        If netgen is not installed.
     MeshError
-        If the boundary is not closed, or netgen cannot fill it.
+    If the boundary is not closed, or netgen cannot fill it.
     """
     mesher.require_netgen("an STL file")
     if triangles.open_share > OPEN:

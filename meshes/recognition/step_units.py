@@ -1,4 +1,4 @@
-"""Unit of length that the header of a STEP file names."""
+"""Unit of length named in the header of a STEP file."""
 
 import re
 from pathlib import Path
@@ -15,7 +15,7 @@ CONVERTED = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'\s*,\s*#\s*(\d+)
 MEASURE = re.compile(rb"LENGTH_MEASURE_WITH_UNIT\s*\(\s*LENGTH_MEASURE\s*\(\s*([^)\s]+)\s*\)\s*,\s*#\s*(\d+)")
 PREFIXES = {"": 1.0, "KILO": 1e3, "DECI": 1e-1, "CENTI": 1e-2, "MILLI": 1e-3, "MICRO": 1e-6, "NANO": 1e-9}
 SAME = 1e-6
-"""Relative difference below which two units are one."""
+"""Relative difference below which two units are equal."""
 
 
 class StepUnit(NamedTuple):
@@ -24,7 +24,7 @@ class StepUnit(NamedTuple):
     Attributes
     ----------
     name : str
-        "mm", "inch" or as the file calls it.
+        "mm", "inch" or the file's own name.
     metres : float
     """
 
@@ -32,17 +32,17 @@ class StepUnit(NamedTuple):
     metres: float
 
     def is_same(self, metres: float) -> bool:
-        """Return whether it is a unit of so many metres."""
+        """Return True if the unit has this size in metres."""
         return abs(self.metres / metres - 1.0) < SAME
 
 
 def units_of(path: Path) -> list[StepUnit]:
-    """Return the different units of length that the geometry of a STEP file is in; none if it names none."""
+    """Return the different units of length of a STEP file's geometry; empty if the file names none."""
     content = path.read_bytes()
     assigned = {int(number) for group in ASSIGNED.findall(content) for number in NUMBER.findall(group)}
     if not assigned:
         return []
-    # units are few among up to a million of instances
+    # a file has few units among up to a million instances
     texts = {int(number): text for number, text in INSTANCE.findall(content) if b"UNIT" in text}
     found: list[StepUnit] = []
     for number in sorted(assigned):
@@ -53,7 +53,7 @@ def units_of(path: Path) -> list[StepUnit]:
 
 
 def _unit_of(texts: dict[int, bytes], number: int, depth: int = 0) -> StepUnit | None:
-    """Return the unit of an instance; None if it is none of length, or cannot be followed."""
+    """Return the unit of an instance; None if it is no length or cannot be traced."""
     text = texts.get(number, b"")
     if depth > 4 or not LENGTH.search(text):
         return None

@@ -1,4 +1,4 @@
-"""Named surfaces of a shoe in its own axes: bores, underside, top and rails, and where its joints act."""
+"""Named surfaces of a shoe in its own axes: bores, underside, top and rails, and the joints' positions."""
 
 from dataclasses import dataclass
 
@@ -11,24 +11,24 @@ from meshes.recognition.pins import PinLine
 from meshes.recognition.triangles import Triangles
 
 PLATE = 0.01
-"""Of the largest level part below: the least part of the plate, which grousers may cut off."""
+"""Least area of a part of the plate, which grousers may divide, fraction of the largest level part below."""
 SOLE = 0.005
-"""Of the whole surface: the least area below at which something stands."""
+"""Least area that can stand on the ground, fraction of the whole surface."""
 TOP = 0.01
-"""Of the largest level part below: the least part of the top."""
+"""Least area of a part of the top, fraction of the largest level part below."""
 LUG = 0.2
-"""Of a bore's radius and length: how far a flat on its lug may end before its axis, or reach beside it."""
+"""Tolerance of a flat on a lug, fraction of the bore's radius along x and of its length along y."""
 MIRRORED = 0.02
-"""Of the outer reach: greatest difference of the lugs on the right and on the left."""
+"""Greatest difference between right and left lugs, fraction of the outer reach."""
 PARTED = 1e-3
-"""m beside the middle: a bore that reaches over it is parted there between right and left."""
+"""Distance from the middle, m, beyond which a bore across it is divided into right and left."""
 SIDES = ("right", "left")
 ENDS = ("rear", "front")
 
 
 @dataclass(frozen=True, eq=False)
 class ShoeSurfaces:
-    """Surfaces of a shoe and what its chain needs of them, in its axes, m.
+    """Surfaces of a shoe and the data of its chain, in its axes, m.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class ShoeSurfaces:
     questions: tuple[Question, ...]
 
     def box(self, name: str) -> Floats:
-        """Least and greatest x, y, z of a surface: array (2, 3), m."""
+        """Return the least and greatest x, y, z of a surface: array (2, 3), m."""
         return outline(self.triangles, self.faces[name])
 
 
@@ -64,7 +64,7 @@ def find_surfaces(triangles: Triangles, axes: ShoeAxes, footprint: Sole | None) 
     Raises
     ------
     ValueError
-        If an end has no bores on one side, or nothing level is below.
+        If an end has no bores on one side, or no level face looks down.
     """
     local = triangles.moved(axes.origin, axes.rows, axes.scale)
     remarks: list[str] = []
@@ -93,12 +93,12 @@ def find_surfaces(triangles: Triangles, axes: ShoeAxes, footprint: Sole | None) 
 
 
 def _spans(axes: ShoeAxes, line: PinLine) -> Floats:
-    """Ends (bores, 2) of a line's bores along y, m."""
+    """Return the ends (bores, 2) of a line's bores along y, m."""
     return np.asarray((line.spans(axes.rows[1]) - axes.origin @ axes.rows[1]) * axes.scale)
 
 
 def _sides_of_bores(local: Triangles, end: str, line: PinLine, middle: float) -> dict[str, Integers]:
-    """Bores of an end on the right and on the left."""
+    """Return the bores of an end on the right and on the left."""
     y = local.middles[line.faces, 1]
     sides = {f"bore {end} {side}": line.faces[(y >= middle) == (side == "left")] for side in SIDES}
     if empty := [name for name, chosen in sides.items() if not len(chosen)]:
@@ -109,7 +109,7 @@ def _sides_of_bores(local: Triangles, end: str, line: PinLine, middle: float) ->
 
 
 def _joints(local: Triangles, faces: dict[str, Integers]) -> tuple[tuple[float, float], list[str]]:
-    """Y of the joints: the middle of what both ends' bores share on a side, or of the gap between them."""
+    """Return y of the joints, the middle of the overlap or gap of both ends' bores on a side, and remarks."""
     places = []
     gaps = []
     for side in SIDES:
@@ -161,7 +161,7 @@ def _underside(
 
 
 def _beyond_plate(local: Triangles, parts: list[Integers], plate: np.ndarray) -> np.ndarray:
-    """True for level parts below the plate, (parts,), that reach over its outline: grousers at its edges."""
+    """Return True for level parts below the plate, (parts,), that reach over its outline: edge grousers."""
     boxes = np.array([outline(local, part) for part in parts])
     low = boxes[plate, 0].min(axis=0)
     high = boxes[plate, 1].max(axis=0)
@@ -176,7 +176,7 @@ def _top(
     faces: dict[str, Integers],
     remarks: list[str],
 ) -> dict[str, Integers]:
-    """Top, and rails on it if there are two: level parts that look up above the pins, lugs' apart."""
+    """Return the top, and rails on it if there are two: level parts that face up above the pins, no lugs."""
     parts = level_parts(local, 1.0)
     least = TOP * local.areas[faces["underside"]].sum()
     bores = [outline(local, chosen) for name, chosen in faces.items() if name.startswith("bore")]
@@ -185,7 +185,7 @@ def _top(
     above = [part for part in large if local.middles[part, 2].mean() > height + SAME_HEIGHT]
     pitch = axes.pins.pitch * axes.scale
     others = [part for part in above if not any(_is_on_lug(outline(local, part), box) for box in bores)]
-    # on shoes of links the rails are on the lugs themselves, and nothing is higher
+    # on shoes of links the rails lie on the lugs, and nothing is higher
     if others and not _is_highest(local, others, above) and two_rails(local, above, pitch)[0] is not None:
         others = above
     above = others or above
@@ -205,13 +205,13 @@ def _top(
 
 
 def _is_highest(local: Triangles, parts: list[Integers], every: list[Integers]) -> bool:
-    """True where one of some level parts is as high as the highest of all."""
+    """Return True if one of some level parts is as high as the highest of all."""
     heights = [max(float(local.middles[part, 2].mean()) for part in chosen) for chosen in (parts, every)]
     return heights[0] > heights[1] - SAME_HEIGHT
 
 
 def _is_on_lug(part: Floats, bore: Floats) -> bool:
-    """True for a part that ends above a pin, and is as wide as the lug, or the fork, of a bore; outlines."""
+    """Return True for a part that ends above a pin and is as wide as the lug or fork of a bore; outlines."""
     (x0, y0, _), (x1, y1, _) = bore
     slack = LUG * (y1 - y0)
     pin = 0.5 * (x0 + x1)

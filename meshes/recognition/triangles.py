@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from fem.body.mesh import Floats, Integers, sorted_rows, triangle_normals
 
 SAME_PLACE = 1e-6
-"""Of the size: corners that are nearer to each other are one corner, which STL repeats."""
+"""Distance below which corners count as one, fraction of the size; STL repeats corners."""
 TINY = 1e-300
 
 
@@ -22,7 +22,7 @@ class Triangles:
     Attributes
     ----------
     points : array (n, 3)
-        In any unit and axes.
+        Corners in any unit and axes.
     faces : int array (k, 3)
     """
 
@@ -31,7 +31,7 @@ class Triangles:
 
     @classmethod
     def welded(cls, points: Floats, faces: Integers) -> Self:
-        """Triangles whose equal corners are one; those without area or that are there twice are left out."""
+        """Return triangles with equal corners merged; those without area and duplicates are left out."""
         step = SAME_PLACE * np.ptp(points, axis=0).max()
         _, first, number = np.unique(np.round(points / step), axis=0, return_index=True, return_inverse=True)
         joined = number.ravel()[faces]
@@ -41,7 +41,7 @@ class Triangles:
 
     @cached_property
     def corners(self) -> Floats:
-        """Places of the corners: array (k, 3, 3)."""
+        """Positions of the corners: array (k, 3, 3)."""
         return self.points[self.faces]
 
     @cached_property
@@ -65,7 +65,7 @@ class Triangles:
 
     @cached_property
     def _sides(self) -> tuple[Integers, Integers, Integers, float]:
-        """Neighbours (p, 2), far corners of the second ones, a corner of their edges, share of bad edges."""
+        """Neighbours (p, 2), opposite corners of the second ones, a corner of each edge, bad edges' share."""
         edges = self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
         owner = np.repeat(np.arange(len(self.faces)), 3)
         far = self.faces[:, [2, 0, 1]].ravel()
@@ -85,22 +85,22 @@ class Triangles:
 
     @property
     def open_share(self) -> float:
-        """Share of edges that have not two triangles: a closed boundary has none."""
+        """Share of edges without exactly two triangles; zero for a closed boundary."""
         return self._sides[3]
 
     @cached_property
     def bends(self) -> Floats:
-        """Angles between neighbours: array (p,), rad, negative where they bend inwards."""
+        """Angles between neighbours: array (p,), rad, negative for inward bends."""
         pairs, far, start, _ = self._sides
         first = self.normals[pairs[:, 0]]
         second = self.normals[pairs[:, 1]]
         angle = np.arccos(np.clip(np.einsum("pc,pc->p", first, second), -1.0, 1.0))
-        # towards the outer side of a face: the far corner of a neighbour that bends inwards
+        # a neighbour that bends inwards has its opposite corner on the outer side of the face
         beyond = np.einsum("pc,pc->p", first, self.points[far] - self.points[start])
         return np.asarray(np.where(beyond > 0.0, -angle, angle))
 
     def labels(self, linked: np.ndarray) -> Integers:
-        """Number of the connected region of every triangle, (k,), that some of the pairs (p,) link."""
+        """Return the number of each triangle's connected region, (k,), linked by the chosen pairs (p,)."""
         pairs = self.pairs[linked]
         count = len(self.faces)
         ones = np.ones(len(pairs), dtype=np.int8)
@@ -108,7 +108,7 @@ class Triangles:
         return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
 
     def patches(self, chosen: np.ndarray) -> list[Integers]:
-        """Numbers of the triangles of each connected part of those that are `chosen`: true or false (k,)."""
+        """Return the triangle numbers of each connected part of the `chosen` ones: booleans (k,)."""
         label = self.labels(np.asarray(chosen[self.pairs].all(axis=1)))
         numbers = np.flatnonzero(chosen)
         order = numbers[np.argsort(label[numbers], kind="stable")]
@@ -117,26 +117,26 @@ class Triangles:
 
     @cached_property
     def volume(self) -> float:
-        """Volume inside; negative if all triangles are turned inwards."""
+        """Volume inside; negative if all triangles face inwards."""
         return float(self._cones.sum())
 
     @cached_property
     def center(self) -> Floats:
-        """Centre of the volume: array (3,)."""
+        """Centroid of the volume: array (3,)."""
         origin = self.points.mean(axis=0)
         moments = self._cones[:, None] * (self.corners.sum(axis=1) - 3.0 * origin) / 4.0
         return np.asarray(origin + moments.sum(axis=0) / self.volume)
 
     @cached_property
     def _cones(self) -> Floats:
-        """Volumes of the tetrahedra between the middle of all points and each triangle."""
+        """Volumes of the tetrahedra from the mean of all points to each triangle."""
         a, b, c = np.moveaxis(self.corners - self.points.mean(axis=0), 1, 0)
         return np.asarray(np.einsum("kc,kc->k", a, np.cross(b, c)) / 6.0)
 
     def outward(self) -> "Triangles":
-        """Same triangles, turned if their volume is negative."""
+        """Return the triangles, reversed if their volume is negative."""
         return self if self.volume > 0.0 else Triangles(self.points, self.faces[:, ::-1])
 
     def moved(self, origin: Floats, axes: Floats, scale: float) -> "Triangles":
-        """Triangles in axes (3, 3), a row each, about an origin (3,), times a scale."""
+        """Return the triangles in axes (3, 3), one per row, about an origin (3,), times a scale."""
         return Triangles((self.points - origin) @ axes.T * scale, self.faces)
