@@ -1,1 +1,1 @@
-"""A case's tables as Exudyn's own items, their rest, and the choice of the formulation."""
+"""Exudyn's own items for a case's tables, their rest, and the choice of the formulation."""

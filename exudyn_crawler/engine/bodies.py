@@ -1,4 +1,4 @@
-"""Shoes and terrain as Exudyn's bodies, with their weights."""
+"""Exudyn's bodies for shoes and terrain, with their weights."""
 
 from typing import NamedTuple
 
@@ -11,11 +11,11 @@ from exudyn_crawler.model.exudyn import RigidBodyInertia, add_coordinates, exu, 
 from exudyn_crawler.model.tables import Tables
 
 CORNERS = 0.05 * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
-"""m, of a tetrahedron: their mean is the centre, and no axis of rotation is preferred."""
+"""Corners of a tetrahedron, m; their mean is the centre, and no axis of rotation is preferred."""
 
 
 class Shoes(NamedTuple):
-    """Shoes in Exudyn: nodes and bodies of all, nodes of the flexible ones' modes, the tables' markers."""
+    """Numbers of Exudyn's items for shoes: nodes, bodies, nodes of flexible shoes' modes, and markers."""
 
     nodes: list[int]
     bodies: list[int]
@@ -24,7 +24,7 @@ class Shoes(NamedTuple):
 
 
 def add_shoe_nodes(mbs: "exu.MainSystem", tables: Tables) -> list[int]:
-    """Nodes of all shoes, with Euler parameters."""
+    """Add the nodes of all shoes, with Euler parameters; return their numbers."""
     return [
         mbs.AddNode(items.NodeRigidBodyEP(name=f"shoe {s}", referenceCoordinates=[*row[:3], *UNTURNED]))
         for s, row in enumerate(tables.bodies.reference, start=1)
@@ -32,10 +32,10 @@ def add_shoe_nodes(mbs: "exu.MainSystem", tables: Tables) -> list[int]:
 
 
 def add_shoes(mbs: "exu.MainSystem", tables: Tables, nodes: list[int], gravity: np.ndarray) -> Shoes:
-    """Rigid bodies and floating frames of the tables on their nodes, with their weights.
+    """Add the tables' rigid bodies and floating frames on their nodes, with their weights.
 
-    They get the tables' markers, but in place of one beside a load the point that is a metre to the left of
-    the load's place. `gravity` (3,) is in m/s2, global.
+    The bodies get the tables' markers; a marker beside a load becomes the point a metre to the left of the
+    load. `gravity` (3,) is in m/s2, global.
     """
     tables = _with_points(tables)
     shoes = Shoes(nodes, [], [], [])
@@ -70,7 +70,7 @@ def add_shoes(mbs: "exu.MainSystem", tables: Tables, nodes: list[int], gravity: 
 
 
 def _with_points(tables: Tables) -> Tables:
-    """Tables whose markers are points all: a load's place and what that changes by per metre are added."""
+    """Return tables with points as markers: a marker beside a load is added to the marker of the load."""
     markers = tables.markers
     added = np.eye(len(markers.body))
     added[tables.loads.beside, tables.loads.marker] = 1.0
@@ -83,13 +83,13 @@ def _with_points(tables: Tables) -> Tables:
 
 
 def _elasticity(tables: Tables) -> dict[str, object]:
-    """Modes of a floating frame of reference and integrals over it, as `ObjectFFRFreducedOrder` names them.
+    """Return a floating frame's modes and integrals, by the parameters' names of `ObjectFFRFreducedOrder`.
 
-    The modes move four massless nodes about each point as it moves. Every frame has the nodes of all points,
-    also of those on other bodies, which nothing touches. The integrals are those of the nodal-based floating
-    frame of reference formulation with modal reduction (Zwölfer and Gerstmayr, Acta Mechanica 2020, doi
-    10.1007/s00707-020-02886-2), made of ``a~^T b = -a x b`` and ``a~^T b~ = (a . b) 1 - b a^T`` for places
-    and mode shapes a and b.
+    The modes move four massless nodes about each point rigidly with it. Every frame has the nodes of all
+    points; those on other bodies are unused. The integrals are those of the nodal-based floating frame of
+    reference formulation with modal reduction (Zwölfer and Gerstmayr, Acta Mechanica 2020, doi
+    10.1007/s00707-020-02886-2). They follow from ``a~^T b = -a x b`` and ``a~^T b~ = (a . b) 1 - b a^T`` for
+    places and mode shapes a and b.
     """
     points = tables.markers
     modes = tables.modes
@@ -116,7 +116,7 @@ def _elasticity(tables: Tables) -> dict[str, object]:
 
 
 def add_terrain_modes(mbs: "exu.MainSystem", tables: Tables, gravity: np.ndarray) -> list[int]:
-    """Terrain in its independent coordinates; gives their node."""
+    """Add the terrain in its independent coordinates; return their node."""
     terrain = tables.terrain
     acting = {
         "stiffnessMatrix": sparse(terrain.stiffness),
@@ -127,9 +127,9 @@ def add_terrain_modes(mbs: "exu.MainSystem", tables: Tables, gravity: np.ndarray
 
 
 def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
-    """Terrain as rigid units with springs, the papers' joints and held rotations; gives the units' nodes.
+    """Add the terrain as rigid units with springs, the papers' joints and held rotations; return the nodes.
 
-    Units only tilt, so that angles serve them.
+    Units only tilt, so that angles are sufficient as coordinates.
     """
     terrain = case.unit_terrain()
     ground = mbs.CreateGround()
@@ -146,8 +146,8 @@ def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
             name=f"unit {number}",
             referencePosition=center,
             inertia=RigidBodyInertia(terrain.unit_mass, np.diag(terrain.unit_inertia)),
-            # on a slope the ground below holds each unit along it; the joints, which end at the one unit
-            # that is held, would hand the whole grid's share from unit to unit
+            # on a slope the ground below holds each unit along it; otherwise the joints would pass the whole
+            # grid's share from unit to unit to the single held one
             gravity=[0.0, 0.0, case.gravity_vector()[2]],
             nodeType=exu.NodeType.RotationRxyz,
             returnDict=True,

@@ -1,4 +1,4 @@
-"""Loads and drive of the shoes in Exudyn, and what holds the track at rest."""
+"""Loads and drive of the shoes in Exudyn, and the hold of the track at rest."""
 
 from functools import lru_cache
 
@@ -14,9 +14,9 @@ X = np.array([1.0, 0.0, 0.0])
 
 
 def add_loads(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Shoes, static: bool) -> None:
-    """Machine loads along gravity, each in two shares: at its place and, as it shifts, a metre beside that.
+    """Add machine loads along gravity, each in two shares for its shift: at its place and a metre beside it.
 
-    `static` keeps the loads as they are at t = 0: Exudyn's static solver asks for those at 1 s.
+    `static` keeps the loads of t = 0, since Exudyn's static solver uses those at 1 s.
     """
     loads = tables.loads
     shift = case.loads.side_shift
@@ -25,7 +25,7 @@ def add_loads(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
     for profile, *ends in zip(case.loads.of_shoes, loads.marker, loads.beside, strict=True):
         for end, share in zip(ends, shares, strict=True):
 
-            @lru_cache(maxsize=4)  # a step asks for the same time again and again
+            @lru_cache(maxsize=4)  # a step evaluates the same time many times
             def force(time, profile=profile, share=share):
                 return (profile.value(time) * share(time) * down).tolist()
 
@@ -35,10 +35,10 @@ def add_loads(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
 
 
 def add_hold(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Shoes) -> None:
-    """Keep the front shoe at rest in x, y and about z, with `static_friction` on all shoes on a slope.
+    """Hold the front shoe in x, y and about z, with `static_friction` on all shoes on a slope.
 
-    It is held where the drive will act: from another place the run would start with a jolt. Dashpots damp
-    shoes on spheres on uneven ground critically; at rest they do nothing.
+    The hold acts at the point of the drive; at another point the run would start with a jolt. Dashpots damp
+    shoes on spheres on uneven ground critically; they have no force at rest.
     """
     shoe = case.shoe
     ground = mbs.CreateGround()
@@ -58,7 +58,7 @@ def add_hold(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Sh
 def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Shoes) -> list[int]:
     """Prescribe the velocity along x of the drive's point and the front shoe's rate about its own z axis.
 
-    On velocity level a halved step leaves no error in the acceleration.
+    Constraints are on velocity level, so that a halved step leaves no error in the acceleration.
     """
     place = tables.markers.position[tables.joints.drive.marker]
     shapes = tables.markers.displacement[tables.joints.drive.marker]
@@ -67,13 +67,13 @@ def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
     markers = [mbs.AddMarker(marker) for marker in (shoe, ground)]
 
     def directions(q: list[float]) -> np.ndarray:
-        """Factors of both in the rates of the shoe's coordinates, which come with those of reference."""
+        """Return the factors (2, coordinates) of both in coordinates' rates; `q` includes the reference."""
         e, z = np.split(np.array(q)[3:], [euler_parameters.SIZE - 3])
         R = EulerParameters2RotationMatrix(e)
         G = EulerParameters2G(e)
         rows = shapes[:, : len(z)]
         arm = R @ (place + rows @ z)
-        turned = np.array((0.0, arm[2], -arm[1]))  # arm x X; numpy's product takes longer than all else here
+        turned = np.array((0.0, arm[2], -arm[1]))  # arm x X; NumPy's product is slower than all the rest
         along_x = np.concatenate((X, turned @ G, R[0] @ rows))
         about_z = np.concatenate((0.0 * X, R[:, 2] @ G, 0.0 * z))
         return np.stack((along_x, about_z))
@@ -88,7 +88,7 @@ def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
             items.ObjectConnectorCoordinateVector(
                 name=name,
                 markerNumbers=markers,
-                scalingMarker0=np.zeros((1, 1)),  # says that there is one equation
+                scalingMarker0=np.zeros((1, 1)),  # declares one equation
                 constraintUserFunction=gap,
                 jacobianUserFunction=lambda _mbs, _t, _item, q, _q_t, _level: directions(q)[[row]],
                 velocityLevel=True,

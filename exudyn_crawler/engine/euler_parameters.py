@@ -1,8 +1,8 @@
-"""Between the coordinates of a state, with three angles a body, and Exudyn's, with four Euler parameters.
+"""Conversion between a state's coordinates, with three angles a body, and Exudyn's, with Euler parameters.
 
 Exudyn's `NodeRigidBodyEP` has the displacement of a body's origin and Euler parameters e; no attitude is
-singular. With ``omega = G(e) e'`` and ``G G^T = 4`` go ``e' = G^T omega / 4`` and
-``e'' = G^T alpha / 4 - (e' . e') e`` (Nikravesh, Computer-Aided Analysis of Mechanical Systems, 1988, ch. 6).
+singular. Here ``omega = G(e) e'`` and ``G G^T = 4``. The rates of e are ``e' = G^T omega / 4`` and ``e'' =
+G^T alpha / 4 - (e' . e') e`` (Nikravesh, Computer-Aided Analysis of Mechanical Systems, 1988, ch. 6).
 """
 
 import numpy as np
@@ -12,15 +12,15 @@ from exudyn_crawler.ground import rotations
 from exudyn_crawler.model.exudyn import EulerParameters2G, EulerParameters2RotationMatrix
 
 UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
-"""Euler parameters of reference of every body."""
+"""Reference Euler parameters of every body."""
 SIZE = 7
-"""Coordinates of a body: displacement and Euler parameters."""
+"""Number of coordinates of a body: displacement and Euler parameters."""
 
 
 class BodyCoordinates:
-    """Coordinates of bodies in both forms, and forces on them; others follow theirs, the same in both.
+    """Coordinates of bodies in both forms, and forces on them; further coordinates are the same in both.
 
-    `reference` (bodies, 6) are positions (m) and angles (rad) where the coordinates of a state are zero.
+    `reference` (bodies, 6) has the positions (m) and angles (rad) at zero coordinates of a state.
     """
 
     def __init__(self, reference: np.ndarray) -> None:
@@ -28,18 +28,18 @@ class BodyCoordinates:
         self._turned = self._reference
 
     def _split(self, values: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """First three numbers of every body, its others, and what follows the bodies."""
+        """Return the first three numbers of every body, its others, and the numbers after the bodies."""
         count = size * len(self._reference)
         bodies = values[:count].reshape(-1, size)
         return bodies[:, :3], bodies[:, 3:], values[count:]
 
     def _turn(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """G (3, 4, bodies), and angles (bodies, 3), at Exudyn's coordinates."""
+        """Return G (3, 4, bodies), and angles (bodies, 3), at Exudyn's coordinates."""
         e = (self._split(q, SIZE)[1] + UNTURNED).T
         return EulerParameters2G(e), rotations.angles_of(EulerParameters2RotationMatrix(e).transpose(2, 0, 1))
 
     def of_state(self, q: np.ndarray, q_t: np.ndarray, q_tt: np.ndarray) -> list[np.ndarray]:
-        """Exudyn's coordinates, rates and accelerations of a state's."""
+        """Return Exudyn's coordinates, rates and accelerations from those of a state."""
         split = [self._split(values, 6) for values in (q, q_t, q_tt)]
         angles, rates, accelerations = (turned for _, turned, _ in split)
         angles = self._reference + angles
@@ -52,9 +52,9 @@ class BodyCoordinates:
         return [_joined(*parts) for parts in zip(split, (e - UNTURNED, e_t, e_tt), strict=True)]
 
     def to_state(self, q: np.ndarray, *rates: np.ndarray) -> list[np.ndarray]:
-        """A state's coordinates, rates and, where these are given, accelerations of Exudyn's.
+        """Return a state's coordinates, rates and, if given, accelerations from those of Exudyn.
 
-        Whole turns are those next to the state that was read or set last.
+        Angles have the whole turns nearest to the state that was read or set last.
         """
         split = [self._split(values, SIZE) for values in (q, *rates)]
         G, angles = self._turn(q)
@@ -65,15 +65,15 @@ class BodyCoordinates:
         return [_joined(*parts) for parts in zip(split, turned, strict=True)]
 
     def forces_of_state(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Generalized forces on Exudyn's coordinates of those on a state's."""
+        """Return the generalized forces on Exudyn's coordinates from those on a state's."""
         G, angles = self._turn(q)
         split = self._split(forces, 6)
         return _joined(split, np.einsum("ijn,ni->nj", G, rotations.moments_of(angles, split[1])))
 
     def wrenches(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Forces (N) and moments about the origins (N m) of forces on Exudyn's coordinates, then the others.
+        """Return bodies' forces (N) and moments about origins (N m) from forces on Exudyn's coordinates.
 
-        Gives six numbers a body, in one row.
+        The array has six numbers a body, then the forces on the other coordinates.
         """
         G, _ = self._turn(q)
         split = self._split(forces, SIZE)
@@ -81,5 +81,5 @@ class BodyCoordinates:
 
 
 def _joined(split: tuple[np.ndarray, np.ndarray, np.ndarray], turned: np.ndarray) -> np.ndarray:
-    """Coordinates of which those that turn the bodies are replaced."""
+    """Return coordinates with those of the bodies' rotation replaced."""
     return np.concatenate((np.hstack((split[0], turned)).ravel(), split[2]))

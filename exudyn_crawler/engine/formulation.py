@@ -1,4 +1,4 @@
-"""The multibody system of a case, in the formulation that the case asks for."""
+"""Multibody system of a case, in the case's formulation."""
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.engine.system import ExudynSystem

@@ -1,4 +1,4 @@
-"""Rest of a system of Exudyn's items, by Exudyn's static solver and by damped motion."""
+"""Equilibrium of a system of Exudyn's items, by Exudyn's static solver and by damped motion."""
 
 from contextlib import suppress
 
@@ -13,29 +13,29 @@ from exudyn_crawler.model.exudyn import newton_settings
 from fem.interrupts import interrupts_wait
 
 RESIDUAL = 1e-3
-"""N, root mean square, of a rest: 1e-9 of a shoe's load."""
+"""Greatest residual of an equilibrium, root mean square, N: 1e-9 of a shoe's load."""
 ITERATIONS = 50
-"""Most iterations of Newton's method for a rest."""
+"""Greatest number of iterations of Newton's method for an equilibrium."""
 
 RELAXATION = 4.0
-"""s, duration of the damped motion on uneven ground."""
+"""Duration of the damped motion on uneven ground, s."""
 RELAXATION_STEP = 0.04
-"""s, step of this."""
+"""Step of the damped motion, s."""
 RELAXATIONS = 4
-"""Most repetitions of this."""
+"""Greatest number of repetitions of the damped motion."""
 RELAXATION_RESIDUAL = 1.0
-"""N, root mean square, that ends a step of this."""
+"""Residual that ends a step of the damped motion, root mean square, N."""
 RELAXATION_ITERATIONS = 40
-"""Most iterations of a step of this."""
+"""Greatest number of iterations of a step of the damped motion."""
 POLISHING = 10
-"""Iterations in which Newton's method takes over from damped motion, or not at all."""
+"""Greatest number of iterations of Newton's method after damped motion."""
 
 SLOW = 1e-6
-"""m/s and rad/s, greatest speed at rest: its dashpots take less than 1e-4 m/s2 of a shoe's mass."""
+"""Greatest speed at rest, m/s and rad/s: forces of the dashpots are below 1e-4 m/s2 times a shoe's mass."""
 
 
 def exudyn_rest(case: Case) -> np.ndarray:
-    """Coordinates at rest of a case of Exudyn's items, or an `EquilibriumError`; see `model.state`."""
+    """Return the coordinates (`model.state`) at rest of a case of Exudyn's items; else `EquilibriumError`."""
     system = ExudynSystem(case, static=True)
     try:
         q = rest_from(system, system.first_guess()) if case.terrain.is_even else _on_uneven_ground(system)
@@ -57,14 +57,14 @@ def exudyn_rest(case: Case) -> np.ndarray:
 
 
 def rest_from(system: ExudynSystem, guess: np.ndarray, iterations: int = ITERATIONS) -> np.ndarray:
-    """Rest of a system built for statics, by Newton's method from a guess, or an `EquilibriumError`."""
+    """Return the rest of a system built for statics, by Newton's method; `EquilibriumError` without one."""
     system.set_initial(guess)
     settings = newton_settings(RESIDUAL, iterations)
     settings.staticSolver.useLoadFactor = False
-    # loads are whole from the start, so that a shorter step would be the same one
+    # loads are complete from the start, so that a shorter step would be the same
     settings.staticSolver.adaptiveStep = False
     try:
-        # Exudyn takes an interrupt within its calls for an error of its own
+        # Exudyn would treat an interrupt within its calls as an error of its own
         with interrupts_wait():
             return system.rest(settings)
     except NewtonError as failed:
@@ -72,10 +72,10 @@ def rest_from(system: ExudynSystem, guess: np.ndarray, iterations: int = ITERATI
 
 
 def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
-    """Rest on uneven ground, onto which the track sinks from above.
+    """Return the rest on uneven ground, after the track has sunk onto it from above.
 
-    Damped motion finds it where Newton's method alone goes astray: Exudyn's derivatives leave out how the
-    links' forces turn with the shoes, and spheres come onto edges and leave them.
+    Damped motion converges where Newton's method alone fails: Exudyn's derivatives omit the rotation of the
+    links' forces with the shoes, and spheres come onto edges and leave them.
     """
     case = system.case
     q = system.first_guess()
@@ -101,7 +101,7 @@ def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
 
 
 def _damped_motion(system: ExudynSystem) -> None:
-    """Integrate a motion, which an interrupt ends after its step."""
+    """Integrate a damped motion; an interrupt ends it after the current step."""
     settings = newton_settings(RELAXATION_RESIDUAL, RELAXATION_ITERATIONS)
     time = settings.timeIntegration
     time.endTime = RELAXATION

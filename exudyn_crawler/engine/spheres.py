@@ -7,18 +7,18 @@ from exudyn_crawler.ground import sphere_contact
 from exudyn_crawler.model.exudyn import exu, items
 
 CELL = 1.0
-"""m, least side of the cells of the engine's search tree."""
+"""Least side of the cells of the engine's search tree, m."""
 NO_FRICTION = 1e-12
-"""In place of zero: without friction Exudyn leaves out the normal forces' moment on the units."""
+"""Coefficient in place of zero: without friction Exudyn omits the normal forces' moment on the units."""
 
 
 def add_spheres(
     mbs: "exu.MainSystem", case: Case, bodies: list[int], unit_nodes: list[int], static: bool
 ) -> "exu.GeneralContact":
-    """Spheres of a case on the bodies of its shoes, and faces of its units, two triangles each.
+    """Add spheres on the bodies of a case's shoes, and faces of its units, two triangles each.
 
     Damping and friction are those of `case.sphere_contact()`, the stiffness is `case.sphere_stiffness`.
-    `static` leaves friction out: at rest there is none, and on the way to it the track would creep.
+    `static` omits friction: there is none at rest, and the track would creep on the way to it.
     """
     spheres = case.sphere_contact()
     terrain = case.unit_terrain()

@@ -1,9 +1,9 @@
-"""Multibody system of a case of Exudyn's own items: the other formulation.
+"""Multibody system of a case with Exudyn's own items, the second formulation.
 
-Exudyn forms the equations of motion, with Euler parameters in place of angles and its own floating frames of
-reference, and differentiates them numerically; the contact of shoes and ground is one user force that calls
-the kernel of the compiled equations. States are those of the compiled equations. It carries every case
-without rollers; the compiled equations are checked against it.
+Exudyn forms the equations of motion, with Euler parameters instead of angles and its own floating frames of
+reference, and differentiates them numerically. The contact of shoes and ground is one user force that calls
+the kernel of the compiled equations. States are those of the compiled equations. This formulation serves
+every case without rollers, and as a check of the compiled equations.
 """
 
 import dataclasses
@@ -26,19 +26,19 @@ from exudyn_crawler.model.forces.cells import CellWorkspace, OnCells, TrackOnCel
 from exudyn_crawler.model.layout import layout_of
 
 SHARPENING = 0.1
-"""Of the residual that ends a step: with the Jacobian of an earlier step the iteration ends just below it,
-with a new one far below."""
+"""Tolerance of the iteration, fraction of the residual that ends a step: with the Jacobian of an earlier step
+the iteration ends just below its tolerance, with a new one far below."""
 
 FREE_ROTATION = 4
-"""Multiplier that is zero among the six of Exudyn's joint: all of these leave the rotation about y free."""
+"""Index of the zero multiplier among the six of Exudyn's joint, whose rotation about y is free."""
 
 
 class ExudynSystem(track_system.TrackSystem):
-    """Multibody system of a case of Exudyn's items; a ValueError if it has bodies beside its shoes.
+    """Multibody system of a case with Exudyn's items; ValueError for bodies beside the shoes.
 
-    `static` holds the front shoe in x, y and about z instead of driving it, keeps loads as they are at t = 0,
-    and adds what helps to find a rest: friction on slopes, dashpots on uneven ground. `general` is Exudyn's
-    contact, where it makes the forces.
+    `static` holds the front shoe in x, y and about z instead of driving it, and keeps the loads of t = 0. It
+    adds aids for the search for rest: friction on slopes, dashpots on uneven ground. `general` is Exudyn's
+    contact, if the case uses it.
     """
 
     def __init__(self, case: Case, static: bool = False) -> None:
@@ -49,7 +49,7 @@ class ExudynSystem(track_system.TrackSystem):
         super().__init__(case, assembly)
         self._coordinates = euler_parameters.BodyCoordinates(assembly.tables.bodies.reference)
         self.general: exu.GeneralContact | None = None
-        self._cause = ""  # that ends a run
+        self._cause = ""  # cause of an early end of a run
         self._assemble(assembly, static)
         self.layout, self._rows = self._layout_of(assembly)
 
@@ -88,7 +88,7 @@ class ExudynSystem(track_system.TrackSystem):
         mbs.Assemble()
 
     def _add_force(self, nodes: list[int], forces: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
-        """Forces of the ground on all coordinates of a state, at these and their rates, as one user force."""
+        """Add the ground's forces on a state's coordinates, by these and their rates, as one user force."""
         coordinates = self._coordinates
 
         def force(_mbs, _t, _item, q, q_t):
@@ -99,9 +99,9 @@ class ExudynSystem(track_system.TrackSystem):
         self.mbs.AddObject(items.ObjectGenericODE2("contact", nodes, massless, forceUserFunction=force))
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:
-        """Call a function after each step; cells remember the step first, and are covered for the next.
+        """Call a function after each step, see `TrackSystem`.
 
-        For the function see `TrackSystem`.
+        Before the call cells store the step in their memory; after it the cells below the shoes are prepared.
         """
         cells = self.cells
         if cells is None or report is None:
@@ -122,10 +122,10 @@ class ExudynSystem(track_system.TrackSystem):
         super().after_step(remembered)
 
     def _layout_of(self, assembly: Assembly) -> tuple[state.StateLayout, np.ndarray]:
-        """Layout of the states, and where Exudyn has their multipliers.
+        """Return the layout of the states, and the rows of their multipliers in Exudyn.
 
-        Behind the joints of the compiled equations come Exudyn's other items; the norm of Euler parameters
-        is none of the state's.
+        Exudyn's other items follow the joints of the compiled equations. A state does not have the
+        multipliers of the norms of Euler parameters.
         """
         data = self.mbs.systemData
         compiled = layout_of(self.case, assembly)
@@ -146,7 +146,7 @@ class ExudynSystem(track_system.TrackSystem):
         return layout, np.concatenate([*rows.values()]).astype(int)
 
     def coordinates(self) -> list[np.ndarray]:
-        """Current coordinates, rates and accelerations, in the layout's order."""
+        """Return the current coordinates, rates and accelerations, in the layout's order."""
         data: Any = self.mbs.systemData
         rates = data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt()
         return self._coordinates.to_state(*rates)
@@ -157,7 +157,7 @@ class ExudynSystem(track_system.TrackSystem):
         return np.array(self.mbs.systemData.GetAECoordinates())[self._rows]
 
     def set_initial(self, q: np.ndarray, q_t: np.ndarray | None = None) -> None:
-        """Start from coordinates, and from rest or from rates."""
+        """Set the initial coordinates, and the initial rates; without rates the system starts at rest."""
         none = np.zeros_like(q)
         self._start(np.stack((q, none if q_t is None else q_t, none)))
 
@@ -169,8 +169,8 @@ class ExudynSystem(track_system.TrackSystem):
         data.SetODE2Coordinates_t(q_t, initial)
         data.SetODE2Coordinates_tt(q_tt, initial)
         if self.general is not None:
-            # Exudyn looked for touching spheres when it assembled the system, with none in the ground yet,
-            # and would let the track fall through the first step
+            # Exudyn searched for touching spheres during assembly, when none was in the ground yet;
+            # without an update the track would fall through the first step
             data.SetODE2Coordinates(q)
             self.general.UpdateContacts(self.mbs)
         if self.cells is not None:
@@ -181,7 +181,7 @@ class ExudynSystem(track_system.TrackSystem):
                 raise NewtonError(np.zeros(self.layout.equation_count), False, str(error)) from error
 
     def stored_contacts(self) -> np.ndarray:
-        """Forces (N) and moments about the origins (N m) of Exudyn's contact; see `TrackSystem`."""
+        """Return forces (N) and moments about origins (N m) of Exudyn's contact; see `TrackSystem`."""
         if self.general is None:
             return super().stored_contacts()
         forces = np.asarray(self.general.GetSystemODE2RhsContactForces(copy=True))
@@ -189,7 +189,7 @@ class ExudynSystem(track_system.TrackSystem):
         return wrenches[: 6 * self.layout.shoes].reshape(-1, 6)
 
     def switch_drive(self, on: bool) -> None:
-        """Move the front shoe from now on, or leave it free."""
+        """Switch the drive of the front shoe on or off."""
         speeds = self.case.drive.speed, self.case.drive.turn_rate
         for item, speed in zip(self._drives, speeds, strict=True):
             self.mbs.SetObjectParameter(item, "activeConnector", on and speed is not None)
@@ -214,7 +214,7 @@ class ExudynSystem(track_system.TrackSystem):
             raise NewtonError(np.zeros(self.layout.equation_count), False, self._cause)
 
     def rest(self, settings: "exu.SimulationSettings") -> np.ndarray:
-        """Coordinates at rest of a system built for statics, from its initial ones, or a `NewtonError`."""
+        """Return the coordinates at rest of a static system, from its initial ones; else `NewtonError`."""
         newton = settings.staticSolver.newton
         newton.numericalDifferentiation.doSystemWideDifferentiation = self.general is not None
         try:
@@ -224,9 +224,9 @@ class ExudynSystem(track_system.TrackSystem):
         return self.coordinates()[0]
 
     def _failure(self, solver: Any) -> NewtonError:
-        """Error with what a solver left behind where it failed, in the layout's equations."""
+        """Return the error of a failed solver with its last residual, in the layout's equations."""
         q = np.array(self.mbs.systemData.GetODE2Coordinates())
-        # the dynamic one multiplies the equations of motion by what makes accelerations of displacements
+        # the dynamic solver scales the equations of motion by the factor from accelerations to displacements
         scale = 1.0 if solver.IsStaticSolver() else solver.newmarkBeta * solver.it.currentStepSize**2
         forces, gaps = np.split(np.array(solver.GetSystemResidual()), [len(q)])
         residual = np.concatenate((self._coordinates.wrenches(q, forces / scale), gaps[self._rows]))
