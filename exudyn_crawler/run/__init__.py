@@ -1,1 +1,1 @@
-"""From a built system to a history: rest, stages, integration, checkpoints and the run's folder."""
+"""Run of a built system up to its history: rest, stages, integration, checkpoints and the run's folder."""

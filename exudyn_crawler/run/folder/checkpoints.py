@@ -1,7 +1,7 @@
-"""Stages of a run kept in a folder, so that a run that was stopped goes on where the last one ended.
+"""Checkpoints of a run's stages in a folder; a stopped run continues at the end of the last one.
 
-A file a stage holds the state at its end, the chunk of the history that it gave, and the case of both, each
-with a checksum. A longer run goes on with the end of the last stage but one and the history of the shorter.
+The file of a stage holds the state at its end, its chunk of the history, and the case, each with a checksum.
+A longer run continues from the end of the last stage but one, with the history of the shorter run.
 """
 
 import json
@@ -20,40 +20,40 @@ from exudyn_crawler.results.history.files import Chunk, reading_history, save_jo
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.record import CHECKPOINTS, END, HISTORY, quiet
 
-# what the names of the history's arrays and of the ground's memory begin with in a file
+# prefixes of the names of the history's arrays and of the ground's memory in a file
 VARIABLE = "history "
 MEMORY = "memory "
 STAGES = "stage_[0-9]*[0-9].npz"
-"""Names of the stages' files."""
+"""Pattern of the names of the stages' files."""
 
 
 class StageEnd(NamedTuple):
-    """End of a stage, as its file holds it."""
+    """End of a stage, the content of its file."""
 
     case: str  # as JSON
-    number: int  # of the stage, from 0
+    number: int  # number of the stage, from 0
     time: float  # s
-    layout: str  # of the state
+    layout: str  # layout of the state, as JSON
     state: np.ndarray  # (size of the layout,)
-    memory: dict[str, np.ndarray]  # of the ground
-    history: xr.Dataset  # chunk that the stage gave
+    memory: dict[str, np.ndarray]  # memory of the ground
+    history: xr.Dataset  # chunk of the stage
 
 
 class Checkpoint(NamedTuple):
-    """End of a stage in a file, of which memory holds little however many there are."""
+    """End of a stage in a file; it takes little memory, so that there may be many."""
 
     number: int
     time: float
     path: Path
-    chunk: Chunk  # what the stage stored, read from the file when it is needed
+    chunk: Chunk  # chunk of the history, read from the file on demand
 
     def read(self) -> StageEnd:
-        """All that the file holds; ValueError if it was altered."""
+        """Read the content of the file; ValueError if it was altered."""
         return _read(self.path)
 
 
 class Checkpoints:
-    """Checkpoints of the run in a folder; `say` gets a line on what was left out."""
+    """Checkpoints of the run in a folder; `say` gets a line on omitted ones."""
 
     def __init__(self, run: Path, say: Callable[[str], None] = quiet) -> None:
         self.folder = Path(run) / CHECKPOINTS
@@ -62,17 +62,17 @@ class Checkpoints:
         self._assembled = self.folder / "assembled.nc"
 
     def save(self, stage: StageEnd) -> Checkpoint:
-        """Keep the end of a stage; OSError if it cannot be written."""
+        """Save the end of a stage; OSError if it cannot be written."""
         files.writable_folder(self.folder)
         path = self._file(stage.number)
         _write(path, stage)
         return _checkpoint(path, stage)
 
     def load(self, case: Case, layout: str | None = None) -> list[Checkpoint]:
-        """Consecutive stages of a case, from the first or a shorter run's end to one that was altered.
+        """Load consecutive stages of a case, from the first or a shorter run's end, up to an altered one.
 
-        ValueError, naming the file, if the first one was altered, or if one comes from other parameters or,
-        where `layout` is given, has states of another layout.
+        ValueError, with the file, if the first one was altered, or one comes from other parameters. With a
+        `layout`, ValueError also for states of another layout.
         """
         stages: list[Checkpoint] = []
         case_json = case.model_dump_json()
@@ -103,24 +103,24 @@ class Checkpoints:
         return stages
 
     def save_history(self, case: Case, chunks: list[Chunk], end: xr.Dataset) -> Path:
-        """Write a history, for `hand_over`; `end` are the cells of the ground as of its end."""
+        """Write a history for `hand_over`; `end` holds the cells of the ground at its end."""
         files.writable_folder(self.folder)
         return save_joined(case, chunks, self._assembled, overwrite=True, end=end)
 
     def hand_over(self, path: Path) -> None:
-        """Move the history that was written to its place in the run's folder."""
+        """Move the written history to its path in the run's folder."""
         self._assembled.replace(path)
         files.note_written(path)
 
     def settle(self, case: Case) -> None:
-        """Keep of a run that has ended what a longer one goes on with; remove the rest."""
+        """Keep from a finished run the checkpoint for a longer run; remove the others."""
         if stages := self.load(case):
             last = stages[-1].read()
             _write(self._end, last._replace(history=last.history.isel(time=slice(0))))
         self.remove()
 
     def remove(self) -> None:
-        """Remove all stages and, if nothing else is in it, their folder."""
+        """Remove all stages and, if it is then empty, their folder."""
         for path in (*self.folder.glob(STAGES), self._assembled):
             path.unlink(missing_ok=True)
         if self.folder.is_dir() and not any(self.folder.iterdir()):
@@ -131,12 +131,12 @@ class Checkpoints:
 
 
 def stage_files(run: Path) -> list[Path]:
-    """Files of the stages that a run at work has ended so far, in their order."""
+    """Return the files of the stages that a running run has finished, in their order."""
     return sorted((run / CHECKPOINTS).glob(STAGES))
 
 
 def stage_history(path: Path) -> History:
-    """Part of the history that a stage gave; ValueError if its file cannot be read, or is there no more."""
+    """Return a stage's part of the history; ValueError if its file cannot be read, or no longer exists."""
     stage = _read(path)
     return History(saved_case(stage.case), stage.history)
 
@@ -153,7 +153,7 @@ def _write(path: Path, content: StageEnd) -> None:
 
 
 def _read(path: Path) -> StageEnd:
-    """Content of a checkpoint's file; ValueError if it cannot be read, or a checksum is wrong."""
+    """Read the content of a checkpoint's file; ValueError if it cannot be read, or a checksum is wrong."""
     try:
         # numpy alone would not notice that an array was made smaller
         with zipfile.ZipFile(path) as archive:
@@ -175,7 +175,7 @@ def _read(path: Path) -> StageEnd:
 
 
 def _checkpoint(path: Path, content: StageEnd, shorter: Path | None = None) -> Checkpoint:
-    """Checkpoint in a file without what is read from there, or from a shorter run's history, when needed."""
+    """Return the checkpoint of a file; its chunk is read on demand, there or in a shorter run's history."""
     if shorter is None:
         chunk = Chunk.of(content.history, lambda: _read(path).history)
     else:

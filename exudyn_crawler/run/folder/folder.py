@@ -1,7 +1,8 @@
-"""Folder of a run: one process at a time, one case, and beside the results what they come from.
+"""Folder of a run: one process at a time, one case, and the record of the results' origin.
 
-It belongs to its case: the same case goes on where it was stopped, and with a longer duration behind the end;
-all else is refused, unless the folder may be emptied. A study's folder holds a folder a case and its record.
+A folder belongs to its case. The same case continues where it was stopped, and with a longer duration after
+its end. Any other case is refused unless the folder may be emptied. A study's folder holds a folder for each
+case and the study's record.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -19,7 +20,7 @@ from exudyn_crawler.run.solve.tension import tensioned_file
 from fem.interrupts import interrupts_wait
 
 RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
-SAME_TIME = 1e-6  # s by which durations may differ and be the same
+SAME_TIME = 1e-6  # greatest difference of durations that count as the same, s
 
 
 @contextmanager
@@ -30,15 +31,15 @@ def run_in(
     report: Callable[[str], None] = quiet,
     cases: Mapping[str, CaseFile] | None = None,
 ) -> Iterator[RunFolder]:
-    """Hold a folder while a run works in it, and record what the results come from.
+    """Hold a folder while a run works in it, and record the origin of the results.
 
-    The folder `out` is made where it is missing; None writes nothing. Without a case file a study runs
-    `cases` into folders of their names in this one. `overwrite` empties the folder of what an earlier run
-    recorded there, unless that is this one, stopped while it replaced another one. `report` gets lines for
-    the user.
+    The folder `out` is created if it is missing; None writes nothing. Without a case file a study runs
+    `cases` in folders of their names within this one. `overwrite` empties the folder of an earlier run's
+    recorded files, unless the earlier run is this one, stopped while it replaced another. `report` gets lines
+    for the user.
 
-    FileExistsError if the folder holds results or the case of another run, and `overwrite` is false;
-    BlockingIOError if another run works in it; NotADirectoryError or PermissionError if none can;
+    FileExistsError if the folder holds results or the case of another run, and `overwrite` is false.
+    BlockingIOError if another run works in it; NotADirectoryError or PermissionError if no run can.
     FileNotFoundError at the end if the folder was removed meanwhile.
     """
     if out is None:
@@ -71,13 +72,13 @@ def run_in(
 
 
 def refuse_other_results(out: Path) -> None:
-    """Refuse a folder with results of something else than a run of one case, before work on one begins."""
+    """Raise FileExistsError before a run if the folder has results of anything but a run of one case."""
     if out.is_dir() and not (out / CASE).is_file():
         _refuse_results(out)
 
 
 def held_of(out: Path, case_file: CaseFile) -> Holds:
-    """Part of a case that a run's folder holds; nothing, too, if it holds another one, or a longer run."""
+    """Return which part of a case's run a folder holds; nothing if it has another case or a longer run."""
     noted = record.earlier_record(out)
     stored = _its_case(out / CASE) if noted else None
     case_file = tensioned_file(case_file)
@@ -87,19 +88,19 @@ def held_of(out: Path, case_file: CaseFile) -> Holds:
     is_shorter = end is not None and end < case_file.duration - SAME_TIME
     if noted.get("status") == record.DONE:
         return Holds.NOTHING if end is None else Holds.STOPPED if is_shorter else Holds.FINISHED
-    # a history that cannot be read is refused where it is read
+    # an unreadable history is refused on reading
     return Holds.STOPPED if is_shorter or not (out / HISTORY).is_file() else Holds.HISTORY
 
 
 def _its_case(path: Path) -> CaseFile | None:
-    """Case of a folder as it is run, which is solved for its tension at rest; None if there is none."""
+    """Return a folder's case with its take-up solved for the tension at rest; None without a case."""
     with suppress(errors.CaseFileError, FileNotFoundError):
         return tensioned_file(read_case(path))
     return None
 
 
 def _held_of_study(out: Path, cases: Mapping[str, CaseFile]) -> Holds:
-    """True if the folder of a study holds a part of cases in folders of their names, and no other ones."""
+    """Return which part of a study's cases its folder holds, in folders of their names, without others."""
     noted = record.earlier_record(out)
     if noted.get("status") != record.DONE:
         return Holds.STOPPED if noted else Holds.NOTHING
@@ -111,7 +112,7 @@ def _held_of_study(out: Path, cases: Mapping[str, CaseFile]) -> Holds:
 
 @interrupts_wait()
 def _end(path: Path) -> float | None:
-    """Time of the last state of a history, s; None if there is none that can be read."""
+    """Return the time of the last state of a history, s; None without a readable one."""
     # altered bytes make the readers raise all kinds of errors
     with suppress(Exception), h5py.File(path, "r") as file:
         return float(file["time"][-1])
@@ -119,7 +120,7 @@ def _end(path: Path) -> float | None:
 
 
 def _refuse_links(out: Path) -> None:
-    """Refuse links in place of what a run adds to and removes from: it would do so outside of its folder."""
+    """Raise FileExistsError for links in place of files that a run changes: their targets are elsewhere."""
     for path in (out / record.LOG, out / record.CHECKPOINTS):
         if path.is_symlink():
             raise FileExistsError(
@@ -129,7 +130,7 @@ def _refuse_links(out: Path) -> None:
 
 
 def _refuse_results(out: Path, below: bool = False) -> None:
-    """Refuse a folder that holds results already, also one folder `below`."""
+    """Raise FileExistsError if a folder holds results already, or with `below` one of its folders."""
     paths = [*out.iterdir(), *(out.glob("*/*") if below else ())]
     results = [path for path in paths if path.suffix in RESULT_SUFFIXES and not path.name.startswith(".")]
     if names := ", ".join(sorted(path.relative_to(out).as_posix() for path in results)[:3]):
@@ -139,7 +140,7 @@ def _refuse_results(out: Path, below: bool = False) -> None:
 
 
 def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
-    """Write the resolved case file; one that says the same stays as its author wrote it."""
+    """Write the resolved case file; an equal one stays as its author wrote it."""
     stored = _its_case(path)
     if path.exists() and stored != case_file and not replace:
         other = "" if stored is None else f" ({differences(stored, case_file)[0]})"
@@ -151,19 +152,19 @@ def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
 
 
 def _empty(out: Path) -> None:
-    """Remove what an earlier run recorded in a folder, and what it was to go on with; the case file stays."""
+    """Remove the recorded files of an earlier run and its checkpoints from a folder; the case file stays."""
     parts = {path.relative_to(out).as_posix() for path in out.glob(f"{record.CHECKPOINTS}/*.n[pc]*")}
     _remove(out, record.recorded_files(out) | parts | {HISTORY, record.STOPPED_HISTORY, record.END})
 
 
 def _stays(out: Path, name: str) -> bool:
-    """True for a file that is kept where a run goes on: also those of runs in folders of their own."""
+    """Return True for a file that stays when a run continues, also in the folder of another run."""
     first = Path(name).parts[0]
     return first in record.OF_THE_SIMULATION or (out / first / record.RECORD).is_file()
 
 
 def _remove(out: Path, names: set[str]) -> None:
-    """Remove files of a folder, but for its case, and the folders below that they leave empty."""
+    """Remove files of a folder, except its case, and the folders below that become empty."""
     paths = [out / name for name in names - {CASE}]
     for path in paths:
         path.unlink(missing_ok=True)
@@ -173,14 +174,14 @@ def _remove(out: Path, names: set[str]) -> None:
             folder.rmdir()
 
 
-SPREAD_FOLDER, SPREAD = "spread", "spread.nc"  # where a run's folder has the spread of its stresses
+SPREAD_FOLDER, SPREAD = "spread", "spread.nc"  # folder and file of the spread of a run's stresses
 
 
 def matching_history(folder: Path, case_file: CaseFile) -> History:
-    """History of the same case and duration in the folder of an earlier run, or of a study that ran it.
+    """Return the history of the same case and duration from the folder of an earlier run or study.
 
-    FileNotFoundError if the folder holds none; ValueError, naming what differs, if it comes from other
-    parameters or is shorter or longer.
+    FileNotFoundError if the folder holds none; ValueError, with the differences, if it comes from other
+    parameters or has another duration.
     """
     case = tensioned_file(case_file).case
     paths = (folder / HISTORY, folder / case.name / HISTORY)

@@ -1,8 +1,8 @@
-"""Time that a run takes: of its parts before it begins, and its progress while it works.
+"""Computing time of a run: estimate of its parts beforehand, and progress while it works.
 
-Times are those of a rule, in s of processor time (docs/speed.md, docs/sweeps.md): beside other work a part
-takes longer, and its progress says what is left by how fast it has been. Progress is a bar on a terminal and
-elsewhere a line now and then; a run's log has the lines, too.
+The estimates follow a rule, in s of processor time (docs/speed.md, docs/sweeps.md). A part takes longer
+beside other work; its progress estimates the time left from the speed so far. Progress is a bar on a terminal
+and a line now and then elsewhere; a run's log also has the lines.
 """
 
 import json
@@ -30,33 +30,33 @@ SIMULATE = "simulate"
 FIELDS = "static fields of the shoe"
 RECOVER = "recover stresses"
 WRITE = "tables and figures"
-ONCE = (REDUCE, COMPILE, FIELDS)  # stay on a machine: for another run of the same shoe
-SIMULATION = (COMPILE, SIMULATE)  # a history takes their place
+ONCE = (REDUCE, COMPILE, FIELDS)  # parts cached on a computer for further runs of the same shoe
+SIMULATION = (COMPILE, SIMULATE)  # parts that a stored history replaces
 BEGIN = {"dragged": 0.5, "rolled": 0.5, "closed": 2.5, "machine": 2.5}
-"""s of a run beside its steps, rest, files and record, by the kind of gear."""
+"""Time of a run beside its steps, for rest, files and record, by the kind of gear, s."""
 SHOES = 13
-STEP = {True: 0.6e-3, False: 1.2e-3}  # s a step of so many rigid shoes, with compiled equations and without
-STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # s more of a flexible one
+STEP = {True: 0.6e-3, False: 1.2e-3}  # time of a step of `SHOES` rigid shoes, compiled equations or not, s
+STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # more time of a step for each flexible shoe, s
 SLOWER, MORE_FLEXIBLE = {"rolled": 2.5}, {"rolled": 1.0e-3}
-"""Times that of rigid shoes, and s more of a flexible one, by kinds of gear of which it differs."""
-RECOVERY = 0.25e-3  # s a stored time of a flexible shoe, whose stresses are recovered
-PER_NODE = {REDUCE: 0.6e-3, FIELDS: 0.3e-3, SIMULATE: 1.5e-4, RECOVER: 5e-5}  # s; of each shoe, the last
-COMPILING = 50.0  # s of the equations
-WRITING = {"tables": 0.5, "figures": 8.0, "pictures": 1.0, "page": 4.0}  # s, pictures of each flexible shoe
+"""Factor of the rigid shoes' time, and more time (s) of a flexible shoe, for gear kinds with other values."""
+RECOVERY = 0.25e-3  # time to recover the stresses of a flexible shoe at a stored time, s
+PER_NODE = {REDUCE: 0.6e-3, FIELDS: 0.3e-3, SIMULATE: 1.5e-4, RECOVER: 5e-5}  # s; the last for each shoe
+COMPILING = 50.0  # time to compile the equations, s
+WRITING = {"tables": 0.5, "figures": 8.0, "pictures": 1.0, "page": 4.0}  # s; pictures for each flexible shoe
 TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
 
 PROGRESS = "progress.json"
-"""File of a run's folder that says, while the run is at work, how far its part has come."""
-NOTE_EVERY = 1.0  # s of wall time between writes of it
+"""File with the progress of a running run's part, in the run's folder."""
+NOTE_EVERY = 1.0  # wall time between writes of this file, s
 
 logger = logging.getLogger("exudyn_crawler")
 _noting: list[Path] = []  # files of the blocks of `noted_in` that have not ended
 
 
 def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
-    """Processor time in s of the parts of a run of which nothing is cached, by a rule.
+    """Return the processor time in s of the parts of a run by a rule, without any cached part.
 
-    Compiling takes as much in a second process beside.
+    Compilation takes the same time again in a second process at once.
     """
     case = case_file.case
     quiet = case.drive.quiet_time(case_file.duration)
@@ -83,7 +83,7 @@ def rule_of_thumb(case_file: "CaseFile") -> dict[str, float]:
 
 
 def times_line(times: Mapping[str, float]) -> str:
-    """Processor time of the parts of a run (s) by the rule, for reading; apart what stays for other runs."""
+    """Return a line with the processor time of a run's parts (s) by the rule; cached parts are separate."""
     from exudyn_crawler.settings.fields import in_units
 
     def sum_of(parts: Mapping[str, float]) -> str:
@@ -98,7 +98,7 @@ def times_line(times: Mapping[str, float]) -> str:
 
 @contextmanager
 def noted_in(folder: Path | None) -> Iterator[None]:
-    """Keep the progress of what goes on within the block in a file of a folder, for other programs."""
+    """Write the progress of the block to a file of a folder, for other programs."""
     if folder is None:
         yield
         return
@@ -113,7 +113,7 @@ def noted_in(folder: Path | None) -> Iterator[None]:
 
 
 def _note(title: str, done: float, total: float | None) -> None:
-    """Write how far something has come, where it is asked for; a full disk stops no run."""
+    """Write the progress of a part to the files of `noted_in`; a full disk does not stop a run."""
     for path in _noting:
         temporary = path.with_name(f".{path.name}")
         with suppress(OSError):
@@ -125,7 +125,7 @@ def _note(title: str, done: float, total: float | None) -> None:
 def _shown(
     title: str, total: float | None, show: bool | None, *columns: bars.ProgressColumn, transient: bool = False
 ) -> Iterator[Callable[..., None]]:
-    """Bar or lines as in `progress_bar`, also in a log; gives a function of what is done and the line."""
+    """Show a bar or lines as in `progress_bar`, also in a log; yield a function of done part and line."""
     console = Console(stderr=True)
     last_line = clock.perf_counter()
     noted = last_line - NOTE_EVERY
@@ -159,9 +159,9 @@ def _shown(
 def progress_bar(
     title: str, duration: float, show: bool | None = None, unit: str = "s"
 ) -> Iterator[Callable[[float], None]]:
-    """Show simulated time, or what counts in another unit, speed and time left; gives a function of the time.
+    """Show simulated time (or a count in another unit), speed and time left; yield a function of the time.
 
-    `show` None shows a bar on a terminal, and a line every `LINE_EVERY` where stderr is something else.
+    `show` None shows a bar on a terminal, or a line every `LINE_EVERY` if stderr is not a terminal.
     """
     begun = list[tuple[float, float]]()
     shown = 0.0
@@ -173,7 +173,7 @@ def progress_bar(
         def advance(time: float) -> None:
             nonlocal shown
             now = clock.perf_counter()
-            # the first step, which loads or compiles, does not count
+            # the first step does not count, since it loads or compiles
             if not begun or (len(begun) == 1 and time > begun[0][0]):
                 begun.append((time, now))
             if now - shown < min(REFRESH, LINE_EVERY) and time < duration:
@@ -191,9 +191,9 @@ def progress_bar(
 
 @contextmanager
 def heartbeat(title: str, expected: float | None = None, show: bool | None = None) -> Iterator[None]:
-    """Show how long a block has taken, of which processor time (s) is `expected`; for `show` see above.
+    """Show the time of a block, of an `expected` processor time (s); for `show` see `progress_bar`.
 
-    What is left is what of that is left, as fast as the block has been.
+    The time left follows from the remaining expected time and the block's speed so far.
     """
     start = clock.perf_counter()
     begun = clock.process_time()
@@ -219,9 +219,9 @@ def heartbeat(title: str, expected: float | None = None, show: bool | None = Non
 
 
 def _of_expected(taken: float, expected: float, wall: float) -> str:
-    """Processor time taken of what is expected (s), and what is left in s of wall time."""
+    """Return a text of the processor time taken of the expected one (s), and of the wall time left (s)."""
     if taken >= expected:
         return f", {taken:.0f} s of processor time, more than the {expected:.0f} s of the rule"
     share = f", {taken:.0f} of about {expected:.0f} s of processor time"
-    # the first instants say nothing of the speed
+    # the first instants do not show the speed
     return share if taken < 1.0 else f"{share}, about {wall * (expected - taken) / taken:.0f} s left"

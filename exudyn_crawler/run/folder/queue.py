@@ -1,7 +1,7 @@
-"""Runs of a folder as processes of their own, one after the other; their folders say all of them.
+"""Queue of a folder's runs, each in its own process, one after another; all its state is in their folders.
 
-A run that waits, works or has ended is the same for every program that looks at its folder; the end of the
-program that has started it ends none.
+A waiting, running or finished run looks the same to every program that reads its folder. A run continues when
+the program that started it ends.
 """
 
 import json
@@ -25,17 +25,17 @@ RESULTS = "results"
 WAITS = "waits"  # empty file of a run that waits for its turn
 QUEUE_LOCK = ".queue.lock"
 SERVER = ".queue.json"
-"""Process that has the queue, and since when; beside its lock, in the folder of the runs."""
+"""File with the process that holds the queue, and its start; beside the lock, in the folder of the runs."""
 CONSOLE = "console.txt"
-"""Lines that a run has written for its user."""
-LINES = 3  # of it that are shown of a run that has failed
+"""File with the lines that a run has written for its user."""
+LINES = 3  # number of last lines shown of a failed run
 WAITING, RUNNING, STOPPED, FAILED, DONE = "waiting", "running", "stopped", "failed", record.DONE
 GOES_ON = (STOPPED, FAILED)
 COMMAND = (sys.executable, "-m", "exudyn_crawler")
 
 
 class Run:
-    """Run as its folder has it."""
+    """Run by the state of its folder."""
 
     def __init__(self, folder: Path, works: bool = False) -> None:
         self.name = folder.name
@@ -50,7 +50,7 @@ class Run:
             return WAITING
         if self.record.get("status") != RUNNING:
             return str(self.record.get("status", FAILED))
-        # one that was killed says it, too, and does not hold its folder
+        # a killed run also has this status, but does not hold its folder
         try:
             with record.held(self.folder):
                 return STOPPED
@@ -59,12 +59,12 @@ class Run:
 
     @property
     def page(self) -> Path:
-        """Page of its results."""
+        """Page of the results."""
         return self.folder / "report.html"
 
     @property
     def progress(self) -> dict[str, Any]:
-        """How far the part that it is at has come; empty where it says nothing."""
+        """Progress of the current part; empty if unknown."""
         with suppress(OSError, ValueError):
             content = json.loads((self.folder / PROGRESS).read_text(encoding="utf-8"))
             return content if isinstance(content, dict) else {}
@@ -72,7 +72,7 @@ class Run:
 
     @property
     def error(self) -> str:
-        """Why it has ended, where it can go on."""
+        """Reason of the end of a run that can continue; else empty."""
         if self.status not in GOES_ON:
             return ""
         with suppress(OSError):
@@ -82,7 +82,7 @@ class Run:
 
 
 class Runs:
-    """Runs in the folder `results` of a folder."""
+    """Queue of the runs in the folder `results` of a folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder / RESULTS
@@ -90,9 +90,9 @@ class Runs:
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Hold the queue, so that runs of it start one after the other.
+        """Hold the queue, so that its runs start one after another.
 
-        BlockingIOError, naming the process, if another one holds it; the lock ends with its process.
+        BlockingIOError, with the process, if another one holds the queue. The lock ends with its process.
         """
         lock = FileLock(files.writable_folder(self.folder) / QUEUE_LOCK)
         server = self.folder / SERVER
@@ -114,17 +114,17 @@ class Runs:
             lock.release()
 
     def all(self) -> list[Run]:
-        """Every run, the newest first."""
+        """Return every run, the newest first."""
         cases = sorted(self.folder.glob(f"*/{record.CASE}"), key=lambda path: -path.stat().st_mtime)
         return [self.named(path.parent.name) for path in cases]
 
     def named(self, name: str) -> Run:
-        """Run of a name."""
+        """Return the run of a name."""
         process = self._started.get(name)
         return Run(self.folder / name, process is not None and process.poll() is None)
 
     def add(self, case_file: CaseFile, name: str) -> str:
-        """Let a case wait for its turn; returned is its name, with a number if there is one of the name."""
+        """Add a case to the queue; return its name, with a number if the name is taken."""
         number = 1
         free = name
         while (self.folder / free).exists():
@@ -136,13 +136,13 @@ class Runs:
         return free
 
     def go_on(self, name: str) -> None:
-        """Let a run that was stopped wait for its turn again; it goes on from its last stage."""
+        """Add a stopped run to the queue again; it continues from its last stage."""
         (self.folder / name / WAITS).touch()
 
     def stop(self, name: str) -> None:
-        """Take a run out of the queue, or ask it to stop, which keeps what it has.
+        """Remove a run from the queue, or stop it and keep its results so far.
 
-        A run that has not begun is forgotten.
+        A run that has not begun loses its case file, and its folder if this is then empty.
         """
         run = self.named(name)
         if run.status == RUNNING:
@@ -157,7 +157,7 @@ class Runs:
                 run.folder.rmdir()
 
     def start_next(self) -> None:
-        """Start the run that has waited longest, if none is at work."""
+        """Start the run that has waited longest, if no run is running."""
         waiting = sorted(self.folder.glob(f"*/{WAITS}"), key=lambda path: path.stat().st_mtime)
         if not waiting or any(run.status == RUNNING for run in self.all()):
             return

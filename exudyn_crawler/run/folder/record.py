@@ -1,4 +1,4 @@
-"""Report and record of a run (`run.json`, `run.log`) while it works in a folder, which it holds."""
+"""Report and record of a run (`run.json`, `run.log`) while it works in a folder and holds it."""
 
 import importlib.metadata
 import json
@@ -26,19 +26,19 @@ RECORD = "run.json"
 LOG = "run.log"
 LOCK = ".lock"
 HISTORY, STOPPED_HISTORY = files.HISTORY, "history_stopped.nc"
-"""The second in place of the first, of a run that stopped early."""
+"""Files of the history of a finished run, and of a run that stopped early."""
 CHECKPOINTS, END = "checkpoints", "checkpoint.npz"
-"""The second is what a longer run goes on with, where a finished one had more than one stage."""
+"""Folder of the stages, and checkpoint for a longer run; a finished run of several stages leaves it."""
 OF_THE_SIMULATION = {CASE, RECORD, LOG, HISTORY, STOPPED_HISTORY, CHECKPOINTS, END}
-"""What a run goes on with; all else is made of the history again."""
-DONE = "done"  # status of a run that has ended well
+"""Files from which a run continues; all others are made of the history again."""
+DONE = "done"  # status of a successful run
 PROGRAM = "exudyn-crawler"
 
 logger = logging.getLogger("exudyn_crawler")
 
 
 def earlier_record(folder: Path) -> dict[str, Any]:
-    """Record of an earlier run in a folder; nothing if there is no readable one."""
+    """Return the record of an earlier run in a folder; empty without a readable one."""
     with suppress(OSError, ValueError, RecursionError):
         content = json.loads((folder / RECORD).read_text(encoding="utf-8"))
         return content if isinstance(content, dict) else {}
@@ -46,7 +46,7 @@ def earlier_record(folder: Path) -> dict[str, Any]:
 
 
 def recorded_files(folder: Path) -> set[str]:
-    """Names of the files in a folder that its record lists; nothing outside of it."""
+    """Return the names of the files that a folder's record lists, without files outside of the folder."""
     whole = folder.resolve()
     listed = earlier_record(folder).get("files")
     names = [entry for entry in listed if isinstance(entry, str)] if isinstance(listed, list) else []
@@ -58,18 +58,18 @@ def recorded_files(folder: Path) -> set[str]:
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write a record of what was done."""
+    """Write a record as JSON."""
     with files.whole_file(path, overwrite=True) as temporary:
         temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
 def timestamp() -> str:
-    """Now, as a record says it."""
+    """Return the present time in the form of a record."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 def commit() -> str:
-    """Commit that the program is from, by git; empty where it is installed."""
+    """Return the program's commit by git; empty for an installed program."""
     root = Path(__file__).parents[3]
     if (root / ".git").exists():
         asked = ["git", "describe", "--always", "--abbrev=12", "--exclude=*", "--dirty=, changed"]
@@ -80,7 +80,7 @@ def commit() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Versions of the package and of everything that it needs, as far as they are installed."""
+    """Return the versions of the package and of its installed requirements."""
     needed: list[str] = []
     with suppress(importlib.metadata.PackageNotFoundError):
         needed = importlib.metadata.requires(PROGRAM) or []
@@ -98,9 +98,9 @@ def versions() -> dict[str, str]:
 
 @contextmanager
 def logged(out: Path) -> Iterator[None]:
-    """Send the package's log into a folder, behind what is there."""
+    """Append the package's log to the log file of a folder."""
     handler = logging.FileHandler(out / LOG, mode="a", encoding="utf-8")
-    # a log that cannot be written stops no run
+    # a failure to write the log does not stop a run
     handler.handleError = lambda _record: None  # type: ignore[assignment, method-assign]
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     level = logger.level
@@ -116,7 +116,7 @@ def logged(out: Path) -> Iterator[None]:
 
 
 class Holds(Enum):
-    """Parts that a folder holds of a run that is to go into it."""
+    """Part of a planned run that its folder holds already."""
 
     NOTHING = "nothing of it"
     STOPPED = "a part of its simulation"
@@ -130,13 +130,13 @@ def quiet(_text: str) -> None:
 
 @dataclass
 class RunFolder:
-    """Folder that a run works in, or none, and what the run reports meanwhile."""
+    """Folder of a run at work, or none, and reports of the run."""
 
     path: Path | None = None
-    report: Callable[[str], None] = quiet  # gets the lines that the user is to read
-    holds: Holds = Holds.NOTHING  # what the folder held of the run when it began
-    overwrites: bool = False  # whether it was to replace another run, also if it was stopped and goes on now
-    stages: dict[str, float] = field(default_factory=dict)  # wall time in s of those that have ended
+    report: Callable[[str], None] = quiet  # gets lines for the user
+    holds: Holds = Holds.NOTHING  # part of the run in the folder at the start
+    overwrites: bool = False  # True for a run that replaces another one, also if it was stopped and continues
+    stages: dict[str, float] = field(default_factory=dict)  # wall time of the finished stages, s
     _record: Callable[[], None] = lambda: None
 
     def say(self, text: str) -> None:
@@ -146,7 +146,7 @@ class RunFolder:
 
     @contextmanager
     def timed(self, stage: str) -> Iterator[None]:
-        """Take the wall time of a stage."""
+        """Measure the wall time of a stage."""
         logger.info("%s: begins", stage)
         start = time.perf_counter()
         begun = time.process_time()
@@ -156,14 +156,14 @@ class RunFolder:
             self.stages[stage] = round(time.perf_counter() - start, 3)
             taken = time.process_time() - begun
             logger.info("%s: %.1f s, %.1f s of processor time", stage, self.stages[stage], taken)
-            # who kills a run leaves files that are known all the same
+            # the record lists the files of a killed run, too
             with suppress(OSError):
                 self._record()
 
 
 @contextmanager
 def recorded(folder: RunFolder) -> Iterator[None]:
-    """Log and record what goes on in a folder, and which files it leaves there."""
+    """Log and record the work in a folder, and the files that it leaves there."""
     out = folder.path
     assert out is not None
     before = recorded_files(out)
@@ -208,7 +208,7 @@ def recorded(folder: RunFolder) -> Iterator[None]:
                 "stopped" if isinstance(error, errors.SimulationStopped | KeyboardInterrupt) else "failed"
             )
             logger.error("%s", status, exc_info=error)
-            # what went wrong matters more than a record that cannot be written either
+            # the error matters more than a failure to write the record
             with suppress(OSError):
                 write(status=status, error=str(error) or repr(error))
             raise
@@ -217,10 +217,10 @@ def recorded(folder: RunFolder) -> Iterator[None]:
 
 
 def note_file(path: Path) -> None:
-    """Add a file made of a run's results to a record beside it, so that overwriting the run removes it."""
+    """Add a file made from a run's results to the record beside it, so that it goes with the run's files."""
     out = path.parent
     if earlier_record(out):
-        # a run at work in the folder notes what is new by itself
+        # a run at work in the folder notes new files by itself
         with suppress(BlockingIOError), held(out):
             named = {"files": sorted({*recorded_files(out), path.name})}
             write_json(out / RECORD, earlier_record(out) | named)
@@ -228,9 +228,9 @@ def note_file(path: Path) -> None:
 
 @contextmanager
 def held(out: Path, what: str = "run") -> Iterator[None]:
-    """Hold a folder's lock, which the operating system releases when the process ends, however it does.
+    """Hold a folder's lock; the operating system releases it at any end of the process.
 
-    BlockingIOError, naming `what` works there, if another process holds it.
+    BlockingIOError, with the word `what` for the work there, if another process holds it.
     """
     lock = FileLock(out / LOCK)
     try:

@@ -1,1 +1,1 @@
-"""Rest, stages, integration."""
+"""Solution of a run: rest, stages and integration."""

@@ -1,4 +1,4 @@
-"""Static equilibrium of track and terrain before t = 0: which search finds it, of which case."""
+"""Static equilibrium of track and terrain before t = 0: choice of the search for each kind of case."""
 
 from contextlib import suppress
 
@@ -15,23 +15,23 @@ from exudyn_crawler.model.diagnostics import NewtonError, no_rest
 from exudyn_crawler.run.solve.rest import CREEPS, creep, newton_rest
 
 CREEPING = 6.0
-"""s, after which what still creeps is held by friction, on ground that is not level and even units."""
+"""Duration of creeping on ground other than level, even units, s; friction holds what still creeps then."""
 CREEPING_RESIDUAL = 1.0
-"""N, root mean square, that ends a step's search."""
+"""Residual that ends the iteration of a creeping step, root mean square, N."""
 
 PORTIONS = 8
-"""Steps in which a relief rises where Newton's method finds no rest on all of it at once."""
+"""Number of steps of a rising relief if Newton's method finds no rest on the whole relief at once."""
 OIL_SPEEDS = (0.02, 0.1, 0.5, 2.0)
-"""m/s, tried in this order: up to which friction holds creeping shoes in proportion to their slip. With more
-oil shoes creep further and Newton's method fails less."""
+"""Slip speeds, m/s, tried in this order, up to which friction on creeping shoes is proportional to slip. At
+higher speeds shoes creep further and Newton's method fails less."""
 
 
 def static_equilibrium(case: Case) -> np.ndarray:
-    """Coordinates of track and terrain at rest under their weights and the loads at t = 0: (coordinates,).
+    """Return the coordinates of track and terrain at rest under weights and loads of t = 0: (coordinates,).
 
-    Laid out as `model.state` says: m and rad, from the places at t = 0 before settling. EquilibriumError
-    where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
-    shoe that the ground carries least. Where the ground has no bottom for the shoes none is searched for.
+    The layout is that of `model.state`: m and rad, from the places at t = 0 before settling. EquilibriumError
+    if Newton's method finds no rest, or one with spheres below the ground; on uneven ground it names the
+    least loaded shoe. EquilibriumError without a search if the ground cannot carry the shoes at any sinkage.
     """
     if (sinks := checks.bottomless(case)) is not None:
         raise EquilibriumError(f"no static equilibrium of case {case.name!r} is searched for: {sinks}")
@@ -42,12 +42,12 @@ def static_equilibrium(case: Case) -> np.ndarray:
     q = _compiled_rest(case)
     if case.is_compiled or case.flexible is None:
         return q
-    # Exudyn's joints turn otherwise with the lugs of bent shoes: from the other rest these would swing
+    # Exudyn's joints rotate differently with the lugs of bent shoes, which would swing from the other rest
     return rest_from(ExudynSystem(case, static=True), q)
 
 
 def _compiled_rest(case: Case) -> np.ndarray:
-    """Rest of the compiled equations."""
+    """Return the rest of the compiled equations."""
     system = compiled_system(case)
     guess = system.first_guess()
     try:
@@ -66,16 +66,16 @@ def _compiled_rest(case: Case) -> np.ndarray:
             raise no_rest(system, failed) from failed
     if not case.terrain.is_even:
         return _on_rising_ground(case)
-    # normals that lean push a long chain about at the seams: it starts from its rest on faces alone
+    # inclined normals push a long chain about at the seams: the search starts from its rest on faces alone
     return _rest_from(case, _compiled_rest(case.with_(contact=case.pair_contact().with_(normal="face"))))
 
 
 def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
-    """Coordinates to which a track under rollers or on uneven cells creeps from a guess, or a `NewtonError`.
+    """Return the coordinates after creeping under rollers or on uneven cells; else `NewtonError`.
 
-    Frictionless it may have no rest at all: the rollers fold the chain up, and only friction holds the shoes
-    where they are. So all bodies creep to where they stay, without inertia and slowed in proportion to their
-    mass, while friction in proportion to the slip holds what it would hold.
+    Without friction there may be no rest: the rollers fold the chain up, and only friction holds the shoes.
+    So all bodies creep to their rest from a guess, without inertia and with a drag in proportion to their
+    mass. Friction in proportion to the slip acts meanwhile.
     """
     ground = system.case.terrain
     level = ground.model == "units" and ground.is_even and ground.grade == ground.side_slope == 0.0
@@ -84,7 +84,7 @@ def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
 
 
 def _rest_from(case: Case, start: np.ndarray) -> np.ndarray:
-    """Rest by Newton's method from coordinates near to it."""
+    """Return the rest by Newton's method from coordinates near to it."""
     system = compiled_system(case)
     try:
         return newton_rest(system, start)
@@ -93,7 +93,7 @@ def _rest_from(case: Case, start: np.ndarray) -> np.ndarray:
 
 
 def _on_rising_ground(case: Case) -> np.ndarray:
-    """Rest on a relief that rises from even ground in steps, each from the rest on the one before."""
+    """Return the rest on a relief that rises from even ground in steps, each from the rest before it."""
     rest = np.zeros(0)
     guess = np.zeros(0)
     for share in np.linspace(0.0, 1.0, PORTIONS + 1):
@@ -105,7 +105,7 @@ def _on_rising_ground(case: Case) -> np.ndarray:
 
 
 def _crept(case: Case, guess: np.ndarray) -> np.ndarray:
-    """Coordinates to which a track under rollers creeps, with as little oil as lets it."""
+    """Return the coordinates under rollers after creeping, at the least of `OIL_SPEEDS` that works."""
     if case.contact.model == "cells":
         return crept(compiled_system(case), guess)
     for speed in OIL_SPEEDS[:-1]:
@@ -115,7 +115,7 @@ def _crept(case: Case, guess: np.ndarray) -> np.ndarray:
 
 
 def _oiled(case: Case, speed: float) -> Case:
-    """Same case with friction nearly in proportion to the slip up to a speed (m/s), and even beyond."""
+    """Return a case with friction nearly in proportion to the slip up to a speed (m/s), constant above it."""
     contact = case.pair_contact()
     oil = {"stiction_speed": speed, "friction_speed": 2.0 * speed}
     return case.with_(contact=contact.with_(dynamic_friction=contact.static_friction, **oil))

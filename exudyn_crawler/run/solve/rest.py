@@ -1,4 +1,4 @@
-"""Rest of a system of compiled equations: by Newton's method, by creeping, and settled on cells."""
+"""Rest of a system of compiled equations: by Newton's method, by creeping, and by settling on cells."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -14,89 +14,88 @@ from exudyn_crawler.model.forces.loads import static_friction
 from exudyn_crawler.model.inputs import Inputs
 
 RESIDUAL = 1e-3
-"""N, root mean square, of a rest: 1e-9 of a shoe's load."""
+"""Greatest residual of a rest, root mean square, N: 1e-9 of a shoe's load."""
 ITERATIONS = 50
-"""Most iterations of Newton's method for a rest."""
+"""Greatest number of iterations of Newton's method for a rest."""
 
 COORDINATE_STEP = 1e-7
-"""m, rad and modal: half step of central differences, far below the 0.1 mm of the contact's damping law."""
+"""Half step of central differences, m, rad and modal: far below the 0.1 mm of the contact's damping law."""
 MULTIPLIER_STEP = 1e3
-"""N and N m: the same of multipliers, on which the forces depend linearly."""
+"""Half step of multipliers in central differences, N and N m; forces depend linearly on them."""
 
 HELD = (1, 5)
-"""Coordinates of the front shoe that are held beside its drive point: y and the angle about z. Friction needs
-slip, so that nothing else holds a track at rest in the plane; on ground that sticks nothing is held."""
+"""Held coordinates of the front shoe beside its drive point: y and the angle about z. Friction needs slip, so
+that nothing else holds a track at rest in the plane; on ground with sticking nothing is held."""
 
 
 class Creep(NamedTuple):
     """Creeping of a track to its rest."""
 
-    drag: float  # 1/s, force over momentum that slows every body in the end, so that shoes slip slowly
-    first_drag: float  # 1/s, to start with; it falls by half with every step that is found with some ease,
-    # and after some that are not
+    drag: float  # final force over momentum of every body, 1/s, so that shoes slip slowly
+    first_drag: float  # initial drag, 1/s; it halves after a step of few iterations, or after `ENOUGH` steps
     first_step: float  # s
-    on_level: float  # s of it on level, even units, after which what still creeps is held by friction
-    on_edges: float  # s in which shoes settle on uneven cells
+    on_level: float  # duration on level, even units, s; friction holds bodies that still creep then
+    on_edges: float  # duration of the settling on uneven cells, s
 
 
-# the papers' machine then starts 2e-5 of its weight away from rest, after 6 s 4e-3 of it
+# the papers' machine then has a residual of 2e-5 of its weight; after 6 s it would have 4e-3
 _OPEN = Creep(drag=100.0, first_drag=100.0, first_step=5e-3, on_level=30.0, on_edges=4.0)
-# runs of a closed chain swing slowly and stand no still shoes. From where it was assembled no rest is found
-# but with a great drag at first: slow shoes hardly slip, and no damping is felt
+# the free runs of a closed chain swing slowly and do not allow slow shoes. A search from the assembled state
+# needs a large drag at first: slow shoes hardly slip, and damping has no effect
 _CLOSED = Creep(drag=8.0, first_drag=1e5, first_step=0.05, on_level=6.0, on_edges=4.0)
 CREEPS = {
-    "dragged": _OPEN._replace(on_edges=60.0),  # its shoes tilt on edges
+    "dragged": _OPEN._replace(on_edges=60.0),  # shoes tilt on edges
     "rolled": _OPEN,
     "closed": _CLOSED,
     "machine": _CLOSED,
 }
-"""Creeping by the kind of gear."""
+"""Parameters of creeping by the kind of gear."""
 MOST_DRAG = 1e9
-"""1/s, beyond which steps become shorter where Newton's method fails."""
+"""Drag above which a failure of Newton's method makes the step shorter, 1/s."""
 
 PATIENCE = 20
-"""Failures of Newton's method that more drag answers before a shorter step does: a shoe that just touches a
-wheel may come and go from one iteration to the next whatever the drag."""
+"""Number of failures of Newton's method met by more drag before one is met by a shorter step: a shoe that
+just touches a wheel may gain and lose contact from iteration to iteration at any drag."""
 
 ENOUGH = 10
-"""Steps with one drag after which it falls however many iterations they took: a long chain that slips back
-over its wheels takes as many in each, and creeps far too slowly with the drag that it has by then."""
+"""Number of steps with one drag after which it falls for any number of iterations: a long chain that slips
+back over its wheels takes as many in each step, and creeps far too slowly with its drag then."""
 
 LONGEST_STEP = 0.2
-"""s, of creeping."""
+"""Longest step of creeping, s."""
 LEAST_STEP = 1e-7
-"""s, below which creeping fails."""
+"""Shortest step of creeping, s; creeping fails below it."""
 
 EASY = 8
-"""Iterations below which the next step of creeping is longer."""
+"""Number of iterations below which the next step of creeping is longer."""
 FAIR = 12
-"""Iterations below which drag falls."""
+"""Number of iterations below which the drag falls."""
 MOST = 25
-"""Most iterations of a step of creeping."""
+"""Greatest number of iterations of a step of creeping."""
 
 STEADY_DRAGS = (8.0, 1.0, 0.1)
-"""1/s, one after the other, with which what creeps comes to its steady speed, as far as each is found with
-some ease. The last one takes 2e-5 of the weight at 2 mm/s, the first one 2e-3; a run starts without."""
+"""Drags of the search for steady creep, 1/s, in this order, as long as each converges in `STEADY_STEPS`. The
+last one takes 2e-5 of the weight at 2 mm/s, the first one 2e-3; a run starts without drag."""
 STEADY_TIME = 1.0
-"""s of each of these: speeds change by half within 0.2 s."""
+"""Duration with each drag, s: speeds change by half within 0.2 s."""
 STEADY_STEP = 5e-3
-"""s, the first one of each."""
+"""First step with each drag, s."""
 STEADY_STEPS = 700
-"""Most steps of each of these. Newton's matrix leaves out how shoes turn about a single contact."""
+"""Greatest number of steps with each drag. Newton's matrix omits rotations of shoes about a contact."""
 STEADY_RESIDUAL = 2e-3
-"""N, root mean square, that ends a step's search."""
+"""Residual that ends the iteration of a step of the search for steady creep, root mean square, N."""
 
 SETTLING = 4.0
-"""s in which shoes creep to their rest on even cells, which remember them."""
+"""Duration of creeping to rest on even cells, whose memory keeps the shoes' sinkage, s."""
 SETTLING_RESIDUAL = 1e-2
-"""N, root mean square, that ends a step's search in settling."""
+"""Residual that ends the iteration of a settling step, root mean square, N."""
 
 
 def newton_rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
-    """Coordinates at which a track with its front shoe held rests, near to a guess, or a `NewtonError`.
+    """Return the coordinates at rest with the front shoe held, near to a guess; else `NewtonError`.
 
-    Along x the shoe is held where the drive will pull: its force, which the drive takes over, bends the shoe,
-    and from another place the run would start with a jolt.
+    Along x the shoe is held at the point of the drive. The drive takes over the holding force, and this force
+    bends the shoe: at another point the run would start with a jolt.
     """
     count = len(guess)
     front = 6 * system.layout.shoes - 6
@@ -114,7 +113,7 @@ def newton_rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
         return np.concatenate((residual, STIFFNESS * np.array(gaps)))
 
     def derivative(x: np.ndarray) -> np.ndarray:
-        """Central differences, a column for each argument."""
+        """Return the derivatives by central differences, a column for each argument."""
         moved = x.copy()
         columns = np.empty((len(x), len(x)))
         for k, step in enumerate(steps):
@@ -141,7 +140,7 @@ def newton_rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
 
 
 def pulled_place(system: CompiledSystem, q: np.ndarray) -> float:
-    """Displacement along x of the point that the drive moves, m, with that of its place in the shoe."""
+    """Return the displacement along x of the drive's point, m, with that of its place in the shoe."""
     front = q[6 * system.layout.shoes - 6 : 6 * system.layout.shoes]
     modal = q[len(q) - system.point.rows.shape[1] :]
     return float(front[0] + system.point.arm(front[3:], modal)[0])
@@ -150,10 +149,10 @@ def pulled_place(system: CompiledSystem, q: np.ndarray) -> float:
 def at_rest(
     system: CompiledSystem, q: np.ndarray, multipliers: np.ndarray, undriven: Inputs
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Residual at rest under loads without the drive, and the drive's direction, as generalized force.
+    """Return the residual at rest without the drive, and the drive's direction as generalized force.
 
-    Of coordinates and the pins' multipliers (pin_rows,), N and N m. Gives arrays (coordinates + pin_rows,),
-    see `equations.residual`, and (coordinates,).
+    `multipliers` are those of the pins (pin_rows,), N and N m. The arrays are (coordinates + pin_rows,), see
+    `equations.residual`, and (coordinates,).
     """
     state = np.zeros((3, len(q)))
     state[0] = q
@@ -183,18 +182,18 @@ def creep(
     residual: float,
     accepted: Callable[[], None] = lambda: None,
 ) -> np.ndarray:
-    """Coordinates to which all bodies creep from `q` in a time (s), without inertia, under first loads.
+    """Return the coordinates after creeping from `q` for a `duration` (s) without inertia, under first loads.
 
-    A force in proportion to the momentum slows them; the time counts from where that drag is least.
-    `residual` (N, root mean square) ends a step's search, `accepted` is called after every step. A
-    `NewtonError` if steps become too short.
+    A drag force in proportion to the momentum slows all bodies; time counts from the first step with least
+    drag. `residual` (N, root mean square) ends the iteration of a step; `accepted` is called after every
+    step. `NewtonError` if steps become too short.
     """
     least, drag, step, *_ = CREEPS[system.case.gear.kind]
     time = 0.0
     failures = 0
     steps = 0  # with this drag
     multipliers = np.zeros(system.tables.multipliers)
-    # wheels resist motion alone: against them creeping would last longer, to the same rest
+    # resistance of wheels acts on motion alone: creeping with it would last longer, to the same rest
     inputs = _still(system)._replace(resists=0.0)
     while time < duration:
         state, after, iterations = _creeping_step(system, q, multipliers, inputs, drag, step, residual)
@@ -222,7 +221,7 @@ def creep(
 
 
 def _still(system: CompiledSystem) -> Inputs:
-    """Loads at t = 0 and a drive that stands still."""
+    """Return the loads at t = 0 and a drive at zero speed."""
     inputs = system.inputs(0.0)
     return inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
 
@@ -236,7 +235,7 @@ def _creeping_step(
     step: float,
     residual: float,
 ) -> tuple[np.ndarray | None, np.ndarray, int]:
-    """State and multipliers a step (s) of creeping later, and iterations; no state where it failed."""
+    """Return state and multipliers after a step (s) of creeping, and the iterations; None if it failed."""
     state = np.zeros((3, len(q)))
     state[0] = q
     after = multipliers.copy()
@@ -246,11 +245,11 @@ def _creeping_step(
 
 
 def steady(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
-    """Coordinates and rates (2, coordinates) of a track that creeps steadily by its friction, near to `q`.
+    """Return coordinates and rates (2, coordinates) of a track in steady creep by its friction, near to `q`.
 
-    Friction that needs slip holds no track still: where it has to hold one, as on a slope, the track creeps
-    with what balances its weight. A run that started with no rates there would begin with a fall. Where
-    friction does not hold it below the stiction speed, `q` and no rates are given back.
+    Friction that needs slip holds no track at rest. A track that it has to hold, as on a slope, creeps with
+    the slip that balances its weight. A run that started there without rates would begin with a fall. If
+    friction does not hold the track below the stiction speed, the result is `q` with zero rates.
     """
     system.switch_drive(system.case.drive.drives_after(0.0))
     start = np.stack((q, np.zeros_like(q)))
@@ -268,7 +267,7 @@ def steady(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
 def _steadied(
     system: CompiledSystem, motion: np.ndarray, multipliers: np.ndarray, drag: float
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Motion and multipliers `STEADY_TIME` later; None where steps are too many or too small."""
+    """Return motion and multipliers `STEADY_TIME` later; None if steps are too many or too small."""
     time = 0.0
     step = STEADY_STEP
     inputs = _still(system)
@@ -291,9 +290,9 @@ def _steadied(
 
 
 def settle(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
-    """Rest near to one `q` on fresh ground, after cells have remembered that shoes were put down there.
+    """Return the rest near to that on fresh ground, `q`, after cells have stored the shoes' sinkage.
 
-    Cells that two shoes share remember the deeper one; other ground leaves `q` as it is.
+    Cells below two shoes store the deeper sinkage. Other ground leaves `q` as it is.
     """
     cells = system.cells
     if cells is None:
@@ -304,7 +303,7 @@ def settle(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
     system.cover(state)
     system.residual(state, system.inputs(0.0))
     cells.commit()
-    # what holds the front shoe without a drive is the ground alone
+    # without a drive the ground alone holds the front shoe
     case = system.case
     system.switch_drive(case.drive.drives_after(0.0))
     duration = SETTLING if case.terrain.is_even else CREEPS[case.gear.kind].on_edges

@@ -1,4 +1,4 @@
-"""Run of a case from its static equilibrium: time integration, stage by stage, and what ends it early."""
+"""Run of a case from its static equilibrium: time integration by stages, and causes of an early end."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -30,16 +30,16 @@ from fem import interrupts
 
 
 def solver_settings(solver: Solver) -> "exu.SimulationSettings":
-    """Exudyn's settings for a run; `set_times` gives it its times."""
+    """Return Exudyn's settings for a run, without times; see `set_times`."""
     settings = newton_settings(solver.residual, solver.maximum_iterations)
     settings.solution.sensors.active = False
     time = settings.timeIntegration
-    # a stage starts from the accelerations that the one before ended with
+    # a stage starts from the accelerations at the end of the stage before
     time.generalizedAlpha.resetAccelerations = False
     time.adaptiveStepRecoverySteps = 1
     time.adaptiveStepRecoveryIterations = solver.maximum_iterations
     time.generalizedAlpha.spectralRadius = solver.spectral_radius
-    # Exudyn's numerical Jacobian costs far more than an iteration: a new one only where that slows down
+    # Exudyn's numerical Jacobian costs far more than an iteration: a new one only if iterations slow down
     time.newton.useModifiedNewton = True
     time.newton.modifiedNewtonJacUpdatePerStep = False
     return settings
@@ -48,10 +48,10 @@ def solver_settings(solver: Solver) -> "exu.SimulationSettings":
 def set_times(
     settings: "exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
 ) -> Callable[[float], float]:
-    """Put the times of a stage into Exudyn's settings, and give `stages.step_ends`.
+    """Set the times of a stage in Exudyn's settings, and return `stages.step_ends`.
 
-    A quiet stage has longer steps. Where steps do not go into a stage, those of the settings are a little
-    too long, and the ends of steps shorten them.
+    A quiet stage has longer steps. The steps of the settings are slightly too long if a stage is not a
+    multiple of them. The ends of steps then shorten them.
     """
     time = settings.timeIntegration
     step = max(solver.step, solver.quiet_step) if quiet else solver.step
@@ -83,7 +83,7 @@ def integrate(
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             reason = _solve(system, settings, next_end, watch)
             if number == 0 and not recorder.nothing:
-                # not within the engine's steps, which know no errors but their own
+                # not within the engine's steps, which pass on no errors but their own
                 warn_unbalanced(system, recorder.first_state)
             if reason or watch.waiting:
                 break
@@ -96,12 +96,12 @@ def integrate(
 
 
 LOOK = 0.02
-"""s between two looks at a closed chain: a lug of the M113's pitch takes five times as long over a tooth
-at 1.5 m/s."""
+"""Time between two checks of a closed chain, s: a lug of the M113's pitch takes five times as long over a
+tooth at 1.5 m/s."""
 
 
 class ChainWatch:
-    """Says what has happened to the chains of closed tracks, from rows of the states as they come."""
+    """Monitor of the chains of closed tracks, by rows of states; it names faults in words."""
 
     def __init__(self, case: Case, layout: state.StateLayout) -> None:
         self.case, self.layout, self.closed = case, layout, case.closed_gear()
@@ -117,12 +117,12 @@ class ChainWatch:
         self._middles = np.repeat(case.gear.middles, case.loop.shoe_count)
         pins = [name for name, _ in layout.multipliers if " pin of link " in name]
         self._links = np.array([int(name.rpartition(" ")[2]) - 1 for name in pins])
-        # of every pin, along the ground and normal to both
+        # multipliers of every pin: along the ground, and normal to that and to the pin
         self._reactions = np.array([layout.first_multiplier(name) for name in pins])[:, None] + [0, 2]
         self.next_look = 0.0
 
     def fault(self, row: np.ndarray) -> str:
-        """Shoe and likely cause of what is wrong; empty if nothing is."""
+        """Return the shoe at fault and the likely cause; empty without a fault."""
         self.next_look = float(self.layout.part(row, "time")) + LOOK
         shoes = self.layout.part(row, "shoes") + self._shoes
         tension = self._tension(row)
@@ -130,7 +130,7 @@ class ChainWatch:
         return cause or self._jumped(row, shoes, tension)
 
     def _tension(self, row: np.ndarray) -> np.ndarray:
-        """Force of every link in the chain's plane, N."""
+        """Return the force of every link in the chain's plane, N."""
         forces = np.zeros((self.case.track.shoe_count, 2))
         np.add.at(forces, self._links, self.layout.part(row, "multipliers")[self._reactions])
         return np.hypot(*forces.T)
@@ -176,7 +176,7 @@ class ChainWatch:
         )
 
     def _jumped(self, row: np.ndarray, shoes: np.ndarray, tension: np.ndarray) -> str:
-        """A lug in another gap than before, or than its neighbours say, or none in any."""
+        """Return the fault of a lug in another gap than before or by its neighbours, or in none."""
         tumblers = np.array([self.layout.part(row, name) for name in self.case.gear.tumblers])
         tumblers = np.repeat(tumblers + self._tumblers, len(self._middles) // len(tumblers), axis=0)
         lugs = shoes[:, :3] + rotations.rotation_matrices(shoes[:, 3:]) @ self._lug - tumblers[:, :3]
@@ -194,7 +194,7 @@ class ChainWatch:
         on = inside.reshape(self.case.tracks, -1).any(axis=1)
         if on.all() and not other.any():
             return ""
-        # of a track without any on its tumbler the one nearest to that
+        # the shoe nearest to the tumbler, for a track without shoes on its tumbler
         off = np.where(np.repeat(on, len(x) // len(on)), np.inf, radius).argmin()
         shoe = 1 + int(other.argmax() if other.any() else off)
         return (
@@ -206,7 +206,7 @@ class ChainWatch:
 
 @dataclass
 class _Watch:
-    """Causes that end a run early: signals that interrupt it, and what is wrong with its shoes, in words."""
+    """Causes of an early end of a run: interrupting signals, and faults of its shoes in words."""
 
     waiting: list[int]
     chain: ChainWatch | None
@@ -217,9 +217,9 @@ class _Watch:
 def _watched(
     system: TrackSystem, recorder: stages.Recorder, tell: Callable[[float], None]
 ) -> Iterator[_Watch]:
-    """Store the states after each step within the block, and end the run after one where there is a reason.
+    """Store the states after each step within the block, and end the run after a step with a cause.
 
-    An interrupt waits for the end of its step: Exudyn does not hand on all of those that meet its own calls.
+    An interrupt waits for the end of its step: Exudyn does not pass on all interrupts within its own calls.
     """
     case = system.case
     watch = _Watch([], ChainWatch(case, system.layout) if case.gear.loops else None)
@@ -256,7 +256,7 @@ def _solve(
     next_end: Callable[[float], float],
     watch: _Watch,
 ) -> str:
-    """Integrate one stage; gives why it stopped early, if it did."""
+    """Integrate one stage; return the reason of an early stop, else empty."""
     reason = ""
     try:
         system.solve(settings, next_end)
@@ -278,7 +278,7 @@ def compiled(case: Case, progress: bool | None = None) -> None:
 
 
 def solved_for_tension(case: Case, progress: bool | None = None) -> Case:
-    """Case with the idler where its chains have their tension at rest; as it is, if it says where."""
+    """Return the case with the take-up for its chains' tension at rest; unchanged if the case gives it."""
     if not case.gear.is_set_by_tension:
         return case
     compiled(case, progress)
@@ -287,15 +287,15 @@ def solved_for_tension(case: Case, progress: bool | None = None) -> Case:
 
 
 def started(case: Case, progress: bool | None = None) -> TrackSystem:
-    """Return the system of a case at its start, from which every run goes on: a whole one, and one by steps.
+    """Return the system of a case at the start of any run, whole or by steps.
 
-    Its idlers stand where the chains have their tension at rest, its flexible shoe is reduced, and it is at
-    rest under the loads at t = 0. An EquilibriumError if there is no such rest.
+    Its idlers are at the take-up for the chains' tension at rest, and its flexible shoe is reduced. It is at
+    rest under the loads at t = 0. EquilibriumError if there is no such rest.
     """
     case = solved_for_tension(case, progress)
     if case.flexible is not None:
         with heartbeat(f"{case.name}: {REDUCE}", show=progress):
-            flexible_shoes.whole_reduction(case)  # large enough for several threads, as nothing behind it is
+            flexible_shoes.whole_reduction(case)  # large enough for several threads, unlike later work
     compiled(case, progress)
     with threadpool_limits(1, user_api="blas"):
         system = formulation.track_system(case)
@@ -312,20 +312,22 @@ def simulate(
 ) -> History:
     """Run a case from static equilibrium for a duration (s), or from the last of the checkpoints.
 
-    The run is made of stages (`stage_times`); each starts from the end of the one before, whether in
-    the same process or, after a kill, in a later one, so that both give the same numbers. The history's case
-    has the take-up that gives its chains their tension at rest.
+    A run consists of stages (`stage_times`). Each stage starts from the end of the one before, in the same
+    process or, after a kill, in a later one. Both give the same numbers. The history's case has the take-up
+    for its chains' tension at rest.
 
-    `progress` shows a bar; None shows one on a terminal and a line every 10 s elsewhere. `checkpoints` keep
-    every stage but the last; the run goes on behind those that they have. `ground_times` (s) rise; at them,
-    beside its end, the history has what ground of cells remembers.
+    `progress` shows a bar. None shows one on a terminal and a line every 10 s elsewhere. `checkpoints` store
+    every stage but the last; the run continues after the stored ones. At the rising `ground_times` (s), and
+    at the end, the history has the memory of a ground of cells.
 
-    Before anything runs, an `ImplausibleWarning` says what no machine and no ground is known to have, and a
-    TypeError or ValueError if `case` is none, `duration` is not positive and finite, the run would take too
-    much memory, the drive takes the track off the terrain or checkpoints have other parameters. Later an
-    EquilibriumError if the track finds no rest before t = 0; SimulationStopped, which carries the history up
-    to there, if a step fails at its least size, spheres of the second contact model sink through the ground,
-    what a closed chain must not do happens, or on an interrupt.
+    Before the run an `ImplausibleWarning` tells values outside of those of known machines and grounds.
+    TypeError if `case` is not a case. ValueError if `duration` is not positive and finite, or the run would
+    take too much memory. ValueError also if the drive takes the track off the terrain, or checkpoints have
+    other parameters.
+
+    EquilibriumError if the track finds no rest before t = 0. SimulationStopped, with the history so far, on
+    interrupts, or if a step fails at its least size. SimulationStopped also if spheres of the second contact
+    model sink through the ground, or a closed chain breaks, folds, comes off or jumps a tooth.
     """
     case_file.check_run(case, duration)
     warn_implausible(case, duration)
@@ -333,6 +335,6 @@ def simulate(
     if checkpoints is not None:
         checkpoints.load(case)
     system = started(case, progress)
-    # matrices of a step are so small that threads wait for each other, and round by how many they are
+    # matrices of a step are so small that threads wait for each other, and rounding depends on their number
     with threadpool_limits(1, user_api="blas"):
         return integrate(system, duration, progress, checkpoints, ground_times)

@@ -1,4 +1,4 @@
-"""Stages of a run, each of which the solver starts again: times, stored states, history."""
+"""Stages of a run, with a restart of the solver at each: times, stored states, history."""
 
 import math
 from bisect import bisect_left
@@ -14,14 +14,14 @@ from exudyn_crawler.results.history import History, files, ground_map, states
 from exudyn_crawler.run.folder.checkpoints import Checkpoints, StageEnd
 
 TIME_TOLERANCE = 1e-9
-"""Relative difference below which two times are the same."""
+"""Greatest relative difference of times that count as the same."""
 
 
 def stage_times(case: Case, duration: float) -> list[float]:
-    """Ends of the stages of a run, from 0 to its duration, s.
+    """Return the ends of the stages of a run, from 0 to its duration, s.
 
-    The integration starts again from its state at every multiple of the solver's checkpoint interval and
-    where the drive goes on or off.
+    The integration restarts from its state at every multiple of the solver's checkpoint interval, and when
+    the drive goes on or off.
     """
     interval = case.solver.checkpoint_interval
     times = {0.0, duration} | {k * interval for k in range(1, math.ceil(duration / interval))}
@@ -36,22 +36,22 @@ def stage_times(case: Case, duration: float) -> list[float]:
 
 
 def is_quiet(case: Case, start: float) -> bool:
-    """True if the track is quiet in the stage that starts at a time, s."""
+    """Return True if the track is quiet in the stage with a start time, s."""
     return case.drive.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
 
 
 SAME = 1e-6
-"""Part of a step below which two times are the same."""
+"""Greatest difference of times that count as the same, fraction of a step."""
 LEAST_PART = 0.1
-"""Part of a step by which an output time is off the ends of a stage at least for a step to end there."""
+"""Least distance of an output time from the ends of a stage for a step to end there, fraction of a step."""
 
 
 def step_ends(start: float, end: float, step: float, interval: float) -> Callable[[float], float]:
-    """Function of a time (s) within a stage that gives the next one at which a step has to end.
+    """Return a function of a time (s) within a stage that returns the next prescribed end of a step.
 
-    Steps end at every multiple of the output interval, where that is no shorter than a step, and at the end
-    of the stage; each part between has equal steps, none longer than `step`. So stored states are those of
-    the asked times also behind a step that was halved.
+    Steps end at the end of the stage, and at every multiple of an output interval that is not shorter than a
+    step. Each part between has equal steps, none longer than `step`. So stored states are those of the output
+    times even after a halved step.
     """
     fixed: list[float] = []
     if interval > (1.0 - SAME) * step:
@@ -72,16 +72,16 @@ def step_ends(start: float, end: float, step: float, interval: float) -> Callabl
 
 
 KEPT = "then"
-"""Name of what cells remembered at chosen times, in a memory."""
+"""Name of the cells' records at chosen times, in a stored memory."""
 
 
 class Recorder:
-    """Keeps the state at the start, unless it goes on behind another one's end, and every output interval.
+    """Recorder of states at the start (unless it continues a run) and at every output interval.
 
-    At the first steps behind `ground_times` (s) also what the ground remembers, in `then` (cells, THEN).
-    `ends` of the stages (s) go from 0 to the run's duration. Checkpoints take every stage but the last, and
-    the history; without them both are in memory. The system is brought to the end of the last stage that they
-    hold; `first` is the number of the first stage that is to be integrated.
+    At the first steps after `ground_times` (s) it also records the memory of the ground, in `then` (cells,
+    THEN). `ends` of the stages (s) go from 0 to the run's duration. Checkpoints store every stage but the
+    last, and the history; without them both are in memory. The system is set to the end of their last stage;
+    `first` is the number of the first stage to integrate.
     """
 
     def __init__(
@@ -98,8 +98,8 @@ class Recorder:
         self._tolerance = TIME_TOLERANCE * max(1.0, duration)
         self._next = 0.0
         self._states: list[np.ndarray] = []
-        self._chunks: list[files.Chunk] = []  # of the history, of stages before
-        self._in_stage = False  # whether a state is stored of the stage that goes on
+        self._chunks: list[files.Chunk] = []  # chunks of the history, of earlier stages
+        self._in_stage = False  # True if a state of the current stage is stored
         self._ground_times = list(ground_times)
         self.then = np.zeros((0, ground_map.THEN))
         self.time = 0.0
@@ -109,7 +109,7 @@ class Recorder:
             self._go_on_from(checkpoints)
 
     def _go_on_from(self, checkpoints: Checkpoints) -> None:
-        """Bring the system to the end of the last stage that is also one of this run, but not its last."""
+        """Set the system to the end of the last stored stage that this run has too, except its last one."""
         last = None
         case = self._system.case
         for stage in checkpoints.load(case, self._system.layout.to_json()):
@@ -126,7 +126,7 @@ class Recorder:
             checkpoints.say(f"{case.name}: going on from the checkpoint at t = {last.time:g} s")
 
     def go_on(self, time: float, memory: Mapping[str, np.ndarray] | None = None) -> None:
-        """Go on behind a time, s, of which the state is stored, in another process with a stored memory."""
+        """Continue after a time, s, whose state is stored; in another process with the stored `memory`."""
         self.time = time
         self._next = (math.floor(time / self._interval + 1e-6) + 1) * self._interval
         if memory is not None:
@@ -136,7 +136,7 @@ class Recorder:
             ]
 
     def store(self, time: float) -> None:
-        """Store the state if its turn has come; the last one always."""
+        """Store the state if an output is due; the last state is always stored."""
         self.time = time
         if time >= min(self._next, self._duration) - self._tolerance:
             self._states.append(self._system.state())
@@ -150,7 +150,7 @@ class Recorder:
                 self.then = np.concatenate((self.then, ground_map.memory_now(memory, time)))
 
     def end_stage(self, number: int) -> None:
-        """End a stage that was integrated, which has one state at least; start the next one from its end."""
+        """End an integrated stage, with at least one state, and restart the system from its end."""
         if not self._in_stage:
             self._states.append(self._system.state())
         self._in_stage = False
@@ -171,7 +171,7 @@ class Recorder:
         self._chunks.append(self._checkpoints.save(stage).chunk)
 
     def taken(self) -> np.ndarray:
-        """States stored since the last call, one a row; they are not kept any longer."""
+        """Return the states stored since the last call, one a row, and release them."""
         rows = np.array(self._states)
         self._states.clear()
         return rows
@@ -183,14 +183,14 @@ class Recorder:
 
     @property
     def first_state(self) -> np.ndarray:
-        """First state of those that were stored since `taken`, a row."""
+        """First of the states stored since `taken`, a row."""
         return self._states[0]
 
     def history(self) -> History:
-        """History of all stages, and of as much of one that stopped early as was stored.
+        """Return the history of all stages, with the stored states of a stage that stopped early.
 
-        With checkpoints it is written into their folder, which takes no more memory for a longer run, and
-        read from there.
+        With checkpoints the history is written to their folder and read from there, so that a longer run
+        takes no more memory.
         """
         case = self._system.case
         end = ground_map.end_memory(self._system.memory(), self.then)

@@ -1,4 +1,4 @@
-"""How a machine stands on its track before it moves, for reading: ground pressure, tension of its chains."""
+"""Summary of a machine at rest on its track, for reading: ground pressure, and tension of its chains."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -15,10 +15,10 @@ FORCES = {"MN": 1e6, "kN": 1e3, "N": 1.0}
 
 
 class Standing(NamedTuple):
-    """A machine at rest on its track."""
+    """Machine at rest on its track."""
 
-    case: Case  # with the take-up of its idler
-    history: History  # of one time
+    case: Case  # case with the take-up of its idler
+    history: History  # history of one time
 
     @property
     def lines(self) -> list[str]:
@@ -27,7 +27,7 @@ class Standing(NamedTuple):
 
     @property
     def warnings(self) -> Iterator[str]:
-        """Chains that are tauter or slacker than makers ask for."""
+        """Warnings of chains tauter or slacker than makers ask for."""
         for chain in self.chains:
             share = chain.sag / chain.span
             if not LEAST_SAG <= share <= GREATEST_SAG:
@@ -42,7 +42,7 @@ class Standing(NamedTuple):
 
     @property
     def chains(self) -> list[tension.Hanging]:
-        """Chains of a machine that stands on the ground with closed tracks."""
+        """Chains of a machine on closed tracks on the ground; empty for others."""
         if not self.case.gear.loops or self.case.closed_gear().support == "posts":
             return []
         return tension.hanging_chains(self.case, self.history.dataset.isel(time=0))
@@ -50,7 +50,7 @@ class Standing(NamedTuple):
     def _on_ground(self) -> str:
         pressure = self.history.ground_pressure.isel(time=0)
         mean = float(self.history.mean_ground_pressure.isel(time=0))
-        # normals lean with the units that a shoe tilts, and some of them push against each other
+        # normals incline with the units that a shoe tilts, and some of them act against each other
         carried = float(self.history.normal_force.isel(time=0).sel(axis="z").sum())
         if not mean:
             return "at rest: no shoe is on the ground"
@@ -76,9 +76,9 @@ class Standing(NamedTuple):
 
 
 def standing(case: Case, progress: bool | None = None) -> Standing | None:
-    """Rest of a machine on its track with rigid shoes; None for a track without a machine on it.
+    """Return the rest of a machine on its track with rigid shoes; None for a track without a machine.
 
-    An EquilibriumError if it finds none.
+    EquilibriumError if the search finds none.
     """
     if not case.frame_parts:
         return None

@@ -1,4 +1,4 @@
-"""Start of a run: its system at rest, or creeping steadily where friction holds it, and a warning if not."""
+"""Start of a run: the system at rest or in steady creep by friction, and a warning of a residual force."""
 
 import numpy as np
 
@@ -16,13 +16,13 @@ from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.rest import settle, steady
 
 UNBALANCED = 0.01
-"""Part of the weight that the residual force at the start may be without a warning."""
+"""Greatest residual force at the start without a warning, fraction of the weight."""
 
 
 def begin(system: TrackSystem) -> np.ndarray:
-    """Bring a system to its rest at t = 0, or to its steady creep where friction holds it there.
+    """Set a system to its rest at t = 0, or to its steady creep if friction holds it there.
 
-    Gives coordinates and rates (2, coordinates) of it. On cells shoes settle and stay. An EquilibriumError if
+    Return its coordinates and rates (2, coordinates). On cells shoes settle and stay. EquilibriumError if
     there is no rest.
     """
     q = static_equilibrium(system.case)
@@ -35,7 +35,7 @@ def begin(system: TrackSystem) -> np.ndarray:
 
 
 def _start_of(system: TrackSystem, q: np.ndarray) -> np.ndarray:
-    """Coordinates and rates (2, coordinates) with which a run starts from a rest `q`; cells remember it."""
+    """Return the initial coordinates and rates (2, coordinates) of a run from a rest `q`; cells store it."""
     case = system.case
     if system.sticks:
         if isinstance(system, CompiledSystem):
@@ -52,7 +52,7 @@ def _start_of(system: TrackSystem, q: np.ndarray) -> np.ndarray:
 
 
 def _is_held_by_slip(case: Case) -> bool:
-    """True where friction, which needs slip, has to hold a track on units."""
+    """Return True if friction, which needs slip, has to hold a track on units."""
     if not isinstance(case.contact, PairContact):
         return False
     if isinstance(case.gear, Closed):
@@ -61,9 +61,9 @@ def _is_held_by_slip(case: Case) -> bool:
 
 
 def _steady_with_units(system: TrackSystem, q: np.ndarray) -> np.ndarray:
-    """Coordinates and rates (2, coordinates) of steady creep where units are bodies, near to a rest `q`.
+    """Return coordinates and rates (2, coordinates) of steady creep for units as bodies, near to a rest `q`.
 
-    Shoes and units move from rest as they do in the terrain's independent coordinates.
+    Displacements of shoes and units from rest are those in the terrain's independent coordinates.
     """
     reduced = system.case.with_(terrain_formulation="reduced")
     twin = compiled_system(reduced)
@@ -84,7 +84,7 @@ def _steady_with_units(system: TrackSystem, q: np.ndarray) -> np.ndarray:
 
 
 def warn_unbalanced(system: TrackSystem, start: np.ndarray) -> None:
-    """Warn, by an `UnbalancedWarning`, of a start that is farther from rest than a part of the weight.
+    """Warn, by an `UnbalancedWarning`, of a residual force at the start above `UNBALANCED` times the weight.
 
     `start` is the row of the state at t = 0, with its accelerations.
     """

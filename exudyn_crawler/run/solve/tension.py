@@ -1,4 +1,4 @@
-"""Where the idler of a closed track stands that has a tension at rest: the take-up is solved for."""
+"""Search for the take-up of the idler that gives a closed track its tension at rest."""
 
 import math
 from functools import lru_cache
@@ -17,21 +17,21 @@ from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.solve import equilibrium, start
 
 IDLER = "gear.idler"
-SHIMS = 5  # decimals of a take-up in m: so that it is the same again on another machine
-NEAR = 1e-3  # of a sag or a pretension, within which it is the one that is wanted
-LEAST_SLACK = 1e-4  # m, from which on a chain is taut
-TRIED = 16  # take-ups, at most; mostly 4 to 6, of which each is a rest of 0.2 s for 38 shoes
-FARTHEST = 4.0  # times more slack or less than before, at most
-LEAST_STEP = 0.01  # of a pitch: least measure of the steps by which the take-up changes on sprung arms
-SOFTNESS = 10.0  # pitches, by which a push presses the spring that stands for it
-LIGHT = 1e-4  # of the mass on a track: an idler that the push moves
+SHIMS = 5  # decimals of a take-up in m, so that it is the same on every computer
+NEAR = 1e-3  # greatest relative deviation from a wanted sag or pretension
+LEAST_SLACK = 1e-4  # slack of a chain that counts as taut, m
+TRIED = 16  # greatest number of take-ups; mostly 4 to 6, and each takes a rest of 0.2 s for 38 shoes
+FARTHEST = 4.0  # greatest ratio of successive slacks, or its reciprocal
+LEAST_STEP = 0.01  # least scale of the take-up's steps on sprung arms, fraction of a pitch
+SOFTNESS = 10.0  # compression of the spring that replaces a push, in pitches
+LIGHT = 1e-4  # mass of an idler moved by the push, fraction of the mass on a track
 
 
 def tensioned(case: Case) -> Case:
-    """Same case with the take-up that gives its chains their tension at rest; as it is, if it says where.
+    """Return the case with the take-up for its chains' tension at rest; unchanged if the case gives it.
 
-    The tension is that of the machine that stands level on its own ground, as makers measure it, with half of
-    its weight on either track. An EquilibriumError if no take-up in reach gives it.
+    The tension is that of the machine at rest on its own ground, made level, as makers measure it. Each track
+    carries half of its weight. EquilibriumError if no possible take-up gives it.
     """
     if not case.gear.is_set_by_tension:
         return case
@@ -39,23 +39,23 @@ def tensioned(case: Case) -> Case:
 
 
 def tensioned_file(case_file: CaseFile) -> CaseFile:
-    """Case file of `tensioned`."""
+    """Return the case file with the case of `tensioned`."""
     case = tensioned(case_file.case)
     return case_file if case is case_file.case else case_file.with_(case=case)
 
 
 def chains_at_rest(case: Case) -> list[tension.Hanging]:
-    """Chains of a case's closed tracks where they rest; an EquilibriumError if they find none."""
+    """Return the chains of a case's closed tracks at rest; EquilibriumError without a rest."""
     return tension.hanging_chains(case, history_at_rest(case).dataset.isel(time=0))
 
 
 def history_at_rest(case: Case) -> History:
-    """State of rest as a history of one time, without reactions of joints."""
+    """Return the state of rest as a history of one time, without reactions of joints."""
     system = compiled_system(case)
     row = np.zeros((1, system.layout.size))
     coordinates = system.layout.part(row[0], "coordinates")
     if system.sticks:
-        # forces of cells follow from what these remember, which a run gives them as it starts
+        # forces of cells follow from their memory, which the start of a run sets
         coordinates[:] = start.begin(system)[0]
         system.layout.part(row[0], "contact")[:] = system.stored_contacts()
     else:
@@ -69,7 +69,7 @@ def _with_take_up(case: Case, take_up: float) -> Case:
 
 
 def adjusted_track(case: Case) -> Case:
-    """One track of a machine that stands level, with its shoes rigid and nothing but its weight on it."""
+    """Return the case of one track of a machine on level ground, with rigid shoes and its weight alone."""
     whole = sum(part.mass for part in case.frame_parts)
     along, _, up = np.sum([part.mass / whole * part.com for part in case.frame_parts], axis=0)
     level: dict[str, Any] = {"relief": Heights(), "grade": 0.0, "side_slope": 0.0}
@@ -85,29 +85,29 @@ def adjusted_track(case: Case) -> Case:
 class _Tried(NamedTuple):
     """Chain at rest in a search for its take-up."""
 
-    tightness: float  # 0 at the first one; see `_Search`
-    excess: float  # logarithm of its tension over the wanted one
+    tightness: float  # 0 at the first take-up; see `_Search`
+    excess: float  # ln(tension / wanted tension)
     take_up: float  # m
 
 
 class _Search(NamedTuple):
-    """Take-ups that a search tries, by a number that rises with the tension nearly as its logarithm does.
+    """Take-ups of a search, by a tightness that rises nearly as the logarithm of the tension.
 
-    About rigid wheels it is minus half of the logarithm of the slack over the first one: a chain hangs as
-    parabolas. Sprung arms give way with the tension, so that there the number rises evenly with the take-up.
+    About rigid wheels the tightness is -0.5 ln(slack / first slack): a chain hangs as parabolas. Sprung arms
+    yield to the tension, so that with them the tightness is linear in the take-up.
     """
 
-    first: float  # take-up, m
-    slack: float  # of the first one, m
-    taut: float | None  # take-up at which the chain just closes about rigid wheels; none: they are on arms
+    first: float  # first take-up, m
+    slack: float  # slack at the first take-up, m
+    taut: float | None  # take-up that just closes the chain about rigid wheels, m; None for wheels on arms
 
     @property
     def most(self) -> float:
-        """Greatest of the numbers: the chain just closes."""
+        """Greatest tightness: the chain just closes."""
         return math.inf if self.taut is None else 0.5 * math.log(self.slack / LEAST_SLACK)
 
     def take_up(self, tightness: float) -> float:
-        """Return a take-up, m."""
+        """Return the take-up at a tightness, m."""
         if self.taut is None:
             return self.first + 2.0 * self.slack * tightness
         return self.taut - self.slack * math.exp(-2.0 * tightness)
@@ -115,16 +115,16 @@ class _Search(NamedTuple):
 
 @lru_cache(maxsize=64)
 def take_up_of(case: Case) -> float:
-    """Take-up (m) at which the chain of one closed track has its tension at rest; see `tensioned`.
+    """Return the take-up (m) that gives the chain of one closed track its tension at rest; see `tensioned`.
 
-    By secants over the logarithm of the tension, from an estimate. Where makers' sag is wanted and none of a
-    chain that closes is as small, the tautest.
+    The search follows secants of the logarithm of the tension, from an estimate. If makers' sag is wanted and
+    no chain that closes has so small a sag, the result is the tautest chain.
     """
     idler = case.closed_gear().idler
     wanted = case.closed_gear().wanted_sag if idler.pretension is None else idler.pretension
 
     def excess(take_up: float) -> float:
-        """Logarithm of the tension over the wanted one, which a sag is the less of the more it is."""
+        """Return ln(tension / wanted tension); it falls as the sag grows."""
         (chain,) = chains_at_rest(_with_take_up(case, take_up))
         if idler.pretension is None:
             return math.log(wanted / max(chain.sag, NEAR * wanted))
@@ -140,7 +140,7 @@ def take_up_of(case: Case) -> float:
         except (ParameterError, EquilibriumError):
             if not tried:
                 raise
-            # a chain too long to stay on its wheels, or without a rest: half of the way
+            # a chain too long to stay on its wheels, or without a rest: half of the step
             tightness = 0.5 * (tightness + tried[-1].tightness)
             continue
         if abs(tried[-1].excess) < NEAR:
@@ -163,9 +163,9 @@ def take_up_of(case: Case) -> float:
 def _search(case: Case) -> _Search:
     """Return the search for a take-up, with its first one.
 
-    On sprung arms the idler is first pushed with about the force that the tension takes, as a mechanic does
-    with a grease gun, and stays where it comes to rest. Friction on the ground leaves the chain of a run a
-    little slacker or tauter there.
+    On sprung arms the idler is first pushed with about the force of the tension, as a mechanic does with a
+    grease gun. It stays where it comes to rest. Friction on the ground leaves the chain of a run slightly
+    slacker or tauter there.
     """
     gear = case.closed_gear()
     taut = _taut(case)
@@ -179,7 +179,7 @@ def _search(case: Case) -> _Search:
     first = _pushed_take_up(case, 2.0 * pretension, taut)
     try:
         _with_take_up(case, first)
-    except ParameterError:  # an idler that was pushed into a road wheel, or a chain that is too slack
+    except ParameterError:  # an idler pushed into a road wheel, or a chain that is too slack
         first = taut - slack
     return _Search(first, max(slack, LEAST_STEP * case.track.pitch), None)
 
@@ -194,14 +194,14 @@ def _pushed_take_up(case: Case, push: float, taut: float) -> float:
 
 
 def _taut(case: Case) -> float:
-    """Take-up (m) at which the chain just closes."""
+    """Return the take-up (m) that just closes the chain."""
     return case.with_(
         {f"{IDLER}.sag": None, f"{IDLER}.pretension": None, f"{IDLER}.slack": 0.0}
     ).assembled.take_up
 
 
 def _way(tried: list[_Tried]) -> float:
-    """Return by how much the next tightness is more than the last one."""
+    """Return the step from the last tightness to the next."""
     last = tried[-1]
     way = -last.excess
     if len(tried) > 1:
