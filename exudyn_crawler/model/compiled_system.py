@@ -73,7 +73,7 @@ class CompiledSystem(track_system.TrackSystem):
             self.work = Workspace.allocate(self.tables, contact.greatest_count, packed.nothing(ShoePoints))
         self.block = packed.pack(System(self.tables, self.work), SYSTEM)
         self.timed_inputs = TimedInputs(case, len(self.tables.loads.marker))
-        self._limits = (0.0, 0)
+        self._limits = newton.Limits(0.0, 0, False)
         self._singular = False
         self._cause = ""  # of a failure, where it is known
         # weights of the factored matrix with which the next step begins; None where that makes its own
@@ -137,7 +137,8 @@ class CompiledSystem(track_system.TrackSystem):
         # a run that goes on from here later has no matrix, either
         self._factored = None
         newton_settings = settings.timeIntegration.newton
-        self._limits = (newton_settings.absoluteTolerance, newton_settings.maxIterations)
+        most = newton_settings.maxIterations
+        self._limits = newton.Limits(newton_settings.absoluteTolerance, most, False)
         if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:
             self._accelerate(settings.timeIntegration.startTime)
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
@@ -180,26 +181,23 @@ class CompiledSystem(track_system.TrackSystem):
         multipliers: np.ndarray,
         inputs: Inputs,
         weights: Weights,
-        limits: tuple[float, int, bool],
+        limits: newton.Limits,
     ) -> tuple[bool, int]:
-        """Solve the equations of a step in place, from its prediction; see `newton.step`.
+        """Cover the cells and solve the equations of a step in place, from its prediction; see `newton.step`.
 
-        Gives whether Newton's method found it, and its iterations. Cells are covered first.
+        Return whether Newton's method converged, and its iterations.
         """
         try:
             self.cover(state)
         except NewtonError:
             return False, 0
         try:
-            converged, iterations, *_ = newton.step(
-                self.block, state, multipliers, inputs, weights, limits, self.scratch
-            )
-            self._singular = False
+            outcome = newton.step(self.block, state, multipliers, inputs, weights, limits, self.scratch)
         except np.linalg.LinAlgError:
-            converged = False
-            iterations = 0
             self._singular = True
-        return converged, iterations
+            return False, 0
+        self._singular = False
+        return outcome.converged, outcome.iterations
 
     def _newton(self, solver: Any, _mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> bool:
         """Predict and solve a step; Exudyn calls it again with half the step where it fails."""
@@ -221,7 +219,7 @@ class CompiledSystem(track_system.TrackSystem):
             # matrix then has the less to do
             last: Any = self.mbs.systemData.GetODE2Coordinates_tt(exu.ConfigurationType.StartOfStep)
             self._state += np.multiply.outer(weights[:3], last / weights.acceleration)
-        limits = (*self._limits, starts_factored)
+        limits = self._limits._replace(factored=starts_factored)
         inputs = self.inputs(solver.it.currentTime)
         converged, iterations = self.step(self._state, self._multipliers, inputs, weights, limits)
         keeps_matrix = self.case.terrain.model in KEEPS_MATRIX[self.case.gear.kind]

@@ -1,5 +1,7 @@
 """Newton's method for one step of a track."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from exudyn_crawler.ground.compiled import inner, kernel
@@ -8,23 +10,83 @@ from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model import elimination, kinds
 from exudyn_crawler.model.equations import matrix, residual
 from exudyn_crawler.model.inputs import Inputs
-from exudyn_crawler.model.tables import read_system
+from exudyn_crawler.model.tables import Search, read_system
 
 CONTRACTION = 0.5
-"""Residual over the last one above which the matrix is made anew."""
-OLD_STEPS = 8
-"""Iterations with one matrix."""
+"""Largest ratio of successive residuals with which an old matrix is kept."""
+OLDEST = 8
+"""Most iterations with one matrix."""
 TANGENTS = 2
 """Matrices of one step with the tangent of the friction curve; later ones take the secant."""
 CLOSER = 0.25
-"""Share of the limit to which the matrix of the last step has to bring the residual: a new one leaves a
-hundredth, and what an old one leaves adds up over steps."""
+"""Residual that the matrix of the last step has to reach, fraction of the limit.
+
+A new matrix leaves a hundredth of the limit; what an old one leaves adds up over steps.
+"""
+DIVERGED = 1e30
+"""Residual above which the search is given up, N."""
+
+FACTORED, DERIVED, STALE = 0, 1, 2
+"""What an iteration finds: a factored matrix to solve with; rows with the derivatives for a new matrix;
+or neither, so that it evaluates the residual with derivatives first."""
+
+
+class Limits(NamedTuple):
+    """Where the search of a step begins and ends."""
+
+    residual: float  # N, root mean square, at which it has converged
+    iterations: int  # at most
+    factored: bool  # True if it begins with the factored matrix of the last step
+
+
+class Outcome(NamedTuple):
+    """Result of the search of a step."""
+
+    converged: bool
+    iterations: int
+    matrices: int  # that were made and factored
+    residual: float  # N, root mean square, the last one
 
 
 @inner(allocates=True)
 def _norm(residual: FloatArray) -> float:
-    """Root mean square."""
+    """Return the root mean square."""
     return np.sqrt(np.sum(residual * residual) / residual.shape[0])
+
+
+@inner
+def _subtract(
+    system: IntArray, change: FloatArray, weights: Weights, state: FloatArray, multipliers: FloatArray
+) -> None:
+    """Subtract a change of coordinates and multipliers; rates and accelerations follow by the weights."""
+    tables = read_system(system).tables
+    n = state.shape[1]
+    for k in range(n):
+        state[0, k] -= change[k]
+        state[1, k] -= weights.velocity * change[k]
+        state[2, k] -= weights.acceleration * change[k]
+    for k in range(multipliers.shape[0]):
+        multipliers[k] -= change[n + k]
+    kinds.turn_multipliers(tables.joints, tables.bodies, tables.markers, change, multipliers)
+
+
+@inner
+def _is_stale(search: Search, matrices: int, age: int, norm: float, last: float, limit: float) -> bool:
+    """Return whether a matrix should be replaced after an iteration that reduced a residual `last` to `norm`.
+
+    `matrices` are those of this step so far, `age` is the number of iterations with the present one. A matrix
+    is replaced once it converges slowly or is too old; and before that, as long as matrices with tangents are
+    left, if `search` predicts that it misses the limit.
+    """
+    if (age > 2 and norm > CONTRACTION * last) or age > OLDEST:
+        return True
+    if matrices >= TANGENTS:
+        return False
+    remaining = max(search.least, search.slower * norm / last)
+    if remaining * norm > limit:
+        return True
+    has_rate = age > 1 or matrices == 0
+    return search.ahead > 0 and has_rate and norm * (norm / last) ** search.ahead > limit
 
 
 @kernel
@@ -34,66 +96,48 @@ def step(
     multipliers: FloatArray,
     inputs: Inputs,
     weights: Weights,
-    limits: tuple[float, int, bool],
+    limits: Limits,
     scratch: tuple[FloatArray, FloatArray],
-) -> tuple[bool, int, int, float]:
+) -> Outcome:
     """Solve the equations of a step from its prediction, in place.
 
     `system` is a block of `tables.System`. `state` (3, coordinates) are predicted coordinates, rates and
     accelerations; the latter two follow a change of the coordinates ``weights.velocity`` and
-    ``weights.acceleration`` times. `multipliers` are those of the last step, `limits` the residual (N, root
-    mean square) that ends the search, most iterations, and whether the search may begin with the factored
-    matrix of the last step; `scratch` are the residual, left as it was last, and values of the fronts with
-    that matrix. Gives whether it converged, iterations, matrices and the last residual, N.
+    ``weights.acceleration`` times. `multipliers` are those of the last step. `scratch` are the residual, left
+    as it was last, and the values of the fronts, which hold the factored matrix.
     """
-    n = state.shape[1]
     out, values = scratch
-    tables = read_system(system).tables
-    search = tables.search
-    by_place, by_rate, by_acceleration, own_secant, level = weights
+    fronts = read_system(system).tables.fronts
+    search = read_system(system).tables.search
     # a literal among them would compile the equations once more
-    none = Weights(0.0, 0.0, 0.0, own_secant, level)
-    iterations = matrices = 0
-    needed = derived = not limits[2]
-    residual(system, state, multipliers, inputs, weights if derived else none, out)
-    old = 0
-    last = _norm(out)
+    none = Weights(0.0, 0.0, 0.0, weights.secant, weights.level)
     change = np.empty_like(out)
-    while iterations < limits[1]:
-        if needed:
+    iterations = matrices = age = 0
+    stage = FACTORED if limits.factored else DERIVED
+    residual(system, state, multipliers, inputs, none if limits.factored else weights, out)
+    last = _norm(out)
+    while iterations < limits.iterations:
+        if stage == STALE:
             secant = matrices >= TANGENTS
-            if secant or not derived:
-                by = Weights(by_place, by_rate, by_acceleration, secant, level)
-                residual(system, state, multipliers, inputs, by, out)
+            by = Weights(weights.position, weights.velocity, weights.acceleration, secant, weights.level)
+            residual(system, state, multipliers, inputs, by, out)
+        if stage != FACTORED:
             matrix(system, weights, values)
-            elimination.eliminate(tables.fronts, values)
-            matrices = matrices + 1
-            needed = False
-            old = 0
+            elimination.eliminate(fronts, values)
+            matrices += 1
+            age = 0
         change[:] = out
-        elimination.solve(tables.fronts, values, change)
-        for k in range(n):
-            state[0, k] -= change[k]
-            state[1, k] -= by_rate * change[k]
-            state[2, k] -= by_acceleration * change[k]
-        for k in range(multipliers.shape[0]):
-            multipliers[k] -= change[n + k]
-        kinds.turn_multipliers(tables.joints, tables.bodies, tables.markers, change, multipliers)
-        iterations = iterations + 1
-        old = old + 1
+        elimination.solve(fronts, values, change)
+        _subtract(system, change, weights, state, multipliers)
+        iterations += 1
+        age += 1
         residual(system, state, multipliers, inputs, none, out)
-        derived = False
         norm = _norm(out)
-        limit = limits[0] if matrices > 0 else CLOSER * limits[0]
+        limit = limits.residual if matrices > 0 else CLOSER * limits.residual
         if norm <= limit:
-            return True, iterations, matrices, norm
-        if not norm < 1e30:
+            return Outcome(True, iterations, matrices, norm)
+        if not norm < DIVERGED:
             break
-        needed = (old > 2 and norm > CONTRACTION * last) or old > OLD_STEPS
-        if matrices < TANGENTS:
-            left = max(search.least, search.slower * norm / last)
-            needed = needed or left * norm > limit
-            if search.ahead > 0 and (old > 1 or matrices == 0):
-                needed = needed or norm * (norm / last) ** search.ahead > limit
+        stage = STALE if _is_stale(search, matrices, age, norm, last, limit) else FACTORED
         last = norm
-    return False, iterations, matrices, last
+    return Outcome(False, iterations, matrices, last)

@@ -16,6 +16,7 @@ from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.compiling import calls_of
+from exudyn_crawler.model.newton import Limits
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import by_engine, compiled, gaps_of, matrix_errors, random_state, residual_of
 from tests.rolled import small_flexible_case
@@ -160,7 +161,7 @@ def test_compiled_code_gives_back_every_reference_to_an_array(case):
     def step():
         # whether it converges does not matter
         weights = Weights(1.0, 1e3, 1e5, False, 1e-3)
-        system.step(state, multipliers, system.inputs(0.0), weights, (1e-2, 3, False))
+        system.step(state, multipliers, system.inputs(0.0), weights, Limits(1e-2, 3, False))
         for function, arguments in itertools.chain.from_iterable(calls_of(system).values()):
             function(*arguments)
         if cells is not None:

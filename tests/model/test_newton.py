@@ -95,7 +95,7 @@ def test_a_step_that_fails_is_halved_and_the_run_goes_on(monkeypatch):
     def failing(*arguments):
         calls.append(arguments)
         found = solve_step(*arguments)
-        return (False, *found[1:]) if len(calls) == 20 else found
+        return found._replace(converged=False) if len(calls) == 20 else found
 
     system, settings = at_start(case, static_equilibrium(case), 0.1)
     system.after_step(lambda time: times.append(time) or True)
@@ -111,7 +111,7 @@ def test_multipliers_are_those_of_the_last_step_that_succeeded(monkeypatch):
     system, settings = at_start(case, static_equilibrium(case), 0.01)
     system.solve(settings)
     kept = system.state()
-    monkeypatch.setattr(newton, "step", lambda *_: (False, 1, 1, 1.0))
+    monkeypatch.setattr(newton, "step", lambda *_: newton.Outcome(False, 1, 1, 1.0))
     set_times(settings, case.solver, 0.01, 0.02)
     system.set_state(kept)
     with pytest.raises(NewtonError):
@@ -146,11 +146,11 @@ def test_steps_go_on_with_the_matrix_of_the_last_one(case, duration, share, monk
 
     def counted(*arguments):
         found = solve_step(*arguments)
-        matrices.append(found[2])
+        matrices.append(found.matrices)
         return found
 
     def anew(*arguments):
-        return solve_step(*arguments[:5], (*arguments[5][:2], False), *arguments[6:])
+        return solve_step(*arguments[:5], arguments[5]._replace(factored=False), *arguments[6:])
 
     rest = static_equilibrium(case)
     monkeypatch.setattr(newton, "step", counted)

@@ -12,6 +12,7 @@ from exudyn_crawler.model.diagnostics import NewtonError, in_units
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.forces.loads import static_friction
 from exudyn_crawler.model.inputs import Inputs
+from exudyn_crawler.model.newton import Limits
 
 RESIDUAL = 1e-3
 """Greatest residual of a rest, root mean square, N: 1e-9 of a shoe's load."""
@@ -240,7 +241,7 @@ def _creeping_step(
     state[0] = q
     after = multipliers.copy()
     weights = Weights(1.0, 1.0 / step, drag / step, False, step)
-    converged, iterations = system.step(state, after, inputs, weights, (residual, MOST, False))
+    converged, iterations = system.step(state, after, inputs, weights, Limits(residual, MOST, False))
     return (state if converged and np.isfinite(state).all() else None), after, iterations
 
 
