@@ -77,6 +77,27 @@ class WheelWorkspace(NamedTuple):
         )
 
 
+class WheelState(NamedTuple):
+    """A wheel at a state."""
+
+    number: int
+    attitude: Attitude  # of the body that carries it
+    frame: Frame
+    middle: Vector  # of its axis, in the middle of its track, m, global
+    reach: float  # distance from its axis at which it may touch a rail, m
+    far: float  # square of the distance to the COM of a shoe that it cannot reach, m2
+
+
+class ShoeState(NamedTuple):
+    """A shoe near a wheel at a state."""
+
+    number: int
+    slot: int  # of the wheel on this shoe, see `WheelWorkspace`
+    attitude: Attitude
+    frame: Frame
+    flexible: bool
+
+
 class Strip(NamedTuple):
     """Strip of a wheel against the shoe below it."""
 
@@ -96,10 +117,30 @@ def write_rows(
     weights: Weights,
     work: WheelWorkspace,
 ) -> None:
-    """Write the rows of the strips that touch at a state, with a part `resists` of their resistance."""
-    count = 0
-    strips = wheels.places.shape[1]
+    """Write the rows of the strips that touch at a state, with a fraction `resists` of their resistance."""
+    count = np.int64(0)
     values = np.zeros((2, 6 + work.modes.shape[1]))
+    _clear(work)
+    for w in range(wheels.frames.shape[0]):
+        wheel = _wheel_at(wheels, bodies, state, w)
+        for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
+            slot = _free_slot(work, s)
+            if slot < 0 or _is_far(wheel, bodies, state, s):
+                continue
+            attitude = attitude_of(bodies, s)
+            shoe = ShoeState(s, slot, attitude, frame_of(bodies, s, state, attitude), bodies.modal[s] >= 0)
+            if _misses(wheel, wheels.rail, shoe.frame):
+                continue
+            if shoe.flexible:
+                read_body(bodies, s, state[0], values[0])
+                read_body(bodies, s, state[1], values[1])
+            count = _write_strips(wheels, wheel, shoe, resists, values, weights, work, count)
+    work.rows.acting[0] = count
+
+
+@inner
+def _clear(work: WheelWorkspace) -> None:
+    """Clear the results of an earlier state."""
     work.wheel.fill(-1)
     work.force.fill(0.0)
     work.foot.fill(0.0)
@@ -107,48 +148,74 @@ def write_rows(
     work.on_shoes.fill(0.0)
     work.on_wheels.fill(0.0)
     work.energy[0] = 0.0
+
+
+@inner(merged=True)
+def _wheel_at(wheels: Wheels, bodies: Bodies, state: FloatArray, w: int) -> WheelState:
+    """Return a wheel at a state."""
+    attitude = attitude_of(bodies, wheels.frames[w])
+    frame = frame_of(bodies, wheels.frames[w], state, attitude)
+    place = wheels.places[w]
+    middle = along(frame.r, 1.0, turned(frame.R, (place[0, 0], wheels.middles[w], place[0, 2])))
+    rail = wheels.rail
+    reach = wheels.radii[w] + wheels.height + ROLLED
+    most = math.sqrt(max(rail.rear**2, rail.front**2) + rail.height**2) + reach
+    return WheelState(w, attitude, frame, middle, reach, most * most + ASIDE**2)
+
+
+@inner(merged=True)
+def _free_slot(work: WheelWorkspace, s: int) -> int:
+    """Return the first slot of a shoe that no wheel has; -1 for none."""
+    for slot in range(work.wheel.shape[1]):
+        if work.wheel[s, slot] < 0:
+            return slot
+    return -1
+
+
+@inner(merged=True)
+def _is_far(wheel: WheelState, bodies: Bodies, state: FloatArray, s: int) -> bool:
+    """Return whether the COM of a shoe alone shows that a wheel does not reach its rail."""
+    first = bodies.coordinate[s]
+    square = 0.0
+    for c in range(3):
+        square += (bodies.reference[s, c] + state[0, first + c] - wheel.middle[c]) ** 2
+    return square > wheel.far
+
+
+@inner(merged=True)
+def _misses(wheel: WheelState, rail: treads.Rail, shoe: Frame) -> bool:
+    """Return whether a wheel, seen along the shoe's axis y, does not reach its rail."""
+    center = turned_back(shoe.R, along(wheel.middle, -1.0, shoe.r))
+    dx = center[0] - min(max(center[0], rail.rear), rail.front)
+    dz = center[2] - rail.height
+    return dx * dx + dz * dz > wheel.reach * wheel.reach
+
+
+@inner(merged=True)
+def _write_strips(
+    wheels: Wheels,
+    wheel: WheelState,
+    shoe: ShoeState,
+    resists: float,
+    values: FloatArray,
+    weights: Weights,
+    work: WheelWorkspace,
+    row: int,
+) -> int:
+    """Write the strips of a wheel that touch a shoe from a row on; return the row behind them.
+
+    `values` (2, 6 + m) are coordinates and rates of a flexible shoe.
+    """
     derive = weights.position != 0.0 or weights.velocity != 0.0
-    for w in range(wheels.frames.shape[0]):
-        attitude = attitude_of(bodies, wheels.frames[w])
-        frame = frame_of(bodies, wheels.frames[w], state, attitude)
-        place = wheels.places[w]
-        axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], wheels.middles[w], place[0, 2])))
-        rail = wheels.rail
-        near = wheels.radii[w] + wheels.height + ROLLED
-        reach = math.sqrt(max(rail.rear**2, rail.front**2) + rail.height**2) + near
-        most = reach * reach + ASIDE**2
-        for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
-            apart = 0.0
-            first = bodies.coordinate[s]
-            slot = 0
-            for c in range(3):
-                if apart <= most:
-                    apart += (bodies.reference[s, c] + state[0, first + c] - axis[c]) ** 2
-            while slot < wheels.slots and work.wheel[s, slot] >= 0:
-                slot += 1
-            if apart > most or slot == wheels.slots:
-                continue
-            shoe_at = attitude_of(bodies, s)
-            shoe = frame_of(bodies, s, state, shoe_at)
-            center = turned_back(shoe.R, along(axis, -1.0, shoe.r))
-            dx = center[0] - min(max(center[0], rail.rear), rail.front)
-            dz = center[2] - rail.height
-            if dx * dx + dz * dz > near * near:
-                continue
-            flexible = bodies.modal[s] >= 0
-            if flexible:
-                read_body(bodies, s, state[0], values[0])
-                read_body(bodies, s, state[1], values[1])
-            for k in range(strips):
-                strip = _touch(wheels, (w, k), frame, shoe, resists, (flexible, derive), values, work.modes)
-                if strip.tread.depth <= 0.0 and strip.side == 0.0:
-                    continue
-                work.wheel[s, slot] = w
-                work.energy[0] += stored_energy(wheels.law, strip.tread.depth)
-                numbers = w, s, slot, k, count
-                _keep(wheels, strip, (frame, shoe), (attitude, shoe_at), numbers, weights, work, flexible)
-                count += 1
-    work.rows.acting[0] = count
+    for k in range(wheels.places.shape[1]):
+        strip = _touch(wheels, wheel, shoe, k, resists, derive, values, work.modes)
+        if strip.tread.depth <= 0.0 and strip.side == 0.0:
+            continue
+        work.wheel[shoe.number, shoe.slot] = wheel.number
+        work.energy[0] += stored_energy(wheels.law, strip.tread.depth)
+        _write_strip(wheels, strip, wheel, shoe, k, row, weights, work)
+        row += 1
+    return row
 
 
 @inner
@@ -202,21 +269,21 @@ def _bending(
 @inner(merged=True)
 def _touch(
     wheels: Wheels,
-    numbers: tuple[int, int],
-    frame: Frame,
-    shoe: Frame,
+    on_wheel: WheelState,
+    on_shoe: ShoeState,
+    k: int,
     resists: float,
-    flags: tuple[bool, bool],
+    derive: bool,
     values: FloatArray,
     modes: FloatArray,
 ) -> Strip:
-    """Strip of a wheel, by the numbers of wheel and strip, against a shoe's rail.
+    """Return strip k of a wheel against a shoe's rail, with derivatives if `derive`.
 
-    `flags` are whether the shoe is flexible and whether derivatives are wanted; `modes` gets the rows of the
-    rail below the strip.
+    Writes the modes of the rail below the strip into `modes`.
     """
-    (w, k) = numbers
-    (flexible, derive) = flags
+    w = on_wheel.number
+    frame = on_wheel.frame
+    shoe = on_shoe.frame
     place = (wheels.places[w, k, 0], wheels.places[w, k, 1], wheels.places[w, k, 2])
     # place (m) and velocity (m/s) of the strip's axis in the shoe's axes
     arm = turned(frame.R, place)
@@ -226,7 +293,7 @@ def _touch(
     center = turned_back(shoe.R, apart)
     rail = wheels.rail
     bent = treads.Bending(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    if flexible:
+    if on_shoe.flexible:
         bent = _bending(wheels, k, min(max(center[0], rail.rear), rail.front), values, modes)
     disc = treads.Disc(wheels.radii[w], resists * wheels.resistances[w], wheels.fading)
     middle = (center[0], center[2])
@@ -252,38 +319,37 @@ def _touch(
 
 
 @inner(merged=True)
-def _keep(
+def _write_strip(
     wheels: Wheels,
     strip: Strip,
-    frames: tuple[Frame, Frame],
-    attitudes: tuple[Attitude, Attitude],
-    numbers: tuple[int, int, int, int, int],
+    on_wheel: WheelState,
+    on_shoe: ShoeState,
+    k: int,
+    row: int,
     weights: Weights,
     work: WheelWorkspace,
-    flexible: bool,
 ) -> None:
-    """Write a strip that touches as an element and a result.
-
-    `numbers` are those of wheel, shoe, slot and strip, and of the element.
-    """
-    w, s, slot, k, count = numbers
+    """Write strip k of a wheel that touches a shoe: a row of forces, and results."""
+    w = on_wheel.number
+    s = on_shoe.number
+    slot = on_shoe.slot
+    frame = on_wheel.frame
+    shoe = on_shoe.frame
     rows = work.rows
-    (frame, shoe) = frames
     tread = strip.tread
     foot = along(shoe.r, 1.0, strip.arm)
     pressed = (tread.force[0], tread.force[1]) if tread.depth > 0.0 else (0.0, 0.0)
     force = turned(shoe.R, (pressed[0], strip.side, pressed[1]))
-    rows.bodies[count, 0] = wheels.frames[w]
-    rows.bodies[count, 1] = s
-    rows.unit[count] = -1
-    arms = (along(foot, -1.0, frame.r), strip.arm)
+    rows.bodies[row, 0] = wheels.frames[w]
+    rows.bodies[row, 1] = s
+    rows.unit[row] = -1
+    arm = along(foot, -1.0, frame.r)
+    modes = work.modes.shape[1] if on_shoe.flexible else 0
+    write_point(on_wheel.attitude, arm, work.modes, np.int64(0), 1.0, rows.jacobian[row, 0])
+    write_point(on_shoe.attitude, strip.arm, work.modes, modes, -1.0, rows.jacobian[row, 1])
     moment = cross(strip.arm, force)
-    for side in range(2):
-        modes = work.modes.shape[1] if flexible and side == 1 else 0
-        jacobian = rows.jacobian[count, side]
-        write_point(attitudes[side], arms[side], work.modes, modes, 1.0 - 2.0 * side, jacobian)
     for r in range(3):
-        rows.wrench[count, r] = force[r]
+        rows.wrench[row, r] = force[r]
         work.force[s, slot, k, r] = -force[r]
         work.foot[s, slot, k, r] = foot[r]
         work.on_shoes[s, r] -= force[r]
@@ -292,7 +358,7 @@ def _keep(
     work.guide[s, slot, k] = -strip.side
     if not (weights.position != 0.0 or weights.velocity != 0.0):
         return
-    tangent = rows.tangent[count]
+    tangent = rows.tangent[row]
     treads.write_tangent(tread, shoe.R, weights, tangent)
     across = weights.position * strip.stiffness + weights.velocity * strip.damping
     for r in range(3):
