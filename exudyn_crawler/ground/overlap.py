@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground import columns
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray
 
@@ -45,8 +46,22 @@ NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
 ON_SIDE, ON_SURFACE = 1e-9, 1e-12
 """m, within which a corner of an overlap lies on a unit's side, and on its top face."""
 
-GRADIENT = 10
-"""Rows of `write_gradient`."""
+
+class GradientRows(NamedTuple):
+    """First rows of the gradient of an overlap: change of each quantity per m of motion."""
+
+    area: columns.Number
+    volume: columns.Number
+    moment: columns.Pair  # of the volume: its integrals of xi and eta
+    square: columns.Number  # integral of the depth's square
+    side: columns.Pair  # `side_x` and `side_y` of `Overlap`
+    width: columns.Pair  # in xi and eta
+    reach: columns.Number
+
+
+CHANGE = columns.columns_of(GradientRows)
+GRADIENT = columns.width_of(GradientRows)
+"""Rows of a gradient."""
 
 
 @inner
@@ -209,11 +224,10 @@ def write_gradient(
     slope_eta: float,
     out: FloatArray,
 ) -> None:
-    """Write how a clipped overlap changes as the shoe moves along the unit's axes, m.
+    """Write the gradient (GRADIENT, 3) of a clipped overlap by motions of the shoe along the unit's axes.
 
-    `points` and `count` are its polygon, as `overlap` leaves it, the slopes those of the depth over xi and
-    eta. `out` (GRADIENT, at least 3) has the changes of area, volume, the volume's moments of xi and eta,
-    integral(d**2), side_x, side_y, width in xi and in eta, and reach.
+    `points` and `count` are its polygon, as `overlap` leaves it; the slopes are those of the depth over xi
+    and eta.
 
     Seen from the shoe its underside stays as it is and the unit's outline moves the other way: an integral of
     the depth changes by itself on the edges that lie on the unit's sides, and by the depth's own change as
@@ -230,15 +244,16 @@ def write_gradient(
         axis = _side(a, b, half_x, half_y)
         if axis < 0:
             if abs(a[2]) < ON_SURFACE and abs(b[2]) < ON_SURFACE and steep > 0.0:
-                out[0, 2] -= ((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5 / steep
+                out[CHANGE.area, 2] -= ((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5 / steep
             continue
         length = _along_side(a, b, axis)
-        out[0, axis] -= length
-        out[1, axis] -= 0.5 * length * (a[2] + b[2])
+        out[CHANGE.area, axis] -= length
+        out[CHANGE.volume, axis] -= 0.5 * length * (a[2] + b[2])
         for c in range(2):
-            out[2 + c, axis] -= length * (a[c] * (2.0 * a[2] + b[2]) + b[c] * (a[2] + 2.0 * b[2])) / 6.0
-        out[4, axis] -= length * (a[2] * a[2] + a[2] * b[2] + b[2] * b[2]) / 3.0
-        out[5 + axis, 2] -= length
+            moment = length * (a[c] * (2.0 * a[2] + b[2]) + b[c] * (a[2] + 2.0 * b[2])) / 6.0
+            out[CHANGE.moment + c, axis] -= moment
+        out[CHANGE.square, axis] -= length * (a[2] * a[2] + a[2] * b[2] + b[2] * b[2]) / 3.0
+        out[CHANGE.side + axis, 2] -= length
         before = points[(k + count - 1) % count]
         after = points[(k + 2) % count]
         sign = 1.0 if axis == 0 else -1.0
@@ -246,22 +261,22 @@ def write_gradient(
             ends = b[2] * _corner_speed(b, after, axis, direction, half_x, half_y)
             ends -= a[2] * _corner_speed(a, before, axis, direction, half_x, half_y)
             slope = slope_xi if direction == 0 else slope_eta
-            out[5 + axis, direction] += sign * ends - slope * length
+            out[CHANGE.side + axis, direction] += sign * ends - slope * length
         for corner, beyond in ((a, before), (b, after)):
             if (
                 corner[3] == part.reach
                 and _side(corner, beyond, half_x, half_y) < 0
                 and beyond[axis] != corner[axis]
             ):
-                out[9, axis] = -(beyond[3] - corner[3]) / (beyond[axis] - corner[axis])
+                out[CHANGE.reach, axis] = -(beyond[3] - corner[3]) / (beyond[axis] - corner[axis])
         # what lies across the side is the shoe's, unless both sides cut it
-        out[7 + axis, axis] -= 1.0 if length > 0.0 else -1.0
-    out[2, 0] += part.volume
-    out[3, 1] += part.volume
-    out[1, 2] = -part.area
-    out[2, 2] = -first_xi
-    out[3, 2] = -first_eta
-    out[4, 2] = -2.0 * part.volume
+        out[CHANGE.width + axis, axis] -= 1.0 if length > 0.0 else -1.0
+    out[CHANGE.moment, 0] += part.volume
+    out[CHANGE.moment + 1, 1] += part.volume
+    out[CHANGE.volume, 2] = -part.area
+    out[CHANGE.moment, 2] = -first_xi
+    out[CHANGE.moment + 1, 2] = -first_eta
+    out[CHANGE.square, 2] = -2.0 * part.volume
 
 
 def overlap_workspace() -> FloatArray:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from exudyn_crawler.ground import laws, overlap, pairs, terrain
 from exudyn_crawler.ground.compiled import inlined, inner, kernel
-from exudyn_crawler.ground.frames import Frame, turned_back
+from exudyn_crawler.ground.frames import Frame, Vector, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats4, Ints1
 
 FINGER_BLEND, REACH_STEP = 0.02, 1e-7
@@ -92,23 +92,37 @@ def share_of_whole(reach: float, outline: Outline) -> float:
 
 
 @inlined
-def fading_of(whole: pairs.Volume, outline: Outline) -> float:
-    """Slope of a whole underside's weight over its reach, 1/m."""
-    if whole.weight == 0.0 or whole.weight == 1.0:
-        return 0.0
-    return (share_of_whole(whole.part.reach + REACH_STEP, outline) - whole.weight) / REACH_STEP
+def whole_volume(part: overlap.Overlap, half: Vector, outline: Outline) -> pairs.Volume:
+    """Return the volume of a whole underside's overlap with a unit, `half` as in `pairs.Volume`."""
+    weight = share_of_whole(part.reach, outline)
+    fading = 0.0
+    if weight != 0.0 and weight != 1.0:
+        fading = (share_of_whole(part.reach + REACH_STEP, outline) - weight) / REACH_STEP
+    return pairs.Volume(part, weight, outline.footprint, half, fading, pairs.WHOLE)
 
 
 @inner
 def finger_volume(
-    right: float, left: float, whole: pairs.Volume, shoe: Frame, unit: Frame, length: float, work: FloatArray
+    finger: int,
+    sides: Floats2,
+    whole: pairs.Volume,
+    shoe: Frame,
+    unit: Frame,
+    length: float,
+    work: FloatArray,
 ) -> pairs.Volume:
-    """Overlap of a finger of this length between two sides (m) with a unit, beside a whole underside."""
+    """Return the volume of a finger's overlap with a unit, beside that of the whole underside.
+
+    `finger` is its number from 1, `sides` are those of all fingers, as in `ContactGeometry`, `length` is that
+    of a finger, m.
+    """
     low_x = whole.footprint.low_x
     z = whole.footprint.z
+    right = sides[finger - 1, 0]
+    left = sides[finger - 1, 1]
     footprint = pairs.Footprint(low_x, low_x + length, right, left, z)
     part = pairs.pair_overlap(shoe, unit, footprint, whole.half, work)
-    return pairs.Volume(part, 1.0 - whole.weight, footprint, whole.half)
+    return pairs.Volume(part, 1.0 - whole.weight, footprint, whole.half, -whole.fading, finger)
 
 
 @kernel

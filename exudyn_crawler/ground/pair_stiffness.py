@@ -11,6 +11,7 @@ import numpy as np
 from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs, rotations
 from exudyn_crawler.ground.compiled import inlined, inner, kernel
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned_back
+from exudyn_crawler.ground.overlap import CHANGE
 from exudyn_crawler.ground.packed import FloatArray, Floats2, Floats3, IntArray
 from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.ground.rows import NO_DERIVATIVES, ForceRows, Weights
@@ -22,6 +23,16 @@ normal (rad)."""
 
 DEPTH_STEP, MOVE_STEP, RATE_STEP = 1e-8, 1e-7, 1e-7
 """m, m, and m/s or rad/s: of the differences that give a law's slopes."""
+
+
+class Pair(NamedTuple):
+    """A shoe and a unit below it at a state."""
+
+    shoe_number: int
+    unit_number: int
+    shoe: Frame
+    unit: Frame
+    attitude: Attitude  # of the shoe
 
 
 class UnitContacts(NamedTuple):
@@ -45,22 +56,21 @@ class UnitContacts(NamedTuple):
 def _write_jacobian(
     contact: pairs.Contact,
     normal: Vector,
-    frames: tuple[Frame, Frame],
-    attitude: Attitude,
+    pair: Pair,
     tilt_axis: int,
     jacobian: FloatArray,
     by_unit: FloatArray,
 ) -> None:
-    """Write how shoe and unit, of these frames, move a contact."""
-    shoe, unit = frames
-    arm = along(contact.point, -1.0, shoe.r)
-    unit_arm = along(contact.point, -1.0, unit.r)
+    """Write how the coordinates of the shoe and of the unit move a contact."""
+    axes = pair.attitude.axes
+    arm = along(contact.point, -1.0, pair.shoe.r)
+    unit_arm = along(contact.point, -1.0, pair.unit.r)
     for c in range(3):
-        by_angle = cross(attitude.axes[c], arm)
+        by_angle = cross(axes[c], arm)
         for r in range(3):
             jacobian[r, c] = 1.0 if r == c else 0.0
             jacobian[r, 3 + c] = by_angle[r]
-        jacobian[3, c], jacobian[3, 3 + c] = 0.0, dot(attitude.axes[c], normal)
+        jacobian[3, c], jacobian[3, 3 + c] = 0.0, dot(axes[c], normal)
         by_unit[c, 0] = -1.0 if c == 2 else 0.0
     by_tilt = cross(unit_arm, basis(tilt_axis))
     for r in range(3):
@@ -73,9 +83,9 @@ def _write_jacobian(
 def _bend(
     bodies: pair_geometry.BodyStates, f: int, shoe: Frame, rows: FloatArray, jacobian: FloatArray
 ) -> pairs.Patch:
-    """Write how modes, whose mean displacements (3, m) of a patch are given, move a contact.
+    """Write how the modes of the flexible shoe in row f move a contact; return the patch's mean motion.
 
-    Gives the mean motion of the patch, which is one of the flexible shoe in row f.
+    `rows` (3, m) are mean displacements of the patch by the modes, in the shoe's axes.
     """
     moved = (0.0, 0.0, 0.0)
     moving = (0.0, 0.0, 0.0)
@@ -98,18 +108,18 @@ def _wrench(contact: pairs.Contact, normal: Vector) -> tuple[float, float, float
 def _write_stiffness(
     volume: pairs.Volume,
     contact: pairs.Contact,
-    turning: tuple[Vector, float],
+    normal: Vector,
+    pair: Pair,
     law: pairs.PairLaw,
     weights: Weights,
     out: FloatArray,
 ) -> None:
     """Write the weighted derivative of a contact's wrench (MOTIONS, MOTIONS).
 
-    `turning` are the contact's normal and the rate of turning about it, rad/s.
     The outline of the overlap and the directions of normal and axes stay as they are. Under an even
     displacement along the normal the depth at the centroid of the volume V changes by ``2 - depth A / V``.
     """
-    normal, spin = turning
+    spin = dot(along(pair.shoe.omega, -1.0, pair.unit.omega), normal)
     part = volume.part
     impact = law.impact
     coulomb = law.coulomb
@@ -148,57 +158,55 @@ def _write_stiffness(
     out[3, 3] = weights.velocity * (turned_more - torque) / RATE_STEP
 
 
-@inner
-def _moved(volume: pairs.Volume, gradient: FloatArray, fading: float, u: Vector) -> pairs.Volume:
-    """Clipped overlap after a small displacement u of the shoe along the unit's axes (m).
+@inner(merged=True)
+def _change(gradient: FloatArray, row: int, u: Vector) -> float:
+    """Return the change of a quantity, a row of `GradientRows`, by a displacement u along the unit's axes."""
+    return gradient[row, 0] * u[0] + gradient[row, 1] * u[1] + gradient[row, 2] * u[2]
 
-    `gradient` (GRADIENT, 4) is that of `write_gradient` with a column of workspace, `fading` the slope of the
-    weight over the reach.
-    """
+
+@inner
+def _moved(volume: pairs.Volume, gradient: FloatArray, u: Vector) -> pairs.Volume:
+    """Return a clipped overlap after a small displacement u of the shoe along the unit's axes (m)."""
     part = volume.part
-    change = gradient[:, 3]
-    for k in range(overlap.GRADIENT):
-        change[k] = gradient[k, 0] * u[0] + gradient[k, 1] * u[1] + gradient[k, 2] * u[2]
-    grown = part.volume + change[1]
-    xi = (part.xi * part.volume + change[2]) / grown
-    eta = (part.eta * part.volume + change[3]) / grown
-    depth = (part.depth * part.volume + change[4]) / grown
+    grown = part.volume + _change(gradient, CHANGE.volume, u)
+    farther = _change(gradient, CHANGE.reach, u)
     moved = overlap.Overlap(
-        part.area + change[0],
-        xi,
-        eta,
-        depth,
+        part.area + _change(gradient, CHANGE.area, u),
+        (part.xi * part.volume + _change(gradient, CHANGE.moment, u)) / grown,
+        (part.eta * part.volume + _change(gradient, CHANGE.moment + 1, u)) / grown,
+        (part.depth * part.volume + _change(gradient, CHANGE.square, u)) / grown,
         part.low_xi,
-        part.high_xi + change[7],
+        part.high_xi + _change(gradient, CHANGE.width, u),
         part.low_eta,
-        part.high_eta + change[8],
+        part.high_eta + _change(gradient, CHANGE.width + 1, u),
         grown,
-        part.side_x + change[5],
-        part.side_y + change[6],
-        part.reach + change[9],
+        part.side_x + _change(gradient, CHANGE.side, u),
+        part.side_y + _change(gradient, CHANGE.side + 1, u),
+        part.reach + farther,
         part.cut,
     )
-    return pairs.Volume(moved, volume.weight + fading * change[9], volume.footprint, volume.half)
+    weight = volume.weight + volume.fading * farther
+    return pairs.Volume(moved, weight, volume.footprint, volume.half, volume.fading, volume.finger)
 
 
 @inner
 def _write_leaning_stiffness(
     volume: pairs.Volume,
-    change: tuple[FloatArray, float],
+    gradient: FloatArray,
     contact: pairs.Contact,
-    frames: tuple[Frame, Frame],
+    pair: Pair,
     patch: pairs.Patch,
     law: pairs.PairLaw,
     weights: Weights,
     out: FloatArray,
 ) -> None:
-    """Write the same of a contact whose outline moves and whose normal turns as the shoe moves.
+    """Write the same derivative of a contact whose outline moves and whose normal turns with the shoe.
 
-    By differences of the law along the exact `change` of the overlap (`write_gradient`, and the slope of the
-    weight over the reach); the motion of the shoe's own outline as it turns is left out as for the others.
+    It is made of differences of the law along the exact `gradient` of the overlap. The motion of the shoe's
+    own outline as the shoe turns is left out, as for other contacts.
     """
-    (gradient, fading) = change
-    (shoe, unit) = frames
+    shoe = pair.shoe
+    unit = pair.unit
     normal = pairs.normal_of(volume.part, unit, law)
     ratio = pairs.FROM_CURVE
     if weights.secant:
@@ -224,22 +232,20 @@ def _write_leaning_stiffness(
                 if axis[0] * part.side_x + axis[1] * part.side_y + axis[2] * part.area > 0.0:
                     h = -h  # a small volume grows
                 moved = Frame(along(shoe.r, h, basis(c)), shoe.R, shoe.v, shoe.omega)
-                changed = _moved(volume, gradient, fading, along((0.0, 0.0, 0.0), h, axis))
+                changed = _moved(volume, gradient, along((0.0, 0.0, 0.0), h, axis))
             pushed = _wrench(pairs.pair_contact(changed, moved, unit, patch, law, ratio), normal)
             for r in range(MOTIONS):
                 out[r, c] += weight * (pushed[r] - start[r]) / h
 
 
 @inner
-def _write_gradient(
-    volume: pairs.Volume, finger: int, shoe: Frame, unit: Frame, work: FloatArray, gradient: FloatArray
-) -> None:
-    """Write the gradient of the overlap of which `work` holds the polygon.
+def _write_gradient(volume: pairs.Volume, pair: Pair, work: FloatArray, gradient: FloatArray) -> None:
+    """Write the gradient of the overlap whose polygon is in `work`.
 
-    That of the reach stays the whole overlap's for its fingers, since they take over by it.
+    A finger keeps that of the whole underside's reach, by which the fingers take over.
     """
-    reach = (gradient[9, 0], gradient[9, 1], gradient[9, 2])
-    down = turned_back(unit.R, frames.upward(shoe.R))
+    reach = (gradient[CHANGE.reach, 0], gradient[CHANGE.reach, 1], gradient[CHANGE.reach, 2])
+    down = turned_back(pair.unit.R, frames.upward(pair.shoe.R))
     part = volume.part
     half = volume.half
     along_xi = down[0] / down[2]
@@ -247,9 +253,9 @@ def _write_gradient(
     polygon = work[1 if part.cut > 0 else 0]
     corners = part.cut if part.cut > 0 else 4
     overlap.write_gradient(polygon, corners, part, half[0], half[1], along_xi, along_eta, gradient)
-    if finger > 0:
+    if volume.finger != pairs.WHOLE:
         for k in range(3):
-            gradient[9, k] = reach[k]
+            gradient[CHANGE.reach, k] = reach[k]
 
 
 @kernel
@@ -260,70 +266,105 @@ def touching_pairs(
     contacts: UnitContacts,
     work: FloatArray,
 ) -> int:
-    """Write wrenches of all contacts, their tangents and how the coordinates move them; gives their number.
+    """Write wrenches of all contacts, their tangents and how the coordinates move them; return their number.
 
     They come in the order of the shoes, units and fingers; without weights of position and velocity the
     tangents are left as they are. `work` is scratch memory; see `overlap_workspace`.
     """
-    rows = contacts.rows
-    derive = weights.position != 0.0 or weights.velocity != 0.0
-    outline, law, flexible, fingers = geometry
-    grid = outline.grid
-    half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
-    gradient = np.zeros((overlap.GRADIENT, 4))
-    greatest = rows.unit.shape[0]
-    count = 0
+    grid = geometry.outline.grid
+    gradient = np.zeros((overlap.GRADIENT, 3))
+    count = np.int64(0)
     for s in range(bodies.shoes.shape[0]):
         attitude = rotations.attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
         shoe = rotations.shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], attitude)
         if shoe.R[2][2] < frames.FACING:
             continue
-        cells = pair_geometry.cells_below(shoe, outline)
+        cells = pair_geometry.cells_below(shoe, geometry.outline)
         for k in range(cells.columns * cells.rows):
             u = cells.first + (k // cells.rows) * grid.rows + k % cells.rows
             unit = rotations.unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis)
-            part = pairs.pair_overlap(shoe, unit, outline.footprint, half, work)
-            if part.area <= 0.0:
-                continue
-            share = pair_geometry.share_of_whole(part.reach, outline)
-            whole = volume = pairs.Volume(part, share, outline.footprint, half)
-            fading = pair_geometry.fading_of(whole, outline)
-            for finger in range(1 if share == 1.0 else 1 + fingers.shape[0]):
-                if finger > 0:
-                    right = fingers[finger - 1, 0]
-                    left = fingers[finger - 1, 1]
-                    length = outline.finger_length
-                    volume = pair_geometry.finger_volume(right, left, whole, shoe, unit, length, work)
-                if volume.weight * volume.part.area <= 0.0 or count >= greatest:
-                    continue
-                jacobian = rows.jacobian[count, 0]
-                tangent = rows.tangent[count]
-                rectangle = pairs.NO_PATCH
-                patch = pairs.RIGID
-                if flexible.row[s] >= 0:
-                    modes = contacts.modes[count]
-                    rectangle = pair_geometry.patch_rectangle(volume.part, shoe, unit, half[2])
-                    mean_rows(flexible.corner, flexible.cell, flexible.integral, rectangle, modes)
-                    patch = _bend(bodies, flexible.row[s], shoe, modes, jacobian)
-                contact = pairs.pair_contact(volume, shoe, unit, patch, law, pairs.FROM_CURVE)
-                pairs.keep(contact, s, u, finger, rectangle, contacts.results[count])
-                normal = pairs.normal_of(volume.part, unit, law)
-                pair = (shoe, unit)
-                rows.bodies[count, 0] = s
-                rows.unit[count] = u
-                wrench = rows.wrench[count]
-                by_unit = rows.unit_jacobian[count]
-                wrench[0], wrench[1], wrench[2], wrench[3] = _wrench(contact, normal)
-                _write_jacobian(contact, normal, pair, attitude, grid.tilt_axis, jacobian, by_unit)
-                if derive and (fading != 0.0 or pairs.leans(volume.part, law)):
-                    _write_gradient(volume, finger, shoe, unit, work, gradient)
-                    change = (gradient, fading if finger == 0 else -fading)
-                    _write_leaning_stiffness(volume, change, contact, pair, patch, law, weights, tangent)
-                elif derive:
-                    spin = dot(along(shoe.omega, -1.0, unit.omega), normal)
-                    _write_stiffness(volume, contact, (normal, spin), law, weights, tangent)
-                count += 1
-    return count
+            pair = Pair(s, u, shoe, unit, attitude)
+            count = _write_pair(pair, bodies, geometry, weights, contacts, work, gradient, count)
+    return int(count)
+
+
+@inner(merged=True)
+def _write_pair(
+    pair: Pair,
+    bodies: pair_geometry.BodyStates,
+    geometry: pair_geometry.ContactGeometry,
+    weights: Weights,
+    contacts: UnitContacts,
+    work: FloatArray,
+    gradient: FloatArray,
+    row: int,
+) -> int:
+    """Write the contacts of a shoe with a unit from a row on; return the row behind them.
+
+    One is that of the whole underside; where its fingers take over, each of them has one. `gradient`
+    (GRADIENT, 3) is scratch memory.
+    """
+    outline = geometry.outline
+    half = (0.5 * outline.grid.length, 0.5 * outline.grid.width, 0.5 * outline.grid.height)
+    part = pairs.pair_overlap(pair.shoe, pair.unit, outline.footprint, half, work)
+    if part.area <= 0.0:
+        return row
+    whole = volume = pair_geometry.whole_volume(part, half, outline)
+    sides = geometry.fingers
+    for finger in range(1 if whole.weight == 1.0 else 1 + sides.shape[0]):
+        if finger > 0:
+            length = outline.finger_length
+            volume = pair_geometry.finger_volume(finger, sides, whole, pair.shoe, pair.unit, length, work)
+        if volume.weight * volume.part.area <= 0.0 or row >= contacts.rows.unit.shape[0]:
+            continue
+        _write_contact(volume, pair, bodies, geometry, weights, contacts, work, gradient, row)
+        row += 1
+    return row
+
+
+@inner(merged=True)
+def _write_contact(
+    volume: pairs.Volume,
+    pair: Pair,
+    bodies: pair_geometry.BodyStates,
+    geometry: pair_geometry.ContactGeometry,
+    weights: Weights,
+    contacts: UnitContacts,
+    work: FloatArray,
+    gradient: FloatArray,
+    row: int,
+) -> None:
+    """Write a contact: its results, its row of forces and, with weights, the tangent of that row."""
+    law = geometry.law
+    flexible = geometry.flexible
+    rows = contacts.rows
+    jacobian = rows.jacobian[row, 0]
+    rectangle = pairs.NO_PATCH
+    patch = pairs.RIGID
+    f = flexible.row[pair.shoe_number]
+    if f >= 0:
+        modes = contacts.modes[row]
+        rectangle = pair_geometry.patch_rectangle(volume.part, pair.shoe, pair.unit, volume.half[2])
+        mean_rows(flexible.corner, flexible.cell, flexible.integral, rectangle, modes)
+        patch = _bend(bodies, f, pair.shoe, modes, jacobian)
+    contact = pairs.pair_contact(volume, pair.shoe, pair.unit, patch, law, pairs.FROM_CURVE)
+    normal = pairs.normal_of(volume.part, pair.unit, law)
+    results = contacts.results[row]
+    pairs.keep(contact, pair.shoe_number, pair.unit_number, volume.finger, rectangle, results)
+    rows.bodies[row, 0] = pair.shoe_number
+    rows.unit[row] = pair.unit_number
+    wrench = rows.wrench[row]
+    wrench[0], wrench[1], wrench[2], wrench[3] = _wrench(contact, normal)
+    tilt_axis = geometry.outline.grid.tilt_axis
+    _write_jacobian(contact, normal, pair, tilt_axis, jacobian, rows.unit_jacobian[row])
+    tangent = rows.tangent[row]
+    if weights.position == 0.0 and weights.velocity == 0.0:
+        return
+    if volume.fading != 0.0 or pairs.leans(volume.part, law):
+        _write_gradient(volume, pair, work, gradient)
+        _write_leaning_stiffness(volume, gradient, contact, pair, patch, law, weights, tangent)
+    else:
+        _write_stiffness(volume, contact, normal, pair, law, weights, tangent)
 
 
 @kernel

@@ -10,6 +10,8 @@ displacement of the patch of its underside over the unit adds to its rigid motio
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from exudyn_crawler.ground import columns, frames, laws, overlap
 from exudyn_crawler.ground.compiled import inlined, inner, kernel
 from exudyn_crawler.ground.frames import Frame, Vector, along, dot, norm, turned, turned_back, upward
@@ -19,6 +21,8 @@ Rectangle = tuple[float, float, float, float]
 """Least and greatest x, least and greatest y, m."""
 FROM_CURVE = -1.0
 """In place of a ratio of friction to slip: the one of the friction law."""
+WHOLE: Any = np.int64(0)
+"""In place of a finger's number: the whole underside. No literal, see `ground.compiled`."""
 
 
 class Footprint(NamedTuple):
@@ -51,13 +55,16 @@ class Volume(NamedTuple):
     """An overlap to make a contact of: by which part of an underside, with how large a unit.
 
     `weight` is its share of the law beside others of the same pair, `footprint` the rectangle of the
-    underside that it belongs to, `half` half the unit's sides (m).
+    underside that it belongs to, `half` half the unit's sides (m), `fading` the slope of the weight over the
+    reach of the whole underside (1/m). `finger` is a finger's number from 1, or `WHOLE`.
     """
 
     part: overlap.Overlap
     weight: float
     footprint: Footprint
     half: Vector
+    fading: float = 0.0
+    finger: int = 0
 
 
 FACE_BLEND = 2e-3
