@@ -241,11 +241,52 @@ def _cover_shoe(
 
 
 @inner
+def _touches(point: FloatArray, forgets: bool) -> bool:
+    """Return whether a point (TRIAL_WIDTH,) is in contact with its cell.
+
+    It is while it presses or shears the cell; on ground that forgets, while it is below the first height.
+    """
+    sticks = point[TRIAL.shear] != 0.0 or point[TRIAL.shear + 1] != 0.0
+    return sticks or point[TRIAL.traction] > 0.0 or (forgets and point[TRIAL.deepest] > 0.0)
+
+
+@inner
+def _sink(remembered: FloatArray, point: FloatArray, afresh: bool) -> None:
+    """Write the sinkage of a point into the memory (FIELDS,) of its cell, unless that is deeper.
+
+    `afresh`, the memory of an earlier contact does not count.
+    """
+    if afresh or point[TRIAL.deepest] > remembered[MEMORY.deepest]:
+        remembered[MEMORY.deepest] = point[TRIAL.deepest]
+        remembered[MEMORY.pressure] = point[TRIAL.pressure]
+
+
+@inner
+def _shear(remembered: FloatArray, point: FloatArray, area: float, total: float) -> None:
+    """Include a point's `area` (m2) in the mean shear of its cell, over a `total` area with this one."""
+    for k in range(2):
+        more = point[TRIAL.shear + k] - remembered[MEMORY.shear + k]
+        remembered[MEMORY.shear + k] += more * area / total
+    more = point[TRIAL.mobilized] - remembered[MEMORY.mobilized]
+    remembered[MEMORY.mobilized] += more * area / total
+
+
+@inner
 def _release(remembered: FloatArray, mobilized: float) -> None:
-    """Take the shear out of the memory (FIELDS,) of a cell, with a share that is mobilized then."""
+    """Remove the shear from the memory of a cell, and set the mobilized share of its strength."""
     remembered[MEMORY.shear] = 0.0
     remembered[MEMORY.shear + 1] = 0.0
     remembered[MEMORY.mobilized] = mobilized
+
+
+@inner
+def _leave(remembered: FloatArray, fresh: float, forgets: bool) -> None:
+    """Let the memory of a cell lose what it loses when no shoe touches it any more."""
+    _release(remembered, fresh)
+    remembered[MEMORY.area] = 0.0
+    if forgets:
+        remembered[MEMORY.deepest] = 0.0
+        remembered[MEMORY.pressure] = 0.0
 
 
 @kernel
@@ -253,8 +294,9 @@ def commit(block: IntArray, held: IntArray) -> IntArray:
     """Write the trial memory into the cells of packed `TilesUnderShoes`; return the cells in contact now.
 
     A cell under two shoes keeps the deeper sinkage and the mean shear by area, which loses energy and never
-    makes it. A cell that all shoes have left, or without pressure, releases its shear. `held` are the cells
-    that were in contact when the last step was accepted.
+    makes it. A cell that all shoes have left, or without pressure, releases its shear. Soil keeps its deepest
+    sinkage for good, ground that forgets that of the present contact. `held` are the cells that were in
+    contact when the last step was accepted.
     """
     tiles = _read(block).tiles
     shoes = _read(block).shoes
@@ -263,39 +305,23 @@ def commit(block: IntArray, held: IntArray) -> IntArray:
     now = np.empty(shoes.counts.sum(), dtype=np.int64)
     count = 0
     for s in range(shoes.counts.shape[0]):
-        trial = shoes.trial[s]
-        cells = shoes.cells[s]
-        areas = shoes.areas[s]
         for a in range(shoes.counts[s]):
-            cell = cells[a]
-            area = areas[a]
-            deepest = trial[a, TRIAL.deepest]
-            sticks = trial[a, TRIAL.shear] != 0.0 or trial[a, TRIAL.shear + 1] != 0.0
-            meets = sticks or trial[a, TRIAL.traction] > 0.0 or (tiles.forgets and deepest > 0.0)
-            total = loaded[cell] + area
-            first = meets and total == area
-            if deepest > memory[cell, MEMORY.deepest] or (first and tiles.forgets):
-                memory[cell, MEMORY.deepest] = deepest
-                memory[cell, MEMORY.pressure] = trial[a, TRIAL.pressure]
-            if not meets:
+            cell = shoes.cells[s, a]
+            point = shoes.trial[s, a]
+            touches = _touches(point, tiles.forgets)
+            begins = touches and loaded[cell] == 0.0
+            _sink(memory[cell], point, begins and tiles.forgets)
+            if not touches:
                 continue
-            if first:
+            if begins:
                 _release(memory[cell], 0.0)
                 now[count] = cell
                 count += 1
-            part = memory[cell]
-            for k in range(2):
-                part[MEMORY.shear + k] += (trial[a, TRIAL.shear + k] - part[MEMORY.shear + k]) * area / total
-            mobilized = trial[a, TRIAL.mobilized] - part[MEMORY.mobilized]
-            part[MEMORY.mobilized] += mobilized * area / total
-            loaded[cell] = total
+            loaded[cell] += shoes.areas[s, a]
+            _shear(memory[cell], point, shoes.areas[s, a], loaded[cell])
     for cell in held:
         if loaded[cell] == 0.0:
-            _release(memory[cell], tiles.fresh)
-            memory[cell, MEMORY.area] = 0.0
-            if tiles.forgets:
-                memory[cell, MEMORY.deepest] = 0.0
-                memory[cell, MEMORY.pressure] = 0.0
+            _leave(memory[cell], tiles.fresh, tiles.forgets)
     for cell in now[:count]:
         memory[cell, MEMORY.area] = max(memory[cell, MEMORY.area], loaded[cell])
         loaded[cell] = 0.0
