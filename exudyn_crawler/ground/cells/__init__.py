@@ -1,6 +1,6 @@
 """Ground of cells with memory under rectangular undersides: soil that compacts and rock, on a map of heights.
 
-How equations use it, for shoes with frames (r, R, v, omega) in rows of `pressing.FRAME` numbers::
+How equations use it, for shoes with frames (r, R, v, omega) in rows of `layouts.FRAME` numbers::
 
     ground = CellGround(law, heights, cell, corners, shoes)  # once; its `shoes` go into the tables
     ground.cover(predicted, accepted)  # once a step, before Newton's method

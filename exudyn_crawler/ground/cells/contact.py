@@ -8,7 +8,8 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground import pairs
 from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.law import CellLaw
-from exudyn_crawler.ground.cells.pressing import BLOCK, POINT, TRIAL, ShoePoints, arm_of, frame_at, triple_of
+from exudyn_crawler.ground.cells.layouts import BLOCK, POINT, TRIAL, arm_of, frame_at, triple_of
+from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.compiled import kernel
 from exudyn_crawler.ground.frames import along, cross, dot, norm, scaled, velocity_at
 from exudyn_crawler.ground.packed import FloatArray

@@ -65,7 +65,7 @@ class CellGround:
     def cover(self, frames: np.ndarray, before: np.ndarray) -> None:
         """Freeze which cells lie under the shoes, with their memory, for one step.
 
-        `frames` (shoes, `pressing.FRAME`) are predicted for the end of the step, those `before` are of the
+        `frames` (shoes, `layouts.FRAME`) are predicted for the end of the step, those `before` are of the
         last accepted one. LeftMapError if a shoe leaves the ground that has heights.
         """
         missing = tiles.cover(self._block, frames, before)

@@ -209,15 +209,20 @@ def compile_entry(of_law: LawKernel, function: Callable, arguments: tuple) -> in
 
 @intrinsic
 def call_at(_context, address, *arguments):
-    """Call a compiled function at an address; arrays hand over the address of their numbers."""
+    """Call a compiled function at an address; arrays, and tuples of arrays, hand over their addresses."""
 
     def generate(context, builder, signature, values):
-        handed = []
-        for kind, value in zip(signature.args[1], cgutils.unpack_tuple(builder, values[1]), strict=True):
-            is_array = isinstance(kind, types.Array)
-            handed.append(context.make_array(kind)(context, builder, value).data if is_array else value)
+        def handed(kind, value):
+            if isinstance(kind, types.Array):
+                return context.make_array(kind)(context, builder, value).data
+            if isinstance(kind, types.BaseTuple):
+                each = cgutils.unpack_tuple(builder, value)
+                return cgutils.pack_array(builder, [*map(handed, kind.types, each)])
+            return value
+
+        given = [*map(handed, signature.args[1].types, cgutils.unpack_tuple(builder, values[1]))]
         returned = context.get_value_type(types.intp)
-        function = ir.FunctionType(returned, [argument.type for argument in handed])
-        return builder.call(builder.inttoptr(values[0], function.as_pointer()), handed)
+        function = ir.FunctionType(returned, [argument.type for argument in given])
+        return builder.call(builder.inttoptr(values[0], function.as_pointer()), given)
 
     return types.intp(address, types.StarArgTuple(arguments)), generate

@@ -8,98 +8,38 @@ rad/s).
 
 import math
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import carray, types
 from numba.np.unsafe.ndarray import to_fixed_tuple
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.ground import columns, frames, packed
-from exudyn_crawler.ground.cells import law
-from exudyn_crawler.ground.cells.law import LawKernel, compile_entry, prepare, respond
+from exudyn_crawler.ground import packed
+from exudyn_crawler.ground.cells.law import LawKernel, Memory, Probe, call_at, compile_entry, prepare, respond
+from exudyn_crawler.ground.cells.layouts import (
+    BENT,
+    BENT_WIDTH,
+    BLOCK,
+    BLOCK_WIDTH,
+    FRAME,
+    POINT,
+    POINT_WIDTH,
+    ROW,
+    TRIAL,
+    TRIAL_WIDTH,
+    arm_of,
+    frame_at,
+    triple_of,
+)
 from exudyn_crawler.ground.compiled import inner, kernel
-from exudyn_crawler.ground.frames import along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.packed import FloatArray, IntArray
 
-BLOCK = 64
-"""Points of a shoe that stand together, a row for each number: processors take several at once."""
 NOTHING = (0.0, 0.0, 0.0)
 
-
-class PointRows(NamedTuple):
-    """First rows of the numbers of points."""
-
-    place: columns.Triple  # in the shoe's frame, m
-    normal: columns.Triple  # of the cell
-    ground: columns.Number  # distance of the cell's plane from the origin along its normal, m
-    before: columns.Triple  # where the place was when a step was last accepted, m, global
-    deepest: columns.Number  # of the cell's memory, as are the next four: greatest sinkage, m
-    pressure: columns.Number  # Pa, there
-    prepared: columns.Pair  # see `Probe.prepared`
-    shear: columns.Triple  # Pa
-    mobilized: columns.Number
-
-
-class TrialColumns(NamedTuple):
-    """First columns of a point's memory on trial, and of the normal traction on the shoe."""
-
-    deepest: columns.Number  # m
-    pressure: columns.Number  # Pa
-    shear: columns.Pair  # along x and y, Pa
-    mobilized: columns.Number
-    traction: columns.Number  # Pa
-
-
-class BlockRows(NamedTuple):
-    """First rows of the workspace of a block."""
-
-    depth: columns.Number  # as are the next three: see `Probe`
-    rate: columns.Number
-    slip: columns.Triple
-    velocity: columns.Triple
-    arm: columns.Triple  # places of the points from their shoe's origin, m, global
-    force: columns.Triple  # N
-    normal: columns.Number  # as are the next eight: see `Response`
-    shear: columns.Triple
-    drag: columns.Number
-    by_depth: columns.Number
-    by_rate: columns.Number
-    tangential_by_depth: columns.Triple
-    along: columns.Number
-    across: columns.Number
-    direction: columns.Triple
-    slopes: columns.Matrix  # see `ShoePoints.slopes`
-    again: columns.Number  # points that the law is asked about again
-
-
-class FrameColumns(NamedTuple):
-    """First columns of a frame, global."""
-
-    r: columns.Triple  # m
-    R: columns.Matrix  # row by row
-    v: columns.Triple  # m/s
-    omega: columns.Triple  # rad/s
-
-
-class BentRows(NamedTuple):
-    """First rows of how points of flexible shoes are moved by their modes, shoes' axes."""
-
-    moved: columns.Triple  # m
-    rate: columns.Triple  # m/s
-
-
-POINT = columns.columns_of(PointRows)
-TRIAL = columns.columns_of(TrialColumns)
-ROW = columns.columns_of(BlockRows)
-IN_FRAME = columns.columns_of(FrameColumns)
-BENT = columns.columns_of(BentRows)
-FRAME = columns.width_of(FrameColumns)
-"""Numbers of a frame."""
-POINT_WIDTH = columns.width_of(PointRows)
-TRIAL_WIDTH = columns.width_of(TrialColumns)
-BLOCK_WIDTH = columns.width_of(BlockRows)
-BENT_WIDTH = columns.width_of(BentRows)
+Law = Any
+"""Constants of a law, in a named tuple of their own; its type tells the compiler the law."""
 
 
 class ShoePoints(NamedTuple):
@@ -115,9 +55,8 @@ class ShoePoints(NamedTuple):
     trial: packed.Floats3  # (shoes, most, TRIAL_WIDTH)
     force: packed.Floats3  # (shoes, most, 3): on the shoe at each point, N, global
     wrench: packed.Floats2  # (shoes, 6): force (N) and moment about the frame's origin (N m), global
-    tangent: (
-        packed.Floats3
-    )  # (shoes, 6, 6): its weighted derivative by displacements and small rotations, global
+    # (shoes, 6, 6): weighted derivative of the wrench by displacements and small rotations, global
+    tangent: packed.Floats3
     block: packed.Floats2  # (BLOCK_WIDTH, BLOCK): workspace of the points that are computed together
     # (shoes,): row of each shoe in the next two: all rigid ones share the first, which stays in the cache
     bending: packed.Ints1
@@ -154,39 +93,9 @@ class ShoePoints(NamedTuple):
         )
 
 
-@inner
-def triple(row: FloatArray, first: int) -> frames.Vector:
-    """Three numbers of a row from a column on."""
-    return row[first], row[first + 1], row[first + 2]
-
-
-@inner
-def triple_of(rows: FloatArray, first: int, k: int) -> frames.Vector:
-    """Three numbers of a column k, from a row on."""
-    return rows[first, k], rows[first + 1, k], rows[first + 2, k]
-
-
-@inner
-def frame_at(row: FloatArray) -> frames.Frame:
-    """Frame of its numbers."""
-    x = IN_FRAME.R
-    return frames.Frame(
-        triple(row, IN_FRAME.r),
-        (triple(row, x), triple(row, x + 3), triple(row, x + 6)),
-        triple(row, IN_FRAME.v),
-        triple(row, IN_FRAME.omega),
-    )
-
-
-@inner
-def arm_of(points: FloatArray, bent: FloatArray, k: int, R: frames.Matrix) -> frames.Vector:
-    """Place of a point of a block from its shoe's origin, m, global."""
-    return turned(R, along(triple_of(points, POINT.place, k), 1.0, triple_of(bent, BENT.moved, k)))
-
-
 @inner(merged=True)
-def _move(points, bent, frame, size, block):
-    """Write how the points of a block move against the ground, the first rows of its workspace."""
+def _move(points: FloatArray, bent: FloatArray, frame: Frame, size: int, block: FloatArray) -> None:
+    """Write the motion of a block's points against the ground, the first rows of its workspace."""
     r, R, v, omega = frame
     for k in range(size):
         n = triple_of(points, POINT.normal, k)
@@ -207,22 +116,24 @@ def _move(points, bent, frame, size, block):
 
 
 @inner(merged=True)
-def _probe(points, block, k):
-    """`Probe` of a point of a block that moves."""
+def _probe(points: FloatArray, block: FloatArray, k: int) -> Probe:
+    """Return the `Probe` of a point of a block whose motion is written."""
     shear = triple_of(points, POINT.shear, k)
-    return law.Probe(
+    return Probe(
         block[ROW.depth, k],
         block[ROW.rate, k],
         triple_of(block, ROW.slip, k),
         triple_of(block, ROW.velocity, k),
-        law.Memory(points[POINT.deepest, k], points[POINT.pressure, k], shear, points[POINT.mobilized, k]),
+        Memory(points[POINT.deepest, k], points[POINT.pressure, k], shear, points[POINT.mobilized, k]),
         (points[POINT.prepared, k], points[POINT.prepared + 1, k]),
     )
 
 
 @inner(merged=True)
-def _write_answer(law, points, tangents, nearby, block, trial, k):
-    """Write what the law answers to a point."""
+def _write_response(
+    law: Law, points: FloatArray, tangents: bool, nearby: bool, block: FloatArray, trial: FloatArray, k: int
+) -> None:
+    """Write the response of a law to a point of a block."""
     answer = respond(law, _probe(points, block, k), tangents, nearby)
     memory = answer.memory
     trial[k, TRIAL.deepest] = memory.deepest
@@ -246,21 +157,23 @@ def _write_answer(law, points, tangents, nearby, block, trial, k):
 
 
 @inner(merged=True)
-def _answer(law, points, tangents, size, block, trial):
-    """Write what the law answers to a block that moves, and the memory on trial."""
+def _respond(
+    law: Law, points: FloatArray, tangents: bool, size: int, block: FloatArray, trial: FloatArray
+) -> None:
+    """Write the response of a law to a block whose motion is written, and the memory on trial."""
     for k in range(size):
-        _write_answer(law, points, tangents, True, block, trial, k)
+        _write_response(law, points, tangents, True, block, trial, k)
     count = 0
     for k in range(size):
         if math.isnan(block[ROW.normal, k]):
             block[ROW.again, count] = k
             count += 1
     for j in range(count):
-        _write_answer(law, points, tangents, False, block, trial, int(block[ROW.again, j]))
+        _write_response(law, points, tangents, False, block, trial, int(block[ROW.again, j]))
 
 
 @inner(merged=True)
-def _push(points, areas, size, block):
+def _push(points: FloatArray, areas: FloatArray, size: int, block: FloatArray) -> None:
     """Write the forces of a block's points."""
     for k in range(size):
         for c in range(3):
@@ -270,7 +183,9 @@ def _push(points, areas, size, block):
 
 
 @inner(merged=True)
-def _slope(points, areas, by_place, by_velocity, size, block):
+def _slope(
+    points: FloatArray, areas: FloatArray, by_place: float, by_velocity: float, size: int, block: FloatArray
+) -> None:
     """Write the weighted derivatives of the forces of a block's points by displacements, its last rows.
 
     They are ``b n' + h m' + c 1``; the depth falls along n.
@@ -292,7 +207,7 @@ def _slope(points, areas, by_place, by_velocity, size, block):
 
 
 class PressedShoe(NamedTuple):
-    """Arrays of `ShoePoints` of one shoe; the last six are written."""
+    """Arrays of `ShoePoints` of one shoe, or their addresses; the last six are written."""
 
     points: packed.Floats3
     areas: packed.Floats1
@@ -306,8 +221,8 @@ class PressedShoe(NamedTuple):
 
 
 @inner(merged=True)
-def press_shoe(law, count, frame, weights, shoe):
-    """Write the forces of the cells on a `PressedShoe` with `count` points at a frame (FRAME,).
+def press_shoe(law: Law, count: int, frame: FloatArray, weights: FloatArray, shoe: PressedShoe) -> None:
+    """Write the forces of the cells on a shoe with `count` points at a frame (FRAME,).
 
     `weights` (2,) are those of `press`.
     """
@@ -327,7 +242,7 @@ def press_shoe(law, count, frame, weights, shoe):
         size = min(BLOCK, count - first)
         areas = shoe.areas[first:]
         _move(these, shoe.bent[b], pose, size, block)
-        _answer(law, these, tangents, size, block, shoe.trial[first:])
+        _respond(law, these, tangents, size, block, shoe.trial[first:])
         _push(these, areas, size, block)
         for k in range(size):
             f = triple_of(block, ROW.force, k)
@@ -352,11 +267,18 @@ def press_shoe(law, count, frame, weights, shoe):
 
 
 @inner(allocates=True)
-def _write_tangent(points, R, by_place, slopes, forces, tangent):
-    """Write the derivative of a wrench by motions of its shoe, of the derivatives (9, points) of its points.
+def _write_tangent(
+    points: FloatArray,
+    R: Matrix,
+    by_place: float,
+    slopes: FloatArray,
+    forces: tuple[Vector, Vector, Vector],
+    tangent: FloatArray,
+) -> None:
+    """Write the derivative of a wrench by motions of its shoe, from those (9, points) of its points.
 
-    The arms are linear in the places X, Y on the underside, so that sums of these times 1, X, Y, X2, XY, Y2
-    make it, whatever the number of points; `forces` are those of forces times 1, X, Y.
+    The arms are linear in the places X, Y on the underside. So the sums of the derivatives times 1, X, Y, X2,
+    XY and Y2 suffice, whatever the number of points; `forces` are the sums of the forces times 1, X, Y.
     """
     count = slopes.shape[1]
     monomials = np.empty((count, 6))
@@ -384,8 +306,8 @@ def _write_tangent(points, R, by_place, slopes, forces, tangent):
 
 
 @inner(allocates=True)
-def _congruence(sums, R, z, out):
-    """Write the sum of ``B' g B`` with B = [1, -[arm]x], of sums (9, 6) of g as in `_write_tangent`."""
+def _congruence(sums: FloatArray, R: Matrix, z: float, out: FloatArray) -> None:
+    """Write the sum of ``B' g B`` with B = [1, -[arm]x], from sums (9, 6) of g as in `_write_tangent`."""
     first = np.empty((9, 3))
     second = np.empty((9, 3, 3))
     for q in range(9):
@@ -412,7 +334,7 @@ def _congruence(sums, R, z, out):
 
 
 @inner(merged=True)
-def prepare_points(law, count, points):
+def prepare_points(law: Law, count: int, points: FloatArray) -> None:
     """Write `Probe.prepared` of all points of one shoe."""
     for b in range(points.shape[0]):
         for k in range(min(BLOCK, count - b * BLOCK)):
@@ -427,35 +349,34 @@ def addresses_of(of_law: LawKernel) -> tuple[int, int]:
     constants_type = of_law.constants
     size = len(of_law.constants._fields)
     numbers = types.CPointer(types.float64)
-    number = types.intp
+    shoe_of_numbers = types.NamedUniTuple(numbers, len(PressedShoe._fields), PressedShoe)
 
     def law_points(constants, count, points):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
-        prepare_points(law, count, carray(points, ((count + BLOCK - 1) // BLOCK, POINT_WIDTH, BLOCK)))
+        blocks = (count + BLOCK - 1) // BLOCK
+        prepare_points(law, count, carray(points, (blocks, POINT_WIDTH, BLOCK)))
         return 0
 
-    def law_press(
-        constants, count, points, areas, bent, frame, weights, trial, force, wrench, tangent, slopes, block
-    ):
+    def law_press(constants, count, frame, weights, at):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
         blocks = (count + BLOCK - 1) // BLOCK
         shoe = PressedShoe(
-            carray(points, (blocks, POINT_WIDTH, BLOCK)),
-            carray(areas, (count,)),
-            carray(bent, (blocks, BENT_WIDTH, BLOCK)),
-            carray(trial, (count, TRIAL_WIDTH)),
-            carray(force, (count, 3)),
-            carray(wrench, (6,)),
-            carray(tangent, (6, 6)),
-            carray(slopes, (9, count)),
-            carray(block, (BLOCK_WIDTH, BLOCK)),
+            points=carray(at.points, (blocks, POINT_WIDTH, BLOCK)),
+            areas=carray(at.areas, (count,)),
+            bent=carray(at.bent, (blocks, BENT_WIDTH, BLOCK)),
+            trial=carray(at.trial, (count, TRIAL_WIDTH)),
+            force=carray(at.force, (count, 3)),
+            wrench=carray(at.wrench, (6,)),
+            tangent=carray(at.tangent, (6, 6)),
+            slopes=carray(at.slopes, (9, count)),
+            block=carray(at.block, (BLOCK_WIDTH, BLOCK)),
         )
         press_shoe(law, count, carray(frame, (FRAME,)), carray(weights, (2,)), shoe)
         return 0
 
     return (
-        compile_entry(of_law, law_points, (numbers, number, numbers)),
-        compile_entry(of_law, law_press, (numbers, number, *11 * [numbers])),
+        compile_entry(of_law, law_points, (numbers, types.intp, numbers)),
+        compile_entry(of_law, law_press, (numbers, types.intp, numbers, numbers, shoe_of_numbers)),
     )
 
 
@@ -467,22 +388,19 @@ def press(shoes: ShoePoints, frames: FloatArray, weights: FloatArray) -> None:
     are left as they are.
     """
     for s in range(shoes.counts.shape[0]):
-        law.call_at(
-            shoes.addresses[1],
-            shoes.constants,
-            shoes.counts[s],
-            shoes.points[s],
-            shoes.areas[s],
-            shoes.bent[shoes.bending[s]],
-            frames[s],
-            weights,
-            shoes.trial[s],
-            shoes.force[s],
-            shoes.wrench[s],
-            shoes.tangent[s],
-            shoes.slopes[shoes.bending[s]],
-            shoes.block,
+        row = shoes.bending[s]
+        shoe = PressedShoe(
+            points=shoes.points[s],
+            areas=shoes.areas[s],
+            bent=shoes.bent[row],
+            trial=shoes.trial[s],
+            force=shoes.force[s],
+            wrench=shoes.wrench[s],
+            tangent=shoes.tangent[s],
+            slopes=shoes.slopes[row],
+            block=shoes.block,
         )
+        call_at(shoes.addresses[1], shoes.constants, shoes.counts[s], frames[s], weights, shoe)
 
 
 class Hats(NamedTuple):

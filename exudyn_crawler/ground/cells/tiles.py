@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground import columns, packed
-from exudyn_crawler.ground.cells import law, pressing
-from exudyn_crawler.ground.cells.pressing import BLOCK, POINT, TRIAL
+from exudyn_crawler.ground.cells.law import call_at
+from exudyn_crawler.ground.cells.layouts import BLOCK, POINT, TRIAL, frame_at, triple_of
+from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import FACING, Frame, along, turned
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, IntArray, Ints1, Ints2
@@ -65,7 +66,7 @@ class TilesUnderShoes(NamedTuple):
     """Map with the points of the shoes on it."""
 
     tiles: Tiles
-    shoes: pressing.ShoePoints
+    shoes: ShoePoints
 
 
 UNDER_SHOES = packed.type_of(TilesUnderShoes)
@@ -73,7 +74,7 @@ _read = packed.reader(UNDER_SHOES)
 
 
 @inner
-def gather(tiles: Tiles, shoes: pressing.ShoePoints) -> None:
+def gather(tiles: Tiles, shoes: ShoePoints) -> None:
     """Write the cells' committed memory beside the points, whose areas `tiles.loaded` has summed.
 
     Where a cell is covered further than ever since its contact began, the fresh part is unsheared, and the
@@ -93,14 +94,14 @@ def gather(tiles: Tiles, shoes: pressing.ShoePoints) -> None:
             now = loaded[cell]
             share = before / now if now > before > 0.0 else 1.0
             x, y = share * memory[cell, MEMORY.shear], share * memory[cell, MEMORY.shear + 1]
-            nx, ny, nz = pressing.triple_of(points, POINT.normal, k)
+            nx, ny, nz = triple_of(points, POINT.normal, k)
             points[POINT.deepest, k] = memory[cell, MEMORY.deepest]
             points[POINT.pressure, k] = memory[cell, MEMORY.pressure]
             points[POINT.shear, k] = x
             points[POINT.shear + 1, k] = y
             points[POINT.shear + 2, k] = -(nx * x + ny * y) / nz
             points[POINT.mobilized, k] = tiles.fresh + share * (memory[cell, MEMORY.mobilized] - tiles.fresh)
-        law.call_at(shoes.addresses[0], shoes.constants, count, shoes.points[s])
+        call_at(shoes.addresses[0], shoes.constants, count, shoes.points[s])
     for s in range(shoes.counts.shape[0]):
         for a in range(shoes.counts[s]):
             loaded[shoes.cells[s, a]] = 0.0
@@ -118,8 +119,8 @@ def cover(block: IntArray, frames: FloatArray, before: FloatArray) -> int:
     outline = np.empty((4, 2))
     total = 0
     for s in range(shoes.counts.shape[0]):
-        frame = pressing.frame_at(frames[s])
-        was = pressing.frame_at(before[s])
+        frame = frame_at(frames[s])
+        was = frame_at(before[s])
         meets = frame.R[2][2] >= FACING
         for a in range(4):
             corner = shoes.corners[a]
@@ -181,7 +182,7 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
 
 @inner(allocates=True)
 def _cover_shoe(
-    tiles: Tiles, shoes: pressing.ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
+    tiles: Tiles, shoes: ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
 ) -> int:
     """List the points of a shoe, and add their areas to `tiles.loaded`; their number as in `cover`."""
     points = shoes.points[s]

@@ -11,7 +11,7 @@ import numpy as np
 
 from exudyn_crawler.ground import packed, pairs
 from exudyn_crawler.ground.cells import contact, ground, pressing
-from exudyn_crawler.ground.cells.pressing import BENT, IN_FRAME, POINT
+from exudyn_crawler.ground.cells.layouts import BENT, BLOCK, FRAME, IN_FRAME, POINT, frame_at, triple_of
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import Vector, along, turned
 from exudyn_crawler.ground.packed import FloatArray, IntArray
@@ -56,7 +56,7 @@ class CellWorkspace(NamedTuple):
         bending.bodies[:, 0] = np.flatnonzero(table.flexible >= 0)
         rigid.acting[0] = len(rigid.unit)
         bending.acting[0] = len(bending.unit)
-        frames = np.zeros((len(table.flexible), pressing.FRAME))
+        frames = np.zeros((len(table.flexible), FRAME))
         bent = np.zeros((flexible, 2, *table.nodes.shape))
         hats = np.zeros((flexible, shoes.areas.shape[1], 4))
         return cls(shoes, frames, bent, hats, rigid, bending)
@@ -141,15 +141,15 @@ def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
         f = table.flexible[s]
         if f < 0:
             continue
-        R = pressing.frame_at(frames[s]).R
+        R = frame_at(frames[s]).R
         last = table.nodes.shape[0] - 1, table.nodes.shape[1] - 1
         low = table.nodes[0, 0]
         high = table.nodes[last[0], last[1]]
         for a in range(shoes.counts[s]):
-            points = shoes.points[s, a // pressing.BLOCK]
-            k = a % pressing.BLOCK
+            points = shoes.points[s, a // BLOCK]
+            k = a % BLOCK
             values = work.hats[f, a]
-            x, y, _ = pressing.triple_of(points, POINT.place, k)
+            x, y, _ = triple_of(points, POINT.place, k)
             hats = pressing.hats_at(low, high, last, x, y)
             values[0], values[1], values[2], values[3] = hats
             moved = turned(R, _moved_by_nodes(hats, bent[f]))
@@ -164,8 +164,8 @@ def _bend_points(table: CellTable, work: CellWorkspace) -> None:
     for s in range(table.flexible.shape[0]):
         f = table.flexible[s]
         for a in range(shoes.counts[s] if f >= 0 else 0):
-            b = a // pressing.BLOCK
-            k = a % pressing.BLOCK
+            b = a // BLOCK
+            k = a % BLOCK
             hats = _hats(work.hats[f, a])
             for rate in range(2):
                 moved = _moved_by_nodes(hats, work.bent[f, rate])

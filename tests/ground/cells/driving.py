@@ -8,7 +8,7 @@ from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
-from exudyn_crawler.ground.cells.pressing import TRIAL
+from exudyn_crawler.ground.cells.layouts import TRIAL
 
 LENGTH, WIDTH, LOAD, MASS = 0.65, 3.505, 435e3, 4490.0
 AREA = LENGTH * WIDTH
