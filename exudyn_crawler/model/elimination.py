@@ -16,7 +16,11 @@ from exudyn_crawler.ground.packed import FloatArray, IntArray, Ints1
 
 
 class Fronts(NamedTuple):
-    """Fronts in the order of their elimination; one array has the values of all of them, then their marks."""
+    """Fronts in the order of their elimination.
+
+    Their values are one array: all matrices, then whole numbers that `terms`, `exchanged`, `remaining` and
+    `sizes` read. Zeros are fronts without a term.
+    """
 
     unknowns: Ints1  # (entries,): unknowns of every front, its own group's first
     first: Ints1  # (fronts + 1,): where a front's unknowns start
@@ -28,7 +32,7 @@ class Fronts(NamedTuple):
     @property
     def size(self) -> int:
         """Length of the array of values."""
-        return int(self.place[-1] + self.first[-1])
+        return int(self.place[-1] + 2 * self.first[-1] + len(self.pivots))
 
     def rows(self, front: int) -> list[int]:
         """Unknowns of a front in the order of its rows."""
@@ -71,54 +75,71 @@ def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]
 
 @inlined
 def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
-    """Matrix of front k, a view of the array of values."""
+    """Return the matrix of front k, a view of the array of values."""
     n = places.first[k + 1] - places.first[k]
     return values[places.place[k] : places.place[k + 1]].reshape((n, n))
 
 
 @inlined
-def marks(places: Fronts, values: FloatArray, k: int) -> FloatArray:
-    """Marks of front k, a view: not zero for each row behind its own that has a term, beside it or below.
-
-    After its elimination those of its own rows are the rows that were exchanged with these, 2 added; those
-    behind are the unknowns that are left, 1 added, then zero.
-    """
+def terms(places: Fronts, values: FloatArray, k: int) -> IntArray:
+    """Return which rows of front k have a term, a view: not zero for each of those behind its own rows."""
     start = places.place[-1]
-    return values[start + places.first[k] : start + places.first[k + 1]]
+    return values[start + places.first[k] : start + places.first[k + 1]].view(np.int64)
+
+
+@inlined
+def exchanged(places: Fronts, values: FloatArray, k: int) -> IntArray:
+    """Return the rows that were exchanged with the own rows of front k as it was eliminated, a view."""
+    start = places.place[-1] + places.first[-1] + places.first[k]
+    return values[start : start + places.pivots[k]].view(np.int64)
+
+
+@inlined
+def remaining(places: Fronts, values: FloatArray, k: int) -> IntArray:
+    """Return the unknowns that the elimination of front k has left, a view; `sizes` tells how many."""
+    start = places.place[-1] + places.first[-1]
+    return values[start + places.first[k] + places.pivots[k] : start + places.first[k + 1]].view(np.int64)
+
+
+@inlined
+def sizes(places: Fronts, values: FloatArray) -> IntArray:
+    """Return the numbers of rows with a term of eliminated fronts, a view; zero before the elimination."""
+    start = places.place[-1] + 2 * places.first[-1]
+    return values[start : start + places.pivots.shape[0]].view(np.int64)
 
 
 @inner(merged=True)
-def _met(met: FloatArray, pivots: int, rows: IntArray) -> int:
-    """Write which rows behind a front's own are marked; give how many."""
+def _write_rows(has_term: IntArray, pivots: int, rows: IntArray) -> int:
+    """Write which rows behind a front's own have a term; return their number."""
     count = 0
-    for r in range(pivots, met.shape[0]):
-        if met[r] != 0.0:
+    for r in range(pivots, has_term.shape[0]):
+        if has_term[r] != 0:
             rows[count] = r
             count += 1
     return count
 
 
-@inner(allocates=True)
+@inner
 def clear(places: Fronts, values: FloatArray) -> None:
-    """Take the terms or what `eliminate` left out of all fronts."""
-    rows = np.empty(places.unknowns.shape[0], dtype=np.int64)
+    """Clear all fronts, of their terms or of what `eliminate` has left."""
+    rows = sizes(places, values)
     for k in range(places.pivots.shape[0]):
-        met = marks(places, values, k)
         pivots = places.pivots[k]
         start = places.place[k]
-        size = pivots * (pivots + 2 * _met(met, pivots, rows))
-        values[start : start + size if met[0] > 1.0 else places.place[k + 1]] = 0.0
-        met[:] = 0.0
+        eliminated = start + pivots * (2 * rows[k] - pivots)
+        values[start : eliminated if rows[k] > 0 else places.place[k + 1]] = 0.0
+        rows[k] = 0
+        terms(places, values, k)[:] = 0
 
 
 @inner(merged=True)
-def _pivot(matrix: FloatArray, left: int, k: int, exchanged: FloatArray) -> None:
+def _pivot(matrix: FloatArray, left: int, k: int, exchanges: IntArray) -> None:
     """Bring the greatest pivot of column k into its row; above it, leave the factors that take it off."""
     p = k
     for r in range(left, k):
         if abs(matrix[r, k]) > abs(matrix[p, k]):
             p = r
-    exchanged[k - left] = 2.0 + p
+    exchanges[k - left] = p
     for c in range(matrix.shape[1] if p != k else 0):
         matrix[p, c], matrix[k, c] = matrix[k, c], matrix[p, c]
     if matrix[k, k] == 0.0:
@@ -129,7 +150,7 @@ def _pivot(matrix: FloatArray, left: int, k: int, exchanged: FloatArray) -> None
 
 
 @inner
-def _factor(matrix: FloatArray, pivots: int, exchanged: FloatArray) -> None:
+def _factor(matrix: FloatArray, pivots: int, exchanges: IntArray) -> None:
     """Factor the last `pivots` rows and columns in place, from the last one up (Gauss).
 
     What is left of the others stands in their place, reciprocal pivots on the diagonal. Two rows at a time
@@ -141,10 +162,10 @@ def _factor(matrix: FloatArray, pivots: int, exchanged: FloatArray) -> None:
         lower = matrix[k]
         upper = matrix[k - 1]
         m = k - 1
-        _pivot(matrix, left, k, exchanged)
+        _pivot(matrix, left, k, exchanges)
         for r in range(k):
             matrix[r, m] -= matrix[r, k] * lower[m]
-        _pivot(matrix, left, m, exchanged)
+        _pivot(matrix, left, m, exchanges)
         for c in range(m):
             upper[c] -= upper[k] * lower[c]
         for r in range(m):
@@ -156,7 +177,7 @@ def _factor(matrix: FloatArray, pivots: int, exchanged: FloatArray) -> None:
                     row[c] -= by_lower * lower[c] + by_upper * upper[c]
         k -= 2
     if k == left:
-        _pivot(matrix, left, k, exchanged)
+        _pivot(matrix, left, k, exchanges)
         for r in range(k):
             for c in range(k):
                 matrix[r, c] -= matrix[r, k] * matrix[k, c]
@@ -170,11 +191,10 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
     what is left.
     """
     matrix = front(places, values, k)
-    met = marks(places, values, k)
     parent = places.parent[k]
     pivots = places.pivots[k]
     start = places.place[k]
-    left = _met(met, pivots, rows)
+    left = _write_rows(terms(places, values, k), pivots, rows)
     n = left + pivots
     dense = scratch[: n * n].reshape((n, n))
     for r in range(n):
@@ -185,7 +205,7 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
         for c in range(pivots):
             to[left + c] = row[c]
         row[:] = 0.0
-    _factor(dense, pivots, met)
+    _factor(dense, pivots, exchanged(places, values, k))
     for r in range(left, n):
         row = dense[r]
         to = values[start : start + n + left]
@@ -194,14 +214,16 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
         for c in range(left):
             to[n + c] = dense[c, r]
         start += n + left
-    for r in range(pivots, met.shape[0]):
-        met[r] = 1.0 + places.unknowns[places.first[k] + rows[r - pivots]] if r - pivots < left else 0.0
+    sizes(places, values)[k] = n
+    unknowns = remaining(places, values, k)
+    for r in range(left):
+        unknowns[r] = places.unknowns[places.first[k] + rows[r]]
     if parent >= 0:
         higher = front(places, values, parent)
-        above = marks(places, values, parent)
+        above = terms(places, values, parent)
         for r in range(left):
             rows[r] = places.into[places.first[k] + rows[r]]
-            above[rows[r]] = 1.0
+            above[rows[r]] = 1
         for r in range(left):
             row = dense[r]
             to = higher[rows[r]]
@@ -213,9 +235,9 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
 def eliminate(fronts: Fronts, values: FloatArray) -> None:
     """Eliminate group by group, in place; a `LinAlgError` if the matrix of a group is singular.
 
-    `values` (size,) are the matrices of the fronts, each with the terms that were put there, and their marks;
-    they are overwritten with what `solve` takes. Shoes may touch much that they do not touch now: rows
-    without any term are left out.
+    `values` (size,) are those of the fronts: the terms of their matrices, and `terms` that tell the rows;
+    they are overwritten with what `solve` takes. Rows without any term are left out, since shoes may touch
+    much that they do not touch now.
     """
     n = np.max(fronts.first[1:] - fronts.first[:-1])
     rows = np.empty(n, dtype=np.int64)
@@ -228,13 +250,12 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
 def _gather(
     fronts: Fronts, values: FloatArray, k: int, x: FloatArray, numbers: IntArray, y: FloatArray
 ) -> int:
-    """Write the unknowns of a front, those that are left first, and their values; give how many are left."""
-    met = marks(fronts, values, k)
+    """Write the unknowns of a front, the remaining ones first, and their values; return how many remain."""
+    unknowns = remaining(fronts, values, k)
     pivots = fronts.pivots[k]
-    left = 0
-    while pivots + left < met.shape[0] and met[pivots + left] > 0.0:
-        numbers[left] = int(met[pivots + left]) - 1
-        left += 1
+    left = sizes(fronts, values)[k] - pivots
+    for r in range(left):
+        numbers[r] = unknowns[r]
     for r in range(pivots):
         numbers[left + r] = fronts.unknowns[fronts.first[k] + r]
     for r in range(left + pivots):
@@ -248,11 +269,11 @@ def _forward(
 ) -> None:
     """Take the own unknowns of a front out of the right-hand sides of those that are left."""
     left = _gather(fronts, values, k, x, numbers, y)
-    met = marks(fronts, values, k)
+    exchanges = exchanged(fronts, values, k)
     start = fronts.place[k]
     n = left + fronts.pivots[k]
     for r in range(n - 1, left - 1, -1):
-        p = int(met[r - left]) - 2
+        p = exchanges[r - left]
         y[r], y[p] = y[p], y[r]
     for r in range(n - 1, left - 1, -1):
         first = start + (r - left) * (n + left)

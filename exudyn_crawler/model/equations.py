@@ -160,7 +160,7 @@ def _add_block(
     """Add a tangent by the coordinates of two bodies and the terrain; `numbers` are of front and bodies."""
     f, a, b = numbers
     matrix = elimination.front(fronts, values, f)
-    met = elimination.marks(fronts, values, f)
+    has_term = elimination.terms(fronts, values, f)
     firsts = (places.body[f, a], places.body[f, b], places.terrain[f])
     k = 0
     for part in range(3):
@@ -181,7 +181,7 @@ def _add_block(
         while c < k and row[c] == 0.0 and block[c, r] == 0.0:
             c += 1
         if c < k:
-            met[into[r]] = 1.0
+            has_term[into[r]] = 1
 
 
 @inner(allocates=True)
@@ -250,7 +250,7 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
                 held = f
             row = places.multiplier[f, r]
             base = places.body[f, b]
-            elimination.marks(fronts, values, f)[row] = 1.0
+            elimination.terms(fronts, values, f)[row] = 1
             for c in range(m if modal[b] >= 0 else 6):
                 matrix[row, base + c] += rows.slope[r] * rows.jacobian[r, side, c]
                 if rows.directed[r] < 0:
@@ -291,7 +291,7 @@ def _add_directions(system: IntArray, r: int, values: FloatArray) -> None:
         for c in range(rows.directions.shape[2] if modal[b] >= 0 else 6):
             if rows.directions[d, k, c] != 0.0:
                 matrix[base + c, row] += rows.directions[d, k, c]
-                elimination.marks(fronts, values, f)[row] = 1.0
+                elimination.terms(fronts, values, f)[row] = 1
 
 
 @inner

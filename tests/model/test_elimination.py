@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.model.elimination import eliminate, front, fronts_of, marks, solve
+from exudyn_crawler.model.elimination import eliminate, front, fronts_of, solve, terms
 
 
 def chain(links):
@@ -33,7 +33,7 @@ def equations(groups, couplings, seed=3, idle=()):
         first = next(k for k, group in enumerate(groups) if set(group) & set(coupling))
         rows = [fronts.rows(first).index(unknown) for unknown in coupling]
         front(fronts, values, first)[np.ix_(rows, rows)] += block
-        marks(fronts, values, first)[rows] = 1.0
+        terms(fronts, values, first)[rows] = 1
     return dense, fronts, values
 
 
