@@ -46,9 +46,9 @@ class UnitContacts(NamedTuple):
     def allocate(cls, contacts: int, modes: int) -> "UnitContacts":
         """Workspace for so many contacts."""
         return cls(
-            ForceRows.allocate(contacts, MOTIONS, modes),
-            np.zeros((contacts, pairs.RESULTS)),
-            np.zeros((contacts, 3, modes)),
+            rows=ForceRows.allocate(contacts, MOTIONS, modes),
+            results=np.zeros((contacts, pairs.RESULTS)),
+            modes=np.zeros((contacts, 3, modes)),
         )
 
 

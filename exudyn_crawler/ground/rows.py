@@ -48,11 +48,11 @@ class ForceRows(NamedTuple):
     def allocate(cls, elements: int, rows: int, modes: int) -> "ForceRows":
         """Workspace for at most so many elements."""
         return cls(
-            np.zeros(1, dtype=np.int64),
-            np.full((elements, 2), -1),
-            np.full(elements, -1),
-            np.zeros((elements, rows)),
-            np.zeros((elements, rows, rows)),
-            np.zeros((elements, 2, rows, 6 + modes)),
-            np.zeros((elements, rows, 2)),
+            acting=np.zeros(1, dtype=np.int64),
+            bodies=np.full((elements, 2), -1),
+            unit=np.full(elements, -1),
+            wrench=np.zeros((elements, rows)),
+            tangent=np.zeros((elements, rows, rows)),
+            jacobian=np.zeros((elements, 2, rows, 6 + modes)),
+            unit_jacobian=np.zeros((elements, rows, 2)),
         )

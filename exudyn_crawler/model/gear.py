@@ -33,17 +33,17 @@ class GearForces(NamedTuple):
         of_wheels = work.forces.wheels
         lugs = len(work.forces.teeth.guide) // shoes
         return cls(
-            np.zeros((times, shoes, 6)),
-            np.zeros((times, shoes, 6)),
-            np.zeros((times, shoes)),
-            np.zeros((times, *of_wheels.on_wheels.shape)),
-            np.zeros((times, 2)),
-            np.zeros((times, some, *of_wheels.wheel.shape[1:]), dtype=np.int64),
-            np.zeros((times, some, *of_wheels.force.shape[1:])),
-            np.zeros((times, some, *of_wheels.foot.shape[1:])),
-            np.zeros((times, some, *of_wheels.guide.shape[1:])),
-            np.zeros((times, some, lugs, 3)),
-            np.zeros((times, some, lugs)),
+            wheel=np.zeros((times, shoes, 6)),
+            tooth=np.zeros((times, shoes, 6)),
+            guide=np.zeros((times, shoes)),
+            on_wheels=np.zeros((times, *of_wheels.on_wheels.shape)),
+            energy=np.zeros((times, 2)),
+            strip_wheel=np.zeros((times, some, *of_wheels.wheel.shape[1:]), dtype=np.int64),
+            strip_force=np.zeros((times, some, *of_wheels.force.shape[1:])),
+            strip_foot=np.zeros((times, some, *of_wheels.foot.shape[1:])),
+            strip_guide=np.zeros((times, some, *of_wheels.guide.shape[1:])),
+            lug_force=np.zeros((times, some, lugs, 3)),
+            lug_guide=np.zeros((times, some, lugs)),
         )
 
 

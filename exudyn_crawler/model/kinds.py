@@ -72,7 +72,14 @@ class ForceWork(NamedTuple):
         at_wheels = WheelWorkspace.allocate(forces.wheels, modes)
         of_arms = ArmWorkspace.allocate(len(forces.arms.torque), modes)
         on_shoes = on_units.contacts.rows, at_teeth.rows, at_wheels.rows, on_cells.rigid, on_cells.flexible
-        return cls(on_units, on_cells, at_teeth, at_wheels, of_arms, (*on_shoes, of_arms.rows))
+        return cls(
+            units=on_units,
+            cells=on_cells,
+            teeth=at_teeth,
+            wheels=at_wheels,
+            arms=of_arms,
+            rows=(*on_shoes, of_arms.rows),
+        )
 
 
 @inlined

@@ -52,19 +52,19 @@ class JointRows(NamedTuple):
         """Workspace of so many rows, directions, and bodies' pairs that turn."""
         width = 6 + modes
         return cls(
-            np.full((rows, 2), -1),
-            np.zeros((rows, 2, width)),
-            np.zeros(rows),
-            np.zeros(rows),
-            np.zeros(rows),
-            np.zeros(rows),
-            np.zeros(rows),
-            np.full(rows, ALONG_JACOBIAN),
-            np.full((directed, ACTED_ON), -1),
-            np.zeros((directed, ACTED_ON, width)),
-            np.full((turned, 2), -1),
-            np.zeros((turned, 2, 3, 3)),
-            np.zeros((2, width)),
+            bodies=np.full((rows, 2), -1),
+            jacobian=np.zeros((rows, 2, width)),
+            gap=np.zeros(rows),
+            scale=np.zeros(rows),
+            slope=np.zeros(rows),
+            share=np.zeros(rows),
+            relaxation=np.zeros(rows),
+            directed=np.full(rows, ALONG_JACOBIAN),
+            acted_on=np.full((directed, ACTED_ON), -1),
+            directions=np.zeros((directed, ACTED_ON, width)),
+            turned=np.full((turned, 2), -1),
+            turning=np.zeros((turned, 2, 3, 3)),
+            scratch=np.zeros((2, width)),
         )
 
 

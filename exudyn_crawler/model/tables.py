@@ -72,12 +72,12 @@ class Workspace(NamedTuple):
         directed = 1 if len(joints.pull.markers) else 0
         turned = len(joints.pins.markers) if joints.pins.in_plane or joints.pins.follows else 0
         return cls(
-            np.zeros((count, 3)),
-            np.zeros((count, 3, 3)),
-            np.zeros((count, 3, m)),
-            JointRows.allocate(tables.multipliers, directed, turned, m),
-            ForceWork.allocate(tables.forces, tables.terrain, contacts, shoes, m),
-            np.zeros((len(tables.terrain.reference), 2)),
+            first=np.zeros((count, 3)),
+            second=np.zeros((count, 3, 3)),
+            turning=np.zeros((count, 3, m)),
+            joints=JointRows.allocate(tables.multipliers, directed, turned, m),
+            forces=ForceWork.allocate(tables.forces, tables.terrain, contacts, shoes, m),
+            on_terrain=np.zeros((len(tables.terrain.reference), 2)),
         )
 
 

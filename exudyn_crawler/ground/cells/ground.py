@@ -51,14 +51,14 @@ class CellGround:
         self._names = np.zeros((0, 2), dtype=np.int64)
         self._take(
             Tiles(
-                cell,
-                law.kernel.fresh,
-                law.kernel.forgets,
-                np.zeros(2, dtype=np.int64),
-                np.full((0, 0), -1),
-                np.zeros((0, SIDE * SIDE, 4)),
-                np.zeros((0, FIELDS)),
-                np.zeros(0),
+                cell=cell,
+                fresh=law.kernel.fresh,
+                forgets=law.kernel.forgets,
+                corner=np.zeros(2, dtype=np.int64),
+                table=np.full((0, 0), -1),
+                planes=np.zeros((0, SIDE * SIDE, 4)),
+                memory=np.zeros((0, FIELDS)),
+                loaded=np.zeros(0),
             )
         )
 

@@ -59,7 +59,7 @@ class CellWorkspace(NamedTuple):
         frames = np.zeros((len(table.flexible), FRAME))
         bent = np.zeros((flexible, 2, *table.nodes.shape))
         hats = np.zeros((flexible, shoes.areas.shape[1], 4))
-        return cls(shoes, frames, bent, hats, rigid, bending)
+        return cls(shoes=shoes, frames=frames, bent=bent, hats=hats, rigid=rigid, flexible=bending)
 
 
 class OnCells(NamedTuple):

@@ -58,7 +58,12 @@ class TeethWorkspace(NamedTuple):
         """Workspace for so many lugs."""
         rows = ForceRows.allocate(lugs, 3, modes)
         return cls(
-            rows, np.zeros(lugs), np.zeros((lugs, 3)), np.zeros((lugs, 3)), np.zeros(lugs), np.zeros(1)
+            rows=rows,
+            depth=np.zeros(lugs),
+            force=np.zeros((lugs, 3)),
+            moment=np.zeros((lugs, 3)),
+            guide=np.zeros(lugs),
+            energy=np.zeros(1),
         )
 
 

@@ -36,7 +36,9 @@ class UnitWorkspace(NamedTuple):
         """Workspace of at most so many contacts."""
         places = terrain.reference.copy()
         touching = UnitContacts.allocate(contacts, modes)
-        return cls(places, np.zeros_like(places), touching, overlap.overlap_workspace())
+        return cls(
+            units=places, rates=np.zeros_like(places), contacts=touching, overlap=overlap.overlap_workspace()
+        )
 
 
 @inner(allocates=True)

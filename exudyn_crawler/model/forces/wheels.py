@@ -65,15 +65,15 @@ class WheelWorkspace(NamedTuple):
         slots = wheels.slots
         strips = wheels.places.shape[1]
         return cls(
-            ForceRows.allocate(shoes * slots * strips, 3, modes),
-            np.full((shoes, slots), -1),
-            np.zeros((shoes, slots, strips, 3)),
-            np.zeros((shoes, slots, strips, 3)),
-            np.zeros((shoes, slots, strips)),
-            np.zeros((shoes, 6)),
-            np.zeros((len(wheels.frames), 3)),
-            np.zeros(1),
-            np.zeros((4, modes)),
+            rows=ForceRows.allocate(shoes * slots * strips, 3, modes),
+            wheel=np.full((shoes, slots), -1),
+            force=np.zeros((shoes, slots, strips, 3)),
+            foot=np.zeros((shoes, slots, strips, 3)),
+            guide=np.zeros((shoes, slots, strips)),
+            on_shoes=np.zeros((shoes, 6)),
+            on_wheels=np.zeros((len(wheels.frames), 3)),
+            energy=np.zeros(1),
+            modes=np.zeros((4, modes)),
         )
 
 
