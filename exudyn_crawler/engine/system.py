@@ -206,7 +206,7 @@ class ExudynSystem(track_system.TrackSystem):
         try:
             if not solver.SolveSystem(self.mbs, settings):
                 raise self._failure(solver)
-        except exu.InternalError as error:  # where a matrix is not finite
+        except exu.InternalError as error:  # a matrix is not finite
             raise self._failure(solver) from error
         finally:
             newton.absoluteTolerance = tolerance

@@ -54,10 +54,10 @@ class CheckResults:
         usable = self.cycles[~is_bore]
         worst = usable.loc[usable.groupby(pair, sort=False)[CYCLES].idxmin()]
         bores = self.cycles[is_bore]
-        found = worst.merge(bores[[*pair, CYCLES]].rename(columns={CYCLES: AT_BORES}), how="left", on=pair)
-        found[AT_BORES] = found[AT_BORES].where(found[AT_BORES] < found[CYCLES])
+        rows = worst.merge(bores[[*pair, CYCLES]].rename(columns={CYCLES: AT_BORES}), how="left", on=pair)
+        rows[AT_BORES] = rows[AT_BORES].where(rows[AT_BORES] < rows[CYCLES])
         alone = bores.merge(worst[pair], how="left", on=pair, indicator="there").query("there == 'left_only'")
-        table = pd.concat((found, alone.drop(columns="there")), ignore_index=True).sort_values(CYCLES)
+        table = pd.concat((rows, alone.drop(columns="there")), ignore_index=True).sort_values(CYCLES)
         return table if table[AT_BORES].notna().any() else table.drop(columns=AT_BORES)
 
     @property

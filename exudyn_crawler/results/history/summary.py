@@ -126,8 +126,8 @@ class _Driven:
             return
         time = part.time.values
         moment = part.drive_moment.transpose("time", ...).values.reshape(len(time), -1)
-        for name, one in zip(part.case.gear.tumblers, np.abs(moment).T, strict=True):
-            at_limit = one >= AT_LIMIT * limit
+        for name, torque in zip(part.case.gear.tumblers, np.abs(moment).T, strict=True):
+            at_limit = torque >= AT_LIMIT * limit
             if at_limit.any():
                 self._since.setdefault(name, float(time[at_limit.argmax()]))
                 self._seconds[name] = self._seconds.get(name, 0.0) + float(np.trapezoid(at_limit, time))
@@ -174,7 +174,7 @@ def unbalanced(history: History) -> tuple[str, float]:
     if case.frame_parts:
         mass = sum(part.mass for part in case.frame_parts)
         forces["side frame"] = mass * float(_size(start.side_frame_acceleration))
-    return max(forces.items(), key=lambda one: one[1])
+    return max(forces.items(), key=lambda item: item[1])
 
 
 def _size(values: xr.DataArray) -> xr.DataArray:
@@ -297,7 +297,7 @@ def tension_along_chain(history: History) -> xr.Dataset:
     count = tension.shape[1]
     turned = data.tumbler_angle.values * closed.tumbler.shoes_per_turn / (2.0 * np.pi)
     place = np.rint(np.arange(count) - turned[:, None]).astype(int) % count
-    there = [tension[place == one] for one in range(count)]
+    tension_at = [tension[place == number] for number in range(count)]
     start = data.isel(time=0)
     turn = catalogue.rotation_matrices(data.angles.isel(time=0).values)
     pins = start.position.values + turn @ [track.pin_ahead, 0.0, track.pin_height]
@@ -316,7 +316,11 @@ def tension_along_chain(history: History) -> xr.Dataset:
     unit = {"units": "N"}
     named = {name: ("joint", of(tension, axis=0), unit) for name, of in how.items()}
     named |= {
-        f"{name}_at": ("place", np.array([of(one) if one.size else np.nan for one in there]), unit)
+        f"{name}_at": (
+            "place",
+            np.array([of(values) if values.size else np.nan for values in tension_at]),
+            unit,
+        )
         for name, of in how.items()
     }
     at = {"x": ("place", x, {"units": "m"}), "z": ("place", z, {"units": "m"}), "part": ("place", part)}

@@ -385,12 +385,12 @@ def read_duty(path: str | Path) -> Duty:
     path = Path(path)
     duty = read_parameters(path, Duty, "duty file", lambda content: {"name": path.stem} | content)
 
-    def found(check: str) -> str:
+    def resolved(check: str) -> str:
         file = path.parent / check
         return str(file.resolve()) if file.is_file() else check
 
     return duty.with_(
         runs=tuple(run.with_(folder=str((path.parent / run.folder).resolve())) for run in duty.runs),
-        stages=tuple(stage.with_(check=found(stage.check or duty.check)) for stage in duty.stages),
-        check=found(duty.check),
+        stages=tuple(stage.with_(check=resolved(stage.check or duty.check)) for stage in duty.stages),
+        check=resolved(duty.check),
     )

@@ -237,9 +237,9 @@ def _cycle_rows(
         tracker = EndsTracker(1)
         tracker.add(slice(1), signal[None], 0)
         passes.append(tracker)
-    found = mixed_cycles(duty, runs, PassEnds.stacked([tracker.ends for tracker in passes]), places)
-    levels = {"low": found.low, "high": found.high, "begin in Pa": found.begin, "end in Pa": found.end}
-    events = pd.DataFrame(levels | {"times an hour": found.rate})
+    mixed = mixed_cycles(duty, runs, PassEnds.stacked([tracker.ends for tracker in passes]), places)
+    levels = {"low": mixed.low, "high": mixed.high, "begin in Pa": mixed.begin, "end in Pa": mixed.end}
+    events = pd.DataFrame(levels | {"times an hour": mixed.rate})
     net = events.groupby(["low", "high", "begin in Pa", "end in Pa"], as_index=False, sort=False).sum()
     is_own = net["low"] == net["high"]
     for k, rate in net.loc[is_own, ["low", "times an hour"]].itertuples(index=False):
@@ -287,8 +287,8 @@ def _named(runs: Sequence[UsedRun], shoe: int, cycles: pd.DataFrame) -> pd.DataF
             runs[k].phase[row] if own else runs[k].parts[runs[k].phase.codes[row]] for k, row, own in places
         ]
         columns[f"{end} time in s"] = [runs[k].time[row] for k, row, _ in places]
-    kept = ["begin in Pa", "end in Pa", "times an hour", "damage an hour"]
-    return pd.concat((pd.DataFrame(columns, index=cycles.index), cycles[kept]), axis=1)
+    values = ["begin in Pa", "end in Pa", "times an hour", "damage an hour"]
+    return pd.concat((pd.DataFrame(columns, index=cycles.index), cycles[values]), axis=1)
 
 
 def _load_shares(

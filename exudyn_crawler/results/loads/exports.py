@@ -27,7 +27,7 @@ class ShoeLoads:
     interfaces: list[Interface]  # joints; their centres hold the nodes of the bores rigidly
     nodal: np.ndarray  # (n, 3), N: machine load, contacts, drive, weight and inertia
     centers: np.ndarray  # (i, 6), forces (N) and moments (N m) on the joint centres
-    table: pd.DataFrame  # of `action_table`
+    table: pd.DataFrame  # result of `action_table`
 
     def write(self, path: str | Path, program: Program = "calculix", overwrite: bool = False) -> Path:
         """Write mesh, joints and loads as a static step for CalculiX or Abaqus; raise as `whole_file`."""

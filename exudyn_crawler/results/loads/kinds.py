@@ -38,7 +38,7 @@ class Kind(StrEnum):
     SLIDE = "slide", "slides", "wheel"
     GUIDE = "guide", "guide", "wheel"  # flanges of wheels and of the tumbler
     MACHINE = "machine", "machine load"  # on the side frame
-    PULL = "pull", "drive"  # of the drive on the side frame
+    PULL = "pull", "drive"  # pull of the drive on the side frame
     # not actions: the rate of momentum that balances them, and static loads without a run
     INERTIA = "inertia", "inertia"
     CHECK_CASES = "check cases", "check cases"

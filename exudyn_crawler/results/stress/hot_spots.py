@@ -214,12 +214,12 @@ def peak_spots(by_shoe: Mapping[int, pd.DataFrame]) -> dict[str, tuple[int, pd.D
     The keys are the names of both; each value is the shoe's number and a table of one row. If no hot spot is
     usable, the highest one beside a pin stands alone.
     """
-    every = [(shoe, spots.iloc[[row]]) for shoe, spots in by_shoe.items() for row in range(len(spots))]
-    held = [one for one in every if one[1]["flag"].iloc[0] == IN_SPIDER]
-    free = [one for one in every if one[1]["flag"].iloc[0] != IN_SPIDER]
+    candidates = [(shoe, spots.iloc[[row]]) for shoe, spots in by_shoe.items() for row in range(len(spots))]
+    held = [spot for spot in candidates if spot[1]["flag"].iloc[0] == IN_SPIDER]
+    free = [spot for spot in candidates if spot[1]["flag"].iloc[0] != IN_SPIDER]
 
-    def value(one: tuple[int, pd.DataFrame]) -> float:
-        return float(one[1]["value"].iloc[0])
+    def value(spot: tuple[int, pd.DataFrame]) -> float:
+        return float(spot[1]["value"].iloc[0])
 
     peaks = {"peak stress": max(free, key=value)} if free else {}
     if held and (not free or value(max(held, key=value)) > value(peaks["peak stress"])):

@@ -72,9 +72,9 @@ def commit() -> str:
     """Return the program's commit by git; empty for an installed program."""
     root = Path(__file__).parents[3]
     if (root / ".git").exists():
-        asked = ["git", "describe", "--always", "--abbrev=12", "--exclude=*", "--dirty=, changed"]
+        command = ["git", "describe", "--always", "--abbrev=12", "--exclude=*", "--dirty=, changed"]
         with suppress(OSError, subprocess.SubprocessError):
-            done = subprocess.run(asked, cwd=root, capture_output=True, text=True, check=True, timeout=10)
+            done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True, timeout=10)
             return done.stdout.strip()
     return ""
 

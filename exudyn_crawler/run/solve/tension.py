@@ -148,7 +148,7 @@ def take_up_of(case: Case) -> float:
         tightness = min(tightness + _way(tried), search.most)
         if tightness == search.most == tried[-1].tightness:
             break
-    nearest = min(tried, key=lambda one: abs(one.excess))
+    nearest = min(tried, key=lambda trial: abs(trial.excess))
     if idler.pretension is idler.sag is None:
         return round(nearest.take_up, SHIMS)
     what, unit, size = ("sag", "mm", 1e3) if idler.pretension is None else ("pretension", "kN", 1e-3)
